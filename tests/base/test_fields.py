@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import pi, radians
 
 import numpy as np
@@ -14,12 +15,14 @@ from tvclin.base.fields import (
     Field,
     checked,
     completed,
-    document,
+    derived,
     file_table,
     help_line,
     parameters,
     quantity,
     rows,
+    spec,
+    specs,
     text,
     word,
 )
@@ -148,39 +151,48 @@ def test_the_study_file_of_init_names_every_key_of_a_sizing() -> None:
 
 @dataclass(frozen=True)
 class Flown(Record):
-    """Record of a test; `lag` [rad], `rate` [rad/s], `inertia` [kg m^2]."""
+    """Record of a test."""
 
-    lag: float = -pi / 4
-    rate: float = pi
-    gain: float = 10.0
-    inertia: float = 1.23456e5
-    each: dict[int, float | None] = field(default_factory=lambda: {1: pi, 2: None})
-    peak: float | None = None
-    status: str = "ok"
-    request: Asked = Asked(turn=0.25)
-
-    fields = (
-        Field("lag", "angle", label="largest lag"),
-        Field("size", "angle", of=lambda flown: abs(flown.lag), card=False),
-        Field("rate", "angular rate", digits=1),
-        Field("gain", "gain", document=False),
-        Field("inertia", "inertia"),
-        Field("each", "angle"),
-        Field("peak", "angle"),
-        Field("turn", of="request.turn", key="turn_rad"),
-        Field("status"),
+    lag: float = field(default=-pi / 4, metadata=spec("angle", label="largest lag"))
+    rate: float = field(default=pi, metadata=spec("angular rate", digits=1))
+    gain: float = field(default=10.0, metadata=spec("gain", document=False))
+    inertia: float = field(default=1.23456e5, metadata=spec("inertia"))
+    each: dict[int, float | None] = field(
+        default_factory=lambda: {1: pi, 2: None}, metadata=spec("angle")
     )
+    peak: float | None = field(default=None, metadata=spec("angle"))
+    request: Asked = field(
+        default_factory=lambda: Asked(turn=0.25),
+        metadata=specs(
+            Field(of="request.turn", key="turn_rad", label="turn"),
+            Field("turn", "angle", of=lambda flown: -flown.request.turn, card=False),
+        ),
+    )
+    secret: float = 7.0
+
+    @property
+    @derived("angle", card=False)
+    def size(self) -> float:
+        """Size of the lag [rad]."""
+        return abs(self.lag)
+
+    @cached_property
+    @derived()
+    def status(self) -> str:
+        """Status."""
+        return "ok"
 
 
 def test_a_document_has_each_field_in_the_unit_of_its_key() -> None:
     assert Flown().as_dict() == {
         "lag_deg": -45.0,
-        "size_deg": 45.0,
         "rate_deg_per_s": 180.0,
         "inertia_kg_m2": 1.23456e5,
         "each_deg": {"1": 180.0, "2": None},
         "peak_deg": None,
         "turn_rad": 0.25,
+        "turn_deg": -np.degrees(0.25),
+        "size_deg": 45.0,
         "status": "ok",
     }
 
@@ -201,10 +213,9 @@ def test_a_card_has_the_same_fields_with_label_and_unit() -> None:
 
 def test_a_row_of_a_table_has_label_digits_unit_and_the_full_number() -> None:
     record = Flown(each={})
-    shown = dict(rows(record, Flown.fields[:5], "flown"))
+    shown = dict(rows(record, "flown", "lag", "rate", "gain", "inertia"))
     assert {label: as_text(line) for label, line in shown.items()} == {
         "largest lag": "-45.000 deg",
-        "size": "45.000 deg",
         "rate": "180.0 deg/s",
         "gain": "20.000 dB",
         "inertia": "1.235·10⁵ kg m²",
@@ -215,4 +226,4 @@ def test_a_row_of_a_table_has_label_digits_unit_and_the_full_number() -> None:
 
 def test_a_field_of_nothing_is_a_fault_of_the_package() -> None:
     with pytest.raises(AttributeError, match="height"):
-        document(Flown(), (Field("height", "length"),))
+        Field("height", "length").value(Flown())

@@ -112,6 +112,5 @@ def test_an_unknown_rate_is_refused():
 
 def test_a_card_shows_the_damping_where_there_is_one():
     vehicle = tv.load_vehicle("configuration-i")
-    assert "damping" not in {one.key for one in vehicle.quantities()}
-    shown = {one.key: one.value for one in vehicle.replace(pitch_damping=5e5).quantities()}
-    assert shown["damping"] == 5e5
+    assert "pitch damping M_q" not in vehicle._repr_html_()
+    assert "pitch damping M_q" in vehicle.replace(pitch_damping=5e5)._repr_html_()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from os import PathLike
 from typing import Any
@@ -26,6 +26,7 @@ from tvclin.base.errors import (
     text,
 )
 from tvclin.base.errors import path as a_path
+from tvclin.base.fields import derived, spec
 from tvclin.base.files import called, write_text
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
@@ -80,10 +81,10 @@ class FlightSchedule(Shown):
     540.0
     """
 
-    vehicle: Vehicle
+    vehicle: Vehicle = field(metadata=spec(of="vehicle.name"))
     nominal_deflection: ArrayLike = 0.0
-    altitude: ArrayLike | None = None
-    notes: tuple[str, ...] = ()
+    altitude: ArrayLike | None = field(default=None, metadata=spec("length"))
+    notes: tuple[str, ...] = field(default=(), metadata=spec())
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
@@ -114,9 +115,8 @@ class FlightSchedule(Shown):
         notes = each("notes", self.notes, str, "one for each remark")
         object.__setattr__(self, "notes", tuple(text("notes", note) for note in notes))
 
-    _keys = "vehicle=vehicle.name times_s speed_m_per_s altitude_m notes"
-
     @property
+    @derived("time")
     def times(self) -> FloatArray:
         """The times [s], rising, ``(n,)``."""
         return np.asarray(self.vehicle.time)
@@ -134,6 +134,7 @@ class FlightSchedule(Shown):
         return np.broadcast_to(np.asarray(self.altitude), self.times.shape)
 
     @property
+    @derived("speed")
     def speed(self) -> FloatArray:
         """The speed at the times [m/s], ``(n,)``."""
         return np.broadcast_to(np.asarray(self.vehicle.velocity), self.times.shape)

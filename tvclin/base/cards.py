@@ -5,13 +5,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from html import escape
 from textwrap import fill
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tvclin.base.arrays import AnyArray
 from tvclin.base.documents import picked
-from tvclin.base.fields import Field, document
+from tvclin.base.fields import document, fields_of
 from tvclin.base.lines import Line, Table, number, text
 from tvclin.base.units import UNITS, written
 
@@ -36,6 +36,16 @@ class Quantity(NamedTuple):
     label: str
     value: Any
     unit: str
+
+
+def card_rows(record: Any) -> Iterator[Row]:
+    """Yield names, values and units of the fields of a record that cards show, if not missing.
+
+    Those of a mapping, and of a nested `Record`, are rows of their own.
+    """
+    for item in fields_of(record):
+        if item.card:
+            yield from _parts(item.title, item.unit, item.value(record))
 
 
 def card(title: str, rows: Iterable[Row]) -> str:
@@ -69,29 +79,19 @@ def lines(title: str, rows: Iterable[Row]) -> str:
 
 
 class Record:
-    """Value that a notebook shows as a small table, and JSON as a document.
+    """Value that a notebook shows as a small table, and JSON as a document, made of its fields."""
 
-    `fields`: specifications of its fields, in their order.
-    """
-
-    fields: ClassVar[tuple[Field, ...]] = ()
     _keys = ""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
-        if not self.fields:
-            return {x.name: getattr(self, x.name) for x in fields(self)}  # type: ignore[arg-type]
-        return document(self, (item for item in self.fields if item.document))
+        if not fields_of(self):
+            return {x.name: getattr(self, x.name) for x in fields(self)}  # type: ignore
+        return document(self)
 
     def _quantities(self) -> Iterator[Row]:
-        """Yield names, values and units, also of the entries of a mapping, except missing ones.
-
-        A nested value must have a card too.
-        """
-        for item in self.fields:
-            if item.card:
-                yield from _parts(item.title, item.unit, item.value(self))
-        if self.fields:
+        if fields_of(self):
+            yield from card_rows(self)
             return
         record: Any = self
         values = picked(record, self._keys) if self._keys else record.as_dict()

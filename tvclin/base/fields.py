@@ -1,25 +1,25 @@
-"""Fields of records, each specified once: name, kind of unit, label, digits, check and help.
+"""Fields of records, each specified once: kind of unit, label, digits, check and help.
 
-A `Field` names an attribute of a record. What shows a record is made of the fields that its class
-lists in `fields`: the document for JSON, the card of a notebook (`base/cards`), the rows of a table
-and the columns of a CSV (`base/columns`). A key ends with the unit of its value.
+A `Field` stands in the metadata of the attribute of a dataclass (`spec`), or at a property
+(`derived`). All that shows a record is made of its fields (`fields_of`): the document for JSON and
+the card of a notebook (`base/cards`), the rows of a table, and the columns of a CSV
+(`base/columns`). A key ends with the unit of its value.
 
-A parameter of a request is a field of a frozen dataclass, made with `quantity`, `word`, `text`,
-`flag` or `count`; its line of help is that of the docstring. Its specification makes the check
-(`checked`), the keys of a table of a file in all units (`file_table`), and the option of a command
-(`cli/options`).
+A parameter of a request is made with `quantity`, `word`, `text`, `flag` or `count`; its line of
+help is that of the docstring. Its field makes the check (`checked`), the keys of a table of a file
+in all units (`file_table`), and the option of a command (`cli/options`).
 """
 
 from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import MISSING, dataclass, field, fields, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from functools import cache, partial
 from operator import attrgetter
 from textwrap import wrap
-from typing import Any
+from typing import Any, TypeVar
 
 from tvclin.base import lines
 from tvclin.base.documents import decibels, degrees
@@ -31,14 +31,13 @@ from tvclin.base.lines import listed
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, document_unit, optional_unit, si_unit, written
 
-_SPECIFICATION = "field"
+_Getter = TypeVar("_Getter", bound=Callable[..., Any])
+_SPECIFICATION = "tvclin_fields"
 _CONVERSIONS: dict[str, Callable[[Any], Any]] = {
-    "deg": degrees,
-    "deg_per_s": degrees,
-    "deg_per_s2": degrees,
-    "dB": decibels,
+    **dict.fromkeys(("angle", "angular rate", "angular acceleration"), degrees),
+    "gain": decibels,
 }
-"""Functions from SI units to those units of documents that are not SI units."""
+"""Functions from SI units to other units of documents, by kind of quantity."""
 _ANGLE_DIGITS = 3
 """Decimals of an angle in tables."""
 _EXPONENTS = str.maketrans("23", "²³")
@@ -53,8 +52,9 @@ _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
 class Field:
     """Specification of a field of a record.
 
-    `name`: name in the record and, with its unit, in documents and columns. `kind`: of a number
-    with a unit, a kind of `UNITS`, or "gain" for a factor that is shown in dB; of a parameter also
+    `name`: name in the record and, with its unit, in documents and columns; by default that of the
+    attribute. `kind`: of a number with a unit, a kind of `UNITS`, or "gain" for a factor that is
+    shown in dB, "decibels" or "degrees" for a value that is given in them; of a parameter also
     "text", "flag" or "count". `of`: the attribute, also a nested one as "vehicle.name", or a
     function of the record, where that is not the attribute `name`. `label`: name in tables.
     `digits`: decimals in tables; without, three for an angle, and four significant digits for
@@ -99,6 +99,11 @@ class Field:
         return document_unit(self.kind)
 
     @property
+    def si_unit(self) -> str:
+        """SI unit in messages; empty without a unit."""
+        return si_unit(self.kind)
+
+    @property
     def unit(self) -> str:
         """Unit in tables; empty without a unit."""
         return written(self.suffix).translate(_EXPONENTS)
@@ -112,7 +117,7 @@ class Field:
         """Return the value of a record in the unit of documents: angles in degrees, gains in dB."""
         source = self.of or self.name
         value = source(record) if callable(source) else attrgetter(source)(record)
-        convert = _CONVERSIONS.get(self.suffix)
+        convert = _CONVERSIONS.get(self.kind)
         return value if convert is None else _converted(value, convert)
 
     def line(self, record: Any, prefix: str) -> lines.Line:
@@ -123,7 +128,7 @@ class Field:
         value, name = self.value(record), f"{prefix}.{self.document_key}"
         if value is None or isinstance(value, str):
             return (value or "none",)
-        if self.digits is None and self.suffix not in _CONVERSIONS:
+        if self.digits is None and self.suffix not in ("dB", "deg", "deg_per_s", "deg_per_s2"):
             return lines.significant(name, value, unit=self.unit)
         digits = _ANGLE_DIGITS if self.digits is None else self.digits
         return lines.number(name, value, digits, self.unit)
@@ -160,9 +165,16 @@ class Field:
         return factor * one_number(name, value, self.check, unit)
 
 
-def document(record: Any, specified: Iterable[Field]) -> dict[str, Any]:
-    """Return the values of fields of a record by the keys of a document, in the units of these."""
-    values = {item.document_key: item.value(record) for item in specified}
+def document(record: Any, *names: str) -> dict[str, Any]:
+    """Return the fields of a record by their keys in a document, in the units of these.
+
+    `names`: names of the fields; without, all that documents show.
+    """
+    values = {
+        item.document_key: item.value(record)
+        for item in fields_of(record)
+        if (item.name in names if names else item.document)
+    }
     return {
         key: {str(name): entry for name, entry in value.items()}
         if isinstance(value, dict)
@@ -171,15 +183,15 @@ def document(record: Any, specified: Iterable[Field]) -> dict[str, Any]:
     }
 
 
-def rows(record: Any, specified: Iterable[Field], prefix: str) -> list[lines.Row]:
+def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
     """Return labels and values of fields of a record for a table, except missing values.
 
-    `prefix`: as in `Field.line`.
+    `prefix`: as in `Field.line`. `names`: as in `document`.
     """
     return [
         (item.title, item.line(record, prefix))
-        for item in specified
-        if item.value(record) is not None
+        for item in fields_of(record)
+        if (item.name in names if names else item.document) and item.value(record) is not None
     ]
 
 
@@ -220,18 +232,61 @@ def count(default: Any = MISSING, check: Callable[..., Any] = whole_number, **mo
 
 
 def _field(item: Field, default: Any) -> Any:
-    return field(default=default, metadata={_SPECIFICATION: item})
+    return field(default=default, metadata=specs(item))
+
+
+def spec(kind: str = "", label: str = "", **more: Any) -> Mapping[str, Any]:
+    """Return the metadata of an attribute with the field of a kind; `more` as in `Field`."""
+    return specs(Field(kind=kind, label=label, **more))
+
+
+def specs(*specified: Field) -> Mapping[str, Any]:
+    """Return the metadata of an attribute with several fields."""
+    return {_SPECIFICATION: specified}
+
+
+def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
+    """Return the decorator of a property, below ``@property``, with the field of a kind."""
+
+    def mark(getter: _Getter) -> _Getter:
+        setattr(getter, _SPECIFICATION, (Field(kind=kind, **more),))
+        return getter
+
+    return mark
+
+
+def fields_of(record: Any) -> tuple[Field, ...]:
+    """Return the fields of a record: of its attributes, then of its properties, in their order."""
+    kind: Any = type(record)
+    return _fields_of(kind)
+
+
+@cache
+def _fields_of(kind: Any) -> tuple[Field, ...]:
+    specified: dict[str, tuple[Field, ...]] = {}
+    if is_dataclass(kind):
+        specified = {x.name: x.metadata.get(_SPECIFICATION, ()) for x in fields(kind)}
+    for base in reversed(kind.__mro__):
+        for name, member in vars(base).items():
+            getter = getattr(member, "fget", getattr(member, "func", None))
+            if hasattr(getter, _SPECIFICATION):
+                specified[name] = getattr(getter, _SPECIFICATION)
+    return tuple(
+        replace(item, name=item.name or name, of=item.of or name)
+        for name, several in specified.items()
+        for item in several
+    )
 
 
 @cache
 def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
-    """Return the specifications of the parameters of a dataclass, by name."""
+    """Return the fields of the parameters of a dataclass, by name."""
     helps: dict[str, str] = {}
     for item in reversed(inspect.getmro(kind)):  # type: ignore[arg-type]
         helps |= _helps(item)
     return {
         item.name: replace(
-            item.metadata[_SPECIFICATION],
+            item.metadata[_SPECIFICATION][0],
             name=item.name,
             default=None if item.default is MISSING else item.default,
             help=helps.get(item.name, ""),

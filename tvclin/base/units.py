@@ -91,8 +91,8 @@ _IN_DEGREES = {
 }
 _OPTION_UNITS = {**_IN_DEGREES, "delay": "ms"}
 """Units of options that are not SI units, by kind of quantity."""
-_DOCUMENT_UNITS = {**_IN_DEGREES, "gain": "dB"}
-"""Units of documents that are not SI units, by kind of quantity."""
+_DOCUMENT_UNITS = {**_IN_DEGREES, "gain": "dB", "degrees": "deg", "decibels": "dB"}
+"""Units of documents that are not SI units, by kind of quantity; in the last two it is given."""
 _OPTION_SUFFIXES = {
     "angle": "_deg",
     "angular rate": "_deg",

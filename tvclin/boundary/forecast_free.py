@@ -24,7 +24,7 @@ largest, a state must lie within y of zero, of W, and of R e^(j phi) and R e^(-j
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -32,7 +32,6 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     between,
@@ -44,6 +43,7 @@ from tvclin.base.errors import (
     plain,
     single,
 )
+from tvclin.base.fields import Field, spec, specs
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import REACH_COMPILED, REACH_PLAIN, minimum_reaches, slow_edges
 from tvclin.kernels.remaining_integrals import COMPILED, PLAIN, largest_remaining_integrals
@@ -164,15 +164,16 @@ class ForecastFreeLimit(Shown):
         least.
     """
 
-    limit: Any
-    deflection: Any
-    kind: str
-    wind_known: Any
-    worst_stop_time: Any
-
-    as_dict = keyed("limit deflection_deg=|deflection| kind")
-
-    _keys = "limit_over_trim=limit deflection_deg kind wind_known worst_stop_time_s"
+    limit: Any = field(metadata=spec(label="limit over trim"))
+    deflection: Any = field(
+        metadata=specs(
+            Field(kind="angle", document=False),
+            Field(kind="angle", of=lambda found: np.abs(found.deflection), card=False),
+        )
+    )
+    kind: str = field(metadata=spec())
+    wind_known: Any = field(metadata=spec(document=False))
+    worst_stop_time: Any = field(metadata=spec("time", document=False))
 
 
 def forecast_free_limit(

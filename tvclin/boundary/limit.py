@@ -21,7 +21,7 @@ the report stand in `closed_forms`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -31,8 +31,8 @@ from numpy.typing import ArrayLike
 from tvclin.base import lines
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
+from tvclin.base.fields import Field, spec, specs
 from tvclin.base.lines import Line, Table, number, significant
 from tvclin.kernels import switches
 from tvclin.kernels.choice import run
@@ -161,13 +161,15 @@ class BoundaryLimit(Shown):
         "ok", or the reason why the limit is not a solution of (4b).
     """
 
-    limit: Any
-    deflection: Any
-    switch_time: Any
-    status: Any
-
-    _keys = "limit_over_trim=limit deflection_deg switch_time_s status"
-    as_dict = keyed("limit deflection_deg=|deflection| switch_time_s status")
+    limit: Any = field(metadata=spec(label="limit over trim"))
+    deflection: Any = field(
+        metadata=specs(
+            Field(kind="angle", document=False),
+            Field(kind="angle", of=lambda found: np.abs(found.deflection), card=False),
+        )
+    )
+    switch_time: Any = field(metadata=spec("time"))
+    status: Any = field(metadata=spec())
 
     def table(self, caption: str, axis: str, places: FloatArray, dead_bands: FloatArray) -> Table:
         """Return limits ``(n, k)`` at n places along an axis, for each of k dead bands."""

@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, finite, number, one_row, positive, small_angle
+from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
@@ -130,46 +130,38 @@ class LoadTradeOff(Shown):
         the lower bound is NaN.
     """
 
-    loads: FloatArray
-    limits: FloatArray
-    lower_bounds: FloatArray
-    slopes: FloatArray
-    set_by: tuple[str, ...]
-    no_forecast_bounds: FloatArray | None
-    minimum_deflection: float
-    load_of_minimum: float
-    minimum_load: float
-    no_forecast_load: float
-    moment_ratio: float
-    rate_limit: float
-    limit: float | None
-    load: float | None
-    lower_bound: float
-    required_load: float
+    loads: FloatArray = field(metadata=spec("angle", card=False))
+    limits: FloatArray = field(metadata=spec("angle", card=False))
+    lower_bounds: FloatArray = field(metadata=spec("angle", card=False))
+    slopes: FloatArray = field(metadata=spec(card=False))
+    set_by: tuple[str, ...] = field(metadata=spec(card=False))
+    no_forecast_bounds: FloatArray | None = field(metadata=spec("angle", card=False))
+    minimum_deflection: float = field(metadata=spec("angle"))
+    load_of_minimum: float = field(metadata=spec("angle", card=False))
+    minimum_load: float = field(metadata=spec("angle"))
+    no_forecast_load: float = field(metadata=spec("angle", card=False))
+    moment_ratio: float = field(metadata=spec(card=False))
+    rate_limit: float = field(metadata=spec("angular rate", card=False))
+    limit: float | None = field(metadata=spec("angle"))
+    load: float | None = field(metadata=spec("angle"))
+    lower_bound: float = field(metadata=spec("angle"))
+    required_load: float = field(metadata=spec("angle"))
     angle: float = 0.0
 
-    as_dict = keyed(
-        "loads_deg limits_deg lower_bounds_deg slopes set_by no_forecast_bounds_deg"
-        " minimum_deflection_deg load_of_minimum_deg minimum_load_deg no_forecast_load_deg"
-        " moment_ratio rate_limit_deg_per_s limit_deg load_deg lower_bound_deg required_load_deg"
-        " remaining_deg remaining_load_deg above_lower_bound"
-    )
-    _keys = (
-        "minimum_deflection_deg minimum_load_deg limit_deg lower_bound_deg load_deg"
-        " required_load_deg above_lower_bound"
-    )
-
     @property
+    @derived("angle", card=False)
     def remaining(self) -> float | None:
         """Remaining angle [rad]: available minus required."""
         return margin_of(self.limit, self.lower_bound)
 
     @property
+    @derived("angle", card=False)
     def remaining_load(self) -> float | None:
         """Remaining load [rad]: the structure's limit minus the required load."""
         return margin_of(self.load, self.required_load)
 
     @property
+    @derived()
     def above_lower_bound(self) -> bool | None:
         """Whether the limit is on the front with the wind known, or above.
 

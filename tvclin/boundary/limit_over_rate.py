@@ -19,7 +19,7 @@ Where a second pole contributes the limits are those of `optimum_with_rate_limit
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 
 import numpy as np
@@ -27,7 +27,6 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     between,
@@ -37,6 +36,7 @@ from tvclin.base.errors import (
     small_angle,
     unlimited,
 )
+from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
@@ -167,41 +167,33 @@ class RateTradeOff(Shown):
         the lower bound is NaN.
     """
 
-    rates: FloatArray
-    limits: FloatArray
-    no_forecast_bounds: FloatArray | None
-    minimum_deflection: float
-    minimum_rate: float
-    no_forecast_rate: float
-    acceleration_limit: float
-    limit: float | None
-    rate_limit: float | None
-    lower_bound: float
-    required_rate: float
+    rates: FloatArray = field(metadata=spec("angular rate", card=False))
+    limits: FloatArray = field(metadata=spec("angle", card=False))
+    no_forecast_bounds: FloatArray | None = field(metadata=spec("angle", card=False))
+    minimum_deflection: float = field(metadata=spec("angle"))
+    minimum_rate: float = field(metadata=spec("angular rate"))
+    no_forecast_rate: float = field(metadata=spec("angular rate", card=False))
+    acceleration_limit: float = field(metadata=spec("angular acceleration", card=False))
+    limit: float | None = field(metadata=spec("angle"))
+    rate_limit: float | None = field(metadata=spec("angular rate"))
+    lower_bound: float = field(metadata=spec("angle"))
+    required_rate: float = field(metadata=spec("angular rate"))
     angle: float = 0.0
 
-    as_dict = keyed(
-        "rates_deg_per_s limits_deg no_forecast_bounds_deg minimum_deflection_deg"
-        " minimum_rate_deg_per_s no_forecast_rate_deg_per_s acceleration_limit_deg_per_s2 limit_deg"
-        " rate_limit_deg_per_s lower_bound_deg required_rate_deg_per_s remaining_deg"
-        " remaining_rate_deg_per_s above_lower_bound"
-    )
-    _keys = (
-        "minimum_deflection_deg minimum_rate_deg_per_s limit_deg lower_bound_deg"
-        " rate_limit_deg_per_s required_rate_deg_per_s above_lower_bound"
-    )
-
     @property
+    @derived("angle", card=False)
     def remaining(self) -> float | None:
         """Remaining angle [rad]: available minus required."""
         return margin_of(self.limit, self.lower_bound)
 
     @property
+    @derived("angular rate", card=False)
     def remaining_rate(self) -> float | None:
         """Remaining rate [rad/s]: available minus required."""
         return margin_of(self.rate_limit, self.required_rate)
 
     @property
+    @derived()
     def above_lower_bound(self) -> bool | None:
         """Whether the nozzle's point is on the front or above; None if not given or not known.
 

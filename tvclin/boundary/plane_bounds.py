@@ -20,7 +20,7 @@ recoverable set y S when the wind stops at T, so z(s) - I(s, T) is in y S as wel
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, ending, instance, single
+from tvclin.base.fields import spec
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape, Vectors
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.linear.deflections import trim_deflection
@@ -303,14 +304,14 @@ class PlaneOptimum(Shown):
         "ok", or the reason why it is not.
     """
 
-    limit: float
-    peak: float
+    limit: float = field(metadata=spec(label="limit over trim"))
+    peak: float = field(metadata=spec("angle"))
     times: FloatArray
     deflections: Vectors
-    certificate: Certificate
-    status: str
-
-    _keys = "limit_over_trim=limit peak_deg lower_bound_deg=certificate.dual status"
+    certificate: Certificate = field(
+        metadata=spec("angle", name="lower_bound", of="certificate.dual")
+    )
+    status: str = field(metadata=spec())
 
 
 def plane_optimum(

@@ -13,7 +13,7 @@ is the largest of that, the bounds of `plane_bounds`, and the minimum after trim
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, one_of, within
+from tvclin.base.fields import spec
 from tvclin.boundary.limit import JUMP, NO_EXIT, OK, boundary_limit
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape
 from tvclin.boundary.open_loop import (
@@ -333,21 +334,16 @@ class PlaneLimit(Shown):
         Warnings and reasons; for a batch, of any case.
     """
 
-    limit: Any
-    deflection: Any
-    direction: Any
+    limit: Any = field(metadata=spec(label="limit over trim"))
+    deflection: Any = field(metadata=spec("angle"))
+    direction: Any = field(metadata=spec("angle"))
     pitch: Any
     yaw: Any
-    pitch_only: Any
+    pitch_only: Any = field(metadata=spec("angle"))
     pitch_only_ratio: Any
-    no_forecast_bound: Any
-    switch_time: Any
-    notes: tuple[str, ...]
-
-    _keys = (
-        "limit_over_trim=limit deflection_deg pitch_only_deg direction_deg no_forecast_bound"
-        " switch_time_s notes"
-    )
+    no_forecast_bound: Any = field(metadata=spec())
+    switch_time: Any = field(metadata=spec("time"))
+    notes: tuple[str, ...] = field(metadata=spec())
 
 
 def plane_limit(

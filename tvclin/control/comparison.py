@@ -10,7 +10,7 @@ without limits.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from tvclin.base import lines
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, callable_for, ending, instance, number, positive
+from tvclin.base.fields import spec
 from tvclin.base.quantities import REQUIREMENT, STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
@@ -110,11 +110,9 @@ class WorstDuration(Shown):
         Whether it is the shortest or longest duration of the search: beyond it may be worse.
     """
 
-    duration: float
-    peak_deflection: float
-    at_range_end: bool
-
-    as_dict = keyed("duration_s peak_deflection_deg at_the_end=at_range_end")
+    duration: float = field(metadata=spec("time"))
+    peak_deflection: float = field(metadata=spec("angle"))
+    at_range_end: bool = field(metadata=spec(name="at_the_end"))
 
 
 def worst_duration(
@@ -288,25 +286,20 @@ class TrimComparison(Shown):
         Warnings on the validity of the numbers; often empty.
     """
 
-    plant: AnyPlant
+    plant: AnyPlant = field(metadata=spec(name="model", of="plant.model"))
     autopilot: Autopilot
     wind: History
-    margins: Margins
-    trim_deflection: float
-    peak_deflection: float
+    margins: Margins = field(metadata=spec(name="status", of="margins.status"))
+    trim_deflection: float = field(metadata=spec("angle"))
+    peak_deflection: float = field(metadata=spec("angle"))
     peak_deflection_rate: float
     peak_angle_of_attack: float
     peak_attitude: float
     peak_flight_path_angle: float
     boundaries: dict[float, float]
-    minimum: float
+    minimum: float = field(metadata=spec("angle"))
     wind_gain: float
-    notes: tuple[str, ...] = ()
-
-    _keys = (
-        "model=plant.model status=margins.status peak_deflection_deg trim_deflection_deg"
-        " minimum_deg notes"
-    )
+    notes: tuple[str, ...] = field(default=(), metadata=spec())
 
     def deflections(self, caption: str = "", stop: float | None = None) -> lines.Table:
         """Return the table of the peak deflection, of trim, boundary limits and minimum.

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
@@ -26,6 +26,7 @@ from tvclin.base.errors import (
     positive,
     single,
 )
+from tvclin.base.fields import spec
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
@@ -165,12 +166,10 @@ class FlownBoundary(Shown):
         Number of flights.
     """
 
-    limit: float
-    deflection: float
-    error: float
-    flights: int
-
-    _keys = "limit_over_trim=limit deflection_deg error flights"
+    limit: float = field(metadata=spec(label="limit over trim"))
+    deflection: float = field(metadata=spec("angle"))
+    error: float = field(metadata=spec())
+    flights: int = field(metadata=spec())
 
 
 def flown_boundary(

@@ -8,15 +8,15 @@ attack, to which the normal force N alpha and the bending moment are proportiona
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
+from tvclin.base.cards import Record, Shown
 from tvclin.base.errors import InputError, ending, instance, nonnegative
+from tvclin.base.fields import spec
 from tvclin.base.lines import Table, degrees, number
 from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.linear.response import attitude_responses
@@ -47,13 +47,11 @@ _NAMES = ("angle_of_attack", "attitude")
 
 
 @dataclass(frozen=True)
-class Point:
+class Point(Record):
     """Value [rad] of a response and its time [s]."""
 
-    value: float
-    time: float
-
-    as_dict = keyed("deg=value time_s")
+    value: float = field(metadata=spec("angle", key="deg"))
+    time: float = field(metadata=spec("time"))
 
 
 @dataclass(frozen=True)
@@ -239,12 +237,10 @@ class Loads(Shown):
         drift. The bending-moment indicator N alpha falls by the same factor.
     """
 
-    peak_angle_of_attack: float
-    peak_time: float
-    peak_attitude: float
-    relative: float
-
-    _keys = "peak_angle_of_attack_deg peak_time_s peak_attitude_deg relative"
+    peak_angle_of_attack: float = field(metadata=spec("angle"))
+    peak_time: float = field(metadata=spec("time"))
+    peak_attitude: float = field(metadata=spec("angle"))
+    relative: float = field(metadata=spec())
 
     def bending_indicator(self, normal_force_slope: float) -> float:
         """Return the peak normal force N alpha [N], to which the bending moment is proportional."""

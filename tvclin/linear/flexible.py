@@ -11,7 +11,7 @@ with the methods of `Plant`. Everything is a deviation from the nominal flight.
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Self
 
@@ -22,6 +22,7 @@ from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
+from tvclin.base.fields import spec
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, Plant
@@ -67,12 +68,10 @@ class FlexiblePlant(Shown, Hinted):
         "pitch" or "yaw".
     """
 
-    vehicle: Vehicle
+    vehicle: Vehicle = field(metadata=spec(of="vehicle.name"))
     structure: Structure
-    model: str = DEFAULT_MODEL
-    plane: str = "pitch"
-
-    _keys = "vehicle=vehicle.name model plane"
+    model: str = field(default=DEFAULT_MODEL, metadata=spec())
+    plane: str = field(default="pitch", metadata=spec())
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")

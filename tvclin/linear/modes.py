@@ -7,13 +7,14 @@ component of the states in the mode.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from tvclin.base.arrays import AnyArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
+from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, complex_number, upper_pole
 from tvclin.linear.plant import INPUTS, PLANT_HINT, Plant
 from tvclin.numerics import polynomials
@@ -40,11 +41,9 @@ class Modes(Shown):
         NaN at a repeated pole.
     """
 
-    poles: AnyArray
-    deflection_residues: AnyArray
-    wind_residues: AnyArray
-
-    _keys = "poles_per_s deflection_residues_per_s wind_residues_per_s"
+    poles: AnyArray = field(metadata=spec("per time"))
+    deflection_residues: AnyArray = field(metadata=spec("per time"))
+    wind_residues: AnyArray = field(metadata=spec("per time"))
 
 
 def mode_table(caption: str, modes_by_model: Mapping[str, Modes]) -> Table:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
-from tvclin.base.cards import lines
+from tvclin.base.cards import card_rows, lines
 from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, instance, one_of, positive
 from tvclin.linear.system import LinearSystem
@@ -130,7 +130,7 @@ class Plant(Hinted):
 
     def __repr__(self) -> str:
         c = self.coefficients
-        return lines(f"Plant, {self.model} {c.name}".strip(), c.rows())
+        return lines(f"Plant, {self.model} {c.name}".strip(), card_rows(c))
 
     @property
     def batch(self) -> tuple[int, ...]:

@@ -6,7 +6,7 @@ pole. Residues come from the exact transforms; no verdict comes from a simulatio
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
+from tvclin.base.fields import spec
 from tvclin.kernels.response_cases import MARGINAL
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import INPUTS, Plant
@@ -38,12 +39,10 @@ class Verdict(Shown):
         Attitude long after the wind, which (4a) restricts but (4b) does not.
     """
 
-    stable: Any
-    residues: AnyArray
-    tolerance: FloatArray
+    stable: Any = field(metadata=spec())
+    residues: AnyArray = field(metadata=spec("angle"))
+    tolerance: FloatArray = field(metadata=spec("angle"))
     final_motion: FinalMotion
-
-    _keys = "stable residues_deg tolerance_deg"
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tvclin.base.cards import Quantity
+from tvclin.base.fields import Field, fields_of
 from tvclin.base.lines import (
     Line,
     Row,
@@ -18,8 +18,10 @@ from tvclin.base.lines import (
     upper_pole,
 )
 from tvclin.base.quantities import NO_FORECAST, QUANTITIES, STATIC_TRIM, WIND_KNOWN, sufficiency
+from tvclin.base.units import written
 from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.requirement.study import Study
+from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 LEAST = {"forecast_free": NO_FORECAST, "minimum": WIND_KNOWN}
@@ -28,16 +30,6 @@ LEGEND = (
     f"{NO_FORECAST[0].upper()}{NO_FORECAST[1:]}: {QUANTITIES[NO_FORECAST]}."
     f" {WIND_KNOWN[0].upper()}{WIND_KNOWN[1:]}: {QUANTITIES[WIND_KNOWN]}."
 )
-_FIELDS = {
-    "inertia": "moment_of_inertia",
-    "slope": "normal_force_slope",
-    "l_a": "aerodynamic_arm",
-    "l_c": "control_arm",
-    "attitude_deg": "attitude",
-    "control_slope": "control_force_slope",
-    "damping": "pitch_damping",
-}
-"""Names of the quantities of a vehicle in files, where these differ."""
 AIR = {
     None: "the worst of head and tail wind",
     "head": "encountered in a head wind",
@@ -59,7 +51,8 @@ def vehicle(
     `source` is the title of a vehicle without a name, `own` the numbers in the units of the file,
     by name, with these units; see `as_written`.
     """
-    rows = [(quantity.label, _in_units(quantity, own or {})) for quantity in s.vehicle.quantities()]
+    given = [item for item in fields_of(s.vehicle) if item.value(s.vehicle) is not None]
+    rows = [(item.title, _in_units(s.vehicle, item, own or {})) for item in given]
     planes = "pitch and yaw" if s.in_both else s.plane
     return quantities(f"{s.vehicle.name or source}, {s.model}, {planes}", rows)
 
@@ -197,14 +190,14 @@ def survivable(name: str, peak: float, bound: float) -> Line:
     return degrees(name, peak)
 
 
-def _in_units(quantity: Quantity, own: Mapping[str, tuple[float, str]]) -> Line:
+def _in_units(vehicle: AnyVehicle, item: Field, own: Mapping[str, tuple[float, str]]) -> Line:
     """Return a number in the unit of its file, and in that of tables where it differs."""
-    shown = significant(f"vehicle.{quantity.key}", quantity.value, 6, quantity.unit)
-    name = _FIELDS.get(quantity.key, quantity.key)
+    key, name = f"vehicle.{item.name}", item.name
+    shown = significant(key, item.value(vehicle), 6, item.unit)
     value, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
-    if not unit or unit == quantity.unit.replace("²", "2"):
+    if not unit or unit == written(item.suffix):
         return shown
-    return (*significant(f"vehicle.{quantity.key}.own", value, 6, unit), " (", *shown, ")")
+    return (*significant(f"{key}.own", value, 6, unit), " (", *shown, ")")
 
 
 def _parts(s: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:

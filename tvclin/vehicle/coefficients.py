@@ -8,6 +8,7 @@ damping, M_q/I. Positive deflection pitches the nose down.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -15,8 +16,7 @@ from typing import Any, Self
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Row, card, lines
-from tvclin.base.documents import picked
+from tvclin.base.cards import Record, card, card_rows, lines
 from tvclin.base.errors import (
     InputError,
     finite,
@@ -29,6 +29,7 @@ from tvclin.base.errors import (
     together,
     within,
 )
+from tvclin.base.fields import derived, parameters, spec
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 PLANES, BOTH = ("pitch", "yaw"), "both"
@@ -38,8 +39,18 @@ _MAX_COEFFICIENT = 1e18
 """Largest coefficient, and largest 1/mu_delta: products of several must not overflow."""
 
 
+def _number(kind: str, name: str, check: Callable[..., Any] = finite) -> Mapping[str, Any]:
+    """Return the metadata of a coefficient, whose symbol is its label and its key."""
+    return spec(kind, label=name, key=name, check=check)
+
+
+def _if_unstable(name: str) -> Callable[[Any], Any]:
+    """Return the function of coefficients to a number; None unless all vehicles are unstable."""
+    return lambda c: getattr(c, name) if np.all(np.asarray(c.mu_alpha) > 0.0) else None
+
+
 @dataclass(frozen=True, kw_only=True)
-class Coefficients:
+class Coefficients(Record):
     """Coefficients of the attitude equations of a vehicle or a batch of vehicles.
 
     Parameters
@@ -74,18 +85,25 @@ class Coefficients:
     Report eqs (2), (B4), (B5), (B7) and (15b); the damping is derived in docs/theory.md.
     """
 
-    mu_alpha: float | FloatArray
-    mu_delta: float | FloatArray
-    C1: float | FloatArray = 0.0
-    C2: float | FloatArray = 0.0
-    b1: float | FloatArray = 0.0
-    b2: float | FloatArray = 0.0
-    q: float | FloatArray = 0.0
-    damping: float | FloatArray = 0.0
+    mu_alpha: float | FloatArray = field(metadata=_number("per time squared", "mu_alpha"))
+    mu_delta: float | FloatArray = field(metadata=_number("per time squared", "mu_delta", nonzero))
+    C1: float | FloatArray = field(default=0.0, metadata=_number("per time", "C1"))
+    C2: float | FloatArray = field(default=0.0, metadata=_number("per time cubed", "C2"))
+    b1: float | FloatArray = field(default=0.0, metadata=_number("per time", "b1"))
+    b2: float | FloatArray = field(default=0.0, metadata=_number("per time", "b2"))
+    q: float | FloatArray = field(
+        default=0.0, metadata=_number("per time squared", "q", nonnegative)
+    )
+    damping: float | FloatArray = field(
+        default=0.0, metadata=_number("per time", "damping", nonnegative)
+    )
     name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
+        checked = {
+            name: item.check(name, getattr(self, name), item.si_unit)
+            for name, item in parameters(Coefficients).items()
+        }
         together(**checked)
         for name, array in checked.items():
             within(name, array, -_MAX_COEFFICIENT, _MAX_COEFFICIENT)
@@ -99,26 +117,12 @@ class Coefficients:
             object.__setattr__(self, name, plain(array))
         instance("name", self.name, str, "the vehicle's")
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the numbers by key; beta and pole are None for a stable vehicle."""
-        values = dict.fromkeys(("beta_per_s", "pole_per_s"))
-        if np.all(np.asarray(self.mu_alpha) > 0.0):
-            values = picked(self, "beta_per_s pole_per_s")
-        return values | picked(self, f"B {' '.join(NUMBERS)}")
-
-    def rows(self) -> list[Row]:
-        """Return names, values and units of the numbers for a card."""
-        rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]
-        if np.all(np.asarray(self.mu_alpha) > 0.0):
-            rows += [("beta", self.beta, "1/s"), ("pole", self.pole, "1/s"), ("K1", self.K1, "-")]
-        return [*rows, ("B", self.B, "-")]
-
     def _repr_html_(self) -> str:
         title = f"Coefficients: {self.name}" if self.name else "Coefficients"
-        return card(title, self.rows())
+        return card(title, card_rows(self))
 
     def __repr__(self) -> str:
-        return lines(f"Coefficients {self.name}".strip(), self.rows())
+        return lines(f"Coefficients {self.name}".strip(), card_rows(self))
 
     @classmethod
     def from_vehicle(cls, vehicle: Vehicle, plane: str = "pitch") -> Self:
@@ -187,7 +191,7 @@ class Coefficients:
     @cached_property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
-        return np.broadcast_shapes(*(np.shape(getattr(self, name)) for name, _, _ in _CHECKS))
+        return np.broadcast_shapes(*(np.shape(getattr(self, name)) for name in NUMBERS))
 
     @property
     def beta_squared(self) -> float | FloatArray:
@@ -195,6 +199,7 @@ class Coefficients:
         return self.mu_alpha
 
     @property
+    @derived("per time", of=_if_unstable("beta"))
     def beta(self) -> float | FloatArray:
         """Vehicle response parameter beta [1/s], eq (B4).
 
@@ -211,6 +216,7 @@ class Coefficients:
         return plain(np.sqrt(self.mu_alpha))
 
     @property
+    @derived("per time", of=_if_unstable("pole"))
     def pole(self) -> float | FloatArray:
         """Unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
 
@@ -231,25 +237,17 @@ class Coefficients:
         return "p" if np.any(self.damping) else "beta"
 
     @property
+    @derived()
     def B(self) -> float | FloatArray:
         """Trim deflection per angle of attack B = N l_a/(T l_c), eq (2)."""
         return self.mu_alpha / self.mu_delta
 
     @property
+    @derived(of=_if_unstable("K1"), document=False)
     def K1(self) -> float | FloatArray:
         """Ratio K1 = (p + b2)/(p + b1), p being the `pole`, eq (15b); `InputError` if stable."""
         return (self.pole + self.b2) / (self.pole + self.b1)
 
 
-_CHECKS = (
-    ("mu_alpha", finite, "1/s^2"),
-    ("mu_delta", nonzero, "1/s^2"),
-    ("C1", finite, "1/s"),
-    ("C2", finite, "1/s^3"),
-    ("b1", finite, "1/s"),
-    ("b2", finite, "1/s"),
-    ("q", nonnegative, "1/s^2"),
-    ("damping", nonnegative, "1/s"),
-)
-NUMBERS = tuple(name for name, _, _ in _CHECKS)
+NUMBERS = tuple(parameters(Coefficients))
 """Names of the numerical fields."""

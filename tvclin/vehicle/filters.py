@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
-from tvclin.base.cards import Carded
+from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, array_of, between, broadcast, finite, nonzero, within
+from tvclin.base.fields import spec
 from tvclin.base.lines import Line, significant
 from tvclin.numerics import polynomials
 
@@ -30,7 +31,7 @@ _bounded_damping = between(-MAX_NUMBER, MAX_NUMBER)
 
 
 @dataclass(frozen=True, eq=False)
-class Filter(Carded):
+class Filter(Record):
     """Filter numerator(s)/denominator(s), or a batch of filters.
 
     Most are made with `low_pass`, `lead_lag`, `notch` or `from_coefficients`. Zeros in the right
@@ -57,8 +58,8 @@ class Filter(Carded):
     array([1. , 0.1])
     """
 
-    numerator: FloatArray
-    denominator: FloatArray
+    numerator: FloatArray = field(metadata=spec())
+    denominator: FloatArray = field(metadata=spec())
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Filter) and self._bytes == other._bytes
@@ -98,8 +99,6 @@ class Filter(Carded):
             array = np.array(np.broadcast_to(coefficients, (*shape, coefficients.shape[-1])))
             array.flags.writeable = False
             object.__setattr__(self, name, array)
-
-    _keys = "numerator denominator"
 
     @classmethod
     def from_coefficients(cls, numerator: ArrayLike, denominator: ArrayLike) -> Self:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, ClassVar, Self, TypeAlias
 
-from tvclin.base.cards import Quantity, card, lines
+from tvclin.base.cards import card, card_rows, lines
 from tvclin.base.errors import InputError, flag, instance, naming, shown, single, text
+from tvclin.base.fields import Field, parameters, specs
 from tvclin.base.files import called
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import Coefficients
@@ -23,19 +24,26 @@ from tvclin.vehicle.vehicle_file import (
 
 FIXED_PATH = "fixed-path"
 """Model that mu_alpha and mu_delta suffice for."""
-_SLOPES = {"mu_alpha": "per time squared", "mu_delta": "per time squared"}
+_SLOPES = ("mu_alpha", "mu_delta")
 _BY_BETA = {"beta": "per time", "B": "number"}
-_DAMPING = {"damping": "per time"}
-_PATH_COEFFICIENTS = {
-    "C1": "per time",
-    "C2": "per time cubed",
-    "b1": "per time",
-    "b2": "per time",
-    "q": "per time squared",
-}
+_PATH_COEFFICIENTS = ("C1", "C2", "b1", "b2", "q")
+_NUMBERS = parameters(Coefficients)
 COEFFICIENTS_TABLE = FileTable(
-    f"[{COEFFICIENTS}]", _SLOPES | _BY_BETA | _DAMPING | _PATH_COEFFICIENTS, words=("name",)
+    f"[{COEFFICIENTS}]",
+    {name: item.kind for name, item in _NUMBERS.items()} | _BY_BETA,
+    words=("name",),
 )
+
+
+def _coefficient(name: str, label: str = "") -> Field:
+    """Return the field of a coefficient of a vehicle; without value where it is not known."""
+
+    def value(vehicle: LinearVehicle) -> Any:
+        known = name in _SLOPES or (vehicle.path_known if name in _PATH_COEFFICIENTS else True)
+        number = getattr(vehicle.coefficients, name)
+        return number if known and (number or name != "damping") else None
+
+    return Field(name, _NUMBERS[name].kind, of=value, label=label or name)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +65,14 @@ class LinearVehicle:
         For a batch.
     """
 
-    coefficients: Coefficients
+    coefficients: Coefficients = field(
+        metadata=specs(
+            _coefficient("mu_alpha", "aerodynamic moment slope"),
+            _coefficient("mu_delta", "control moment slope"),
+            _coefficient("damping"),
+            *map(_coefficient, _PATH_COEFFICIENTS),
+        )
+    )
     name: str = ""
     path_known: bool = False
 
@@ -74,25 +89,12 @@ class LinearVehicle:
         """The vehicle itself: it has no structure."""
         return self
 
-    def quantities(self) -> list[Quantity]:
-        """Return the numbers as quantities of tables."""
-        c = self.coefficients
-        quantities = [
-            Quantity("mu_alpha", "aerodynamic moment slope", c.mu_alpha, "1/s²"),
-            Quantity("mu_delta", "control moment slope", c.mu_delta, "1/s²"),
-        ]
-        units = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s", "q": "1/s²"}
-        path = [Quantity(name, name, getattr(c, name), unit) for name, unit in units.items()]
-        if c.damping:
-            quantities.append(Quantity("damping", "damping", c.damping, "1/s"))
-        return [*quantities, *(path if self.path_known else ())]
-
     def _repr_html_(self) -> str:
-        return card(self.name or "Coefficients", [quantity[1:] for quantity in self.quantities()])
+        return card(self.name or "Coefficients", card_rows(self))
 
     def __repr__(self) -> str:
         title = f"Linear vehicle {self.name}".strip()
-        return lines(title, [quantity[1:] for quantity in self.quantities()])
+        return lines(title, card_rows(self))
 
     def coefficients_for(self, model: str) -> Coefficients:
         """Return the coefficients for a model; `InputError` if the model has unknown ones."""
@@ -163,12 +165,12 @@ def _vehicle_from_table(row: Mapping[str, Any]) -> LinearVehicle:
     values = table.read(row)
     name = values.get("name", "")
     by_beta = values.keys() & _BY_BETA
-    if by_beta and values.keys() & _SLOPES:
+    if by_beta and values.keys() & set(_SLOPES):
         raise InputError(
             f"{table.heading} must have mu_alpha and mu_delta, or beta and B, not some of each"
         )
     table.need(values, _BY_BETA if by_beta else _SLOPES)
-    path = values.keys() & _PATH_COEFFICIENTS
+    path = values.keys() & set(_PATH_COEFFICIENTS)
     if path:
         table.need(values, _PATH_COEFFICIENTS)
     coefficients = Coefficients.from_beta(**values) if by_beta else Coefficients(**values)

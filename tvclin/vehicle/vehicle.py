@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Quantity, card, lines
+from tvclin.base.cards import card, card_rows, lines
 from tvclin.base.errors import (
     Faults,
     InputError,
     broadcast,
-    finite,
     instance,
     nonnegative,
     nonzero,
@@ -25,6 +24,7 @@ from tvclin.base.errors import (
     together,
     within,
 )
+from tvclin.base.fields import fields_of, parameters, spec
 from tvclin.vehicle.structure import Structure
 
 STANDARD_GRAVITY = 9.80665
@@ -33,6 +33,8 @@ STANDARD_GRAVITY = 9.80665
 
 _MIN_SIZE, _MAX_SIZE = 1e-9, 1e18
 """Sizes in SI units between which the numbers of a vehicle lie."""
+_OPTIONAL = ("time", "control_force_slope")
+"""Numbers that may be missing."""
 _UNBOUNDED_BELOW = ("aerodynamic_arm", "attitude", "time")
 """Numbers without a smallest size."""
 _MIN_THRUST_OVER_WEIGHT = 0.5
@@ -40,6 +42,10 @@ _MIN_THRUST_OVER_WEIGHT = 0.5
 _MAX_THRUST_OVER_WEIGHT = 10.0
 """Thrust over weight above which the weight is probably a mass: 1.05 at lift-off would be 10.3.
 Boosters have about 1.05 to 5."""
+
+
+def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
+    return within(name, value, -np.pi / 2, np.pi / 2, unit)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,19 +104,39 @@ class Vehicle:
     deflection.
     """
 
-    weight: float | FloatArray
-    moment_of_inertia: float | FloatArray
-    normal_force_slope: float | FloatArray
-    thrust: float | FloatArray
-    aerodynamic_arm: float | FloatArray
-    control_arm: float | FloatArray
-    axial_force: float | FloatArray
-    velocity: float | FloatArray
-    attitude: float | FloatArray
+    weight: float | FloatArray = field(metadata=spec("force", "gross weight W", check=positive))
+    moment_of_inertia: float | FloatArray = field(
+        metadata=spec("inertia", "moment of inertia I", check=positive)
+    )
+    normal_force_slope: float | FloatArray = field(
+        metadata=spec("force slope", "normal force slope N", check=nonnegative)
+    )
+    thrust: float | FloatArray = field(metadata=spec("force", "thrust T", check=positive))
+    aerodynamic_arm: float | FloatArray = field(metadata=spec("length", "aerodynamic arm l_a"))
+    control_arm: float | FloatArray = field(
+        metadata=spec("length", "control arm l_c", check=nonzero)
+    )
+    axial_force: float | FloatArray = field(
+        metadata=spec("force", "axial force F_A", check=nonnegative)
+    )
+    velocity: float | FloatArray = field(metadata=spec("speed", "velocity V_n", check=positive))
+    attitude: float | FloatArray = field(
+        metadata=spec("angle", "attitude Theta_n", check=_checked_attitude)
+    )
     name: str = ""
-    time: float | FloatArray | None = None
-    control_force_slope: float | FloatArray | None = None
-    pitch_damping: float | FloatArray = 0.0
+    time: float | FloatArray | None = field(default=None, metadata=spec("time", "time of flight"))
+    control_force_slope: float | FloatArray | None = field(
+        default=None, metadata=spec("force slope", check=positive)
+    )
+    pitch_damping: float | FloatArray = field(
+        default=0.0,
+        metadata=spec(
+            "damping moment",
+            of=lambda vehicle: vehicle.pitch_damping if np.any(vehicle.pitch_damping) else None,
+            label="pitch damping M_q",
+            check=nonnegative,
+        ),
+    )
     numbers_from: str = field(default="", compare=False)
     structure: Structure | None = None
 
@@ -118,13 +144,12 @@ class Vehicle:
         text("name", self.name)
         text("numbers_from", self.numbers_from)
         checked, faults = {}, Faults()
-        for name, check, unit in _CHECKS:
+        for item in fields_of(self):
             with faults.kept():
-                checked[name] = check(name, getattr(self, name), unit)
+                if item.name not in _OPTIONAL or getattr(self, item.name) is not None:
+                    value = item.check(item.name, getattr(self, item.name), item.si_unit)
+                    checked[item.name] = value
         faults.tell()
-        for name, check, unit in _OPTIONAL:
-            if getattr(self, name) is not None:
-                checked[name] = check(name, getattr(self, name), unit)
         together(**checked)
         for name, array in checked.items():
             _check_size(name, array)
@@ -134,32 +159,13 @@ class Vehicle:
             if self.structure.is_rigid:
                 object.__setattr__(self, "structure", None)
 
-    def quantities(self) -> list[Quantity]:
-        """Return the numbers as quantities of tables, the attitude in degrees."""
-        damping = self.pitch_damping if np.any(self.pitch_damping) else None
-        quantities = (
-            Quantity("weight", "gross weight W", self.weight, "N"),
-            Quantity("thrust", "thrust T", self.thrust, "N"),
-            Quantity("inertia", "moment of inertia I", self.moment_of_inertia, "kg m²"),
-            Quantity("slope", "normal force slope N", self.normal_force_slope, "N/rad"),
-            Quantity("axial_force", "axial force F_A", self.axial_force, "N"),
-            Quantity("l_a", "aerodynamic arm l_a", self.aerodynamic_arm, "m"),
-            Quantity("l_c", "control arm l_c", self.control_arm, "m"),
-            Quantity("velocity", "velocity V_n", self.velocity, "m/s"),
-            Quantity("attitude_deg", "attitude Theta_n", np.degrees(self.attitude), "deg"),
-            Quantity("time", "time of flight", self.time, "s"),
-            Quantity("control_slope", "control force slope", self.control_force_slope, "N/rad"),
-            Quantity("damping", "pitch damping M_q", damping, "N m s/rad"),
-        )
-        return [quantity for quantity in quantities if quantity.value is not None]
-
     def _repr_html_(self) -> str:
-        return card(self.name or "Vehicle", [quantity[1:] for quantity in self.quantities()])
+        return card(self.name or "Vehicle", card_rows(self))
 
     def __repr__(self) -> str:
         title = f"Vehicle {self.name}".strip()
         flexible = [] if self.structure is None else [("structure", self.structure.parts, "")]
-        return lines(title, [*(quantity[1:] for quantity in self.quantities()), *flexible])
+        return lines(title, [*card_rows(self), *flexible])
 
     @classmethod
     def from_aerodynamics(
@@ -250,25 +256,7 @@ def _check_size(name: str, array: FloatArray) -> None:
         )
 
 
-def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
-    return within(name, value, -np.pi / 2, np.pi / 2, unit)
-
-
-_CHECKS = (
-    ("weight", positive, "N"),
-    ("moment_of_inertia", positive, "kg m^2"),
-    ("normal_force_slope", nonnegative, "N/rad"),
-    ("thrust", positive, "N"),
-    ("aerodynamic_arm", finite, "m"),
-    ("control_arm", nonzero, "m"),
-    ("axial_force", nonnegative, "N"),
-    ("velocity", positive, "m/s"),
-    ("attitude", _checked_attitude, "rad"),
-    ("pitch_damping", nonnegative, "N m s/rad"),
-)
-_OPTIONAL = (("time", finite, "s"), ("control_force_slope", positive, "N/rad"))
-_WORDS = {"name", "numbers_from", "structure"}
-NUMBERS = tuple(field.name for field in fields(Vehicle) if field.name not in _WORDS)
+NUMBERS = tuple(parameters(Vehicle))
 """Names of the numerical fields."""
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from tvclin.base.errors import Faults, InputError, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
+from tvclin.base.fields import parameters
 from tvclin.base.files import ENCODINGS, UTF_8, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
@@ -25,29 +26,24 @@ from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import NUMBERS, STANDARD_GRAVITY, Vehicle
 
-_REQUIRED = {
-    "weight": "force",
-    "moment_of_inertia": "inertia",
-    "thrust": "force",
-    "aerodynamic_arm": "length",
-    "control_arm": "length",
-    "velocity": "speed",
-    "attitude": "angle",
-}
-_FORCES = {"normal_force_slope": "force slope", "axial_force": "force"}
+_FORCES = ("normal_force_slope", "axial_force")
+_OPTIONAL = ("time", "control_force_slope", "pitch_damping")
+_REQUIRED = tuple(name for name in NUMBERS if name not in (*_FORCES, *_OPTIONAL))
 _AERODYNAMICS = {
     "dynamic_pressure": "pressure",
     "reference_area": "area",
     "normal_force_coefficient_slope": "per angle",
     "axial_force_coefficient": "number",
 }
-_OPTIONAL = {"time": "time", "control_force_slope": "force slope"}
 _MASS_KEYS = {"mass": "mass"}
 """Keys that replace the weight."""
 
 VEHICLE_TABLE = FileTable(
     "[vehicle]",
-    _REQUIRED | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS_KEYS,
+    {name: item.kind for name, item in parameters(Vehicle).items()}
+    | _AERODYNAMICS
+    | QUANTITIES
+    | _MASS_KEYS,
     words=("name", "numbers_from"),
 )
 COEFFICIENTS = "coefficients"

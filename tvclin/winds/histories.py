@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.base.cards import Carded
+from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, array_of, finite, real, shown, whole_number
+from tvclin.base.fields import derived
 from tvclin.numerics import pieces as algebra
 from tvclin.numerics import polynomials
 from tvclin.numerics.pieces import Pieces
@@ -34,14 +35,12 @@ _RELATIVE_ROUNDING = 1e-12
 """Relative rounding of times, and of values over the largest."""
 
 
-class History(Carded, ABC):
+class History(Record, ABC):
     """Real function of time, zero before its first knot, in exact pieces.
 
     Histories come in batches: every quantity has the leading axes ``batch``, and a single history
     is the batch of shape ``()``. A concrete wind or deflection defines its pieces only.
     """
-
-    _keys = "peak_deg onset_s end_s"
 
     @property
     @abstractmethod
@@ -191,11 +190,13 @@ class History(Carded, ABC):
         return Piecewise(algebra.take(algebra.spread(self.pieces, shape), index))
 
     @cached_property
+    @derived("time")
     def onset(self) -> FloatArray:
         """Time [s] at which the history first differs from zero, shape ``batch``; inf if never."""
         return np.where(self._nonzero, self.knots, np.inf).min(axis=-1)
 
     @cached_property
+    @derived("time")
     def end(self) -> FloatArray:
         """Time [s] from which the history stays zero, shape ``batch``; inf for an endless history.
 
@@ -214,6 +215,7 @@ class History(Carded, ABC):
         return np.broadcast_to(value, self.batch)
 
     @cached_property
+    @derived("angle")
     def peak(self) -> FloatArray:
         """Value of largest size, with its sign, shape ``batch``.
 

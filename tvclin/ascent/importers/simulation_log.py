@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 
@@ -29,6 +29,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
+from tvclin.base.fields import Field, spec, specs
 from tvclin.base.files import called, write_rows
 from tvclin.base.sheet import Heading, Headings, Sheet, Text, read_sheet
 from tvclin.base.tables import FileTable
@@ -56,10 +57,13 @@ class SimulatedFlight(Shown):
         Wind angle of attack [rad] in flight time: `size` takes it with ``placing="flight"``.
     """
 
-    schedule: FlightSchedule
-    wind: SampledWind
-
-    _keys = "vehicle=schedule.vehicle.name times_s=schedule.times wind_deg=wind.angle"
+    schedule: FlightSchedule = field(
+        metadata=specs(
+            Field(name="vehicle", of="schedule.vehicle.name"),
+            Field(kind="time", name="times", of="schedule.times"),
+        )
+    )
+    wind: SampledWind = field(metadata=spec("angle", of="wind.angle"))
 
     @property
     def profile(self) -> WindProfile:

@@ -13,14 +13,14 @@ control from the onset of the wind on it is
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
+from tvclin.base.cards import Record, Shown
 from tvclin.base.errors import broadcast, instance
+from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import minimum_reach
 from tvclin.boundary.optimum import two_poles
 from tvclin.boundary.optimum.dual import best_multipliers
@@ -55,7 +55,7 @@ _DIRECTIONS = 128
 
 
 @dataclass(frozen=True, eq=False)
-class Certificate:
+class Certificate(Record):
     """A lower bound of every peak, and the peak of the deflection that it proves optimal.
 
     `primal`: peak [rad] of the deflection. `dual`: lambda . d over the L1 norm of lambda . e: no
@@ -66,12 +66,10 @@ class Certificate:
     """
 
     primal: float
-    dual: float
-    gap: float
-    residual: float
-    tail: float
-
-    as_dict = keyed("dual_deg gap residual tail")
+    dual: float = field(metadata=spec("angle"))
+    gap: float = field(metadata=spec())
+    residual: float = field(metadata=spec())
+    tail: float = field(metadata=spec())
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,14 +96,14 @@ class Optimum(Shown):
         "ok", or the reason why it is not.
     """
 
-    peak: float
+    peak: float = field(metadata=spec("angle"))
     deflection: History
-    switch_times: FloatArray
+    switch_times: FloatArray = field(metadata=spec("time"))
     multipliers: FloatArray
-    certificate: Certificate
-    status: str
-
-    _keys = "peak_deg lower_bound_deg=certificate.dual switch_times_s status"
+    certificate: Certificate = field(
+        metadata=spec("angle", name="lower_bound", of="certificate.dual")
+    )
+    status: str = field(metadata=spec())
 
 
 def optimum_deflection(

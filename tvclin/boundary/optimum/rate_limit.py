@@ -9,7 +9,7 @@ linear piece. The nodes are refined where the rate or the peak begins or ceases 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
 
@@ -17,8 +17,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, number, positive, shown
+from tvclin.base.fields import spec
 from tvclin.boundary.optimum.minimum_peak import (
     NOT_EXCITED,
     OK,
@@ -232,16 +232,13 @@ class RateLimitedOptimum(Shown):
         "ok", or the reason why no deflection is required.
     """
 
-    peak: float
+    peak: float = field(metadata=spec("angle"))
     deflection: History
-    rate: float
-    unlimited_peak: float
-    residual: float
-    change: float
-    status: str
-
-    as_dict = keyed("rate_deg_per_s peak_deg residual last_refinement=change status")
-    _keys = "peak_deg unlimited_peak_deg rate_deg_per_s residual change status"
+    rate: float = field(metadata=spec("angular rate"))
+    unlimited_peak: float = field(metadata=spec("angle", document=False))
+    residual: float = field(metadata=spec())
+    change: float = field(metadata=spec(name="last_refinement", label="change"))
+    status: str = field(metadata=spec())
 
 
 def optimum_with_rate_limit(

@@ -12,7 +12,7 @@ Rate and deflection limits belong to the flight, not to the actuator.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import comb, perm
 from typing import TYPE_CHECKING
 
@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Carded
-from tvclin.base.documents import keyed
+from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, finite, plain, positive, together, within
+from tvclin.base.fields import spec
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import LinearSystem, connect, gain
 
@@ -62,7 +62,7 @@ DIRECT: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.one
 
 
 @dataclass(frozen=True, kw_only=True)
-class Actuator(Carded):
+class Actuator(Record):
     """The dynamics of an actuator, of unit steady gain; its limits are not part of it.
 
     Parameters
@@ -79,11 +79,10 @@ class Actuator(Carded):
         broadcast.
     """
 
-    natural_frequency: float | FloatArray = 25.1
-    damping: float | FloatArray | None = 0.7
-
-    _keys = "natural_frequency_rad_per_s damping"
-    as_dict = keyed("natural_frequency_rad_s damping")
+    natural_frequency: float | FloatArray = field(
+        default=25.1, metadata=spec("natural frequency", key="natural_frequency_rad_s")
+    )
+    damping: float | FloatArray | None = field(default=0.7, metadata=spec())
 
     def __post_init__(self) -> None:
         frequency = positive_in_range("natural_frequency", self.natural_frequency, "rad/s")

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import table
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
+from tvclin.base.fields import document
 from tvclin.base.lines import Line, Table, number
 from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -98,11 +98,12 @@ class Detuned:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
-        names = "status aero_margin_dB gain_increase_dB phase_margin_deg delay_margin_s"
+        names = ("status", "aero_margin", "gain_increase", "phase_margin", "delay_margin")
         columns = {
             "change": self.changes,
-            **picked(self.margins, names),
-            **picked(self, "first=critical_margin met=satisfied"),
+            **document(self.margins, *names),
+            "first": self.critical_margin,
+            "met": self.satisfied,
         }
         rows = zip(*columns.values(), strict=True)
         return {

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Carded
-from tvclin.base.documents import picked
+from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
+from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Row, Table, significant
 from tvclin.control.autopilot.actuator import (
     MAX_MAGNITUDE,
@@ -36,30 +35,20 @@ double has digits."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Feedback(Carded):
+class Feedback(Record):
     """Parameters of an `Autopilot`, whose docstring describes them."""
 
-    attitude_gain: float | FloatArray
-    rate_gain: float | FloatArray
-    alpha_gain: float | FloatArray = 0.0
-    integral_gain: float | FloatArray = 0.0
-    actuator: Actuator | None = None
-    delay: float | FloatArray = 0.0
+    attitude_gain: float | FloatArray = field(metadata=spec())
+    rate_gain: float | FloatArray = field(metadata=spec("time"))
+    alpha_gain: float | FloatArray = field(default=0.0, metadata=spec())
+    integral_gain: float | FloatArray = field(default=0.0, metadata=spec("per time"))
+    actuator: Actuator | None = field(default=None, metadata=spec())
+    delay: float | FloatArray = field(default=0.0, metadata=spec("time"))
     pade_order: int = 4
-    filters: tuple[Filter, ...] = ()
-    attitude_filters: tuple[Filter, ...] = ()
-    rate_filters: tuple[Filter, ...] = ()
-    sample_rate: float | FloatArray | None = None
-
-    _keys = (
-        "attitude_gain rate_gain_s alpha_gain integral_gain_per_s actuator delay_s"
-        " sample_rate_Hz attitude_filters rate_filters filters"
-    )
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON, angles in degrees."""
-        gains = "attitude_gain rate_gain_s alpha_gain integral_gain_per_s delay_s actuator"
-        return picked(self, f"{gains} {' '.join(CHAINS)} sample_rate_Hz")
+    filters: tuple[Filter, ...] = field(default=(), metadata=spec())
+    attitude_filters: tuple[Filter, ...] = field(default=(), metadata=spec())
+    rate_filters: tuple[Filter, ...] = field(default=(), metadata=spec())
+    sample_rate: float | FloatArray | None = field(default=None, metadata=spec("sample rate"))
 
     def __post_init__(self) -> None:
         gains = {name: zero_or_in_range(name, getattr(self, name), MIN_GAIN) for name in GAINS}

@@ -6,13 +6,14 @@ With M = e^(p delay): peak sensitivity >= M, disk margin <= 2/(M + sqrt(M^2 - 1)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from tvclin.base.cards import Shown
-from tvclin.base.documents import decibels, keyed
+from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, nonnegative, number, single
+from tvclin.base.fields import spec
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.linear.flexible import AnyPlant, check_plant
 
@@ -51,16 +52,16 @@ class MarginBounds(Shown):
         Gains a0 = B/sqrt x and a1 = a0/p [s] that about reach it; infinite where x is zero.
     """
 
-    pole: float
-    delay: float
-    peak_sensitivity: float
-    disk_margin: float
-    phase_margin: float
-    gain_range: float
-    lag: float
-    rule_disk_margin: float
-    rule_attitude_gain: float
-    rule_rate_gain: float
+    pole: float = field(metadata=spec("per time", card=False))
+    delay: float = field(metadata=spec("time", card=False))
+    peak_sensitivity: float = field(metadata=spec())
+    disk_margin: float = field(metadata=spec())
+    phase_margin: float = field(metadata=spec("angle"))
+    gain_range: float = field(metadata=spec())
+    lag: float = field(metadata=spec(card=False))
+    rule_disk_margin: float = field(metadata=spec())
+    rule_attitude_gain: float = field(metadata=spec(card=False))
+    rule_rate_gain: float = field(metadata=spec("time", card=False))
 
     @property
     def phase_margin_deg(self) -> float:
@@ -84,12 +85,6 @@ class MarginBounds(Shown):
                 f" {np.degrees(2.0 * np.arctan(alpha / 2.0)):.3g} deg)"
             )
         return "; ".join(clauses)
-
-    as_dict = keyed(
-        "pole_per_s delay_s peak_sensitivity disk_margin phase_margin_deg gain_range lag"
-        " rule_disk_margin rule_attitude_gain rule_rate_gain_s"
-    )
-    _keys = "peak_sensitivity disk_margin phase_margin_deg gain_range rule_disk_margin"
 
 
 def margin_bounds(

@@ -11,13 +11,14 @@ on the angle of attack alone. At other stations the measured deflection closes a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, number, one_of, positive, single
+from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import Chains, LinearLaw
@@ -63,13 +64,11 @@ class AccelerometerLaw(LinearLaw):
     7.381
     """
 
-    autopilot: Autopilot
+    autopilot: Autopilot = field(metadata=spec())
     vehicle: Vehicle
-    station: float = 0.0
-    bandwidth: float = 100.0
-    plane: str = "pitch"
-
-    _keys = "autopilot station_m bandwidth_rad_per_s plane"
+    station: float = field(default=0.0, metadata=spec("length"))
+    bandwidth: float = field(default=100.0, metadata=spec("natural frequency"))
+    plane: str = field(default="pitch", metadata=spec())
 
     def __post_init__(self) -> None:
         SaturatedLaw(self.autopilot)

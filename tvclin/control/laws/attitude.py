@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
+from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Chains, LinearLaw
 from tvclin.kernels.control_laws import LawNumbers
@@ -30,7 +31,7 @@ class SaturatedLaw(LinearLaw):
         For a batch, and for an autopilot with an actuator, a delay or a sample rate.
     """
 
-    autopilot: Autopilot
+    autopilot: Autopilot = field(metadata=spec())
 
     def __post_init__(self) -> None:
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
@@ -47,8 +48,6 @@ class SaturatedLaw(LinearLaw):
         """Return the law of an autopilot, without actuator, delay and sample rate."""
         instance("autopilot", autopilot, Autopilot, "see design_gains")
         return cls(replace(autopilot, actuator=None, delay=0.0, sample_rate=None))
-
-    _keys = "autopilot"
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:

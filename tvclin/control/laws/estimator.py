@@ -6,13 +6,13 @@ instead of from a vane.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Carded
+from tvclin.base.cards import Record
 from tvclin.base.errors import (
     InputError,
     instance,
@@ -23,6 +23,7 @@ from tvclin.base.errors import (
     single,
     whole_number,
 )
+from tvclin.base.fields import spec
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
@@ -32,7 +33,7 @@ _OBSERVER_DAMPING = 0.7
 
 
 @dataclass(frozen=True, kw_only=True)
-class WindEstimator(Carded):
+class WindEstimator(Record):
     """Observer of the attitude rate q and of d = gamma + alpha_w, without a vane.
 
         q^' = mu_alpha (theta - d^) - mu_delta delta - damping q + 2 zeta w (q - q^)
@@ -56,11 +57,9 @@ class WindEstimator(Carded):
         For numbers out of range.
     """
 
-    bandwidth: float
-    rate_noise: float = 0.0
-    seed: int = 0
-
-    _keys = "bandwidth_rad_per_s rate_noise_deg_per_s seed"
+    bandwidth: float = field(metadata=spec("natural frequency"))
+    rate_noise: float = field(default=0.0, metadata=spec("angular rate"))
+    seed: int = field(default=0, metadata=spec())
 
     def __post_init__(self) -> None:
         object.__setattr__(

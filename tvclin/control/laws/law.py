@@ -7,14 +7,15 @@ keeps no memory itself: the flight passes the states in, so that one law flies m
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Carded
+from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, each, instance
+from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
 from tvclin.control.autopilot.wiring import LAW_INPUTS
 from tvclin.kernels.control_laws import LawNumbers, law_demand
@@ -52,7 +53,7 @@ class Chains(NamedTuple):
     demand: tuple[Filter, ...] = ()
 
 
-class Law(Carded, ABC):
+class Law(Record, ABC):
     """A control law, to be flown with `fly`.
 
     Attributes
@@ -65,8 +66,6 @@ class Law(Carded, ABC):
 
     engage: float = 1.0
     release: float = 1.0
-
-    _keys = "engage release"
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
@@ -171,10 +170,10 @@ class FilteredLaw(Law):
     >>> law = tv.control.FilteredLaw(tv.TrimLaw(plant), filters=(notch,))
     """
 
-    law: Law
-    filters: tuple[Filter, ...] = ()
-    attitude_filters: tuple[Filter, ...] = ()
-    rate_filters: tuple[Filter, ...] = ()
+    law: Law = field(metadata=spec())
+    filters: tuple[Filter, ...] = field(default=(), metadata=spec())
+    attitude_filters: tuple[Filter, ...] = field(default=(), metadata=spec())
+    rate_filters: tuple[Filter, ...] = field(default=(), metadata=spec())
 
     def __post_init__(self) -> None:
         instance("law", self.law, Law, "such as TrimLaw")
@@ -187,8 +186,6 @@ class FilteredLaw(Law):
             object.__setattr__(self, name, chain)
         for name in ("engage", "release"):
             object.__setattr__(self, name, getattr(self.law, name))
-
-    _keys = "law attitude_filters rate_filters filters"
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +19,7 @@ from tvclin.base.errors import (
     small_angle,
     unlimited,
 )
+from tvclin.base.fields import spec
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import (
     RATE_LIMIT_RANGE,
@@ -81,19 +82,14 @@ class RecoverableAttitudeLaw(Law):
         For an estimator slower than the unstable mode.
     """
 
-    plant: Plant
-    reach: float = 0.9
-    gain: float = 10.0
-    design_peak: float | None = None
-    trust: float = 0.8
-    dead_band: float = 0.0
-    rate_limit: float = np.inf
-    estimator: WindEstimator | None = None
-
-    _keys = (
-        "model=plant.model reach gain design_peak_deg trust dead_band_deg"
-        " rate_limit_deg_per_s estimator"
-    )
+    plant: Plant = field(metadata=spec(name="model", of="plant.model"))
+    reach: float = field(default=0.9, metadata=spec())
+    gain: float = field(default=10.0, metadata=spec())
+    design_peak: float | None = field(default=None, metadata=spec("angle"))
+    trust: float = field(default=0.8, metadata=spec())
+    dead_band: float = field(default=0.0, metadata=spec("angle"))
+    rate_limit: float = field(default=np.inf, metadata=spec("angular rate"))
+    estimator: WindEstimator | None = field(default=None, metadata=spec())
 
     def __post_init__(self) -> None:
         modes = measured_coordinates(self.plant)

@@ -7,11 +7,12 @@ limit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Self
 
 from tvclin.base.errors import between, nonnegative, number, small_angle, unlimited
+from tvclin.base.fields import spec
 from tvclin.control.laws.law import (
     RATE_LIMIT_RANGE,
     LinearLaw,
@@ -47,10 +48,8 @@ class TrimLaw(LinearLaw):
         For a plant without a real unstable pole, a batch, and a gain below zero.
     """
 
-    plant: Plant
-    gain: float = 10.0
-
-    _keys = "model=plant.model gain"
+    plant: Plant = field(metadata=spec(name="model", of="plant.model"))
+    gain: float = field(default=10.0, metadata=spec())
 
     def __post_init__(self) -> None:
         measured_coordinates(self.plant)
@@ -126,10 +125,8 @@ class DeadBandLaw(TrimLaw):
         rounding.
     """
 
-    gain: float = 1.0
-    dead_band: float = 0.5
-
-    _keys = "model=plant.model gain dead_band"
+    gain: float = field(default=1.0, metadata=spec())
+    dead_band: float = field(default=0.5, metadata=spec())
 
     def __post_init__(self) -> None:
         super().__post_init__()

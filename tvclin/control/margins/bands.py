@@ -10,15 +10,16 @@ frequency the largest term owns the loop, its crossings and its peak.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import decibels, keyed
+from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, instance, one_of, plain
+from tvclin.base.fields import derived, spec
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import InDecibels, Margins, in_batch_shape, margins_of
 from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins, row_minimum
@@ -190,18 +191,12 @@ class RigidBand(Shown, InDecibels):
         Frequencies of the margins [rad/s].
     """
 
-    aero_margin: Any
-    aero_frequency: Any
-    gain_increase: Any
-    gain_increase_frequency: Any
-    phase_margin: Any
-    crossover_frequency: Any
-
-    as_dict = keyed(
-        "aero_margin_dB aero_frequency_rad_per_s gain_increase_dB gain_increase_frequency_rad_per_s"
-        " phase_margin_deg crossover_frequency_rad_per_s"
-    )
-    _keys = "aero_margin_dB gain_increase_dB phase_margin_deg"
+    aero_margin: Any = field(metadata=spec("gain"))
+    aero_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    gain_increase: Any = field(metadata=spec("gain"))
+    gain_increase_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    phase_margin: Any = field(metadata=spec("angle"))
+    crossover_frequency: Any = field(metadata=spec("natural frequency", card=False))
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,42 +233,38 @@ class ModeBand(Shown):
 
     name: str
     pole: Any
-    closed_pole: Any
-    stabilised: Any
+    closed_pole: Any = field(metadata=spec(card=False))
+    stabilised: Any = field(metadata=spec())
     peak: Any
-    peak_frequency: Any
-    lag_margin: Any
-    lead_margin: Any
-    gain_reduction: Any
-    gain_increase: Any
-    distance: Any
-    alias: Any
-
-    as_dict = keyed(
-        "frequency_rad_per_s closed_pole stabilised peak_dB peak_frequency_rad_per_s gain_margin_dB"
-        " phase_margin_deg lag_margin_deg lead_margin_deg gain_reduction_dB gain_increase_dB"
-        " distance alias_rad_per_s"
-    )
-
-    _keys = "frequency_rad_per_s stabilised peak_dB gain_margin_dB phase_margin_deg distance"
+    peak_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    lag_margin: Any = field(metadata=spec("angle", card=False))
+    lead_margin: Any = field(metadata=spec("angle", card=False))
+    gain_reduction: Any = field(metadata=spec("gain", card=False))
+    gain_increase: Any = field(metadata=spec("gain", card=False))
+    distance: Any = field(metadata=spec())
+    alias: Any = field(metadata=spec("natural frequency", card=False))
 
     @property
+    @derived("natural frequency")
     def frequency(self) -> Any:
         """Frequency of the mode in the plant [rad/s]."""
         return plain(np.abs(self.pole))
 
     @property
+    @derived("decibels", name="peak")
     def peak_dB(self) -> Any:
         """Peak of ``|L|`` in dB."""
         return decibels(self.peak)
 
     @property
+    @derived("decibels", name="gain_margin")
     def gain_margin_dB(self) -> Any:
         """Distance in dB of a gain-stabilised mode's peak below one; NaN for other modes."""
         by_gain = np.asarray(self.stabilised) == GAIN
         return plain(np.where(by_gain, -np.asarray(self.peak_dB), np.nan)[()])
 
     @property
+    @derived("degrees", name="phase_margin")
     def phase_margin_deg(self) -> Any:
         """Smaller one of lag and lead margin in degrees; NaN without a crossover of the mode.
 
@@ -298,20 +289,16 @@ class BandMargins(Shown):
         Margins of each bending mode and tank.
     """
 
-    margins: Margins
-    rigid: RigidBand
-    modes: tuple[ModeBand, ...]
+    margins: Margins = field(metadata=spec(of="margins.status", label="whole loop", document=False))
+    rigid: RigidBand = field(metadata=spec(name="rigid_body"))
+    modes: tuple[ModeBand, ...] = field(
+        metadata=spec(of=lambda bands: {mode.name: mode for mode in bands.modes}, label="mode")
+    )
 
     def mode(self, name: str) -> ModeBand:
         """Return the band of one mode by its name."""
         names = [mode.name for mode in self.modes]
         return self.modes[names.index(one_of("name", name, names))]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON, angles in degrees."""
-        return {"rigid_body": self.rigid, "modes": {mode.name: mode for mode in self.modes}}
-
-    _keys = "whole_loop=margins.status rigid_body=rigid mode=modes"
 
 
 def band_margins(

@@ -1,14 +1,15 @@
 """Criteria for stability margins: requirements with their sources, judgements, and their tables."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
 
 from tvclin.base import lines
-from tvclin.base.documents import keyed, picked
+from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, each, instance, nonnegative, number, one_of, plain, text
+from tvclin.base.fields import Field, spec, specs
 from tvclin.base.lines import Line, Table, labelled, significant
 from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import FileTable
@@ -40,7 +41,7 @@ _AIRCRAFT = (
 
 
 @dataclass(frozen=True)
-class Requirement:
+class Requirement(Record):
     """Limit of one margin.
 
     Attributes
@@ -54,11 +55,9 @@ class Requirement:
         Source of the number.
     """
 
-    margin: str
-    limit: float
-    source: str
-
-    as_dict = keyed("margin limit source")
+    margin: str = field(metadata=spec())
+    limit: float = field(metadata=spec())
+    source: str = field(metadata=spec())
 
     def __post_init__(self) -> None:
         one_of("margin", self.margin, _UNITS)
@@ -88,7 +87,7 @@ class Requirement:
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
+class Judgement(Record):
     """Margin compared with its requirement; numbers have the shape ``(...)`` of the batch.
 
     Attributes
@@ -105,16 +104,17 @@ class Judgement:
         Name of the mode; empty for the whole loop.
     """
 
-    requirement: Requirement
-    value: Any
-    surplus: Any
-    satisfied: Any
-    band: str = ""
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON; the whole loop is no band."""
-        keys = "margin=requirement.margin band limit=requirement.limit value surplus met=satisfied"
-        return picked(self, f"{keys} source=requirement.source") | {"band": self.band or None}
+    requirement: Requirement = field(
+        metadata=specs(
+            Field("margin", of="requirement.margin"),
+            Field("limit", of="requirement.limit"),
+            Field("source", of="requirement.source"),
+        )
+    )
+    value: Any = field(metadata=spec())
+    surplus: Any = field(metadata=spec())
+    satisfied: Any = field(metadata=spec(name="met"))
+    band: str = field(default="", metadata=spec(of=lambda judged: judged.band or None))
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,16 @@ All follow from L(j omega): gain and phase at its crossings, the disk margin and
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Row, Shown, card
-from tvclin.base.documents import decibels, keyed
+from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, instance, plain
+from tvclin.base.fields import Field, spec, specs
 from tvclin.base.lines import Line, number, text
 from tvclin.control.margins.loop import Loop
 from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins
@@ -148,25 +149,27 @@ float or ndarray
         All crossings, also those that do not limit a margin.
     """
 
-    status: Any
-    unstable_poles: Any
-    aero_margin: Any
-    aero_frequency: Any
-    gain_increase: Any
-    gain_increase_frequency: Any
-    phase_margin: Any
-    crossover_frequency: Any
-    delay_margin: Any
-    delay_margin_frequency: Any
-    disk_margin: Any
-    disk_frequency: Any
-    peak_sensitivity: Any
-    peak_sensitivity_frequency: Any
-    peak_complementary_sensitivity: Any
-    peak_complementary_sensitivity_frequency: Any
+    status: Any = field(metadata=spec(document=False))
+    unstable_poles: Any = field(metadata=spec(card=False))
+    aero_margin: Any = field(metadata=spec("gain"))
+    aero_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    gain_increase: Any = field(metadata=spec("gain"))
+    gain_increase_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    phase_margin: Any = field(metadata=spec("angle"))
+    crossover_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    delay_margin: Any = field(metadata=spec("time"))
+    delay_margin_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    disk_margin: Any = field(
+        metadata=specs(Field(), Field(kind="decibels", of="disk_margin_dB", card=False))
+    )
+    disk_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    peak_sensitivity: Any = field(metadata=spec(card=False))
+    peak_sensitivity_frequency: Any = field(metadata=spec("natural frequency", card=False))
+    peak_complementary_sensitivity: Any = field(metadata=spec(card=False))
+    peak_complementary_sensitivity_frequency: Any = field(
+        metadata=spec("natural frequency", card=False)
+    )
     crossings: Crossings
-
-    _keys = "status aero_margin_dB gain_increase_dB phase_margin_deg delay_margin_s disk_margin"
 
     def rows(self) -> list[MarginRow]:
         """Return a table row for each margin that criteria may limit."""
@@ -174,14 +177,6 @@ float or ndarray
             MarginRow(name, label, unit_factor(unit) * getattr(self, name), unit, getattr(self, at))
             for name, (label, unit, at) in MARGINS.items()
         ]
-
-    as_dict = keyed(
-        "unstable_poles aero_margin_dB aero_frequency_rad_per_s gain_increase_dB"
-        " gain_increase_frequency_rad_per_s phase_margin_deg crossover_frequency_rad_per_s"
-        " delay_margin_s delay_margin_frequency_rad_per_s disk_margin disk_margin_dB"
-        " disk_frequency_rad_per_s peak_sensitivity peak_sensitivity_frequency_rad_per_s"
-        " peak_complementary_sensitivity peak_complementary_sensitivity_frequency_rad_per_s"
-    )
 
     def _repr_html_(self) -> str:
         rows: list[Row] = [("status", self.status, "")]

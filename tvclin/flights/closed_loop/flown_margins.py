@@ -6,7 +6,7 @@ which the loop becomes unstable in its linear range is computed as well (`sample
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from tvclin.base import lines
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.documents import decibels, keyed
+from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, number, positive, small_angle
+from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator
@@ -89,15 +90,13 @@ class FlownMargin(Shown):
         Whether each of them survives, stable in its linear range or not.
     """
 
-    value: float
-    cause: str
-    survives_beyond: bool
-    loss: float
-    linear: float
+    value: float = field(metadata=spec())
+    cause: str = field(metadata=spec())
+    survives_beyond: bool = field(metadata=spec(name="again"))
+    loss: float = field(metadata=spec(name="lost"))
+    linear: float = field(metadata=spec(name="near_rest"))
     scan: FloatArray
     survives: BoolArray
-
-    as_dict = keyed("value cause again=survives_beyond lost=loss near_rest=linear")
 
     @property
     def dB(self) -> float:
@@ -125,21 +124,17 @@ class FlownMargins(Shown):
         "ok", or a warning on the limit or its boundary.
     """
 
-    gain_fall: FlownMargin
-    gain_rise: FlownMargin
-    effectiveness_fall: FlownMargin
-    effectiveness_rise: FlownMargin
-    delay: FlownMargin
-    limit: float
-    boundary: float
-    status: str
-
-    as_dict = keyed(
-        "limit_of_full_trim=limit boundary_of_full_trim=boundary spare status"
-        f" {' '.join(CHANGES)} notes"
-    )
+    gain_fall: FlownMargin = field(metadata=spec())
+    gain_rise: FlownMargin = field(metadata=spec())
+    effectiveness_fall: FlownMargin = field(metadata=spec())
+    effectiveness_rise: FlownMargin = field(metadata=spec())
+    delay: FlownMargin = field(metadata=spec())
+    limit: float = field(metadata=spec(name="limit_of_full_trim"))
+    boundary: float = field(metadata=spec(name="boundary_of_full_trim"))
+    status: str = field(metadata=spec())
 
     @property
+    @derived()
     def spare(self) -> float:
         """Limit over boundary."""
         return self.limit / self.boundary
@@ -152,6 +147,7 @@ class FlownMargins(Shown):
         )
 
     @property
+    @derived()
     def notes(self) -> tuple[str, ...]:
         """Notes on the margins."""
         notes = [] if self.status == OK else [self.status]

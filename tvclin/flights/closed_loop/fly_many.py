@@ -8,7 +8,7 @@ deflection limit has less gain. That is decided by a further flight in still air
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from tvclin.base.errors import (
     positive,
     small_angle,
 )
+from tvclin.base.fields import derived, spec
 from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.flights.closed_loop.batch import Batch, Hardware, LawBatch, law_batch, shape_of
 from tvclin.flights.closed_loop.checks import (
@@ -133,22 +134,21 @@ class FlownCases(Shown):
         a vehicle that returns while its nozzle keeps oscillating, see `fly_many`.
     """
 
-    peak_attitude: FloatArray
+    peak_attitude: FloatArray = field(metadata=spec("angle"))
     peak_attitude_rate: FloatArray
-    peak_deflection: FloatArray
+    peak_deflection: FloatArray = field(metadata=spec("angle"))
     peak_deflection_rate: FloatArray
-    peak_angle_of_attack: FloatArray
+    peak_angle_of_attack: FloatArray = field(metadata=spec("angle"))
     final_attitude: FloatArray
     end_time: FloatArray
     saturated_time_fraction: FloatArray
     status: NDArray[np.str_]
 
     @property
+    @derived()
     def counts(self) -> dict[str, int]:
         """Number of flights of each status, the most frequent first."""
         return dict(Counter(self.status.ravel().tolist()).most_common())
-
-    _keys = "counts peak_attitude_deg peak_deflection_deg peak_angle_of_attack_deg"
 
 
 def fly_many(

@@ -7,7 +7,7 @@ is limited by the limit shape; see `laws.both_planes`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, number, positive, small_angle
+from tvclin.base.fields import spec
 from tvclin.boundary.limit_shapes import LimitShape, Vectors
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.both_planes import LawInPlanes
@@ -170,16 +171,14 @@ class FlownPlanes(Shown):
         Samples [s] of a single flight, and its vectors [rad], ``(n,)``; empty for several flights.
     """
 
-    peak_attitude: FloatArray
-    peak_deflection: FloatArray
+    peak_attitude: FloatArray = field(metadata=spec("angle"))
+    peak_deflection: FloatArray = field(metadata=spec("angle"))
     saturated_time_fraction: FloatArray
     end_time: FloatArray
-    status: NDArray[np.str_]
+    status: NDArray[np.str_] = field(metadata=spec())
     time: FloatArray
     attitude: Vectors
     deflection: Vectors
-
-    _keys = "status peak_attitude_deg peak_deflection_deg"
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,13 +200,11 @@ class FlownPlaneLimit(Shown):
         "ok", or the reason why the limit is an end of the range.
     """
 
-    limit: float
-    deflection: float
+    limit: float = field(metadata=spec(label="limit over trim"))
+    deflection: float = field(metadata=spec("angle"))
     scan: FloatArray
     survives: BoolArray
-    status: str
-
-    _keys = "limit_over_trim=limit deflection_deg status"
+    status: str = field(metadata=spec())
 
 
 def fly_planes(

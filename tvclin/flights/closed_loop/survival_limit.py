@@ -7,7 +7,7 @@ last loss to survival is refined; `boundary_map` repeats this over gains and del
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
 from typing import Any
@@ -28,6 +28,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
+from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.control.laws.law import Law
@@ -248,16 +249,14 @@ class ClosedLoopBoundary(Shown):
         the loop has an unstable mode in its linear range.
     """
 
-    limit: float
-    deflection: float
+    limit: float = field(metadata=spec(label="limit over trim"))
+    deflection: float = field(metadata=spec("angle"))
     scan: FloatArray
     survives: BoolArray
-    refinements: tuple[tuple[float, float], ...]
-    growth: float
+    refinements: tuple[tuple[float, float], ...] = field(metadata=spec(label="looked"))
+    growth: float = field(metadata=spec("per time"))
     has_unstable_mode: bool
-    status: str
-
-    _keys = "limit_over_trim=limit deflection_deg looked=refinements growth_per_s status"
+    status: str = field(metadata=spec())
 
     @property
     def monotone(self) -> bool:
@@ -420,13 +419,11 @@ class BoundaryMap(Shown):
         Largest trim deflection ``|B alpha_w,max|`` [rad].
     """
 
-    gains: FloatArray
-    delays: FloatArray
-    limit: FloatArray
+    gains: FloatArray = field(metadata=spec())
+    delays: FloatArray = field(metadata=spec("time"))
+    limit: FloatArray = field(metadata=spec(label="limit over trim"))
     growth: FloatArray
     full_trim: float
-
-    _keys = "gains delays_s limit_over_trim=limit"
 
 
 def boundary_map(

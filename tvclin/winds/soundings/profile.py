@@ -12,14 +12,14 @@ sin(alpha_w) = (u/V_R) sin(gamma) in pitch and v/V_R in yaw. `Climb` is the simp
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.base.cards import Carded
+from tvclin.base.cards import Record
 from tvclin.base.errors import (
     MAX_TIME,
     InputError,
@@ -36,6 +36,7 @@ from tvclin.base.errors import (
     text,
     within,
 )
+from tvclin.base.fields import derived, spec
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import Piecewise
 from tvclin.winds.plane_wind import PlaneWind
@@ -157,7 +158,7 @@ def checked_flight(flight: FlightPath) -> list[FloatArray]:
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class WindProfile(Carded):
+class WindProfile(Record):
     """Horizontal wind over height, linear between its levels.
 
     Parameters
@@ -178,13 +179,11 @@ class WindProfile(Carded):
         that are not finite or mean neither a height nor a wind.
     """
 
-    height: FloatArray
+    height: FloatArray = field(metadata=spec("length"))
     east: FloatArray
     north: FloatArray
     source: str = ""
-    notes: tuple[str, ...] = ()
-
-    _keys = "height_m speed_m_per_s notes"
+    notes: tuple[str, ...] = field(default=(), metadata=spec())
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in RANGES.items():
@@ -210,6 +209,7 @@ class WindProfile(Carded):
         return f"WindProfile({self.height.size} levels from {low:.6g} to {high:.6g} m{named})"
 
     @property
+    @derived("speed")
     def speed(self) -> FloatArray:
         """Wind speed [m/s] at the levels, shape ``(n,)``."""
         return np.hypot(self.east, self.north)
@@ -434,8 +434,8 @@ class Climb:
     flight_path_angle: FloatArray
 
     def __post_init__(self) -> None:
-        for field, array in zip(fields(self), checked_flight(self), strict=True):
-            object.__setattr__(self, field.name, array)
+        for item, array in zip(fields(self), checked_flight(self), strict=True):
+            object.__setattr__(self, item.name, array)
 
 
 def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) -> Climb:
