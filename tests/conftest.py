@@ -112,13 +112,13 @@ def no_flights():
 @pytest.fixture
 def few_durations(monkeypatch):
     """Draw the boundaries of a page for three durations of the wind, not for 200, which cost."""
+    from tvclin import plots
     from tvclin.plots import study_chart
-    from tvclin.show.report import sections
 
     def few(study):
         return study_chart(study, np.array([0.02, 1.0, 3.0]) * float(study.wind.duration))
 
-    monkeypatch.setattr(sections, "study_chart", few)
+    monkeypatch.setattr(plots, "study_chart", few)
 
 
 def _planar_motion(vehicle, values):

@@ -6,11 +6,11 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.base.lines import Number, Table
+from tests.show.pages import section
+from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.total import total_table
-from tvclin.show.report import flight
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.read import load_study
 
@@ -40,7 +40,7 @@ def answers(tmp_path_factory):
     plan = replace(load_study(path), laws=None)
     found = find(plan)
     printed = CliRunner().invoke(app, ["size", str(path)], env={"COLUMNS": "200"}).output
-    return printed, flight.over_flight(found), *found.flight
+    return printed, section(found, "flight"), *found.flight
 
 
 def texts(parts):
@@ -48,24 +48,22 @@ def texts(parts):
 
 
 def test_every_number_of_the_page_stands_in_the_terminal_with_the_same_digits(answers):
-    printed, section, _, _ = answers
-    rows = [row for one in section.blocks if isinstance(one, Table) for row in one.rows]
+    printed, page, _, _ = answers
     shown = [
-        one.text
-        for row in rows
-        for line in row
-        for one in line
-        if isinstance(one, Number) and not one.name.endswith("change_percent")
+        text
+        for name, (_, text) in page.numbers.items()
+        if not name.endswith(("change_percent", "ratio.ratio"))
     ]
     assert len(shown) > 30
     assert set(shown) <= set(printed.split())
 
 
 def test_the_verdict_is_one_sentence_in_terminal_and_page(answers):
-    printed, section, _, total = answers
+    printed, page, _, total = answers
     (line,) = total.verdict
-    assert "".join(getattr(one, "text", one) for one in line) in printed
-    assert line in [block.line for block in section.blocks if block.kind == "paragraph"]
+    said = "".join(getattr(one, "text", one) for one in line)
+    assert said in printed
+    assert said in page.of("p")
 
 
 @pytest.mark.parametrize(("lacks", "words"), [(2e-6, "0.0001146 deg"), (2e-3, "0.115 deg")])

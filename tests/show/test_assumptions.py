@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.show.pages import section
 from tvclin.base.lines import Number, text
-from tvclin.show.report import basis, rests, sections, verdict
+from tvclin.show.report import verdict
+from tvclin.show.report.assumptions import assumptions, doubts
 from tvclin.studyfile.findings import Findings, find
 
 HEADER = re.compile(r"<header.*?</header>", re.DOTALL)
@@ -25,7 +27,7 @@ def found(more: str, tmp_path, peak: float = 5.0, limit: float = 0.4) -> Finding
 
 
 def check_of(answers: Findings, begin: str):
-    return next(one for one in rests.rests(answers) if text(one.line).startswith(begin))
+    return next(one for one in assumptions(answers) if text(one.line).startswith(begin))
 
 
 @pytest.mark.parametrize("duration", [5.0, 30.0])
@@ -67,9 +69,8 @@ def test_a_page_does_not_judge_a_wind_of_60_degrees(tmp_path) -> None:
     assert sentence in text(verdict.sentence(answers))
     assert check_of(answers, "Forces are linear").state == "doubt"
     assert dict(verdict.facts(answers))[verdict.SURVIVES][0] == "≥ "
-    assert not any(one.kind == "figure" for one in sections.boundaries(answers).blocks)
-    told = [text(one.line) for one in basis.assumptions(answers).blocks[0].each]
-    assert any(sentence in one for one in told)
+    assert not section(answers, "boundaries").attributes("svg")
+    assert any(sentence in note for note in doubts(answers))
 
 
 def test_the_panel_does_not_judge_a_wind_of_60_degrees() -> None:

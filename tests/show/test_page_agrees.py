@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.archives import Balloon, days, jet, write
-from tvclin.plots import study_chart
+from tvclin.plots.boundaries import study_chart
 from tvclin.show.report.page import page_of
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.parse import parse_study

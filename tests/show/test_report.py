@@ -4,7 +4,6 @@ import re
 import sys
 import tomllib
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +11,14 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.base.lines import Number, text
+from tests.show.pages import Page, section
+from tvclin.base.lines import Number, as_sentence, text
 from tvclin.cli.app import app
 from tvclin.design.standard_trials import law_trials
 from tvclin.linear.plant import MODELS
-from tvclin.show.report import basis, flight, rests, sections, verdict
-from tvclin.show.report.blocks import Section, as_sentence
-from tvclin.show.report.page import _template, page_of
+from tvclin.show.report import notes, verdict
+from tvclin.show.report.assumptions import assumptions
+from tvclin.show.report.page import _environment, page_of
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.glossary import TERMS
 from tvclin.studyfile.parse import parse_study
@@ -36,54 +36,7 @@ def test_a_page_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(
         tv.InputError, match=r"the page needs jinja2, which is not installed: .*tvclin\[report\]"
     ):
-        _template()
-
-
-class Page(HTMLParser):
-    """Numbers by their names, tags, links and texts of a page."""
-
-    def __init__(self, html: str) -> None:
-        super().__init__()
-        self.numbers: dict[str, tuple[float, str]] = {}
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.texts: list[str] = []
-        self._name: str | None = None
-        self.feed(html)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        self.tags.append((tag, given))
-        if "data-value" in given:
-            assert given["data-name"] not in self.numbers
-            self._name = given["data-name"]
-            self.numbers[self._name] = (float(given["data-value"]), "")
-
-    def handle_data(self, data: str) -> None:
-        self.texts.append(data)
-        if self._name is not None:
-            self.numbers[self._name] = (self.numbers[self._name][0], data)
-            self._name = None
-
-    def attributes(self, tag: str) -> list[dict[str, str | None]]:
-        return [attributes for name, attributes in self.tags if name == tag]
-
-
-def cells(section: Section) -> list[str | Number]:
-    """Texts and numbers of the tables, checks and paragraphs of a section."""
-    lines = []
-    for block in section.blocks:
-        lines += [line for row in block.rows for line in row] if block.kind == "table" else []
-        lines += [check.line for check in block.each] if block.kind == "checks" else []
-        lines += [block.line] if block.kind == "paragraph" else []
-    return [cell for line in lines for cell in line]
-
-
-def numbers(section: Section) -> dict[str, float]:
-    return {one.name: one.value for one in cells(section) if isinstance(one, Number)}
-
-
-def words(section: Section) -> list[str]:
-    return [one for one in cells(section) if isinstance(one, str)]
+        _environment()
 
 
 def sawtooth(peak: float, duration: float) -> tv.winds.AsymmetricTriangularWind:
@@ -252,6 +205,9 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
         | {
             "asked.autopilot_deg": np.degrees(c.peak_deflection),
             "facts.stop_deg": stop,
+            "failure.required_deg": stop,
+            "failure.limit_deg": 0.4,
+            "laws.autopilot_requirement_deg": stop,
             "verdict.required_deg": stop,  # the autopilot needs most of all
             "verdict.surplus_deg": stop - 0.4,
             "verdict.surplus_percent": 100.0 * (1.0 - 0.4 / stop),
@@ -407,7 +363,7 @@ def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page)
 def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.studyfile.StudyPlan) -> None:
     lost = replace(plan, nozzle=tv.Nozzle(limit=0.001), wind=replace(plan.wind, duration=20.0))
     found = find(lost)
-    shown = numbers(sections.response(found))
+    shown = section(found, "response").values
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
     deflection = tv.trim_then_hold(plant, found.study.wind, -0.001, 1.0)
     late = shown["response.at_end_s"]
@@ -520,7 +476,7 @@ def test_a_pulse_without_a_closed_form_is_named_no_equation(
 ) -> None:
     monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
     bare = tv.studyfile.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
-    told = set(cells(basis.equations(find(bare))))
+    told = set(section(find(bare), "equations").of("th"))
 
     assert {"(4b)", "(5)", "(B7)"} <= told
     assert not {"(7)", "(12)", "(16)", "(18)"} & told
@@ -531,7 +487,7 @@ def test_a_measured_wind_is_told_with_its_station_its_date_and_the_direction_of_
     wind = {"peak_deg": 5.0, "duration_s": 7.5}
     study = {"vehicle": "configuration-i"}
     asked = parse_study({"study": study, "wind": [wind, sounding], "schedule": {}}).sizing
-    (told,) = (text(block.line) for block in flight._measured(asked))
+    (told,) = map(text, notes.sounding_lines(asked))
     for said in ("wyoming.txt: 74794 XMR Cape Kennedy", "12Z 15 Feb 2024", "towards 62.5 deg"):
         assert said in told
     assert "soundings/" not in told
@@ -549,7 +505,7 @@ def test_each_model_has_the_equation_that_glossary_and_conventions_say(
     plan: tv.studyfile.StudyPlan, model: str, named: set[str], others: set[str]
 ) -> None:
     bare = tv.studyfile.StudyPlan(vehicle=plan.vehicle, model=model)
-    told = set(cells(basis.equations(find(bare))))
+    told = set(section(find(bare), "equations").of("th"))
     assert named | {"(12)"} <= told
     assert not others & told
 
@@ -581,29 +537,24 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     (tmp_path / "s.toml").write_text(text)
     plan = tv.load_study(tmp_path / "s.toml")
     found = find(plan)
-    sizing, section = found.flight[0], flight.over_flight(found)
-    shown = numbers(section)
-    texts = words(section)
+    sizing, shown = found.flight[0], section(found, "flight")
 
     assert sizing.winds == ("triangular wind of 5 deg, 35 s, gust of 1 deg, 2 s", "w.csv")
     for j in range(2):
         for name, values in sizing.required.items():
             if np.isfinite(values[0, j]):
                 key = f"flight.{j}.0.{name}_deg"
-                assert shown[key] == pytest.approx(np.degrees(values[0, j]), rel=1e-12)
-    assert "Required deflection [deg]: w.csv" in [
-        block.caption for block in section.blocks if block.kind == "table"
-    ]
-    frozen = [
-        one for one in section.blocks if getattr(one, "head", ())[-2:] == ("one pole", "data")
-    ]
-    assert [one.rows[0][-2] for one in frozen] == [("no",), ("yes",)]
-    assert any("is beyond the single-pole theory" in one for one in texts)
-    assert any("In w.csv only what blows within 10 s" in one for one in texts)
-    assert any("Measured wind w.csv; the flight goes towards" in one for one in texts)
+                assert shown.values[key] == pytest.approx(np.degrees(values[0, j]), rel=1e-12)
+    assert "Required deflection [deg]: w.csv" in shown.of("caption")
+    frozen = [shown.cells[k:] for k, cell in enumerate(shown.cells) if cell == ("th", "one pole")]
+    one_pole = [next(text for _, text in rest if text in ("no", "yes")) for rest in frozen]
+    assert one_pole == ["no", "yes"]
+    assert "is beyond the single-pole theory" in shown.text
+    assert "In w.csv only what blows within 10 s" in shown.text
+    assert "Measured wind w.csv; the flight goes towards" in shown.text
     basis = [one for one in verdict.basis(found) if isinstance(one, str)]
     assert any("counts all that the nozzle has to do" in one for one in basis)
-    case = numbers(sections.inputs(found))
+    case = section(found, "inputs").values
     worst = float(found.study.gust.onset)
     assert (case["gust.peak_deg"], case["gust.begins"]) == (pytest.approx(1.0), worst)
     (tmp_path / "s.toml").write_text(text.replace("azimuth_deg = 90", "azimuth_deg = 91"))
@@ -630,8 +581,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
     assert [one.yes for one in questions(found)] == [True, None]
     assert said.startswith("NOT KNOWN: ")
     assert "the whole flight of configuration-i is not sized above" in said
-    texts = words(flight.over_flight(found))
-    assert any("NOT SIZED above 12.0 km" in one for one in texts)
+    assert "NOT SIZED above 12.0 km" in section(found, "flight").text
     assert (result.exit_code, "NOT known to be sufficient" in result.output) == (1, True)
 
 
@@ -642,7 +592,7 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(
     wind = replace(plan.wind, gust=gust, gust_at=3.75)
     gusty = replace(plan, wind=wind, laws=None, sizing=None, dispersions=None)
     found = find(gusty)
-    shown = numbers(sections.response(found))
+    shown = section(found, "response").values
     both = found.study.wind + gust
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
     deflection = tv.trim_then_hold(plant, both, -np.radians(0.4), 1.0)
@@ -667,21 +617,19 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     enough = find(replace(fixed, nozzle=tv.Nozzle(limit=wide), sizing=once))
     heading = [one for one in verdict.sentence(short) if isinstance(one, Number)]
     headline = {one.name: one.text for one in heading}
-    section = {
-        one.name: one.text for one in cells(flight.over_flight(short)) if isinstance(one, Number)
-    }
-    table = cells(verdict.asked(short))
-    tiles = {one.name: one.text for one in table if isinstance(one, Number)}
+    shown = {name: said for name, (_, said) in section(short, "flight").numbers.items()}
+    tiles = {name: said for name, (_, said) in section(short, "asked").numbers.items()}
 
-    assert headline["verdict.surplus_deg"] == section["total.short_deg"]
+    assert headline["verdict.surplus_deg"] == shown["total.short_deg"]
     assert tiles["asked.whole_flight.needed_deg"] == headline["verdict.required_deg"]
     assert tiles["asked.wind.needed_deg"] == "0.368"
     assert verdict.sentence(short)[0] == "NOT SUFFICIENT: the limit of "
     assert "the whole flight of configuration-i requires" in verdict.sentence(short)[-1]
     total = enough.flight[1]
     left = np.degrees(0.9 * total.limit - total.total)
-    assert numbers(flight.over_flight(enough))["total.left_deg"] == pytest.approx(left, rel=1e-12)
-    assert any("remaining after the reserve" in one for one in words(flight.over_flight(enough)))
+    page = section(enough, "flight")
+    assert page.values["total.left_deg"] == pytest.approx(left, rel=1e-12)
+    assert "remaining after the reserve" in page.text
 
 
 @pytest.mark.thorough
@@ -707,7 +655,7 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
 
 def test_a_flight_without_an_answer_says_why(plan: tv.studyfile.StudyPlan) -> None:
     late = tv.studyfile.StudyPlan(vehicle=plan.vehicle, sizing=replace(plan.sizing, stop=900.0))
-    said = " ".join(words(flight.over_flight(find(late))))
+    (said,) = section(find(late), "flight").of("p")
     assert said.startswith("There is no answer: time must be between 41 and 116 s")
 
 
@@ -752,7 +700,7 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
         long = tv.studyfile.StudyPlan(
             vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration)
         )
-        doubts = [text(one.line) for one in rests.rests(find(long)) if one.state == "doubt"]
+        doubts = [text(one.line) for one in assumptions(find(long)) if one.state == "doubt"]
         assert any("slow motion" in one for one in doubts) is told
 
 
@@ -780,7 +728,7 @@ def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
     found = find(asked)
 
     assert found.study.sufficient
-    assert said in sections.response(found).blocks[0].caption
+    assert said in section(found, "response").of("figcaption")[0]
 
 
 def test_a_page_says_where_no_limit_is_enough(plan: tv.studyfile.StudyPlan) -> None:
@@ -795,13 +743,13 @@ def test_a_page_says_where_no_limit_is_enough(plan: tv.studyfile.StudyPlan) -> N
     found = find(asked)
 
     assert dict(verdict.facts(found))["required deflection"] == ("none is sufficient",)
-    assert words(sections.boundaries(found)).count("none is sufficient") == 2
+    assert section(found, "boundaries").of("td").count("none is sufficient") == 2
     assert [one.text for one in questions(found)] == ["with this dead band no limit is sufficient"]
     endless = find(replace(asked, nozzle=tv.Nozzle()))
     assert verdict.sentence(endless)[0].startswith(
         "NOT SUFFICIENT: with this dead band no limit is"
     )
-    assert sections.response(endless) is None
+    assert not section(endless, "response").text
 
 
 def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -> None:
@@ -813,7 +761,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -
         nozzle=tv.Nozzle(limit=np.radians(0.2)),
     )
     found = find(long)
-    told = words(basis.assumptions(found))
+    told = section(found, "assumptions").text
 
     assert len(found.study.notes) == 2
     assert all(as_sentence(note) in told for note in found.study.notes)

@@ -11,9 +11,9 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.archives import Balloon, days, jet, write
+from tests.show.pages import section
 from tvclin.cli.app import app
 from tvclin.ensembles.availability.availability_request import AVAILABILITY_TABLE
-from tvclin.show.report.flight import availability
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.parse import parse_study
 from tvclin.studyfile.questions import questions
@@ -92,7 +92,7 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
 @pytest.mark.thorough
 def test_without_an_archive_there_is_no_section_and_the_seal_is_what_it_was(folder) -> None:
     bare = {key: value for key, value in document().items() if key != "availability"}
-    assert availability(find(parse_study(bare))) is None
+    assert not section(find(parse_study(bare)), "availability").text
     seals = [
         find(parse_study(one, folder)).seal
         for one in (bare, document(), document(), document(azimuth_deg=91))

@@ -1,6 +1,5 @@
 """The page of a vehicle that bends and sloshes: its numbers are the library's, and judged."""
 
-import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +9,8 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import MODE_AND_TANK
-from tvclin.base.lines import Number
-from tvclin.design import least_gains_curves as asked
-from tvclin.show.report import basis, control, flexible, sections
+from tests.show.pages import section
+from tvclin.cli.options import asked
 from tvclin.show.report.page import page_of
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.parse import parse_study
@@ -72,19 +70,7 @@ def found(page: tuple[str, Findings]) -> Findings:
 
 @pytest.fixture(scope="module")
 def shown(found: Findings) -> dict[str, float]:
-    return numbers(flexible.flexible(found))
-
-
-def numbers(section) -> dict[str, float]:
-    lines = [
-        line
-        for block in section.blocks
-        if block.kind == "table"
-        for row in block.rows
-        for line in row
-    ]
-    lines += [block.line for block in section.blocks if block.kind == "paragraph"]
-    return {one.name: one.value for line in lines for one in line if isinstance(one, Number)}
+    return section(found, "flexible").values
 
 
 def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
@@ -111,12 +97,12 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
     assert shown["edge.0.lower"] == pytest.approx(off.stable_ranges[0].lower, rel=1e-12)
     moved = plant.shift()
     assert shown["flexible.shift.trim_price"] == pytest.approx(moved.trim_price, rel=1e-12)
-    margin = numbers(control.autopilot(found))
+    margin = section(found, "margins").values
     assert margin["margin.gain_increase_dB"] == pytest.approx(bands.margins.gain_increase_dB)
 
 
 def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(found, plan):
-    shown, autopilot = numbers(control.autopilot(found)), plan.autopilot
+    shown, autopilot = section(found, "margins").values, plan.autopilot
     assert shown["gains.attitude"] == autopilot.attitude_gain
     assert shown["gains.rate"] == autopilot.rate_gain
     assert shown["gains.actuator_frequency"] == autopilot.actuator.natural_frequency
@@ -159,11 +145,11 @@ def test_the_whole_page_holds_the_section_and_what_went_in(page):
     html, found = page
     assert 'id="flexible"' in html
     assert html.count("<svg") == 6
-    inputs = numbers(sections.inputs(found))
+    inputs = section(found, "inputs").values
     assert inputs["structure.bending.0.modal_mass"] == 5e4
     assert inputs["structure.slosh.0.station"] == 12.0
     assert "structure.slosh.0.frequency" not in inputs
-    assert re.search("the autopilot alone", str(basis.assumptions(found)))
+    assert "the autopilot alone" in section(found, "assumptions").text
 
 
 def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
@@ -183,17 +169,17 @@ def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
         assert answers[name].yes is False
     assert "its nozzle keeps oscillating" in answers["flexible flight"].text
     assert "flexible vehicle is not stable" in answers["autopilot"].text
-    shown = flexible.flexible(found)
-    assert "rigid.gain_increase_dB" not in numbers(shown)
-    assert "no limit in the range survives" in str(shown.blocks)
+    shown = section(found, "flexible")
+    assert "rigid.gain_increase_dB" not in shown.values
+    assert "no limit in the range survives" in shown.text
 
 
 def test_a_vehicle_alone_says_what_its_margins_need(folder):
     found = find(tv.load_study(folder / "my.toml"))
-    section = flexible.flexible(found)
-    assert "need an autopilot: [autopilot] in a study file" in str(section.blocks[-1])
+    said = section(found, "flexible").of("p")[-1]
+    assert "need an autopilot: [autopilot] in a study file" in said
     assert [one.name for one in questions(found)] == []
-    assert flexible.flexible(find(tv.load_study("configuration-i"))) is None
+    assert not section(find(tv.load_study("configuration-i")), "flexible").text
 
 
 def test_what_is_asked_of_modes_needs_modes():
@@ -210,7 +196,7 @@ def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_l
     answers = {one.name: one for one in questions(found)}
     assert answers["margins"].yes is None
     assert answers["flexible flight"].yes is None
-    assert "second order" in str(flexible.flexible(found).blocks[-1])
+    assert "second order" in section(found, "flexible").of("p")[-1]
 
 
 def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
@@ -218,4 +204,4 @@ def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
     for rate in (20.0, 50.0, 60.0):
         laws = tv.design.LawsRequest(names=("trim",), sample_rate=rate)
         found = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
-        assert f"sampled at {rate:g} Hz" in str(control.laws(found))
+        assert f"sampled at {rate:g} Hz" in section(found, "laws").text

@@ -8,12 +8,12 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.base.lines import Number, Table
+from tests.show.pages import section
+from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.control.margins.criteria import margin_table
 from tvclin.design.standard_trials import bounds, needed
 from tvclin.requirement.study_tables import verdict
-from tvclin.show.report import control, sections
 from tvclin.studyfile.findings import find
 
 TEXT = """
@@ -39,9 +39,9 @@ def found(tmp_path_factory):
 
 def test_every_margin_of_the_page_stands_in_the_terminal(found):
     printed = CliRunner().invoke(app, ["margins", "configuration-i", *GIVEN]).output
-    blocks = control.autopilot(found).blocks
-    (table,) = (one for one in blocks if isinstance(one, Table) and one.caption == "Margins")
-    shown = [one.text for row in table.rows for line in row for one in line if _is_number(one)]
+    numbers = section(found, "margins").numbers
+    of_table = ("margin.", "criteria.")
+    shown = [text for name, (_, text) in numbers.items() if name.startswith(of_table)]
 
     assert len(shown) > 20
     assert all(text in printed for text in shown)
@@ -73,12 +73,14 @@ def shown(*tables):
 
 def test_a_study_has_the_digits_of_the_page_in_the_terminal_and_in_a_notebook(found):
     printed, card = run("study", "configuration-i"), found.study._repr_html_()
-    on_page = (*sections.boundaries(found).blocks, *sections.inputs(found).blocks)
-    tables = [one for one in on_page if isinstance(one, Table) and "question" not in one.caption]
+    on_page = section(found, "boundaries").numbers | section(found, "inputs").numbers
+    numbers = [
+        text for name, (_, text) in on_page.items() if not name.startswith(("question.", "wind."))
+    ]
     (needed,) = [one for line in verdict(found.study) for one in line if _is_number(one)]
 
-    assert len(shown(*tables)) > 40
-    assert all(text in printed for text in shown(*tables))
+    assert len(numbers) > 40
+    assert all(text in printed for text in numbers)
     assert f">{needed.text}</td>" in card
     assert needed.text in printed
 

@@ -101,6 +101,12 @@ def words(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> T
     return Table(caption, tuple(head), tuple(tuple((cell,) for cell in row) for row in rows))
 
 
+def as_sentence(note: str) -> str:
+    """Return a note with a full stop and, where it begins with a plain word, a capital."""
+    begins = note[:1].upper() if note.partition(" ")[0].rstrip(",:").isalpha() else note[:1]
+    return f"{begins}{note[1:].rstrip('.')}."
+
+
 def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
     """Return a number with some decimals; a dash for NaN and "unlimited" for infinity."""
     rounded = round(float(value), digits) or 0.0  # no minus before a zero

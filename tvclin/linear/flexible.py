@@ -23,6 +23,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.base.fields import spec
+from tvclin.base.lines import Line, Table, significant
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, Plant
@@ -349,6 +350,26 @@ class FlexiblePlant(Shown, Hinted):
 
 AnyPlant = Plant | FlexiblePlant
 """Rigid or flexible plant of autopilots and flights."""
+
+
+def mode_tables(plant: FlexiblePlant) -> list[Table]:
+    """Return the table of frequency and damping of the named modes of one plant; none without."""
+    names, poles = named_modes(plant)
+    rows: list[tuple[Line, ...]] = []
+    for k, (name, pole) in enumerate(zip(names, poles, strict=True)):
+        size, key = abs(pole), f"flexible.mode.{k}"
+        damping = -pole.real / size if size else np.nan
+        rows.append(
+            (
+                (name,),
+                significant(f"{key}.rad_per_s", size, 3),
+                significant(f"{key}.Hz", size / (2.0 * np.pi), 3),
+                significant(f"{key}.damping", damping, 3),
+            )
+        )
+    head = ("mode", "[rad/s]", "[Hz]", "damping")
+    caption = "Modes of the coupled vehicle, without an autopilot"
+    return [Table(caption, head, tuple(rows))] if rows else []
 
 
 def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch") -> AnyPlant:

@@ -7,7 +7,7 @@ arms of the `Vehicle` include liquid and engine.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any
@@ -26,7 +26,28 @@ from tvclin.base.errors import (
     plain,
     shown,
 )
-from tvclin.vehicle.filters import Filter
+from tvclin.base.lines import Line, Table, significant
+from tvclin.vehicle.filters import Filter, filter_cells
+
+_BENDING = {
+    "frequency": " [rad/s]",
+    "damping": "",
+    "modal_mass": " [kg]",
+    "gimbal_displacement": "",
+    "gimbal_slope": " [1/m]",
+    "attitude_slope": " [1/m]",
+    "rate_slope": " [1/m]",
+    "pressure_displacement": "",
+}
+_SLOSH = {
+    "mass": " [kg]",
+    "station": " [m]",
+    "damping": "",
+    "pendulum_length": " [m]",
+    "frequency": " [rad/s]",
+}
+_ENGINE = {"mass": " [kg]", "arm": " [m]", "moment_of_inertia": " [kg m^2]"}
+"""Fields of a bending mode, a tank and the engine that tables show, with their units."""
 
 Number = float | FloatArray
 Check = Callable[..., FloatArray]
@@ -232,6 +253,23 @@ class Structure(_Batched):
                     )
         _ = self.batch  # refuses shapes that do not broadcast
 
+    def tables(self) -> list[Table]:
+        """Return the tables of bending modes, tanks, engine and sensors that exist, in SI units."""
+        engine = () if self.engine is None else (self.engine,)
+        tables = [
+            *_element_tables("Bending", "bending", self.bending, _BENDING),
+            *_element_tables("Slosh", "slosh", self.slosh, _SLOSH),
+            *_element_tables("Engine", "engine", engine, _ENGINE),
+        ]
+        lags = {"attitude": self.attitude_sensor, "rate gyro": self.rate_gyro}
+        sensors = tuple(
+            ((name,), *filter_cells(lag, f"structure.{name.replace(' ', '_')}"))
+            for name, lag in lags.items()
+            if lag is not None
+        )
+        head = ("sensor", "zeros", "poles", "gain")
+        return [*tables, *([Table("Sensors", head, sensors)] if sensors else [])]
+
     def _rows(self) -> list[Row]:
         """Return names, values and units of the structure for a card."""
         rows: list[Row] = []
@@ -334,3 +372,24 @@ _ENGINE_CHECKS = (
     ("arm", _bounded, "m"),
     ("moment_of_inertia", _inertia, "kg m^2"),
 )
+
+
+def _element_tables(
+    caption: str, name: str, elements: Sequence[Any], units: dict[str, str]
+) -> Iterator[Table]:
+    """Yield the table of elements of one kind, a column each; nothing without elements.
+
+    `name`: that of an element. `units`: fields that are shown, with their units.
+    """
+    rows: list[tuple[Line, ...]] = []
+    for field, unit in units.items():
+        values = [getattr(element, field) for element in elements]
+        if any(value is not None for value in values):
+            cells = (
+                ("-",) if value is None else significant(f"structure.{name}.{k}.{field}", value, 6)
+                for k, value in enumerate(values)
+            )
+            rows.append(((f"{field.replace('_', ' ')}{unit}",), *cells))
+    if elements:
+        head = ("quantity", *(f"{name} {k}" for k in range(1, len(elements) + 1)))
+        yield Table(caption, head, tuple(rows))

@@ -10,7 +10,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
 from tvclin.base.fields import spec
-from tvclin.base.lines import Line, Row, Table, significant
+from tvclin.base.lines import Line, Row, Table, quantities, significant
 from tvclin.control.autopilot.actuator import (
     MAX_MAGNITUDE,
     MIN_GAIN,
@@ -98,6 +98,10 @@ class Feedback(Record):
         if self.sample_rate is not None:
             rows.append(("samples", significant("gains.sample_rate", self.sample_rate, 5, "Hz")))
         return rows
+
+    def tables(self) -> list[Table]:
+        """Return a table of the parameters of one autopilot, and one of its filters, if any."""
+        return [quantities("Autopilot", self.rows()), *self.filter_tables()]
 
     def filter_tables(self) -> list[Table]:
         """Return a table of the filters of one autopilot; an empty list without filters."""

@@ -140,6 +140,11 @@ class FlownMargins(Shown):
         return self.limit / self.boundary
 
     @property
+    def spare_line(self) -> Line:
+        """Limit over boundary, as a number to two decimals."""
+        return lines.number("flown.spare", self.spare, 2)
+
+    @property
     def linear(self) -> LinearMargins:
         """Margins of gain and delay in the linear range of the loop."""
         return LinearMargins(
@@ -163,8 +168,8 @@ class FlownMargins(Shown):
         return tuple(notes)
 
     def _repr_html_(self) -> str:
-        spare = lines.number("spare", self.spare, 2)
-        return table(flown_table(self), [("limit over boundary: ", *spare), (self.status,)])
+        spare = ("limit over boundary: ", *self.spare_line)
+        return table(flown_table(self), [spare, (self.status,)])
 
 
 def flown_table(margins: FlownMargins, caption: str = "Flown margins") -> Table:

@@ -1,8 +1,7 @@
-"""The page: one self-contained HTML file that gives the whole answer.
+"""The page: one self-contained HTML file with the whole answer of a study.
 
-The files inside: `verdict`, `sections`, `flight`, `control` and `basis` make blocks of findings,
-`figures` draws, and `page` puts the blocks into the template. `blocks` defines the blocks: every
-number keeps its full precision beside its text.
-
-A further section is one more function from `Findings` to a `Section`, named in `page.SECTIONS`.
+The template ``sections.html`` holds the order of the sections, their headings and their prose; the
+findings give tables, notes and figures. ``parts.html`` renders a line, a table or a figure, in
+which every number keeps its full precision, and ``page.html`` is the frame with head and links.
+`page` renders them, and `figures` makes SVG of plots.
 """

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.plots.style import place_numbers
-from tvclin.show.report.blocks import Figure
 
 if TYPE_CHECKING:
     from control import ControlPlot
+    from markupsafe import Markup
 
 _WIDTH, _PANEL, _FOOT = 6.4, 1.9, 1.1
 """Sizes [inch]: of a figure, of one panel where there are several, and of the legend."""
@@ -24,23 +24,16 @@ _IDENTIFIER = re.compile(r'\b(id="|href="#|url\(#)')
 """Beginning of an identifier in an SVG, or of a reference to it."""
 
 
-def figure_of(plot: "ControlPlot", name: str, label: str, caption: str) -> Figure:
-    """Return a figure of the page, and close the plot.
+def inline_svg(plot: "ControlPlot", name: str, label: str) -> "Markup":
+    """Return the `svg` element of a figure, and close the plot.
 
     `name`: letters, unique within the page. `label`: description of the figure for screen readers.
-    """
-    return Figure(label, caption, _inline_svg(plot, name, label))
-
-
-def _inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
-    """Return the `svg` element of a figure.
-
     Titles are removed, for the page has a caption, and the legend stands below, so that the letters
     stay large on a narrow screen. Every colour becomes a variable of the page's style sheet with
     the colour itself in reserve, and the figure's name prefixes every name within it.
     """
     import matplotlib.pyplot as plt
-    from markupsafe import escape
+    from markupsafe import Markup, escape
 
     narrow(plot)
     with plt.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
@@ -56,7 +49,7 @@ def _inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
     assert opening is not None
     inside = body[body.index(">") + 1 :]
     head = f'<svg role="img" aria-label="{escape(label)}" {opening.group()}'
-    return f'{head} xmlns:xlink="http://www.w3.org/1999/xlink">{inside.strip()}'
+    return Markup(f'{head} xmlns:xlink="http://www.w3.org/1999/xlink">{inside.strip()}')
 
 
 def narrow(plot: "ControlPlot") -> None:

@@ -1,43 +1,71 @@
 """The page: its sections, rendered by the template."""
 
-from collections.abc import Callable
-from dataclasses import asdict
+import platform
+import re
+from dataclasses import asdict, replace
+from importlib.metadata import version
 from importlib.resources import files
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from tvclin.base.errors import missing
-from tvclin.base.lines import Formula, Number
+from tvclin import plots
+from tvclin.base.errors import InputError, missing
+from tvclin.base.lines import Formula, Line, Number, Table, as_sentence
+from tvclin.control.margins.criteria import band_table, margin_table
+from tvclin.design import standard_trials as trial_tables
+from tvclin.ensembles.availability import availability_record as answer_tables
+from tvclin.flights.closed_loop.flown_margins import flown_table
+from tvclin.linear.flexible import mode_tables, plant_of
+from tvclin.requirement import study_tables
+from tvclin.requirement.flight import sizing_tables
+from tvclin.requirement.flight.total import total_table
 from tvclin.requirement.study import Study
-from tvclin.show.report import basis, control, flexible, flight, rests, sections, verdict
-from tvclin.show.report.blocks import Section
+from tvclin.show.report import assumptions, autopilot_tables, equations, notes, verdict
+from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.study_response import StudyResponse, study_response
 from tvclin.studyfile.findings import Findings, Told, find
-from tvclin.studyfile.questions import sufficient
+from tvclin.studyfile.questions import asked_table, loop_notes, sufficient
 from tvclin.studyfile.read import load_study
 from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
-    from jinja2 import Template
+    from control import ControlPlot
+    from jinja2 import Environment
+    from markupsafe import Markup
 
-SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
-    sections.vehicle,
-    verdict.asked,
-    sections.boundaries,
-    sections.both_planes,
-    sections.response,
-    sections.load,
-    flight.over_flight,
-    flight.availability,
-    control.laws,
-    control.autopilot,
-    flexible.flexible,
-    control.dispersed,
-    sections.inputs,
-    basis.assumptions,
-    basis.equations,
-    basis.origin,
-)
-"""The sections in their order; one that was not requested is None and omitted."""
+_PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
+_NAMES: dict[str, Any] = {
+    "plots": plots,
+    "study_tables": study_tables,
+    "sizing_tables": sizing_tables,
+    "trial_tables": trial_tables,
+    "availability_tables": answer_tables,
+    "autopilot_tables": autopilot_tables,
+    "notes": notes,
+    **{
+        function.__name__: function
+        for function in (
+            asked_table,
+            assumptions.doubts,
+            assumptions.general,
+            band_table,
+            equations.equation_table,
+            flown_table,
+            margin_table,
+            mode_tables,
+            plant_of,
+            loop_notes,
+            study_response,
+            total_table,
+        )
+    },
+}
+"""Figures, tables and notes of answers that the templates place."""
+_HEADING = re.compile(r'<h2 id="([a-z]+)-title">(.*?)</h2>')
+"""Name and title of a section in HTML."""
+_DOUBT = '<li class="doubt">'
+"""Begin of a doubtful note in HTML."""
 
 
 def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
@@ -75,33 +103,88 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
 
 def page_of(plan: StudyPlan, progress: Told | None = None) -> tuple[str, Findings]:
     """Return the page of a plan, and its findings; same exceptions as `report_html`."""
-    template = _template()
+    environment = _environment()
     findings = find(plan, progress)
-    return _render(findings, template), findings
+    return _page(findings, environment), findings
 
 
-def _render(findings: Findings, template: "Template") -> str:
-    made = [section for make in SECTIONS if (section := make(findings)) is not None]
-    assumed = rests.rests(findings)
-    fields = {} if findings.plan.document is None else asdict(findings.plan.document)
-    return template.render(
-        document={name: value for name, value in fields.items() if value},
+def section_html(findings: Findings, name: str) -> str:
+    """Return a section of the page as HTML, by the name of its block in ``sections.html``."""
+    template = _environment().get_template("sections.html")
+    context = template.new_context(_names(findings))
+    return "".join(template.blocks[name](context))
+
+
+def _page(findings: Findings, environment: "Environment") -> str:
+    names = _names(findings)
+    sections = environment.get_template("sections.html").render(names)
+    assumed = assumptions.assumptions(findings)
+    document = {} if findings.plan.document is None else asdict(findings.plan.document)
+    return environment.get_template("page.html").render(
+        names,
+        document={key: value for key, value in document.items() if value},
         name=findings.study.vehicle.name or "unnamed vehicle",
-        state={True: "yes", False: "no", None: "open"}[sufficient(findings)],
-        verdict=verdict.sentence(findings),
+        sufficient=sufficient(findings),
+        sentence=verdict.sentence(findings),
         basis=verdict.basis(findings),
         facts=verdict.facts(findings),
-        rests=assumed,
-        doubts=rests.doubts_counted(assumed, made),
-        sections=[*made, basis.glossary(made)],
-        seal=findings.seal,
+        assumed=assumed,
+        doubts=assumptions.doubts_counted(assumed, sections.count(_DOUBT)),
+        sections=sections,
+        headings=_HEADING.findall(sections),
+        glossary=equations.glossary_table(_words(sections)),
     )
 
 
-def _template() -> "Template":
+def _names(findings: Findings) -> dict[str, Any]:
+    """Return what the sections are made of: findings, their tables and notes, and plots."""
+    return {
+        "findings": findings,
+        "study": findings.study,
+        "plan": findings.plan,
+        "origin": _origin(findings),
+    }
+
+
+def _words(sections: str) -> str:
+    """Return the text of sections in HTML, with formulas as plain text."""
+    from markupsafe import Markup
+
+    spaced = re.sub(r'<math [^>]*alttext="([^"]*)".*?</math>', r" \1 ", sections)
+    return Markup(spaced.replace("<", " <")).striptags()
+
+
+def _origin(findings: Findings) -> Table:
+    """Return the table of the seal of the inputs and the versions of Python and packages."""
+    rows: list[tuple[Line, ...]] = [(("inputs, SHA-256",), (findings.seal,))]
+    rows += [((name,), (version(name),)) for name in _PACKAGES]
+    rows.append((("Python",), (platform.python_version(),)))
+    return Table("Inputs and versions", ("what", "which"), tuple(rows))
+
+
+def _response_chart(response: StudyResponse) -> "ControlPlot":
+    curves = plots.response_curves(
+        response.response,
+        limit=response.limit,
+        deflection=response.deflection,
+        wind=response.study.history,
+    )
+    columns = tuple(column for column in curves.columns if column.panel != "rate")
+    return plots.response_chart(replace(curves, columns=columns), across=1)
+
+
+def _plane_vectors(study: Study) -> "ControlPlot | None":
+    """Return the deflections in both planes; None where a complex pair of poles gives no vector."""
     try:
+        return plots.study_planes_chart(study)
+    except InputError:
+        return None
+
+
+def _environment() -> "Environment":
+    try:
+        import latex2mathml  # noqa: F401
         from jinja2 import Environment, PackageLoader, StrictUndefined
-        from latex2mathml.converter import convert
     except ImportError as error:
         name = (error.name or "jinja2").partition(".")[0]
         raise missing(f"the page needs {name}", "report") from None
@@ -113,13 +196,30 @@ def _template() -> "Template":
         lstrip_blocks=True,
         finalize=_printable,
     )
-    environment.globals["style"] = (
-        files("tvclin.show.report").joinpath("style.css").read_text("utf-8")
-    )
     environment.tests["number"] = lambda value: isinstance(value, Number)
     environment.tests["formula"] = lambda value: isinstance(value, Formula)
-    environment.filters["mathml"] = convert
-    return environment.get_template("page.html")
+    environment.tests["complete"] = lambda value: isinstance(value, Vehicle)
+    environment.filters["mathml"] = _mathml
+    environment.filters["sentence"] = as_sentence
+    environment.globals |= _NAMES
+    environment.globals |= {
+        "svg": inline_svg,
+        "plane_vectors": _plane_vectors,
+        "response_chart": _response_chart,
+    }
+    environment.globals["style"] = files(__package__).joinpath("style.css").read_text("utf-8")
+    environment.globals["show"] = environment.get_template("parts.html").module
+    return environment
+
+
+def _mathml(formula: Formula) -> "Markup":
+    """Return a formula in MathML, with its plain text as the alternative."""
+    from latex2mathml.converter import convert
+    from markupsafe import Markup, escape
+
+    return Markup(
+        convert(formula.tex).replace("<math ", f'<math alttext="{escape(formula.text)}" ', 1)
+    )
 
 
 def _printable(value: object) -> object:

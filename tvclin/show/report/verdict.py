@@ -7,7 +7,6 @@ from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import Reason
 from tvclin.requirement.study import TRUSTS, Study
 from tvclin.requirement.study_tables import survivable
-from tvclin.show.report.blocks import Section
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import (
     Question,
@@ -91,12 +90,6 @@ def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
     return (f"{word}: the limit of ", *have, " is ", *tail)
 
 
-def asked(findings: Findings) -> Section | None:
-    """Return the section of all questions with their answers; None for a single question."""
-    table = asked_table(findings)
-    return Section("asked", "What was asked", (table,)) if len(table.rows) > 1 else None
-
-
 def basis(findings: Findings) -> Line:
     """Return the line on the basis of the verdict: model, plane, dead band and wind."""
     s = findings.study
@@ -115,7 +108,11 @@ def basis(findings: Findings) -> Line:
         f"{_judged_wind(s).gust_text}.",
         *_meets_the_stop(findings),
     )
-    if s.required_deflection and s.governs != Reason.BOUNDARY and asked(findings) is None:
+    if (
+        s.required_deflection
+        and s.governs != Reason.BOUNDARY
+        and len(asked_table(findings).rows) < 2
+    ):
         line += (f" What this wind needs is set by {s.governs}.",)
     if any(TRUSTS in note for note in s.notes):
         line += (f" Beware: this dead band {TRUSTS} of the wind, see Assumptions.",)
@@ -164,7 +161,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
     """Return the numbers shown with the verdict, each with its label."""
     s = findings.study
     rows: list[tuple[str, Line]] = []
-    if asked(findings) is None:  # else it is one of its rows
+    if len(asked_table(findings).rows) < 2:  # else it is one of its rows
         need = minimum_limit(degrees("facts.required", s.required_deflection, unit="deg"))
         rows.append(("required deflection", need))
     if s.limit is not None:

@@ -1,7 +1,7 @@
-"""Assumptions of the verdict, each with whether it holds here."""
+"""Assumptions of a study: whether each holds for its verdict, its warnings, and what is general."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,44 +10,78 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.case.case import FROZEN
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
-from tvclin.requirement.study import outlasts_one_pole
-from tvclin.show.report.blocks import Check, Checks, Section
+from tvclin.requirement.study import OUTLASTS, outlasts_one_pole
 from tvclin.show.report.verdict import SURVIVES
 from tvclin.studyfile.findings import Findings
+from tvclin.studyfile.questions import nominal_notes
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.wind_angles import (
     BEYOND_LINEAR,
+    DOUBTFUL,
     MAX_CERTAIN_ANGLE,
     beyond_linear,
     doubtfully_linear,
 )
 
 
-def rests(findings: Findings) -> tuple[Check, ...]:
+@dataclass(frozen=True)
+class Assumption:
+    """Assumption of a verdict: whether it holds ("ok"), is doubtful ("doubt"), or is the reader's.
+
+    `line`: the assumption in a sentence.
+    """
+
+    state: str
+    line: Line
+
+
+def assumptions(findings: Findings) -> tuple[Assumption, ...]:
     """Return the assumptions of the verdict, each with whether it holds here."""
     makers = (_wind, _sign, _linear, _slow, _frozen, _rigid, _nozzle)
-    return tuple(check for make in makers for check in make(findings))
+    return tuple(assumption for make in makers for assumption in make(findings))
 
 
-def doubts_counted(checks: Sequence[Check], sections: Sequence[Section]) -> str:
-    """Return the number of doubtful assumptions in the head, and of notes, as a sentence."""
-    blocks = [
-        block for section in sections for block in section.blocks if isinstance(block, Checks)
-    ]
-    notes = _doubtful(check for block in blocks for check in block.each)
-    doubtful = _doubtful(checks)
+def doubts_counted(assumed: Sequence[Assumption], notes: int) -> str:
+    """Return the number of doubtful assumptions, and of further doubtful notes, as a sentence."""
+    doubtful = sum(assumption.state == "doubt" for assumption in assumed)
     are = "is" if doubtful == 1 else "are"
-    head = f"{doubtful or 'None'} of these {len(checks)} assumptions {are} doubtful here"
+    head = f"{doubtful or 'None'} of these {len(assumed)} assumptions {are} doubtful here"
     others = "1 more doubt is" if notes == 1 else f"{notes} more doubts are"
     return f"{head}; {others} in the sections below." if notes else f"{head}."
 
 
-def _doubtful(checks: Iterable[Check]) -> int:
-    """Return the number of doubtful assumptions."""
-    return sum(check.state == "doubt" for check in checks)
+def doubts(findings: Findings) -> Iterator[str]:
+    """Yield the notes and warnings on the numbers of a study that the assumptions do not hold."""
+    s = findings.study
+    for name, boundary in s.boundaries.items():
+        for status in dict.fromkeys(str(status) for status in boundary.status if status != "ok"):
+            yield f"boundaries on the {name} model: {status}"
+    yield from (note for note in s.notes if OUTLASTS not in note and DOUBTFUL not in note)
+    yield from nominal_notes(findings)
+    yield from findings.warnings
+    if findings.comparison is not None:
+        comparison = findings.comparison
+        for note in dict.fromkeys((*comparison.margins.notes, *comparison.notes)):
+            yield f"autopilot: {note}"
 
 
-def _wind(findings: Findings) -> Iterator[Check]:
+def general(findings: Findings) -> Iterator[str]:
+    """Yield the assumptions of every study."""
+    yield "the motion is planar, linear, and a deviation from the nominal flight"
+    yield "the engine stops sharply at its limit"
+    damped = "" if findings.study.coefficients.damping else ", damping of the attitude rate"
+    if findings.plan.vehicle.structure is None:
+        yield f"bending, slosh{damped} and sensor noise are left out"
+    else:
+        yield (
+            "bending and slosh count for the autopilot alone, and are left out of all else; sensor"
+            f" noise{damped} is left out"
+        )
+    if findings.dispersed is not None:
+        yield "the dispersions are those given, and not checked"
+
+
+def _wind(findings: Findings) -> Iterator[Assumption]:
     days = "; on how many days of an archive it flies is a question of its own, see below"
     if findings.availability is None:
         days = "; tvclin availability counts the days of an archive of soundings"
@@ -55,21 +89,21 @@ def _wind(findings: Findings) -> Iterator[Check]:
         "This wind is given, and not derived from the winds of a site: whether it is the one to"
         f" survive is for the reader to say{days}."
     )
-    yield Check("reader", (words,))
+    yield Assumption("reader", (words,))
 
 
-def _sign(findings: Findings) -> Iterator[Check]:
+def _sign(findings: Findings) -> Iterator[Assumption]:
     s = findings.study
     if s.direction != FROZEN:
         words = f"A {s.direction} wind changes the dynamic pressure. That is counted: it requires "
         ratio = number("rests.pressure_ratio", s.ratio_to_nominal, 3)
-        yield Check("ok", (words, *ratio, " times as much as the nominal dynamic pressure."))
+        yield Assumption("ok", (words, *ratio, " times as much as the nominal dynamic pressure."))
     else:
         words = "The dynamic pressure is the nominal one: a head or cross wind raises it."
-        yield Check("doubt", (words,))
+        yield Assumption("doubt", (words,))
 
 
-def _linear(findings: Findings) -> Iterator[Check]:
+def _linear(findings: Findings) -> Iterator[Assumption]:
     s, c = findings.study, findings.comparison
     angle = abs(float(s.slanting.peak if s.in_both and s.slanting is not None else s.history.peak))
     if c is not None and np.isfinite(c.peak_angle_of_attack):
@@ -85,18 +119,18 @@ def _linear(findings: Findings) -> Iterator[Check]:
     elif doubtfully_linear(survived):
         state = "doubt"
         line += (f'. Beyond about {edge} they are not: of "{SURVIVES}" no more is certain',)
-    yield Check(state, (*line, "."))
+    yield Assumption(state, (*line, "."))
 
 
-def _slow(findings: Findings) -> Iterator[Check]:
-    """Yield the check of whether the slow mode of the flight path may be neglected."""
+def _slow(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption on whether the slow mode of the flight path may be neglected."""
     s = findings.study
     if not isinstance(s.vehicle, Vehicle):
         words = (
             "The flight path is held fixed: the vehicle's coefficients do not tell how it drifts"
             " with the wind."
         )
-        yield Check("reader", (words,))
+        yield Assumption("reader", (words,))
         return
     edge = float(single_pole_validity(s.coefficients))
     if np.isnan(edge):
@@ -104,25 +138,25 @@ def _slow(findings: Findings) -> Iterator[Check]:
             "Up to which duration the slow motion of the flight path may be neglected is not"
             " defined: the vehicle has no two real unstable poles."
         )
-        yield Check("reader", (words,))
+        yield Assumption("reader", (words,))
         return
     tau = significant("validity.duration", float(s.wind.duration), unit="s")
     upto = significant("validity.edge", edge, 3, unit="s")
     if outlasts_one_pole(s):
         begin = "The slow motion of the flight path counts: the wind lasts "
         end = " up to which it may be neglected; more may be needed than the boundary says."
-        yield Check("doubt", (begin, *tau, ", longer than the ", *upto, end))
+        yield Assumption("doubt", (begin, *tau, ", longer than the ", *upto, end))
         return
     begin = "The slow motion of the flight path may be neglected: the wind lasts "
-    yield Check("ok", (begin, *tau, ", not longer than ", *upto, "."))
+    yield Assumption("ok", (begin, *tau, ", not longer than ", *upto, "."))
 
 
-def _frozen(findings: Findings) -> Iterator[Check]:
+def _frozen(findings: Findings) -> Iterator[Assumption]:
     still = "Mass, thrust, air and speed stay as they are while the wind blows"
     if findings.flight is None:
         complete = isinstance(findings.study.vehicle, Vehicle)
         more = "; a flight ([schedule]) would say how much they change" * complete
-        yield Check("reader", (f"{still}{more}.",))
+        yield Assumption("reader", (f"{still}{more}.",))
         return
     s, total = findings.flight
     if total.time is None:
@@ -137,7 +171,7 @@ def _frozen(findings: Findings) -> Iterator[Check]:
     change_text: Line = (" at the worst flight time beta or B changes by up to ", *percent)
     state = "doubt" if changes > STEADY else "ok"
     if not counted:
-        yield Check(state, (f"{still};", *change_text, ", which is not counted."))
+        yield Assumption(state, (f"{still};", *change_text, ", which is not counted."))
         return
     varying, frozen = float(deflections[j]), float(s.required[requirement][i, j])
     needs = degrees("rests.varying", varying, unit="deg")
@@ -148,17 +182,17 @@ def _frozen(findings: Findings) -> Iterator[Check]:
         *change_text,
         "; the wind needs ",
     )
-    yield Check(state, (*line, *needs, " with it, and ", *would, " without."))
+    yield Assumption(state, (*line, *needs, " with it, and ", *would, " without."))
 
 
-def _rigid(findings: Findings) -> Iterator[Check]:
+def _rigid(findings: Findings) -> Iterator[Assumption]:
     if findings.plan.vehicle.structure is None:
         words = "Nothing bends or sloshes: the vehicle file has no bending and no slosh."
-        yield Check("reader", (words,))
+        yield Assumption("reader", (words,))
 
 
-def _nozzle(findings: Findings) -> Iterator[Check]:
-    """Yield the check of the nozzle's rate limit against the rate that the autopilot requires."""
+def _nozzle(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption on the rate limit, with the rate that the autopilot requires."""
     rate_limit = findings.plan.nozzle.rate_limit
     rate_text: Line = ()
     c = findings.comparison
@@ -171,13 +205,13 @@ def _nozzle(findings: Findings) -> Iterator[Check]:
         )
     if rate_limit is None:
         words = "The rate of the nozzle has no limit (rate_limit_deg_per_s in [nozzle])."
-        yield Check("reader", (words, *rate_text))
+        yield Assumption("reader", (words, *rate_text))
     else:
         limit_text = significant("rests.rate_limit", np.degrees(rate_limit), unit="deg/s")
         words = "The boundary does not count the rate limit of the nozzle, "
         counts = ". The questions of the rate and of flights do."
         state = "doubt" if _too_fast(findings, rate_limit) else "ok"
-        yield Check(state, (words, *limit_text, counts, *rate_text))
+        yield Assumption(state, (words, *limit_text, counts, *rate_text))
 
 
 def _too_fast(findings: Findings, rate_limit: float) -> bool:

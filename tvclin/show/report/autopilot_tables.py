@@ -1,0 +1,133 @@
+"""Tables and notes of the autopilot of a study: in its wind, with its limit, and as a law."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from tvclin.base.lines import (
+    Line,
+    Table,
+    degrees,
+    minimum_limit,
+    number,
+    quantities,
+)
+from tvclin.base.quantities import NOMINAL, satisfaction
+from tvclin.case.flexible_autopilot import FlexibleAnswer
+from tvclin.flights.closed_loop.survival_limit import OK
+from tvclin.studyfile.findings import Findings
+
+
+def criteria_word(findings: Findings) -> str:
+    """Return whether the margins satisfy the criteria, as a word."""
+    margins = findings.margins
+    assert margins is not None
+    return satisfaction(bool(findings.criteria.are_satisfied(margins)))
+
+
+def tables_in_wind(findings: Findings) -> tuple[Table, Table]:
+    """Return the peak deflection compared with trim and bounds, and the largest motions."""
+    c, s = findings.comparison, findings.study
+    assert c is not None
+    caption = "The autopilot in this wind, without a limit"
+    caption += "" if findings.flexible is None else ", flexible vehicle"
+    caption += f", {s.plane} plane alone" if s.in_both else ""
+    stop = None if findings.stop is None else abs(float(findings.stop.deflection))
+    deflections = c.deflections(caption + nominal_suffix(findings), stop)
+    return deflections, quantities("Largest motions", c.motions())
+
+
+def nominal_suffix(findings: Findings) -> str:
+    """Return the words on nominal dynamic pressure where the verdict covers a head wind as well."""
+    return "" if findings.head is None else f", {NOMINAL}"
+
+
+def planes_line(findings: Findings) -> Line:
+    """Return the factor of both planes over this one, and the autopilot requirement with it."""
+    s = findings.study
+    line: Line = (
+        "Both planes together need ",
+        *number("both.factor", s.of_both, 3),
+        f" times the stop that the {s.plane} plane needs alone",
+    )
+    required = np.inf if findings.stop is None else _nominal_requirement(findings)
+    if np.isfinite(required):
+        needs = degrees("both.stop", required, unit="deg")
+        line += (". With that factor this autopilot needs a stop of ", *needs, ", flown")
+    return (*line, ".")
+
+
+def failure(findings: Findings) -> Line:
+    """Return the reason why the flight with the limit has no margins."""
+    required, limit = _nominal_requirement(findings), findings.study.limit
+    if limit is None or not required > limit:
+        return (findings.reasons["flown"],)
+    available = degrees("failure.limit", limit, unit="deg")
+    if np.isinf(required):
+        return ("flown with a stop of ", *available, " or more, the autopilot does not survive")
+    requirement = degrees("failure.required", required, unit="deg")
+    suffix = nominal_suffix(findings)
+    return (
+        "the autopilot requires a limit of ",
+        *requirement,
+        f", flown{suffix}, and has ",
+        *available,
+    )
+
+
+def stop_doubts(findings: Findings) -> Iterator[str]:
+    """Yield the status of flights with the limit as a stop where the requirement is doubtful."""
+    f = findings.flexible
+    if f is not None:
+        names = ("the flexible vehicle", "the rigid vehicle")
+        for name, boundary in zip(names, f.boundaries, strict=True):
+            if boundary.status != OK:
+                yield f"{name}: {boundary.status}"
+    elif findings.stop is not None and findings.stop.status != OK:
+        yield f"flown with a stop: {findings.stop.status}"
+
+
+def flexible_flight(findings: Findings) -> Table:
+    """Return the table of the flexible and the rigid vehicle, flown with the nozzle's limits."""
+    f, s = findings.flexible, findings.study
+    assert isinstance(f, FlexibleAnswer)
+    caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
+    caption += f", {s.plane} plane alone" if s.in_both else ""
+    flexible, rigid = (abs(boundary.deflection) for boundary in f.boundaries)
+    if f.flight is not None:
+        return f.flight.table(caption, ("flexible", "rigid"), (flexible, rigid))
+    cells = (
+        minimum_limit(degrees(f"flown.0.{k}", boundary))
+        for k, boundary in enumerate((flexible, rigid))
+    )
+    head = ("quantity", "flexible", "rigid")
+    return Table(caption, head, ((("least limit that survives [deg]",), *cells),))
+
+
+def autopilot_as_law(findings: Findings) -> Line:
+    """Return how the flight of the autopilot among the laws differs from that of its verdict."""
+    plan, s, request = findings.plan, findings.study, findings.plan.laws
+    gust = ["the gust"] if s.gust is not None else []
+    if findings.stop is None or request is None or "autopilot" not in request.names:
+        return ("The gust is left out here.",) if gust else ()
+    required = _nominal_requirement(findings)
+    requirement: Line = ("any limit",)
+    if np.isfinite(required):
+        requirement = degrees("laws.autopilot_requirement", required, unit="deg")
+    differences = gust + (["actuator", "delay"] if plan.vehicle.structure is None else [])
+    rate = plan.hardware["sample_rate"]
+    if rate != request.sample_rate:
+        differences.append(f"{rate:g} samples a second in place of {request.sample_rate:g}")
+    differences += ["both planes counted"] if s.in_both else []
+    added = f", flown with {', '.join(differences)}" if differences else ""
+    return (
+        "The autopilot flies here with the gains of Autopilot and margins. There it requires ",
+        *requirement,
+        f"{added}{nominal_suffix(findings)}.",
+    )
+
+
+def _nominal_requirement(findings: Findings) -> float:
+    """Return the autopilot requirement [rad] at nominal dynamic pressure; NaN if not flown."""
+    requirement = findings.autopilot_requirement
+    return np.nan if requirement is None else requirement.nominal_deflection
