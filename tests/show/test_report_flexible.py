@@ -10,7 +10,7 @@ import pytest
 import tvclin as tv
 from tests.flexible import MODE_AND_TANK
 from tests.show.pages import section
-from tvclin.cli.options import asked
+from tvclin.design import least_gains_curves as asked
 from tvclin.show.report.page import page_of
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.parse import parse_study
