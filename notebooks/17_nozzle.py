@@ -39,11 +39,11 @@ vehicle = tv.load_vehicle("made-up-launcher").rigid
 plant = tv.Plant.from_vehicle(vehicle)
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 limit, rate = np.radians(1.5), np.radians(5.0)
-front = tv.boundary.rate_trade_off(plant, wind, limit=limit, rate_limit=rate)
-front
+trade_off = tv.boundary.rate_trade_off(plant, wind, limit=limit, rate_limit=rate)
+trade_off
 
 # %%
-_ = rate_chart(front, "Made-up launcher, a triangle of 5 deg and 7.5 s")
+_ = rate_chart(trade_off, "Made-up launcher, a triangle of 5 deg and 7.5 s")
 
 # %% [markdown]
 # The nozzle's point lies far to the right: wind alone asks for little rate. What asks for rate

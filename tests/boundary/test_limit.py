@@ -383,7 +383,7 @@ def test_where_the_demand_jumps_every_limit_above_the_first_pulse_is_sufficient(
     # above that height trims it all, and the short second pulse needs less.
     assert found.limit[0] == pytest.approx(5.0 / 6.0, rel=1e-12)
     assert [status.split(":")[0] for status in found.status] == [
-        "no limit meets (4b) exactly",
+        "no limit satisfies (4b) exactly",
         "ok",
     ]
     for part, sign in ((1.0 - 1e-9, -1.0), (1.0 + 1e-9, 1.0)):

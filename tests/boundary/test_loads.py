@@ -151,7 +151,7 @@ def test_the_front_ends_at_the_minimum_of_appendix_c_and_its_load():
             if plant is not FIXED:
                 assert front.load_of_minimum / PEAK == pytest.approx(load, abs=5e-4)
             assert np.all(np.diff(front.limits) <= 1e-9)
-            assert front.set_by[-1] == "the least angle"
+            assert front.set_by[-1] == "the minimum angle"
 
 
 def test_the_least_load_is_the_jump_of_the_wind():

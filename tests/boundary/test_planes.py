@@ -184,7 +184,7 @@ def test_a_wind_that_turns_needs_less_and_says_what_it_leaves_open(degrees):
     for one, other in zip(straight, turning, strict=True):
         assert other.limit < one.limit
     assert turning[0].notes == ()
-    assert "deflection held presumes how" in turning[2].notes[0]
+    assert "constant deflection presumes how" in turning[2].notes[0]
     assert turning[2].limit >= turning[2].no_forecast_bound
 
 

@@ -58,16 +58,18 @@ def test_each_coordinate_moves_on_its_own_as_promised(name, model):
     plant = plant_of(name, model)
     found = unstable_coordinates(plant)
     B = vehicle.normal_force_slope * vehicle.aerodynamic_arm / vehicle.thrust / vehicle.control_arm
-    assert found.rows.shape == (found.poles.size, len(plant.states))
+    assert found.left_eigenvectors.shape == (found.poles.size, len(plant.states))
     assert found.poles.size == (2 if model == "drift-exact" else 1)
     rng = np.random.default_rng(7)
     for _ in range(5):
         state, (deflection, wind) = rng.normal(size=len(plant.states)), rng.normal(size=2)
         small = 1e-30j
         rates = motion(vehicle, model, small * state, small * deflection, small * wind)
-        z = found.rows @ state
+        z = found.left_eigenvectors @ state
         expected = found.poles * (z - deflection / B - found.wind * wind)
-        np.testing.assert_allclose(found.rows @ rates.imag / 1e-30, expected, atol=2e-12)
+        np.testing.assert_allclose(
+            found.left_eigenvectors @ rates.imag / 1e-30, expected, atol=2e-12
+        )
 
 
 @BOTH
@@ -92,7 +94,7 @@ def test_an_effector_ahead_of_the_centre_of_gravity_changes_nothing():
         for m in (2.6, -2.6)
     )
     # delta/B is the same angle in both, and so are all the coordinates.
-    np.testing.assert_allclose(other.rows, one.rows, rtol=1e-9)
+    np.testing.assert_allclose(other.left_eigenvectors, one.left_eigenvectors, rtol=1e-9)
     np.testing.assert_allclose(other.wind, one.wind, rtol=1e-9)
 
 
@@ -150,7 +152,7 @@ def test_a_state_is_recoverable_when_no_direction_forbids_it(poles):
     points[::2, 1] = points[::2, 0] + rng.normal(0.0, 0.02, size=1500)  # where thin sets lie
     out = excess(poles, points, reach)
     clear = np.abs(out) > 1e-5
-    inside = two(poles).inside(points, reach)
+    inside = two(poles).are_recoverable(points, reach)
     assert clear.mean() > 0.99
     assert 100 < inside.sum() < 2900
     np.testing.assert_array_equal(inside[clear], out[clear] < 0.0)
@@ -191,13 +193,13 @@ def test_paths_with_one_switch_come_from_inside_and_fill_the_set(poles):
     rng = np.random.default_rng(5)
     for sign in (1.0, -1.0):
         for first, last in rng.exponential(2.0 / poles[0], size=(40, 2)):
-            assert coordinates.inside(back(poles, first, last, sign), 1.0)
+            assert coordinates.are_recoverable(back(poles, first, last, sign), 1.0)
         for first in np.linspace(0.1, 4.0, 9) / poles[0]:
             z = back(poles, first, 45.0 / poles[1], sign)  # as good as for ever
             ends = coordinates.slow_range(z[0], 1.0)
             assert z[1] == pytest.approx(ends[0 if sign > 0 else 1], abs=1e-9)
-            assert not coordinates.inside(1.001 * z, 1.0)
-            assert coordinates.inside(0.999 * z, 1.0)
+            assert not coordinates.are_recoverable(1.001 * z, 1.0)
+            assert coordinates.are_recoverable(0.999 * z, 1.0)
 
 
 @BOTH
@@ -212,10 +214,10 @@ def test_a_plant_is_brought_to_rest_from_inside_by_its_own_matrices(name):
         for seconds, sign in ((last, -1.0), (first, 1.0)):
             drive[:3, :3], drive[:3, 3] = -A, -inputs[:, 0] * sign * limit
             x = (expm(drive * seconds) @ np.append(x, 1.0))[:3]
-        z, reach = modes.rows @ x, limit / plant.coefficients.B
+        z, reach = modes.left_eigenvectors @ x, limit / plant.coefficients.B
         expected = reach * back(modes.poles, first, last, 1.0)
         np.testing.assert_allclose(z, expected, rtol=1e-6, atol=1e-9)
-        assert modes.inside(z, reach)
+        assert modes.are_recoverable(z, reach)
 
 
 @EACH_PAIR
@@ -224,16 +226,18 @@ def test_the_edge_itself_is_not_recoverable(poles):
     for fast in np.linspace(-0.9, 0.9, 7) * reach:
         low, high = coordinates.slow_range(fast, reach)
         for edge, inward in ((low, np.inf), (high, -np.inf)):
-            assert not coordinates.inside(np.array([fast, edge]), reach)
-            assert coordinates.inside(np.array([fast, np.nextafter(edge, inward)]), reach)
+            assert not coordinates.are_recoverable(np.array([fast, edge]), reach)
+            assert coordinates.are_recoverable(np.array([fast, np.nextafter(edge, inward)]), reach)
     for corner in ((reach, reach), (-reach, -reach), (reach, 0.0)):
-        assert not coordinates.inside(np.array(corner), reach)
+        assert not coordinates.are_recoverable(np.array(corner), reach)
 
 
 def test_one_mode_is_recoverable_inside_the_reach_and_not_on_it():
     modes = unstable_coordinates(plant_of("configuration-i", "fixed-path"))
     z = np.array([[-0.2], [-0.19], [0.0], [0.19], [0.2], [0.3]])
-    np.testing.assert_array_equal(modes.inside(z, 0.2), [False, True, True, True, False, False])
+    np.testing.assert_array_equal(
+        modes.are_recoverable(z, 0.2), [False, True, True, True, False, False]
+    )
     assert modes.ratio == 0.0
 
 
@@ -242,13 +246,13 @@ def test_the_set_has_its_symmetries_and_takes_many_states_at_once(poles):
     coordinates = two(poles)
     rng = np.random.default_rng(1)
     z, reach = rng.uniform(-1, 1, size=(4, 50, 2)), rng.uniform(0.3, 1.0, size=50)
-    inside = coordinates.inside(z, reach)
+    inside = coordinates.are_recoverable(z, reach)
     assert inside.shape == (4, 50)
-    np.testing.assert_array_equal(inside, coordinates.inside(-z, reach))
-    np.testing.assert_array_equal(inside, coordinates.inside(4.0 * z, 4.0 * reach))
-    single = [[coordinates.inside(z[i, j], reach[j]) for j in range(50)] for i in range(4)]
+    np.testing.assert_array_equal(inside, coordinates.are_recoverable(-z, reach))
+    np.testing.assert_array_equal(inside, coordinates.are_recoverable(4.0 * z, 4.0 * reach))
+    single = [[coordinates.are_recoverable(z[i, j], reach[j]) for j in range(50)] for i in range(4)]
     np.testing.assert_array_equal(inside, single)
-    assert np.all(coordinates.inside(z, 2.0 * reach)[inside])
+    assert np.all(coordinates.are_recoverable(z, 2.0 * reach)[inside])
     assert coordinates.ratio == poles[1] / poles[0]
 
 

@@ -233,8 +233,11 @@ def test_the_edge_is_confirmed_by_flights_that_hit_every_event(model, kind, tau_
     for part in (0.99, 1.01):
         limit = part * abs(edge.deflection)
         flown = fly(plant, law, wind, times, deflection_limit=limit)
-        z, D = flown.outputs[: len(plant.states)].T @ modes.rows.T, limit / plant.coefficients.B
-        inside = modes.inside(z, np.full(times.size, D))
+        z, D = (
+            flown.outputs[: len(plant.states)].T @ modes.left_eigenvectors.T,
+            limit / plant.coefficients.B,
+        )
+        inside = modes.are_recoverable(z, np.full(times.size, D))
         assert np.all(inside) == (part > 1.0)
         if part > 1.0:
             assert np.all(np.abs(z[-1]) < 0.3 * D)

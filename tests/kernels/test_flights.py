@@ -153,8 +153,10 @@ def test_threads_change_nothing(monkeypatch):
 def test_the_rows_that_judge_are_the_unstable_coordinates(model):
     plant = Plant.from_vehicle(VEHICLE, model)
     modes, judges = unstable_coordinates(plant), outcome_criteria(plant)
-    N, states = modes.rows.shape
-    np.testing.assert_allclose(judges.rows[0, :N, :states], modes.rows, rtol=1e-9, atol=1e-12)
+    N, states = modes.left_eigenvectors.shape
+    np.testing.assert_allclose(
+        judges.rows[0, :N, :states], modes.left_eigenvectors, rtol=1e-9, atol=1e-12
+    )
     assert not np.any(judges.rows[..., states:])
     assert not np.any(judges.rows[0, N:])
     assert judges.ratio[0] == pytest.approx(modes.ratio, rel=1e-12)

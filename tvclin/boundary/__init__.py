@@ -1,4 +1,4 @@
-"""The least deflection limits: closed forms, any wind, the optimum, recoverable states.
+"""The minimum deflection limits: closed forms, any wind, the optimum, recoverable states.
 
 - In any wind with any dead band: `boundary_limit`; without a forecast: `forecast_free_limit`.
 - In closed form: `rectangular_limit` (7) and (16), `triangular_limit` (12),

@@ -56,19 +56,19 @@ MAX_MODES = 2
 """Unstable modes for which the set is known in closed form."""
 EXACT = "exact"
 BOUND = "bound of the fast mode"
-BEFORE_THE_END = "bound: a turn at the end of the wind may need a little more"
+BEFORE_THE_END = "bound: a turn at the end of the wind may require a little more"
 
 
 @dataclass(frozen=True, eq=False)
 class UnstableCoordinates:
     """The coordinates of the unstable modes of one plant, the fastest first.
 
-    `poles`: s [1/s], ``(N,)``, N being one or two. `rows`: z = rows @ states [rad], ``(N, n)``.
-    `wind`: k, ``(N,)``: the report's K1 of each pole.
+    `poles`: s [1/s], ``(N,)``, N being one or two. `left_eigenvectors`: l, ``(N, n)``, with
+    z = l @ states [rad]. `wind`: k, ``(N,)``: the report's K1 of each pole.
     """
 
     poles: FloatArray
-    rows: FloatArray
+    left_eigenvectors: FloatArray
     wind: FloatArray
 
     @cached_property
@@ -76,7 +76,7 @@ class UnstableCoordinates:
         """Ratio of the slow pole to the fast one; zero with a single pole."""
         return float(self.poles[1] / self.poles[0]) if self.poles.size > 1 else 0.0
 
-    def inside(self, z: FloatArray, reach: Any) -> Any:
+    def are_recoverable(self, z: FloatArray, reach: Any) -> Any:
         """Return whether the coordinates ``(..., N)`` are recoverable with |u| < reach ``(...)``.
 
         Strictly: on the edge the deflection keeps the state constant and cannot return it.
@@ -104,7 +104,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     >>> import tvclin as tv
     >>> from tvclin.boundary.forecast_free import unstable_coordinates
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
-    >>> unstable_coordinates(plant).rows  # attitude + rate/(p + damping), here without damping
+    >>> unstable_coordinates(plant).left_eigenvectors  # attitude + rate/(p + damping)
     array([[1., 2.]])
     """
     instance("plant", plant, Plant, PLANT_HINT)
@@ -132,7 +132,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
 def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
     """Return the reach [rad] on whose edge the coordinates of two real modes lie.
 
-    It is the least peak of u = deflection/B that brings them to equilibrium, ``(n,)``.
+    It is the minimum peak of u = deflection/B that brings them to equilibrium, ``(n,)``.
 
     `fast`, `slow`: coordinates z of the two modes [rad], ``(n,)`` each. `ratio`: the slow pole over
     the fast one, in (0, 1), ``(n,)``.
@@ -179,7 +179,7 @@ class ForecastFreeLimit(Shown):
 def forecast_free_limit(
     plant: Plant, wind: History, reversal: float = 0.0, turn: float = np.pi
 ) -> ForecastFreeLimit:
-    """Return the least deflection of any law that does not know when the wind will stop.
+    """Return the minimum deflection of any law that does not know when the wind will stop.
 
     It is the lower bound without a forecast, by linear theory at nominal dynamic pressure.
 

@@ -1,4 +1,4 @@
-"""The boundary limit: the least deflection with which a wind can be survived, eq (4b).
+"""The boundary limit: the minimum deflection with which a wind can be survived, eq (4b).
 
     y_BR = -delta_max / (B alpha_w,max)
 
@@ -50,13 +50,13 @@ _MIN_POLE_SEPARATION = 1e-4
 """Relative distance of two real poles below which one limit cannot satisfy both conditions."""
 
 OK = "ok"
-STABLE = "no unstable pole: no deflection is needed"
+STABLE = "no unstable pole: no deflection is required"
 PAIRED_POLES = (
     "two unstable poles are a pair or equal, and each has its own condition (4b), which no limit"
-    " meets for both; this limit is so large that the dead band is never left"
+    " satisfies for both; this limit is so large that the dead band has no exit"
 )
-NO_EXIT = "trim never saturates: a lower limit does not meet (4b); this is the largest trim"
-JUMP = "no limit meets (4b) exactly: every limit above this one is more than it demands"
+NO_EXIT = "trim never saturates: a lower limit does not satisfy (4b); this is the largest trim"
+JUMP = "no limit satisfies (4b) exactly: every limit above this one exceeds its demand"
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ class BoundaryLimit(Shown):
     Attributes
     ----------
     limit : float or ndarray
-        y_BR, the least limit over the trim deflection B alpha_w,max without drift.
+        y_BR, the minimum limit over the trim deflection B alpha_w,max without drift.
     deflection : float or ndarray
         Boundary limit as a deflection [rad], -y_BR B alpha_w,max; its sign opposes the wind.
     switch_time : float or ndarray

@@ -1,9 +1,9 @@
-"""Trade-off of angle and load: the least deflection limit over a bound of the structure's load.
+"""Trade-off of angle and load: the minimum deflection limit over a bound of the structure's load.
 
 The load is the angle of attack alpha, or alpha + M delta: the bending moment M_alpha alpha +
-M_delta delta at a station over M_alpha, M = M_delta/M_alpha. The least deflection under
+M_delta delta at a station over M_alpha, M = M_delta/M_alpha. The minimum deflection under
 ``|load| <= a`` is a convex problem, so that it is convex over a, and falls. Two floors make nearly
-all of it: the least deflection d0 at any load, and, since nothing turns a vehicle faster than the
+all of it: the minimum deflection d0 at any load, and, since nothing turns a vehicle faster than the
 whole constant deflection,
 
     a >= sup_t (|alpha_0(t)| - d |G(t)|),
@@ -21,16 +21,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray
-from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, between, finite, number, one_row, positive, small_angle
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
-from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit_over_rate import (
+    TradeOff,
     lower_bound_text,
     margin_of,
+    no_forecast_deflection,
     point_table,
     ramped_deflection,
     rate_trade_off,
@@ -44,16 +44,16 @@ from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History, Piecewise, linear_pieces
-from tvclin.winds.wind_angles import beyond_linear, linear_notes
+from tvclin.winds.wind_angles import linear_notes
 
 RELATIVE_GAP = 1e-4
-"""A limit so near to its bound, relative, is found."""
+"""Relative gap between a limit and its lower bound at which a program is not refined."""
 _MAX_NODES = 1000
 """Largest number of nodes of a program that is refined."""
 _EXCESS_FRACTIONS = (0.125, 0.25, 0.5, 1.0)
 """Fractions of the excess of the load, by which the next program's load bound is reduced."""
 _PEAKS_OVER_PROOF = (1.1, 1.5, 3.0, 10.0)
-"""Peaks, relative to the proved one, of programs of least load where no program has the load."""
+"""Peaks, relative to the proved one, of programs of minimum load where no program has the load."""
 _MIN_CELLS = 48
 """Smallest number of cells in the wind."""
 _MAX_CELLS = 160
@@ -65,11 +65,11 @@ _WIDTH_RATIO = 1.15
 _SPAN_OVER_TIME_CONSTANT = 20.0
 """Time of the last node after the wind, over the time constant of the slowest unstable mode."""
 _MAX_DEFLECTION: float = float(np.pi / 2)
-"""Largest deflection [rad] of the programs of least load."""
+"""Largest deflection [rad] of the programs of minimum load."""
 _NEGLIGIBLE_LOAD = 1e-9
 """Load, relative to that of the optimal deflection, below which it is zero."""
 _LOAD_PROGRAMS = 5
-"""Largest number of programs of the least load."""
+"""Largest number of programs of the minimum load."""
 _MIN_LOAD_DECREASE = 0.01
 """Smallest relative decrease of the load by a program after which another is solved."""
 _NODES_PER_RADIAN = 3.5
@@ -82,17 +82,17 @@ _MIN_START_LOAD = 0.02
 """Smallest load at which they begin, relative to that of the optimal deflection."""
 _RELATIVE_TOLERANCE = 1e-3
 """Relative distance to a floor within which the floor sets a limit."""
-ANGLE, TURN, BOTH = "the least angle", "turning in time", "both together"
+ANGLE, TURN, BOTH = "the minimum angle", "turning in time", "both together"
 _POINTS = 10
-"""Default number of load bounds of a front."""
+"""Default number of load bounds of a trade-off."""
 
 _MIN_MOMENT_RATIO = 1e-12
 """Smallest size of a moment ratio other than zero, for numerical range."""
 
 
 @dataclass(frozen=True, eq=False)
-class LoadTradeOff(Shown):
-    """The least deflection over a load bound, for one plant in one wind.
+class LoadTradeOff(TradeOff):
+    """The minimum deflection over a load bound, for one plant in one wind.
 
     Attributes
     ----------
@@ -107,15 +107,15 @@ class LoadTradeOff(Shown):
         Decrease of the deflection with the load bound, ``(n,)``: its reciprocal is the decrease of
         the load for a degree of the nozzle.
     set_by : tuple of str
-        Condition that sets each limit: the least angle, turning in time into the wind, or both
+        Condition that sets each limit: the minimum angle, turning in time into the wind, or both
         together.
     no_forecast_bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
         for a wind that changes its sign.
     minimum_deflection, load_of_minimum : float
-        Least deflection [rad] at any load, and the load [rad] of its control.
+        Minimum deflection [rad] at any load, and the load [rad] of its control.
     minimum_load, no_forecast_load : float
-        Least load [rad] of a computed control at any deflection, and a lower bound [rad] of the
+        Minimum load [rad] of a computed control at any deflection, and a lower bound [rad] of the
         load without a forecast.
     moment_ratio, rate_limit : float
         M, and the rate limit [rad/s]; infinite if none.
@@ -124,10 +124,10 @@ class LoadTradeOff(Shown):
     lower_bound : float
         Required limit [rad] at that load, or at any.
     required_load : float
-        Least load [rad] of a control with that limit, or with any; infinite without one.
+        Minimum load [rad] of a control with that limit, or with any; infinite without one.
     angle : float
-        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
-        the lower bound is NaN.
+        Largest wind angle [rad]. Above 30 deg the trade-off is that of the linear equations alone,
+        and the lower bound is NaN.
     """
 
     loads: FloatArray = field(metadata=spec("angle", card=False))
@@ -150,12 +150,6 @@ class LoadTradeOff(Shown):
 
     @property
     @derived("angle", card=False)
-    def remaining(self) -> float | None:
-        """Remaining angle [rad]: available minus required."""
-        return margin_of(self.limit, self.lower_bound)
-
-    @property
-    @derived("angle", card=False)
     def remaining_load(self) -> float | None:
         """Remaining load [rad]: the structure's limit minus the required load."""
         return margin_of(self.load, self.required_load)
@@ -163,10 +157,10 @@ class LoadTradeOff(Shown):
     @property
     @derived()
     def above_lower_bound(self) -> bool | None:
-        """Whether the limit is on the front with the wind known, or above.
+        """Whether the limit is on the trade-off with the wind known, or above.
 
-        None without a limit, and where the front is not proved to be above the limit. A limit below
-        the bound is never sufficient; one above it may be too small for a control.
+        None without a limit, and where the trade-off is not proved to be above the limit. A limit
+        below the bound is never sufficient; one above it may be too small for a control.
         """
         if self.limit is None or self.beyond:
             return None
@@ -190,11 +184,6 @@ class LoadTradeOff(Shown):
         return self.load is not None and self.load < self.no_forecast_load
 
     @property
-    def beyond(self) -> str:
-        """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
-        return beyond_linear(self.angle)
-
-    @property
     def bound_text(self) -> str:
         """The lower bound of the limit within the load, in words."""
         load = "" if self.load is None else " within this load"
@@ -214,9 +203,8 @@ class LoadTradeOff(Shown):
         return f"{sufficiency(False)}, below the {WIND_KNOWN}"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the tables of the front, and of the nozzle's point with the requirement."""
-        blank = np.full(self.loads.size, np.nan)
-        bounds = blank if self.no_forecast_bounds is None else self.no_forecast_bounds
+        """Return the tables of the trade-off, and of the nozzle's point with the requirement."""
+        bounds = self._bounds_column(self.loads)
         buys = 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
         rows = tuple(
             (
@@ -241,7 +229,7 @@ class LoadTradeOff(Shown):
 
     @property
     def notes(self) -> Iterator[str]:
-        """Return the notes on the front, a sentence each."""
+        """Return the notes on the trade-off, a sentence each."""
         yield from linear_notes(self.angle)
         what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
         yield f"the load is {what}, during the wind and after it"
@@ -260,7 +248,7 @@ class LoadTradeOff(Shown):
 
 @dataclass(frozen=True, eq=False)
 class LoadLimits:
-    """A case, with attained points (load, peak) of its front, and lines (bound, slope) below."""
+    """A case, with points (load, peak) that are attained, and lines (bound, slope) below them."""
 
     case: LoadCase
     minimum_deflection: float
@@ -289,7 +277,7 @@ class LoadLimits:
 
     @cached_property
     def minimum_load(self) -> float:
-        """Least load [rad] of a computed control, at any deflection."""
+        """Minimum load [rad] of a computed control, at any deflection."""
         return self._minimum_load[0] if self._programmed else self.load_floor
 
     @cached_property
@@ -307,13 +295,13 @@ class LoadLimits:
 
     @property
     def _programmed(self) -> bool:
-        """Whether the least load exceeds that of a jump of the wind."""
+        """Whether the minimum load exceeds that of a jump of the wind."""
         case = self.case
         return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
 
     @cached_property
     def _minimum_load(self) -> tuple[float, float]:
-        """Least load [rad] of controls on successively finer nodes, and its lower bound [rad]."""
+        """Minimum load [rad] of controls on successively finer nodes, and its lower bound [rad]."""
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf
         for _ in range(_LOAD_PROGRAMS):
@@ -394,7 +382,7 @@ class LoadLimits:
         return True
 
     def _attained(self, load: float) -> float:
-        """Return the least peak [rad] of a mixture of computed controls, within a load [rad]."""
+        """Return the minimum peak [rad] of a mixture of computed controls, within a load [rad]."""
         below = [(a, d) for a, d in self.points if a <= load]
         above = [(a, d) for a, d in self.points if a > load]
         mixed = [d + (load - a) / (b - a) * (e - d) for a, d in below for b, e in above]
@@ -406,7 +394,7 @@ class LoadLimits:
         return max([*bounds, (self.minimum_deflection, 0.0)])
 
     def required_load(self, limit: float) -> float:
-        """Return the least load [rad] of a control within a limit [rad]; infinite without one."""
+        """Return the minimum load [rad] of a control within a limit [rad]; infinite without one."""
         if limit < self.minimum_deflection:
             return np.inf
         if limit >= self._attained(self.minimum_load):
@@ -467,16 +455,14 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     optimum = optimum_deflection(plant, wind, start if np.isfinite(start) else 0.0)
     case = LoadCase(plant, wind, optimum.deflection, ratio, rate)
-    poles = unstable_poles(plant)
-    no_forecast = 0.0 if wind.constant_sign else None
-    if wind.constant_sign and poles.size and not np.imag(poles[0]):
-        no_forecast = abs(float(forecast_free_limit(plant, wind).deflection))
+    no_forecast = no_forecast_deflection(plant, wind)
     minimum_deflection = optimum.certificate.dual
     if np.isfinite(rate):
         slow = rate_trade_off(plant, wind, [rate], rate_limit=rate)
         minimum_deflection = float(slow.limits[0])
         if no_forecast:
-            no_forecast = float(ramped_deflection(no_forecast, float(np.real(poles[0])), rate))
+            pole = float(np.real(unstable_poles(plant)[0]))
+            no_forecast = float(ramped_deflection(no_forecast, pole, rate))
     limits = LoadLimits(case, minimum_deflection, LoadProgram(case, _nodes(case)), no_forecast)
     if np.isinf(rate):
         limits.points.append((limits.load_of_minimum, optimum.peak))
@@ -523,7 +509,7 @@ def load_trade_off(
     rate_limit: float = np.inf,
     moment_ratio: float = 0.0,
 ) -> LoadTradeOff:
-    """Return the least deflection over the largest load, from the onset of the wind on.
+    """Return the minimum deflection over the largest load, from the onset of the wind on.
 
     Parameters
     ----------
@@ -532,8 +518,8 @@ def load_trade_off(
     wind : History
         One wind that ends, known beforehand.
     loads : array_like, optional
-        Bounds of the load [rad], ``(n,)``; by default ten from near the least load up to that of
-        the control of least deflection, and `load`.
+        Bounds of the load [rad], ``(n,)``; by default ten from near the minimum load up to that of
+        the control of minimum deflection, and `load`.
     limit, load : float, optional
         Limit of the nozzle and load limit of the structure [rad].
     rate_limit : float
@@ -556,11 +542,11 @@ def load_trade_off(
 
     Notes
     -----
-    Without a limit of the deflection the least load of a wind without jumps is zero; a jump at the
-    onset leaves its size, a later one half of it. A wind that may stop at its peak is such a jump:
-    half of it is the least load of a law without a forecast. With a rate limit or M the least load
-    is that of a computed control, on nodes that resolve the oscillating zeros of the load too; its
-    lower bound may be less.
+    Without a limit of the deflection the minimum load of a wind without jumps is zero; a jump at
+    the onset leaves its size, a later one half of it. A wind that may stop at its peak is such a
+    jump: half of it is the minimum load of a law without a forecast. With a rate limit or M the
+    minimum load is that of a computed control, on nodes that resolve the oscillating zeros of the
+    load too; its lower bound may be less.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Trade-off of angle and rate: the least deflection limit of a plant over its rate limit.
+"""Trade-off of angle and rate: the minimum deflection limit of a plant over its rate limit.
 
 With one unstable pole p that decides, (4b) integrated by parts is, for a deflection from rest,
 
@@ -53,7 +53,7 @@ Quantity = tuple[str, str, float, float | None]
 _ROUNDING = 1e-9
 """Relative tolerance of two equal lower bounds."""
 _MULTIPLES = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
-"""Default rates of a front, relative to the smallest one."""
+"""Default rates of a trade-off, relative to the smallest one."""
 _NEGLIGIBLE = 1e-12
 """Size, relative to one, that counts as zero."""
 _RELATIVE_TOLERANCE = 1e-10
@@ -61,7 +61,7 @@ _RELATIVE_TOLERANCE = 1e-10
 _RATE_RANGE = (1e-15, 1e9)
 """Smallest and largest rate [rad/s] and acceleration that differ from zero and infinity."""
 _DEFAULT_RATE = float(np.radians(1.0))
-"""First rate of a front [rad/s] where none is required."""
+"""First rate of a trade-off [rad/s] where none is required."""
 _MAX_RATE_RATIO = 1e4
 """Largest rate over the smallest one, at which the angle is within 5e-5 of the minimum."""
 
@@ -97,9 +97,9 @@ def point_table(title: str, *quantities: Quantity) -> Table:
 def ramped_deflection(
     least: ArrayLike, pole: float, rate: ArrayLike, acceleration: ArrayLike = np.inf
 ) -> FloatArray:
-    """Return the least deflection [rad] under limits of rate and acceleration, of one pole.
+    """Return the minimum deflection [rad] under limits of rate and acceleration, of one pole.
 
-    `least`: d0 [rad], the least deflection at any rate, positive. `pole`: the unstable pole p
+    `least`: d0 [rad], the minimum deflection at any rate, positive. `pole`: the unstable pole p
     [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which broadcast with
     `least`; both may be infinite. Returned: infinite where no deflection is sufficient.
     """
@@ -117,7 +117,7 @@ def ramped_deflection(
 
 
 def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
-    """Return the least deflection rate [rad/s] at a limit `deflection`, d [rad], of one pole.
+    """Return the minimum deflection rate [rad/s] at a limit `deflection`, d [rad], of one pole.
 
     It is the inverse of `ramped_deflection`: d0 = d f(x) with x = p d/r, which Lambert's W solves.
     Zero where no deflection is required, and infinite where no rate is sufficient.
@@ -136,22 +136,47 @@ def _log1m(x: FloatArray) -> FloatArray:
     return np.where(x < 1.0, np.log1p(-np.minimum(x, 1.0)), -np.inf)
 
 
+class TradeOff(Shown):
+    """A trade-off with the nozzle's point, whose limit is compared with its lower bound."""
+
+    limit: float | None
+    lower_bound: float
+    no_forecast_bounds: FloatArray | None
+    angle: float
+
+    @property
+    @derived("angle", card=False)
+    def remaining(self) -> float | None:
+        """Remaining angle [rad]: available minus required."""
+        return margin_of(self.limit, self.lower_bound)
+
+    @property
+    def beyond(self) -> str:
+        """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
+        return beyond_linear(self.angle)
+
+    def _bounds_column(self, like: FloatArray) -> FloatArray:
+        """Return the bounds without a forecast [rad], NaN without one, in the shape of `like`."""
+        blank = np.full(like.shape, np.nan)
+        return blank if self.no_forecast_bounds is None else self.no_forecast_bounds
+
+
 @dataclass(frozen=True, eq=False)
-class RateTradeOff(Shown):
-    """The least deflection over the deflection rate, for one plant in one wind.
+class RateTradeOff(TradeOff):
+    """The minimum deflection over the deflection rate, for one plant in one wind.
 
     Attributes
     ----------
     rates : ndarray
         Rate limits [rad/s], ``(n,)``.
     limits : ndarray
-        Least deflection [rad] at each with the wind known beforehand, ``(n,)``; infinite where no
+        Minimum deflection [rad] at each with the wind known beforehand, ``(n,)``; infinite where no
         angle is sufficient.
     no_forecast_bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``, of the
         rate alone; None for a wind that changes its sign.
     minimum_deflection, minimum_rate : float
-        Least angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
+        Minimum angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
     no_forecast_rate : float
         Lower bound [rad/s] of the rate without a forecast.
     acceleration_limit : float
@@ -161,10 +186,10 @@ class RateTradeOff(Shown):
     lower_bound : float
         The larger of limit and bound [rad], at the nozzle's rate or else at any.
     required_rate : float
-        The least rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
+        The minimum rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
     angle : float
-        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
-        the lower bound is NaN.
+        Largest wind angle [rad]. Above 30 deg the trade-off is that of the linear equations alone,
+        and the lower bound is NaN.
     """
 
     rates: FloatArray = field(metadata=spec("angular rate", card=False))
@@ -181,12 +206,6 @@ class RateTradeOff(Shown):
     angle: float = 0.0
 
     @property
-    @derived("angle", card=False)
-    def remaining(self) -> float | None:
-        """Remaining angle [rad]: available minus required."""
-        return margin_of(self.limit, self.lower_bound)
-
-    @property
     @derived("angular rate", card=False)
     def remaining_rate(self) -> float | None:
         """Remaining rate [rad/s]: available minus required."""
@@ -195,7 +214,7 @@ class RateTradeOff(Shown):
     @property
     @derived()
     def above_lower_bound(self) -> bool | None:
-        """Whether the nozzle's point is on the front or above; None if not given or not known.
+        """Whether the nozzle's point is on the trade-off or above; None if not given or not known.
 
         For a limit or a rate limit alone, whether some value of the other one satisfies this. A
         limit below the bound is never sufficient; one above it may be too small for a control.
@@ -209,13 +228,8 @@ class RateTradeOff(Shown):
         return self.limit >= self.lower_bound
 
     @property
-    def beyond(self) -> str:
-        """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
-        return beyond_linear(self.angle)
-
-    @property
     def _sufficient_with_forecast(self) -> bool:
-        """Whether the nozzle's point is on the front with the wind known, or above."""
+        """Whether the nozzle's point is on the trade-off with the wind known, or above."""
         fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
         can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
         free = self.rate_limit is None and limit is not None and self.minimum_deflection < limit
@@ -242,13 +256,9 @@ class RateTradeOff(Shown):
         return f"{sufficiency(False)}, below the {whose}"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the tables of the front, and of the nozzle's point with the requirement."""
-        blank = np.full(self.rates.size, np.nan)
-        columns = {
-            "rate": self.rates,
-            "limit": self.limits,
-            "bound": blank if self.no_forecast_bounds is None else self.no_forecast_bounds,
-        }
+        """Return the tables of the trade-off, and of the nozzle's point with the requirement."""
+        bounds = self._bounds_column(self.rates)
+        columns = {"rate": self.rates, "limit": self.limits, "bound": bounds}
         rows = tuple(
             tuple(
                 minimum_limit(degrees(f"trade_off.{k}.{name}", x[k])) for name, x in columns.items()
@@ -265,10 +275,10 @@ class RateTradeOff(Shown):
 
     @property
     def notes(self) -> Iterator[str]:
-        """Return the notes on the front, a sentence each."""
+        """Return the notes on the trade-off, a sentence each."""
         yield from linear_notes(self.angle)
         if self.minimum_deflection == 0.0:
-            yield "no unstable pole feels the wind: neither angle nor rate is needed"
+            yield "the wind excites no unstable pole: neither angle nor rate is required"
         elif self.no_forecast_bounds is None:
             yield "the wind changes its sign: there is no bound for laws without a forecast"
         else:
@@ -284,7 +294,7 @@ def rate_trade_off(
     rate_limit: float | None = None,
     acceleration_limit: float = np.inf,
 ) -> RateTradeOff:
-    """Return the least deflection over the rate limit, from the onset of the wind on.
+    """Return the minimum deflection over the rate limit, from the onset of the wind on.
 
     Parameters
     ----------
@@ -374,7 +384,7 @@ def rate_trade_off(
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    """A plant in a wind, from its onset on: its conditions and least deflections."""
+    """A plant in a wind, from its onset on: its conditions and minimum deflections."""
 
     wind: History
     constraints: Constraints
@@ -384,7 +394,7 @@ class _Case:
 
     @property
     def minimum(self) -> float:
-        """Least deflection [rad] at any rate."""
+        """Minimum deflection [rad] at any rate."""
         return self.unlimited.peak
 
     @property
@@ -394,7 +404,7 @@ class _Case:
 
     @property
     def fast_deflection(self) -> float:
-        """Least deflection [rad] for the condition of the fastest pole."""
+        """Minimum deflection [rad] for the condition of the fastest pole."""
         demands = self.constraints.demands
         return self.pole * abs(float(demands[0])) if demands.size else 0.0
 
@@ -415,7 +425,7 @@ class _Case:
 
     @cached_property
     def deflection(self) -> Callable[[float], float]:
-        """Least deflection [rad] at a rate limit, the wind known; infinite if none suffices."""
+        """Minimum deflection [rad] at a rate limit, the wind known; infinite if none suffices."""
         return cache(self._deflection)
 
     def _deflection(self, rate: float) -> float:
@@ -434,7 +444,7 @@ class _Case:
         return minimum_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
 
     def single_pole_deflection(self, rate: float) -> float:
-        """Return the least deflection [rad], the wind known, if the fastest pole alone decides."""
+        """Return the minimum deflection [rad], the wind known, of the fastest pole alone."""
         return float(ramped_deflection(self.fast_deflection, self.pole, rate, self.acceleration))
 
     def no_forecast_limit(self, rate: float) -> float:
@@ -442,11 +452,11 @@ class _Case:
         return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
 
     def lower_bound(self, rate: float) -> float:
-        """Return the larger of the least deflection and the bound without a forecast [rad]."""
+        """Return the larger of the minimum deflection and the bound without a forecast [rad]."""
         return max(self.deflection(rate), self.no_forecast_limit(rate))
 
     def required_rate(self, limit: float) -> float:
-        """Return the least rate [rad/s] at a limit [rad]; infinite if none is sufficient.
+        """Return the minimum rate [rad/s] at a limit [rad]; infinite if none is sufficient.
 
         The fastest pole alone requires a rate in closed form, which other poles can only raise.
         """
@@ -487,7 +497,7 @@ class _Case:
 
 
 def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: float) -> float:
-    """Return the least rate [rad/s] above `lowest` with a deflection within a limit, or inf."""
+    """Return the minimum rate [rad/s] above `lowest` with a deflection within a limit, or inf."""
     from scipy.optimize import brentq
 
     if deflection(_MAX_RATE_RATIO * lowest) > limit:
@@ -513,9 +523,16 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
             f" {poles_text(unstable_poles(plant))}"
         )
     unlimited = optimum_deflection(plant, wind, start)
-    no_forecast: float | None = 0.0
+    return _Case(wind, constraints, unlimited, acceleration, no_forecast_deflection(plant, wind))
+
+
+def no_forecast_deflection(plant: Plant, wind: History) -> float | None:
+    """Return the bound [rad] of `forecast_free_limit`; zero without a real fastest unstable pole.
+
+    None for a wind that changes its sign.
+    """
+    poles = unstable_poles(plant)
     if not wind.constant_sign:
-        no_forecast = None
-    elif unlimited.peak > 0.0:
-        no_forecast = abs(float(forecast_free_limit(plant, wind).deflection))
-    return _Case(wind, constraints, unlimited, acceleration, no_forecast)
+        return None
+    bounded = poles.size > 0 and not np.imag(poles[0])
+    return abs(float(forecast_free_limit(plant, wind).deflection)) if bounded else 0.0

@@ -101,7 +101,7 @@ class LimitShape(ABC):
         """Whether the shape is symmetric about zero."""
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the least limit that reaches vectors, in their shape and unit.
+        """Return the minimum limit that reaches vectors, in their shape and unit.
 
         Raises
         ------

@@ -48,7 +48,7 @@ _RELATIVE_STEP = 1e-8
 _RELATIVE_RANGE = 1e-5
 """Relative distance to another requirement within which its own survival is tested."""
 _RELATIVE_ROUNDING = 1e-9
-"""Rounding of a least peak, relative to the limit."""
+"""Rounding of a minimum peak, relative to the limit."""
 _MAX_LIMIT = 100.0
 """Largest limit, normalised by B alpha_w,max, that is computed where trim is not bounded."""
 _MAX_STEPS = 2000
@@ -164,7 +164,7 @@ class Reason(StrEnum):
     AFTER_TRIM = "the minimum over all unstable poles after trim"
     NO_FORECAST = "the bound without a forecast"
     TRIM_LAW = "the trim law flown"
-    ONE_PLANE = "the plane that needs the larger part of the stop"
+    ONE_PLANE = "the plane that requires the larger part of the limit"
     BOTH_PLANES = "the boundary of both planes together"
     NOTHING = "nothing"
 
@@ -175,7 +175,7 @@ class Reason(StrEnum):
     def larger(self) -> str:
         """Sentence that this requirement is larger than the boundary limit."""
         if self is Reason.BOUNDARY:
-            return "in flight, where the dead band is left by trim itself, more is needed"
+            return "in flight, where trim itself exits the dead band, the requirement is larger"
         return f"{self} is larger"
 
 

@@ -29,8 +29,9 @@ from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, ending, instance, single
 from tvclin.base.fields import spec
+from tvclin.boundary.limit import OK
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape, Vectors
-from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
+from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, Certificate, optimum_deflection
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import poles_text, unstable_poles, wind_over_deflection
 from tvclin.linear.plant import Plant
@@ -67,8 +68,6 @@ _RELATIVE_GAP = 1e-7
 """Relative gap of the cutting-plane method at which it stops."""
 _MAX_GAP = 1e-3
 """Largest relative gap of a certificate whose status is "ok"."""
-OK = "ok"
-NOT_CONVERGED = "not converged: the certificate says how far off it is"
 
 
 @dataclass(frozen=True)
@@ -285,14 +284,14 @@ def _refined_maximum(
 
 @dataclass(frozen=True, eq=False)
 class PlaneOptimum(Shown):
-    """The deflection of least limit for two planes in one wind.
+    """The deflection of minimum limit for two planes in one wind.
 
     Attributes
     ----------
     limit : float
-        Least limit, normalised by B alpha_w,max of the largest wind vector.
+        Minimum limit, normalised by B alpha_w,max of the largest wind vector.
     peak : float
-        Least limit [rad], in the measure of the limit shape.
+        Minimum limit [rad], in the measure of the limit shape.
     times : ndarray
         Times [s] from which each deflection is constant, ``(n,)``; the last does not end.
     deflections : ndarray of complex
@@ -317,7 +316,7 @@ class PlaneOptimum(Shown):
 def plane_optimum(
     plant: Plant, wind: PlaneWind, stop: LimitShape | None = None, yaw_plant: Plant | None = None
 ) -> PlaneOptimum:
-    """Return the deflection of least limit in both planes that cancels every unstable mode.
+    """Return the deflection of minimum limit in both planes that cancels every unstable mode.
 
     Parameters
     ----------

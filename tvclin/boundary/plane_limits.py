@@ -55,8 +55,8 @@ _RELATIVE_TOLERANCE = 1e-3
 _RELATIVE_RANGE = 1e-2
 """Relative distance to another requirement within which its own survival is tested."""
 TURNS = (
-    "the wind turns, and the deflection held presumes how: a law that limits its command"
-    " without changing its direction may need more in flight"
+    "the wind turns, and the constant deflection presumes how: a law that limits its command"
+    " without changing its direction may require more in flight"
 )
 POLYGON = (
     "the dead band of the cluster is that of a polygon inside its shape: the limit is a"
@@ -188,7 +188,7 @@ def _requirement_after_trim(
         t = float(times[k])
         if k > 0 and excess(times[k - 1]) < 0.0 < excess(t):
             t = float(brentq(excess, times[k - 1], t, xtol=1e-12))
-        separate = []  # the least peak of each plane separately
+        separate = []  # the minimum peak of each plane separately
         for plane in (0, 1):
             poles, z = pair.poles[plane][np.newaxis], pair.demands_after_trim(plane, t)[np.newaxis]
             separate.append(float(peaks_for_demands(poles, z / poles)[0]))
@@ -313,9 +313,9 @@ class PlaneLimit(Shown):
     Attributes
     ----------
     limit : float or ndarray
-        Least limit, normalised by the trim B alpha_w,max of the largest wind vector in pitch.
+        Minimum limit, normalised by the trim B alpha_w,max of the largest wind vector in pitch.
     deflection : float or ndarray
-        Least limit [rad], positive, in the measure of the limit shape: the radius of a round one,
+        Minimum limit [rad], positive, in the measure of the limit shape: the radius of a round one,
         the half width of a square.
     direction : float or ndarray
         Angle [rad] from the pitch plane of the constant deflection after trim.
@@ -354,7 +354,7 @@ def plane_limit(
     switch: str = "report",
     yaw_plant: Plant | None = None,
 ) -> PlaneLimit:
-    """Return the least limit with which pitch and yaw survive a wind with a direction.
+    """Return the minimum limit with which pitch and yaw survive a wind with a direction.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The minimum-peak control of appendix C: the least deflection with which a wind can be survived.
+"""The minimum-peak control of appendix C: the minimum deflection with which a wind can be survived.
 
     min peak |delta|   with   integral of e^(-beta_i t) delta(t) dt = D_i,   eq (C1)
 

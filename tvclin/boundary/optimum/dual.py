@@ -49,7 +49,7 @@ _GRID_REFINEMENTS = 4
 
 
 def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the deflection of least peak that is constant in each cell, and its multipliers.
+    """Return the deflection of minimum peak that is constant in each cell, and its multipliers.
 
     `constraints`: conditions on the moments. `cells`: breakpoints [s] of the cells, ``(k + 1,)``;
     the last may be infinite. Returned: levels in [-1, 1], the deflection normalised by its peak,

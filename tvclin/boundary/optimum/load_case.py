@@ -218,33 +218,35 @@ class LoadWeights:
     @cached_property
     def _before(self) -> ComplexArray:
         """Weights before each node, discounted by the unstable modes, ``(n + 1, k)``."""
-        c, n = self.case, self.widths.size
-        decay, near, far = convolution_weights(c.rates, self.widths[:, np.newaxis])
-        increment = (
-            near * self.density_ends[1][:, np.newaxis] + far * self.density_ends[0][:, np.newaxis]
-        )
-        weights = np.zeros((n + 1, c.poles.size), dtype=complex)
-        weights[0] = self.prices
-        for k in range(n):
-            weights[k + 1] = decay[k] * weights[k] + c.shares * (
-                increment[k] + self.node_weights[k + 1]
-            )
-        return weights
+        start, end = self.density_ends
+        return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property
     def _after(self) -> ComplexArray:
         """Weights from each node on, discounted by the stable modes, ``(n + 1, k)``."""
-        c, n = self.case, self.widths.size
-        decay, near, far = convolution_weights(c.rates, self.widths[:, np.newaxis])
-        increment = (
-            near * self.density_ends[0][:, np.newaxis] + far * self.density_ends[1][:, np.newaxis]
-        )
-        weights = np.zeros((n + 1, c.poles.size), dtype=complex)
-        weights[n] = c.shares * self.node_weights[n]
-        for k in range(n - 1, -1, -1):
-            weights[k] = decay[k] * weights[k + 1] + c.shares * (
-                increment[k] + self.node_weights[k]
-            )
+        (start, end), nodes = self.density_ends[:, ::-1], self.node_weights[::-1]
+        first = self.case.shares * nodes[0]
+        return self._discounted(first, start, end, nodes[1:], self.widths[::-1])[::-1]
+
+    def _discounted(
+        self,
+        first: ComplexArray,
+        near_ends: FloatArray,
+        far_ends: FloatArray,
+        nodes: FloatArray,
+        widths: FloatArray,
+    ) -> ComplexArray:
+        """Return the weights at successive nodes ``(n + 1, k)``, summed with decay over each cell.
+
+        `first`: at the first node, ``(k,)``. `near_ends`, `far_ends`: density [1/s] at the end of
+        each cell near the node that is reached, and at the other. `nodes`: weights of those nodes.
+        """
+        decay, near, far = convolution_weights(self.case.rates, widths[:, np.newaxis])
+        added = near * near_ends[:, np.newaxis] + far * far_ends[:, np.newaxis]
+        weights = np.zeros((widths.size + 1, first.size), dtype=complex)
+        weights[0] = first
+        for k in range(widths.size):
+            weights[k + 1] = decay[k] * weights[k] + self.case.shares * (added[k] + nodes[k])
         return weights
 
     def _density(self, x: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The linear program of the least peak, or the least load, of a deflection on given nodes."""
+"""The linear program of the minimum peak, or the minimum load, of a deflection on given nodes."""
 
 from __future__ import annotations
 
@@ -79,9 +79,10 @@ class LoadProgram:
         return self.case.load(times)
 
     def solve(self, aim: str, bound: float) -> Solution | None:
-        """Return the least peak at a load bound, or the least load at a peak; None if infeasible.
+        """Return the minimum peak at a load bound, or the minimum load at a peak.
 
-        `aim`: `PEAK` or `LOAD`, which is minimised. `bound`: of the other one [rad].
+        None if infeasible. `aim`: `PEAK` or `LOAD`, which is minimised. `bound`: bound of the
+        other quantity [rad].
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 

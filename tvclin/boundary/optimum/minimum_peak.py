@@ -22,6 +22,7 @@ from tvclin.base.cards import Record, Shown
 from tvclin.base.errors import broadcast, instance
 from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import minimum_reach
+from tvclin.boundary.limit import OK, STABLE
 from tvclin.boundary.optimum import two_poles
 from tvclin.boundary.optimum.dual import best_multipliers
 from tvclin.boundary.optimum.moments import Constraints, Window, conditions, constraints_of
@@ -35,9 +36,7 @@ from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 from tvclin.winds.pulses import check_end
 
-OK = "ok"
-STABLE = "no unstable pole: no deflection is needed"
-NOT_EXCITED = "the wind excites no unstable pole: no deflection is needed"
+NOT_EXCITED = "the wind excites no unstable pole: no deflection is required"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 _MAX_GAP = 1e-9
 """Largest relative gap and residual of a certificate that proves a peak; else the status says
@@ -74,7 +73,7 @@ class Certificate(Record):
 
 @dataclass(frozen=True, eq=False)
 class Optimum(Shown):
-    """The deflection of least peak for one plant in one wind.
+    """The deflection of minimum peak for one plant in one wind.
 
     Attributes
     ----------
@@ -109,7 +108,7 @@ class Optimum(Shown):
 def optimum_deflection(
     plant: Plant, wind: History, start: float = 0.0, horizon: float | None = None
 ) -> Optimum:
-    """Return the deflection of least peak that cancels every unstable mode (appendix C).
+    """Return the deflection of minimum peak that cancels every unstable mode (appendix C).
 
     Its peak is the lower bound with the wind known, by linear theory at nominal dynamic pressure.
 
@@ -157,7 +156,7 @@ def optimum_deflection(
 
 
 def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
-    """Return the deflection of least peak that satisfies the conditions, from `start` [s] on."""
+    """Return the deflection of minimum peak that satisfies the conditions, from `start` [s] on."""
     if not np.any(constraints.demands):
         zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
         proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -317,7 +316,7 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
 def peaks_for_demands(
     poles: AnyArray, demands: AnyArray, sufficient: FloatArray | None = None
 ) -> FloatArray:
-    """Return the least peaks [rad] that satisfy the demands of modes, ``(n,)``.
+    """Return the minimum peaks [rad] that satisfy the demands of modes, ``(n,)``.
 
     `poles`: `separated_poles` [1/s], the fastest first, ``(n, m)``; NaN for no pole;
     a pair has both. `demands`: d_i of eq (C1) from the start of the control on [rad s],
@@ -420,7 +419,7 @@ def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
 
 
 def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
-    """Return the least peaks of complex pairs ``(n,)``, by the dual.
+    """Return the minimum peaks of complex pairs ``(n,)``, by the dual.
 
     For lambda of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and
 

@@ -19,10 +19,9 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, between, number, positive, shown
 from tvclin.base.fields import spec
+from tvclin.boundary.limit import OK, STABLE
 from tvclin.boundary.optimum.minimum_peak import (
     NOT_EXCITED,
-    OK,
-    STABLE,
     Optimum,
     optimum_deflection,
 )
@@ -64,7 +63,7 @@ _MAX_SPLIT_INTERVALS = 40
 
 @dataclass(frozen=True, eq=False)
 class RateProgram:
-    """Programs of least peak, motion and rate of a deflection that is linear between nodes.
+    """Programs of minimum peak, motion and rate of a deflection that is linear between nodes.
 
     `nodes`: times [s] after the start, ``(k,)``, from zero on; the last value stays constant.
     `rate`: rate limit [rad/s]. `unit`: unit [rad] of the values.
@@ -107,7 +106,7 @@ class RateProgram:
         return float((violation / (np.abs(self.moments) @ np.abs(values) + np.abs(demands))).max())
 
     def minimum_peak(self) -> tuple[FloatArray, FloatArray] | None:
-        """Return values of least peak, in units, and prices ``(n,)``; None if infeasible."""
+        """Return values of minimum peak, in units, and prices ``(n,)``; None if infeasible."""
         result = self._solve(_PEAK)
         if result is None:
             return None
@@ -115,9 +114,9 @@ class RateProgram:
         return self._values(result.x), prices
 
     def minimum_motion(self, peak: float) -> FloatArray | None:
-        """Return values ``(k,)`` of least total motion within a peak, in units; None if infeasible.
+        """Return values ``(k,)`` of minimum total motion within a peak, in units.
 
-        Each further program corrects the solution, for 1e8 times its residual.
+        None if infeasible. Each further program corrects the solution, for 1e8 times its residual.
         """
         result = self._solve(_MOTION, peak) or self._solve(_PEAK)
         if result is None:
@@ -174,7 +173,7 @@ class RateProgram:
         around: FloatArray | None = None,
         max_change: float = np.inf,
     ) -> Any:
-        """Return the result of least peak, rate or total motion (`aim`); None if infeasible.
+        """Return the result of minimum peak, rate or total motion (`aim`); None if infeasible.
 
         With a solution `around`, the result is 1e8 times the change from it, each variable of it
         within `max_change`.
@@ -210,7 +209,7 @@ class RateProgram:
 
 @dataclass(frozen=True, eq=False)
 class RateLimitedOptimum(Shown):
-    """The deflection of least peak under a rate limit.
+    """The deflection of minimum peak under a rate limit.
 
     Attributes
     ----------
@@ -249,7 +248,7 @@ def optimum_with_rate_limit(
     horizon: float | None = None,
     steps: int = _STEPS,
 ) -> RateLimitedOptimum:
-    """Return the deflection of least peak whose rate stays within a limit.
+    """Return the deflection of minimum peak whose rate stays within a limit.
 
     Parameters
     ----------

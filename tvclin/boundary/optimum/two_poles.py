@@ -135,7 +135,7 @@ def longest_single_pole_duration(
 ) -> Any:
     """Return the duration tau [s] of a triangular wind at which y = 1, by eq (C8).
 
-    Up to there the fast pole alone decides the least peak, nearly.
+    Up to there the fast pole alone decides the minimum peak, nearly.
 
     `beta1`, `beta2`, `K1_ratio`: same as in `switching_ratio`. Returned: NaN where y is never 1:
     K1_ratio must be between beta1/beta2 and beta2/beta1.

@@ -130,12 +130,12 @@ def measured_coordinates(plant: Plant) -> UnstableCoordinates:
     plant whose unstable modes include its speed.
     """
     modes = unstable_coordinates(plant)
-    if np.any(modes.rows[:, _MEASURED_STATES:]):
+    if np.any(modes.left_eigenvectors[:, _MEASURED_STATES:]):
         raise InputError(
             f'a law does not measure the speed, which model "{plant.model}" needs; design the law'
             ' on "drift-exact"'
         )
-    return replace(modes, rows=modes.rows[:, :_MEASURED_STATES])
+    return replace(modes, left_eigenvectors=modes.left_eigenvectors[:, :_MEASURED_STATES])
 
 
 def rate_limit_angle(plant: Plant, rate_limit: float) -> float:

@@ -132,7 +132,7 @@ class RecoverableAttitudeLaw(Law):
     def numbers(self) -> LawNumbers:
         """Parameters of the law for compiled flights."""
         modes = measured_coordinates(self.plant)
-        fast, slow = ([*row.tolist(), 0.0][:3] for row in (modes.rows[0], modes.rows[-1]))
+        fast, slow = ([*row.tolist(), 0.0][:3] for row in modes.left_eigenvectors[[0, -1]])
         slow = slow if modes.ratio else [0.0, 0.0, 0.0]
         return LawNumbers(
             leans=True,
