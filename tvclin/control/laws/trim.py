@@ -83,7 +83,8 @@ class TrimLaw(LinearLaw):
     @cached_property
     def numbers(self) -> LawNumbers:
         """Coefficients of B (alpha + gain z), and the switching levels."""
-        B, row = float(self.plant.coefficients.B), measured_coordinates(self.plant).rows[0]
+        B = float(self.plant.coefficients.B)
+        row = measured_coordinates(self.plant).left_eigenvectors[0]
         attitude, rate, path = [*row.tolist(), 0.0][:3]
         return LawNumbers(
             attitude=B * self.gain * attitude,
