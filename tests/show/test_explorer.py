@@ -179,7 +179,7 @@ def test_what_cannot_be_answered_says_why(few: None, arm: float, law: str) -> No
     assert all(len(note.split()) > 3 for note in found.notes)
     if arm < 0.0:
         assert found.verdict.startswith("No deflection is needed")
-        assert any("design canonical needs" in note for note in found.notes)
+        assert any("canonical gains need" in note for note in found.notes)
     else:
         assert found.verdict.startswith("No answer")
         assert any("mu_alpha other than zero" in note for note in found.notes)

@@ -30,20 +30,8 @@ from tvclin.base.fields import derived, spec
 from tvclin.base.files import called, write_text
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
-_KEYS = {
-    "time_s": "time",
-    "weight_N": "weight",
-    "moment_of_inertia_kg_m2": "moment_of_inertia",
-    "normal_force_slope_N_per_rad": "normal_force_slope",
-    "thrust_N": "thrust",
-    "aerodynamic_arm_m": "aerodynamic_arm",
-    "control_arm_m": "control_arm",
-    "axial_force_N": "axial_force",
-    "velocity_m_per_s": "velocity",
-    "attitude_deg": "attitude",
-}
-"""Fields of the vehicle by columns of a file."""
 _MIN_B = 1e-9
 """Smallest |B| of plants: without a moment of the air coefficients do not give the path."""
 _MAX_ROWS = 100_000
@@ -248,12 +236,11 @@ class FlightSchedule(Shown):
             raise InputError(
                 f"path must end in .csv, by which a schedule is known; got {called(target)}"
             )
-        columns = {key: np.asarray(getattr(self.vehicle, name)) for key, name in _KEYS.items()}
-        columns["attitude_deg"] = np.degrees(columns["attitude_deg"])
-        if self.vehicle.control_force_slope is not None:
-            columns["control_force_slope_N_per_rad"] = np.asarray(self.vehicle.control_force_slope)
-        if np.any(self.vehicle.pitch_damping):
-            columns["pitch_damping_N_m_s_per_rad"] = np.asarray(self.vehicle.pitch_damping)
+        numbers = {"time": self.times} | _numbers(self.vehicle)
+        if not np.any(self.vehicle.pitch_damping):
+            del numbers["pitch_damping"]
+        columns = VEHICLE_TABLE.write(numbers)
+        columns["attitude_deg"] = np.degrees(columns.pop("attitude_rad"))
         if np.any(self.nominal_deflection):
             columns["nominal_deflection_deg"] = np.degrees(self.nominal_deflection)
         if self.altitude is not None:

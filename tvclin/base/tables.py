@@ -126,7 +126,7 @@ class FileTable:
                     raise InputError(f"a key is missing in {self.heading}: {self.spelled(name)}")
         faults.tell()
 
-    def write(self, values: Mapping[str, float]) -> dict[str, float]:
+    def write(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return numbers in SI units by their keys, the inverse of `read`."""
         return {self.spelled(name).split(" or ")[0]: value for name, value in values.items()}
 

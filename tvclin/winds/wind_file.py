@@ -10,9 +10,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tvclin.base.errors import InputError, number, one_of, positive
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, number, one_of, positive, shown
+from tvclin.base.sheet import Heading, Headings, Sheet, read_sheet
 from tvclin.base.tables import FileTable
-from tvclin.base.units import UNITS
+from tvclin.base.units import UNITS, WRITTEN, unit_of
 from tvclin.vehicle.linear_vehicle import AnyVehicle, complete_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import LayeredGust, OneMinusCosineGust
@@ -115,13 +119,11 @@ def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     """Return the wind of the table [wind]; a file of winds is searched in the folder."""
     if "file" in table:
-        from tvclin.winds.ensemble_file import read_winds  # late: most winds have a shape
-
         values = _FILE_TABLE.read(table)
         unit = values.get("unit")
         if unit is not None:
             one_of("unit in [wind]", unit, UNITS["angle"])
-        return WindEnsemble(*read_winds(folder / str(values["file"]), unit))
+        return WindEnsemble(*_sampled_winds(folder / str(values["file"]), unit))
     values = {"shape": "triangular"} | _wind_values(WIND_TABLE, table)
     if "unit" in values:
         raise InputError("unit in [wind] stands without the file that it is of")
@@ -184,3 +186,41 @@ def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
             f" {plateau:g} of {duration:g} s"
         )
     return LayeredGust(peak=peak, blend=0.5 * blends, plateau=plateau)
+
+
+def _sampled_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
+    """Return the times [s] of the first column of a file, and the winds [rad] of the others.
+
+    The winds are ``(winds, n)``. `unit`: unit in [wind], for columns whose names have none; by
+    default degrees.
+    """
+    missing = "names: a first column time_s and one for each wind"
+    sheet = read_sheet(path, "a file of winds", _fit_of_winds, missing)
+    time, *winds = sheet.headings
+    time_unit = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
+    assert time_unit is not None  # by the fit
+    columns = [time_unit.factor * _column(sheet, time)]
+    for wind in winds:
+        factor = UNITS["angle"][unit or "deg"]
+        column_unit = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
+        if column_unit is not None and not column_unit.mangled:
+            if unit is not None and not np.isclose(column_unit.factor, factor):
+                raise sheet.error(f"{shown(wind.text)} is not in {unit}, the unit in [wind]")
+            factor = column_unit.factor
+        columns.append(factor * _column(sheet, wind))
+    return columns[0], np.array(columns[1:])
+
+
+def _fit_of_winds(headings: Headings) -> float:
+    first, *units = headings[0].words or [""]
+    unit = unit_of(" ".join(units), WRITTEN["time"])
+    return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
+
+
+def _column(sheet: Sheet, heading: Heading) -> FloatArray:
+    """Return the numbers of a column; an error names the line of a missing one."""
+    values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
+    sheet.text.require(
+        ~np.isnan(values), sheet.line, lambda _: f"there is no number in {heading.text}"
+    )
+    return values

@@ -101,21 +101,19 @@ def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
 
 
 LEAST_NOZZLE = "least-nozzle"
-DESIGNS = (
-    "canonical",
-    "poles",
-    "drift-minimum",
-    "load-minimum",
-    "half-relief",
-    "lqr",
-    LEAST_NOZZLE,
-)
 POLE_PLACEMENT_RULES: dict[str, Callable[..., Autopilot]] = {
     "poles": design_gains,
     "drift-minimum": drift_minimum_gains,
     "load-minimum": load_minimum_gains,
 }
 """Design rules that place poles, by name."""
+_OTHER_RULES: dict[str, Callable[..., Autopilot]] = {
+    "canonical": canonical_gains,
+    "half-relief": half_relief_gains,
+    "lqr": lqr_gains,
+}
+"""Design rules without poles of the user, by name."""
+DESIGNS = ("canonical", *POLE_PLACEMENT_RULES, "half-relief", "lqr", LEAST_NOZZLE)
 _DEFAULT_DAMPING = 0.7
 """Damping ratio of rules that place poles, if none is specified."""
 _RULE = ("natural_frequency", "damping")
@@ -258,24 +256,12 @@ def _by_rule(
             f"design {LEAST_NOZZLE} needs a wind: tvclin autopilot and study files have one; in"
             " Python see least_deflection_gains"
         )
-    if rule not in POLE_PLACEMENT_RULES and has_poles:
-        raise InputError(f"design {rule} takes no natural_frequency and no damping")
-    if rule == "lqr":
-        return lqr_gains(plant, **options)
-    if rule == "half-relief":
-        return half_relief_gains(plant.coefficients, **options)
-    if rule == "canonical":
-        if plant.coefficients.mu_alpha <= 0.0:
-            raise InputError(
-                "design canonical needs an aerodynamically unstable vehicle, and this one has"
-                f" mu_alpha = {plant.coefficients.mu_alpha:.6g} 1/s^2: give natural_frequency"
-            )
-        return canonical_gains(plant.coefficients, **options)
+    if rule in _OTHER_RULES:
+        if has_poles:
+            raise InputError(f"design {rule} takes no natural_frequency and no damping")
+        return _OTHER_RULES[rule](plant, **options)
     if natural_frequency is None:
         raise InputError(f"design {rule} needs natural_frequency, in rad/s")
-    return POLE_PLACEMENT_RULES[rule](
-        plant.coefficients,
-        natural_frequency=natural_frequency,
-        damping=_DEFAULT_DAMPING if damping is None else damping,
-        **options,
-    )
+    damping = _DEFAULT_DAMPING if damping is None else damping
+    poles = {"natural_frequency": natural_frequency, "damping": damping}
+    return POLE_PLACEMENT_RULES[rule](plant.coefficients, **poles, **options)

@@ -290,7 +290,7 @@ class Airframe:
     def _attitude_hold(self, course: FloatArray | None) -> Callable[[], None]:
         """Return the function that holds the nose on the path in the other plane, before a step."""
         if self._gains is None:
-            return _nothing
+            return lambda: None
         (other_plane,) = set(DEFLECTIONS) - {self._plane}
         (angles, rates, _), bend = self._senses[other_plane], self._bend[other_plane]
         on_lean, on_rate = self._gains
@@ -309,10 +309,6 @@ class Airframe:
 def _plain_rows(rows: FloatArray) -> Iterator[Row]:
     """Return an iterator over the rows as tuples of floats, for the innermost loop."""
     return map(tuple, rows.tolist())
-
-
-def _nothing() -> None:
-    """Do nothing."""
 
 
 def _hold(c: Coefficients) -> tuple[float, float]:

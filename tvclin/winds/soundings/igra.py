@@ -342,7 +342,7 @@ def collect_levels(
     """Add soundings to a collection; `why` has the reason why each is already invalid, or ""."""
     invalid = np.array([bool(reason) for reason in why], dtype=bool)
     checks: Faults = [(rows.broken, lambda _: _BROKEN)]
-    checks += level_faults(height=rows.height, speed=rows.speed, direction=rows.direction)
+    checks += level_faults(rows.speed, height=rows.height, direction=rows.direction)
     for failed, message in checks:
         for i in np.flatnonzero(failed).tolist():
             sounding = int(rows.sounding[i])

@@ -55,7 +55,7 @@ class Levels:
 
         `more`: the other fields. `InputError` for values that are no wind.
         """
-        for invalid, message in level_faults(speed=speed, direction=direction):
+        for invalid, message in level_faults(speed, direction=direction):
             text.require(~invalid, line, message)
         east, north = wind_components(speed, direction)
         return cls(text=text, line=line, east=east, north=north, **more)
@@ -72,44 +72,38 @@ class SoundingEntry(NamedTuple):
 
 
 def level_faults(
-    *,
-    height: FloatArray | None = None,
-    speed: FloatArray | None = None,
-    direction: FloatArray | None = None,
+    speed: FloatArray, *, height: FloatArray | None = None, direction: FloatArray | None = None
 ) -> Faults:
     """Return the checks that no level of a sounding may fail, alone or in an archive.
 
-    `height`, `speed`, `direction`: [m], [m/s], [rad] of levels, ``(n,)``; NaN where nothing was
+    `speed`, `height`, `direction`: [m/s], [m], [rad] of levels, ``(n,)``; NaN where nothing was
     measured. Each check is the invalid levels, ``(n,)``, and a function from the index of a level
     to a message.
     """
-    result: Faults = []
-    if speed is not None:
-        result += [
-            (speed < 0.0, lambda i: f"speed must not be negative; got {speed[i]:.6g} m/s{_EMPTY}"),
-            (
-                speed > MAX_WIND_SPEED * (1.0 + _RELATIVE_ROUNDING),
-                lambda i: (
-                    f"no wind blows with {speed[i]:.6g} m/s, above {MAX_WIND_SPEED:g}; check its"
-                    f" unit{_OR_EMPTY}"
-                ),
+    unknown = np.full(speed.shape, np.nan)
+    z = unknown if height is None else height
+    degrees = unknown if direction is None else np.degrees(direction)
+    return [
+        (speed < 0.0, lambda i: f"speed must not be negative; got {speed[i]:.6g} m/s{_EMPTY}"),
+        (
+            speed > MAX_WIND_SPEED * (1.0 + _RELATIVE_ROUNDING),
+            lambda i: (
+                f"no wind blows with {speed[i]:.6g} m/s, above {MAX_WIND_SPEED:g}; check its"
+                f" unit{_OR_EMPTY}"
             ),
-        ]
-    if direction is not None:
-        degrees = np.degrees(direction)
-        result.append((
+        ),
+        (
             (degrees < -_RELATIVE_ROUNDING) | (degrees > 360.0 + _RELATIVE_ROUNDING),
             lambda i: f"direction must be between 0 and 360 degrees; got {degrees[i]:.6g}{_EMPTY}",
-        ))  # fmt: skip
-    if height is not None:
-        result.append((
-            (height < MIN_HEIGHT) | (height > MAX_HEIGHT),
+        ),
+        (
+            (z < MIN_HEIGHT) | (z > MAX_HEIGHT),
             lambda i: (
-                f"height must be between {MIN_HEIGHT:g} and {MAX_HEIGHT:g} m; got {height[i]:.6g}"
-                f" m, so check its unit{_OR_EMPTY}"
+                f"height must be between {MIN_HEIGHT:g} and {MAX_HEIGHT:g} m; got {z[i]:.6g} m, so"
+                f" check its unit{_OR_EMPTY}"
             ),
-        ))  # fmt: skip
-    return result
+        ),
+    ]
 
 
 def wind_components(speed: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -130,7 +124,7 @@ def geometric(height: FloatArray) -> FloatArray:
 def profile_of(levels: Levels) -> WindProfile:
     """Return the wind profile of the levels of a file, with notes on omitted levels."""
     speed = np.hypot(levels.east, levels.north)
-    for invalid, message in level_faults(height=levels.height, speed=speed):
+    for invalid, message in level_faults(speed, height=levels.height):
         levels.text.require(~invalid, levels.line, message)
     measured = ~np.isnan(levels.height)
     has_wind = measured & ~np.isnan(levels.east + levels.north)
