@@ -1,4 +1,4 @@
-"""Where functions cross zero, and where they are least, for a whole batch at once."""
+"""Zeros and minima of functions, for a whole batch at once."""
 
 from collections.abc import Callable
 

@@ -3,6 +3,7 @@
 pyplot is imported when the first figure is drawn, not before.
 
 Marks are points of interest in a figure: a symbol, an entry of the legend, and a number next to it.
+matplotlib places legends clear of the curves, but no other text; the numbers are placed here.
 """
 
 import sys
