@@ -13,10 +13,10 @@ from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency
 from tvclin.case.autopilot_assumptions import gain_notes
+from tvclin.case.case import Case
 from tvclin.cli.criteria import CriteriaOptions
-from tvclin.cli.gains import GAINS, LoopOptions
-from tvclin.cli.inputs import case_of, note_nominal_pressure
-from tvclin.cli.least import LeastOptions, print_least
+from tvclin.cli.gains import GAINS, LoopOptions, with_gains
+from tvclin.cli.inputs import case_of, chosen, note_nominal_pressure, only_with
 from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -29,24 +29,93 @@ from tvclin.cli.options import (
     Rigid,
     Shown,
     Source,
+    asked,
+    switch,
 )
 from tvclin.cli.output import answer, print_tables, say, say_notes, say_required
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.comparison import (
     TrimComparison,
     WorstDuration,
     compare_with_trim,
     worst_duration,
 )
+from tvclin.control.margins.criteria import Criteria
 from tvclin.design.least_gains import LeastGains
-from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.design.least_gains_curves import autopilot_asked, least_asked
 from tvclin.requirement.autopilot_requirement import AutopilotRequirement, autopilot_requirement
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import ATTACK, beyond_linear, linear_notes
+
+_DURATION_RATIOS = (1.0, 0.5, 2.0)
+"""Durations of the winds, over that of the case; a single wind would be overfitted."""
+
+
+@dataclass(frozen=True)
+class LeastOptions:
+    """Options of the search for gains; `grouped` gives them to a command."""
+
+    least: bool = switch(
+        "--least",
+        "Find the gains that need the least deflection of all that meet the criteria: in"
+        " the wind, and in winds half and twice as long.",
+    )
+    three_gains: bool = switch("--three-gains", "With --least: also feed back the angle of attack.")
+    crossover: float | None = asked("With --least: highest gain crossover, in rad/s.")
+    limits: bool = switch(
+        "--limits", "With --least: find the least limit that flights survive, not the least peak."
+    )
+    stops: int | None = asked(
+        "With --least --limits: number of sudden ends of each wind to survive as well.", shown="0"
+    )
+
+    panel = "Gains for the least nozzle"
+
+    def over(self, plan: StudyPlan) -> StudyPlan:
+        """Return a plan whose design is this search, where --least is given."""
+        if not self.least:
+            only_with("--least", **vars(self))
+            return plan
+        crossover = chosen(self.crossover, plan.asked.crossover)
+        design = with_gains(plan.asked, design=LEAST_NOZZLE, crossover=crossover)
+        return replace(plan, design=design)
+
+    def found(self, case: Case, criteria: Criteria) -> LeastGains | None:
+        """Return the gains for the least nozzle; None without --least."""
+        design, wind = case.asked, case.wind_in_plane
+        if not self.least:
+            return None
+        if design.design != LEAST_NOZZLE:
+            raise InputError("give --least, or gains and a rule for them, not both")
+        if not isinstance(wind, ShapedWind):
+            raise InputError(
+                "gains for the least nozzle are sought in pulses of three durations: give no"
+                " --winds; with its gains tvclin autopilot and fly go through a sounding"
+            )
+        winds = [
+            wind.history({"wind_duration": ratio * wind.duration}) for ratio in _DURATION_RATIOS
+        ]
+        return least_asked(
+            case,
+            winds,
+            criteria,
+            gains=("attitude", "rate", "alpha") if self.three_gains else ("attitude", "rate"),
+            limits=self.limits,
+            stops=self.stops or 0,
+        )
+
+
+def print_least(gains: LeastGains) -> None:
+    """Print the gains, the active constraints of the optimum, and notes."""
+    print_tables(gains.table())
+    say(f"Held by: {', '.join(gains.active) or 'no constraint, a flat minimum'}")
+    say_notes(gains.notes)
+
 
 _MIN_DURATION_RATIO, _MAX_DURATION_RATIO = 0.2, 8.0
 """Range of the search for the worst duration, over the duration of the given wind."""

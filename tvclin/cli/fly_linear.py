@@ -10,8 +10,7 @@ import numpy as np
 from tvclin.base.errors import InputError
 from tvclin.base.quantities import NOMINAL, survival
 from tvclin.case.flexible_autopilot import with_filters
-from tvclin.cli.flight_cases import REPORT, Flying
-from tvclin.cli.fly_shown import Compared, wind_line
+from tvclin.cli.flight_cases import REPORT, Compared, Flying, wind_line
 from tvclin.cli.margin_tables import parts_line
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
