@@ -6,6 +6,7 @@ its row. Rows are thinned until straight lines between them are close enough.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -59,6 +60,12 @@ class Flight:
         """Return the flight with further columns."""
         return replace(self, columns=self.columns | columns)
 
+    def require(self, good: BoolArray, say: Callable[[int], str]) -> None:
+        """Raise `InputError` about the first row that is not good; `say` makes its message."""
+        if not np.all(good):
+            i = int(np.argmin(good))
+            raise InputError(f"{self.places[i]}: {say(i)}")
+
     def rows(self, index: IndexArray) -> Flight:
         """Return the flight with the rows of an index alone."""
         columns = {k: Column(c.values[index], c.origin) for k, c in self.columns.items()}
@@ -97,46 +104,40 @@ def powered(
         )
     after = np.flatnonzero(out[first[0] :])
     last = first[0] + after[0] if after.size else index.size
-    chosen = index[first[0] : last]
-    _check_complete(flight, chosen)
-    if chosen.size < 2:
+    burn = flight.rows(index[first[0] : last])
+    for name, column in burn.columns.items():
+        _check_numbers(burn, name, column)
+    if len(burn.places) < 2:
         raise InputError(
-            f"{flight.source} must hold two or more rows of powered flight; got {chosen.size}"
+            f"{flight.source} must hold two or more rows of powered flight; got {len(burn.places)}"
         )
-    return flight.rows(chosen).noted(*_omitted(flight, inside & ~later, index, first[0], last))
+    return burn.noted(*_omitted(flight, inside & ~later, index, first[0], last))
 
 
 def _check_times(flight: Flight) -> None:
+    """Raise `InputError` for a time that is missing or falls."""
     time = flight["time"]
-    lost = np.flatnonzero(~np.isfinite(time))
-    if lost.size:
-        raise InputError(f"{flight.places[lost[0]]}: the time is missing")
-    falls = np.flatnonzero(np.diff(time) < 0.0)
-    if falls.size:
-        i = falls[0]
-        raise InputError(
-            f"{flight.places[i + 1]}: the time must rise; got {time[i + 1]:g} s after {time[i]:g} s"
-        )
+    flight.require(np.isfinite(time), lambda _: "the time is missing")
+    flight.require(
+        np.append(True, np.diff(time) >= 0.0),
+        lambda i: f"the time must rise; got {time[i]:g} s after {time[i - 1]:g} s",
+    )
 
 
-def _check_complete(flight: Flight, chosen: IndexArray) -> None:
-    """Raise `InputError` for rows with a missing or an impossible number."""
-    for name, column in flight.columns.items():
-        values = column.values[chosen]
-        lost = chosen[~np.isfinite(values)]
-        if lost.size:
-            raise InputError(
-                f"{flight.places[lost[0]]}: there is no number in {column.origin}, while the motor"
-                " burns"
-            )
-        least = _MIN_POSITIVE if name in _POSITIVE else -_MAX_SIZE
-        wrong = np.flatnonzero((values < least) | (values > _MAX_SIZE))
-        if wrong.size:
-            rule = "must be positive" if name in _POSITIVE else "must be a plausible number"
-            raise InputError(
-                f"{flight.places[chosen[wrong[0]]]}: {column.origin} {rule}; got"
-                f" {values[wrong[0]]:.6g} in SI units"
-            )
+def _check_numbers(flight: Flight, name: str, column: Column) -> None:
+    """Raise `InputError` for a number of a column that is missing or impossible."""
+    values = column.values
+    flight.require(
+        np.isfinite(values),
+        lambda _: f"there is no number in {column.origin}, while the motor burns",
+    )
+    smallest, rule = -_MAX_SIZE, "must be a plausible number"
+    if name in _POSITIVE:
+        smallest, rule = _MIN_POSITIVE, "must be positive"
+    flight.require(
+        (values >= smallest) & (values <= _MAX_SIZE),
+        lambda i: f"{column.origin} {rule}; got {values[i]:.6g} in SI units",
+    )
 
 
 def _omitted(
@@ -166,46 +167,46 @@ def _omitted(
     return notes
 
 
-_LARGEST_ANGLE = np.radians(2.0)
-"""Above this angle of attack body lift moves the centre of pressure: not the linear vehicle."""
-_PATH_BESIDE = np.radians(10.0)
-"""The path is within the angle of attack of the attitude, and what wind there may be."""
+_MAX_ANGLE_OF_ATTACK = np.radians(2.0)
+"""Angle of attack [rad] above which body lift moves the centre of pressure."""
+_MAX_PATH_DIFFERENCE = np.radians(10.0)
+"""Largest angle [rad] between attitude and flight path of a simulation without wind."""
 _THRUST_OVER_WEIGHT = (0.2, 500.0)
-"""Of the largest: upper stages and small rockets lie within, a mass in another unit does not."""
+"""Smallest and largest ratio, at its best, from upper stages to small rockets."""
 _RADIUS_OVER_ARM = (0.1, 3.0)
-"""Radius of gyration over the control arm: 0.5 to 1 for a slender body steered at its end."""
-_SLOWEST_EXHAUST = 500.0
-"""m/s: mass that is lost faster than a motor of this exhaust speed burns it has fallen off."""
+"""Smallest and largest radius of gyration over the control arm; slender bodies have 0.5 to 1."""
+_MIN_EXHAUST_SPEED = 500.0
+"""Exhaust speed [m/s] below that of any motor: mass that is lost faster has fallen off."""
 _MASS_ROUNDING = 2e-3
-"""Part of the mass that four digits, or three decimals, may jump by."""
-_LONGEST = 5.0
-"""A gimbal farther from the nose than so many times the centre of gravity is in another unit."""
+"""Rounding of a mass with four digits or three decimals, over the mass."""
+_MAX_GIMBAL_OVER_GRAVITY = 5.0
+"""Largest station of a gimbal in metres, over that of the centre of gravity."""
 
 
 def _check_angle_of_attack(flight: Flight) -> None:
     """Raise `InputError` above 2 deg, where slope and centre of pressure are not those at zero."""
-    angle = np.abs(flight["angle_of_attack"])
-    large = np.flatnonzero(angle > _LARGEST_ANGLE)
-    if large.size:
-        raise InputError(
-            f"{flight.places[large[0]]}: the angle of attack is"
-            f" {np.degrees(angle[large[0]]):.3g} deg at {flight['time'][large[0]]:g} s, beyond the"
-            " 2 deg up to which slope and centre of pressure are those of the linear vehicle;"
+    angle, time = np.abs(flight["angle_of_attack"]), flight["time"]
+    flight.require(
+        angle <= _MAX_ANGLE_OF_ATTACK,
+        lambda i: (
+            f"the angle of attack is {np.degrees(angle[i]):.3g} deg at {time[i]:g} s, beyond the 2"
+            " deg up to which slope and centre of pressure are those of the linear vehicle;"
             " simulate without wind, or leave these rows out with start and stop"
-        )
+        ),
+    )
 
 
 def _check_attitude(flight: Flight, attitude: FloatArray) -> None:
     """Raise `InputError` for an attitude [rad] far from the flight path."""
     path = np.arcsin(np.clip(flight["climb"] / flight["velocity"], -1.0, 1.0))
-    off = np.abs(path - attitude)
-    worst = int(np.argmax(off))
-    if off[worst] > _PATH_BESIDE:
-        raise InputError(
-            f"{flight.places[worst]}: the attitude is {np.degrees(attitude[worst]):.3g} deg and the"
-            f" path {np.degrees(path[worst]):.3g} deg above the horizon; without wind they are near"
-            " each other, so check that the attitude is not from the vertical"
-        )
+    flight.require(
+        np.abs(path - attitude) <= _MAX_PATH_DIFFERENCE,
+        lambda i: (
+            f"the attitude is {np.degrees(attitude[i]):.3g} deg and the path"
+            f" {np.degrees(path[i]):.3g} deg above the horizon; without wind they are near each"
+            " other, so check that the attitude is not from the vertical"
+        ),
+    )
 
 
 def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> None:
@@ -217,7 +218,7 @@ def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> No
             f"gimbal_station must lie behind the centre of gravity, {gravity[i]:.4g} m from the"
             f" nose tip at {flight['time'][i]:g} s; got {gimbal[i]:.6g} m"
         )
-    if gimbal.max() > _LONGEST * gravity.max() > 0.0:
+    if gimbal.max() > _MAX_GIMBAL_OVER_GRAVITY * gravity.max() > 0.0:
         raise InputError(
             f"gimbal_station must be in m from the nose tip, and the centre of gravity is"
             f" {gravity.max():.4g} m from it; got {gimbal.max():.6g} m (is it in cm, or in inches?)"
@@ -242,23 +243,24 @@ def _check_masses(flight: Flight, weight: FloatArray) -> None:
     """Raise `InputError` for a mass in another unit, and for a stage that falls off."""
     ratio = flight["thrust"] / weight
     best = int(np.argmax(ratio))
-    least, most = _THRUST_OVER_WEIGHT
-    if not least <= ratio[best] <= most:
+    smallest, largest = _THRUST_OVER_WEIGHT
+    if not smallest <= ratio[best] <= largest:
         raise InputError(
-            f"{flight.places[best]}: thrust over weight must be between {least:g} and {most:g} for"
-            f" a booster; got {ratio[best]:.3g}, so check the units of mass and thrust"
+            f"{flight.places[best]}: thrust over weight must be between {smallest:g} and"
+            f" {largest:g} for a booster; got {ratio[best]:.3g}, so check the units of mass and"
+            " thrust"
         )
-    # m' = -T/c: what one step burns, at the slowest exhaust speed c, and what is lost in it
+    # m' = -T/c: what one step burns, at the smallest exhaust speed c, and what is lost in it
     mass = weight / STANDARD_GRAVITY
     thrust = np.maximum(flight["thrust"][:-1], flight["thrust"][1:])
-    burnt = thrust * np.diff(flight["time"]) / _SLOWEST_EXHAUST + _MASS_ROUNDING * mass[:-1]
-    lost = np.flatnonzero(-np.diff(mass) > burnt)
-    if lost.size:
-        i = lost[0]
-        raise InputError(
-            f"{flight.places[i + 1]}: the mass falls from {mass[i]:.5g} to {mass[i + 1]:.5g} kg,"
-            " more than the motor burns, so a stage leaves; read one stage with start and stop"
-        )
+    burnt = thrust * np.diff(flight["time"]) / _MIN_EXHAUST_SPEED + _MASS_ROUNDING * mass[:-1]
+    flight.require(
+        np.append(True, -np.diff(mass) <= burnt),
+        lambda i: (
+            f"the mass falls from {mass[i - 1]:.5g} to {mass[i]:.5g} kg, more than the motor burns,"
+            " so a stage leaves; read one stage with start and stop"
+        ),
+    )
 
 
 def _check_inertia(
@@ -266,16 +268,17 @@ def _check_inertia(
 ) -> None:
     """Raise `InputError` for an inertia in another unit, or about another axis."""
     positive("moment_of_inertia", inertia, "kg m^2")
-    ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / np.abs(arm)
-    least, most = _RADIUS_OVER_ARM
-    wrong = np.flatnonzero((ratio < least) | (ratio > most))
-    if wrong.size:
-        i = wrong[0]
-        raise InputError(
-            f"{flight.places[i]}: the radius of gyration, {ratio[i] * abs(arm[i]):.3g} m, must be"
-            f" between {least:g} and {most:g} times the control arm, {abs(arm[i]):.3g} m; check the"
-            " unit of the moment of inertia, and that it is about the transverse axis"
-        )
+    size = np.abs(arm)
+    ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / size
+    smallest, largest = _RADIUS_OVER_ARM
+    flight.require(
+        (ratio >= smallest) & (ratio <= largest),
+        lambda i: (
+            f"the radius of gyration, {ratio[i] * size[i]:.3g} m, must be between {smallest:g} and"
+            f" {largest:g} times the control arm, {size[i]:.3g} m; check the unit of the moment of"
+            " inertia, and that it is about the transverse axis"
+        ),
+    )
 
 
 MOST_ROWS = 200
