@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
@@ -11,61 +10,49 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
-from tvclin.base.sheet import Heading, Headings, Sheet, letters, read_sheet
+from tvclin.base.sheet import Column, Heading, Headings, Sheet, letters, read_sheet
 from tvclin.base.units import DEGREE
 
 MIN_SLOPE = 0.5
 """A slope below this [1/rad] is taken for one per degree: slender bodies have 2 per radian."""
 MAX_SLOPE = 100.0
 """A slope above this [1/rad] has no meaning: large fins on a thin body make 40."""
-_CALM = 0.3
-"""Below this Mach number a slope hardly changes, and the first one of a table is held."""
+_MAX_CONSTANT_MACH = 0.3
+"""Mach number up to which a slope hardly changes: below a table its first slope counts."""
 _SLOPE = re.compile(r"c_?n_?([^\x00-\x7f]+|a|alpha)( .*)?", flags=re.IGNORECASE)
 
 Slope = ArrayLike | str | PathLike[str] | tuple[ArrayLike, ArrayLike]
 
 
-@dataclass(frozen=True, eq=False)
-class SlopeOverMach:
-    """The slope dC_N/dalpha [1/rad] at some Mach numbers, straight lines between them."""
+def slope_at_mach(given: Slope, mach: FloatArray) -> Column:
+    """Return dC_N/dalpha [1/rad] at Mach numbers, of a number, a pair of rows over Mach, or a file.
 
-    mach: FloatArray
-    slope: FloatArray
-    origin: str
-
-    def at(self, mach: FloatArray) -> FloatArray:
-        """Return the slope [1/rad] at Mach numbers; `InputError` for some beyond the table."""
-        if self.mach.size == 1:
-            return np.full(mach.shape, self.slope[0])
-        least, most = mach.min(), mach.max()
-        first, last = self.mach[0], self.mach[-1]
-        if most > last or (least < first and first > _CALM):
-            raise InputError(
-                f"normal_force_coefficient_slope must cover the flight, Mach {least:.3g} to"
-                f" {most:.3g}; got Mach {first:.3g} to {last:.3g}"
-            )
-        return np.interp(mach, self.mach, self.slope)
-
-
-def slope_over_mach(given: Slope) -> SlopeOverMach:
-    """Return the slope over Mach of a number, a pair of rows, or a file."""
+    Straight lines between the Mach numbers of a pair or a file; `InputError` for some beyond them.
+    """
     if isinstance(given, str | PathLike):
-        return read_slopes(given)
-    if isinstance(given, tuple | list):
+        at, slope = read_slopes(given)
+    elif isinstance(given, tuple | list):
         if len(given) != 2:
             raise InputError(
                 "normal_force_coefficient_slope must be a number [1/rad], a pair of Mach numbers"
                 f" and slopes, or a file; got {shown(given)}"
             )
-        mach = one_row("the Mach numbers of normal_force_coefficient_slope", given[0])
-        slope = one_row("the slopes of normal_force_coefficient_slope", given[1], "1/rad")
-        return _checked(mach, slope, "given over Mach")
-    value = number("normal_force_coefficient_slope", given, nonnegative, "1/rad")
-    return SlopeOverMach(np.zeros(1), np.array([value]), f"given, {value:g} per rad")
+        row = one_row("the Mach numbers of normal_force_coefficient_slope", given[0])
+        slopes = one_row("the slopes of normal_force_coefficient_slope", given[1], "1/rad")
+        at, slope = _checked(row, slopes, "given over Mach")
+    else:
+        value = number("normal_force_coefficient_slope", given, nonnegative, "1/rad")
+        return Column(np.full(mach.shape, value), f"given, {value:g} per rad")
+    if mach.max() > at[-1] or mach.min() < at[0] > _MAX_CONSTANT_MACH:
+        raise InputError(
+            f"normal_force_coefficient_slope must cover the flight, Mach {mach.min():.3g} to"
+            f" {mach.max():.3g}; got Mach {at[0]:.3g} to {at[-1]:.3g}"
+        )
+    return Column(np.interp(mach, at, slope.values), slope.origin)
 
 
-def read_slopes(path: str | PathLike[str]) -> SlopeOverMach:
-    """Return the slope over Mach from a table of RASAero II or of OpenRocket's component analysis.
+def read_slopes(path: str | PathLike[str]) -> tuple[FloatArray, Column]:
+    """Return Mach numbers and slopes [1/rad] of a table of RASAero II or of OpenRocket's analysis.
 
     Of RASAero it is CN Potential at the smallest angle of attack over that angle: the slope at
     zero. Its CNalpha (0 to 4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is
@@ -84,7 +71,7 @@ def _over_mach(headings: Headings) -> float:
     return float(any(set(one.names) & {"mach", "machnumber"} for one in headings[:2]))
 
 
-def _potential(sheet: Sheet, heading: Heading) -> SlopeOverMach:
+def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
     """CN Potential over the angle of attack at the smallest of these that is not zero."""
     angle = sheet.find("Alpha")
     if angle is None:
@@ -103,7 +90,7 @@ def _potential(sheet: Sheet, heading: Heading) -> SlopeOverMach:
     return _checked(mach[first][order], (force[first] / alpha[first])[order], origin)
 
 
-def _analysed(sheet: Sheet) -> SlopeOverMach:
+def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
     """The column of the whole rocket: the only one, or the one that is the sum of the others."""
     found = [one for one in sheet.headings if _SLOPE.fullmatch(one.name)]
     if not found:
@@ -131,7 +118,7 @@ def _mach_of(sheet: Sheet) -> Heading:
     return found
 
 
-def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> SlopeOverMach:
+def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArray, Column]:
     if mach.shape != slope.shape or mach.size < 2:
         raise InputError(
             "normal_force_coefficient_slope must hold as many slopes as Mach numbers, two or more;"
@@ -143,4 +130,4 @@ def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> SlopeOverMach:
             "the Mach numbers of normal_force_coefficient_slope must rise, and no slope may be"
             f" missing or negative; got another row in what is {origin}"
         )
-    return SlopeOverMach(mach, slope, origin)
+    return mach, Column(slope, origin)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.importers.normal_force_slope import MAX_SLOPE, MIN_SLOPE, Slope, slope_over_mach
+from tvclin.ascent.importers.normal_force_slope import MAX_SLOPE, MIN_SLOPE, Slope, slope_at_mach
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, positive, whole_number
@@ -387,10 +387,9 @@ _COMPUTED = {
 
 def given_slope(flight: Flight, slope: Slope) -> Column:
     """Return a specified slope [1/rad] at the Mach number of each row."""
-    slopes = slope_over_mach(slope)
-    values = slopes.at(flight["mach"])
-    _check_slope(values)
-    return Column(values, slopes.origin)
+    column = slope_at_mach(slope, flight["mach"])
+    _check_slope(column.values)
+    return column
 
 
 def given_gimbal(flight: Flight, station: float) -> Column:
