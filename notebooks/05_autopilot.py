@@ -93,7 +93,7 @@ same = tv.control.Criteria.custom(
     phase_margin_deg=margins.phase_margin_deg,
 )
 nozzle = {"actuator": autopilot.actuator, "delay": autopilot.delay}
-least = tv.least_deflection_gains(
+least = tv.minimum_deflection_gains(
     plant,
     [tv.TriangularWind(peak=wind.peak, duration=part * wind.duration) for part in (0.5, 1.0, 2.0)],
     criteria=same,

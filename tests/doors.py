@@ -18,8 +18,7 @@ from tests.schedules.samples import FOLDER as SCHEDULES
 from tests.schedules.samples import MAP
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.doors import CHAPTERS
-from tvclin.design import least_gains as least
-from tvclin.design import worst_case
+from tvclin.design import minimum_gains, worst_case
 from tvclin.flights.closed_loop import fly_planes as in_step
 from tvclin.requirement.flight.total import Line
 
@@ -41,10 +40,10 @@ ANSWERS = {
     "FlownPlanes",
     "FlownLoad",
     "ForecastFreeLimit",
-    "GainsFront",
+    "GainTradeOff",
     "LawTrial",
-    "LeastGains",
-    "LeastSchedule",
+    "MinimumGains",
+    "MinimumGainSchedule",
     "FinalMotion",
     "LoadTradeOff",
     "MarginBounds",
@@ -150,16 +149,16 @@ def hasty(call: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(call)
     def run(**arguments: Any) -> Any:
-        few = {"each": 4, "rounds": 1}
+        few = {"per_round": 4, "rounds": 1}
         with (
-            patch.dict(least._LINEAR_SEARCH, few),
-            patch.dict(least._FLOWN_SEARCH, few),
-            patch.dict(least._STOPPED_SEARCH, few),
-            patch.dict(least._REFINEMENT, few),
-            patch.dict(worst_case._STEPS, few),
-            patch.object(least, "_BOX_POINTS", 64),
+            patch.dict(minimum_gains._LINEAR_SEARCH, few),
+            patch.dict(minimum_gains._FLOWN_SEARCH, few),
+            patch.dict(minimum_gains._STOPPED_SEARCH, few),
+            patch.dict(minimum_gains._REFINEMENT, few),
+            patch.dict(worst_case._SEARCH_OPTIONS, few),
+            patch.object(minimum_gains, "_BOX_POINTS", 64),
             patch.object(in_step, "_MAX_SAMPLES_AFTER_WIND", 2000),
-            patch.object(worst_case, "_INSIDE", 8),
+            patch.object(worst_case, "_INTERIOR_POINTS", 8),
         ):
             return call(**arguments)
 
@@ -269,7 +268,7 @@ def doors(folder: Path) -> dict[str, Door]:
     steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
     easy = tv.control.Criteria.custom(aero_margin_dB=1.0)
     sought = {"winds": wind, "criteria": easy, "actuator": actuator, "delay": 0.02}
-    found = hasty(tv.least_deflection_gains)(plant=plant, **sought)
+    found = hasty(tv.minimum_deflection_gains)(plant=plant, **sought)
     detuned = {"autopilot": steered, "plant": flexible, "factors": [1.1]}
     of_stops = {
         f"{name}.{method}": Door(getattr(stop, method), {argument: [1.0, 0.5 + 1.0j]})
@@ -622,8 +621,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sample_rate": 50.0,
             },
         ),
-        "least_deflection_gains": Door(
-            hasty(tv.least_deflection_gains),
+        "minimum_deflection_gains": Door(
+            hasty(tv.minimum_deflection_gains),
             {
                 "plant": plant,
                 **sought,
@@ -637,16 +636,16 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sample_rate": 50.0,
             },
         ),
-        "least_gain_schedule": Door(
-            hasty(tv.design.least_gain_schedule),
+        "minimum_gain_schedule": Door(
+            hasty(tv.design.minimum_gain_schedule),
             {
                 "time": [66.0, 70.0],
                 "plants": tv.Plant(coefficients.replace(q=[0.0, 0.0]), "fixed-path"),
                 **sought,
             },
         ),
-        "least_gains_front": Door(
-            hasty(tv.design.least_gains_front), {"found": found, "disk_margin": [0.1, 0.2]}
+        "gain_trade_off": Door(
+            hasty(tv.design.gain_designs), {"gains": found, "disk_margin": [0.1, 0.2]}
         ),
         "margin_bounds": Door(
             tv.control.margin_bounds, {"plant": plant, "actuator": actuator, "delay": 0.02}

@@ -43,8 +43,8 @@ def figures(folder: Path) -> dict[str, Door]:
     mapped = tv.flights.boundary_map(
         plant, law, wind, np.array([0.8, 1.0, 1.25]), np.array([0.0, 0.1]), sample_rate=20.0
     )
-    gains = hasty(tv.least_deflection_gains)(plant=plant, winds=wind, actuator=tv.Actuator())
-    least = hasty(tv.design.least_gains_front)(found=gains, disk_margin=[0.1, 0.2])
+    gains = hasty(tv.minimum_deflection_gains)(plant=plant, winds=wind, actuator=tv.Actuator())
+    least = hasty(tv.design.gain_designs)(gains=gains, disk_margin=[0.1, 0.2])
     load = tv.boundary.load_trade_off(plant, wind, limit=0.014, load=0.05)
     rate = tv.boundary.rate_trade_off(plant, wind, limit=0.014, rate_limit=0.05)
     compared = tv.compare_with_trim(plant, autopilot, wind)
@@ -138,7 +138,7 @@ def figures(folder: Path) -> dict[str, Door]:
                 "sample_rate": 20.0,
             },
         ),
-        "least_gains_chart": Door(plots.least_gains_chart, {"fronts": [least]}),
+        "gain_trade_off_chart": Door(plots.gain_trade_off_chart, {"fronts": [least]}),
         "load_chart": Door(plots.load_chart, {"trade_off": load, "flown": (), "title": "a"}),
         "load_curves": Door(plots.load_curves, {"trade_off": load, "flown": ()}),
         "nichols_chart": Door(plots.nichols_chart, {**loop, "criteria": tv.CRITERIA["classic"]}),

@@ -13,7 +13,7 @@ The names of an ordinary week are here; each chapter has all of its own at its d
 - `tvclin.requirement`: required deflection of a wind, a study, and over a flight
 - `tvclin.nozzle`: duty of a nozzle: angle, rate, travel, torque, power
 - `tvclin.ensembles`: dispersions, campaigns, archives of winds
-- `tvclin.design`: gains for the least nozzle, trials of laws, the worst case in a box
+- `tvclin.design`: gains for the minimum deflection, trials of laws, the worst case in a box
 - `tvclin.studyfile`: one file that asks everything
 - `tvclin.plots`: figures
 

@@ -34,7 +34,7 @@ from .control import SaturatedLaw as SaturatedLaw
 from .control import TrimLaw as TrimLaw
 from .control import compare_with_trim as compare_with_trim
 from .control import design_gains as design_gains
-from .design import least_deflection_gains as least_deflection_gains
+from .design import minimum_deflection_gains as minimum_deflection_gains
 from .design.worst_case import worst_case as worst_case
 from .ensembles import Campaign as Campaign
 from .ensembles import Dispersion as Dispersion

@@ -10,9 +10,14 @@ from scipy.linalg import block_diag, expm
 import tvclin as tv
 from tests.turns import usual
 from tvclin.control.autopilot.wind_response import deflection_peaks
-from tvclin.design import least_gains as search_of
-from tvclin.design.gain_search import MISSES, Question, needs, stopped
-from tvclin.design.search import least_points
+from tvclin.design import minimum_gains as search_of
+from tvclin.design.box_minimum import box_minimum
+from tvclin.design.gain_problem import (
+    UNSATISFIED_COST,
+    GainProblem,
+    required_limits,
+    with_sudden_ends,
+)
 
 VEHICLE = tv.load_vehicle("configuration-i")
 NOZZLE = {"actuator": tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7), "delay": 0.02}
@@ -28,7 +33,7 @@ def triangles(*tau_beta):
     return [tv.TriangularWind(peak=0.05, duration=x / BETA) for x in tau_beta]
 
 
-def question(**changes):
+def problem(**changes):
     asked = {
         "plant": plant(),
         "winds": tuple(triangles(4)),
@@ -41,7 +46,7 @@ def question(**changes):
         "stops": 0,
         "sample_rate": None,
     }
-    return Question(**(asked | changes))
+    return GainProblem(**(asked | changes))
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +54,7 @@ def two():
     """Two gains in one wind, sought without a warning."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        return tv.least_deflection_gains(plant(), triangles(4), crossover=2.0, **NOZZLE)
+        return tv.minimum_deflection_gains(plant(), triangles(4), crossover=2.0, **NOZZLE)
 
 
 @pytest.fixture
@@ -70,7 +75,7 @@ def hasty(monkeypatch):
 )
 def test_least_gains_are_those_of_another_search(model, gains, crossover, tau_beta, peak, held):
     """Found before the package, by differential evolution; gains of flat minima to 3 percent."""
-    found = tv.least_deflection_gains(
+    found = tv.minimum_deflection_gains(
         plant(model), triangles(*tau_beta), gains=gains, crossover=crossover, **NOZZLE
     )
     assert found.relative == pytest.approx(peak, abs=2e-3)
@@ -92,12 +97,12 @@ def test_a_differential_evolution_with_single_loops_finds_the_same(two):
         one = tv.Autopilot(attitude_gain=gains[0], rate_gain=gains[1], **NOZZLE)
         margins = one.margins(plant())
         if not margins.stable:
-            return MISSES + 10.0
+            return UNSATISFIED_COST + 10.0
         short = max(0.0, 30.0 - margins.phase_margin_deg, 6.0 - margins.aero_margin_dB)
         short += max(0.0, float(np.max(margins.crossings.gain_frequencies)) - 2.0)
         trim = float(plant().coefficients.B) * wind.peak
         return (
-            (MISSES + short)
+            (UNSATISFIED_COST + short)
             if short
             else abs(one.wind_response(plant(), wind).peak("deflection")[0]) / trim
         )
@@ -110,10 +115,10 @@ def test_a_differential_evolution_with_single_loops_finds_the_same(two):
 
 def test_a_brute_scan_finds_nothing_less(two):
     """Over the whole box, 50 by 50, in the batch engines and the best then exactly."""
-    asked, found = question(crossover=2.0), two
+    asked, found = problem(crossover=2.0), two
     axes = np.meshgrid(*2 * [np.linspace(0.0, 1.0, 50)], indexing="ij")
     points = np.stack([one.ravel() for one in axes], axis=-1)
-    good = points[asked.lacks(points) <= 0.0]
+    good = points[asked.missing_fractions(points) <= 0.0]
     peaks = deflection_peaks(asked.autopilot(good), asked.plant, asked.winds[0], 8.0 / BETA)
     assert good.shape[0] > 60
     best = (
@@ -166,7 +171,7 @@ def test_the_share_of_alpha_is_affine_on_a_fixed_path():
 @pytest.mark.thorough
 def test_a_limit_that_flies_is_below_the_peak_and_is_that_of_the_boundary():
     wind = triangles(4)[0]
-    found = tv.least_deflection_gains(
+    found = tv.minimum_deflection_gains(
         plant(), wind, crossover=2.0, limits=True, sample_rate=60.0, **NOZZLE
     )
     law = tv.SaturatedLaw.of(found.autopilot)
@@ -178,7 +183,7 @@ def test_a_limit_that_flies_is_below_the_peak_and_is_that_of_the_boundary():
     assert found.relative == pytest.approx(flown.limit, abs=1e-9)
     assert found.relative == pytest.approx(0.766, abs=0.002)
     assert 0.15 < peak / trim - found.relative < 0.4
-    assert found.unseen >= found.deflection * (1.0 - 1e-9)
+    assert found.many_stops >= found.deflection * (1.0 - 1e-9)
 
 
 def largest_z(autopilot, factor):
@@ -200,7 +205,7 @@ def largest_z(autopilot, factor):
 
 def test_gains_of_a_sampled_autopilot_keep_their_margins_in_steps():
     """A gain twice as high, or half as high, by the exponential matrices of one sample."""
-    found = tv.least_deflection_gains(plant(), triangles(4)[0], sample_rate=15.0, **NOZZLE)
+    found = tv.minimum_deflection_gains(plant(), triangles(4)[0], sample_rate=15.0, **NOZZLE)
     assert found.autopilot.sample_rate == 15.0
     assert "gain_increase_dB" in found.active
     twice = 10.0 ** (6.0 / 20.0)
@@ -214,14 +219,14 @@ def test_filters_of_every_place_are_those_of_the_gains_that_are_tried():
         "attitude_filters": (tv.vehicle.Filter.low_pass(50.0),),
         "rate_filters": (tv.vehicle.Filter.lead_lag(3.0, 30.0),),
     }
-    tried = question(**chains).autopilot(np.array([[0.5, 0.5]]))
+    tried = problem(**chains).autopilot(np.array([[0.5, 0.5]]))
     assert {name: getattr(tried, name) for name in chains} == chains
 
 
 def test_the_race_finds_the_boundary_of_each_row():
-    asked = question(limits=True, stops=2, sample_rate=60.0)
+    asked = problem(limits=True, stops=2, sample_rate=60.0)
     points = np.array([[0.45, 0.5], [0.5, 0.6], [0.4, 0.55]])
-    found = needs(asked, points, np.inf, 60)
+    found = required_limits(asked, points, np.inf, 60)
     for point, one in zip(points, found, strict=True):
         law = tv.SaturatedLaw.of(asked.autopilot(point))
         flown = tv.closed_loop_boundary(
@@ -232,7 +237,7 @@ def test_the_race_finds_the_boundary_of_each_row():
 
 def test_stops_are_the_winds_cut_at_even_instants():
     winds = tuple(triangles(4, 8))
-    every = stopped(winds, 3)
+    every = with_sudden_ends(winds, 3)
     assert every.batch == (8,)
     times = np.linspace(0.0, 16.0, 33)
     cut = winds[1].before(0.5 * winds[1].duration)
@@ -243,7 +248,7 @@ def test_stops_are_the_winds_cut_at_even_instants():
 @pytest.mark.usefixtures("hasty")
 def test_what_is_overfitted_or_given_up_is_said():
     easy = tv.control.Criteria.custom(aero_margin_dB=6.0, phase_margin_deg=30.0)
-    found = tv.least_deflection_gains(
+    found = tv.minimum_deflection_gains(
         plant("fixed-path"), triangles(4), gains=THREE, criteria=easy, **NOZZLE
     )
     said = " ".join(found.notes)
@@ -254,16 +259,16 @@ def test_what_is_overfitted_or_given_up_is_said():
 @pytest.mark.thorough
 def test_more_disk_margin_costs_what_another_search_says():
     """Found before the package."""
-    found = tv.least_deflection_gains(
+    found = tv.minimum_deflection_gains(
         plant("fixed-path"),
         triangles(4),
         criteria=tv.control.Criteria.custom(aero_margin_dB=0.0),
         **NOZZLE,
     )
-    front = tv.design.least_gains_front(found, [1.2, 1.4])
+    front = tv.design.gain_designs(found, [1.2, 1.4])
     assert front.relative[0] == pytest.approx(1.1233, abs=1e-3)
     assert front.relative[1] == np.inf
-    assert front.each[1] is None
+    assert front.designs[1] is None
     boundary = tv.boundary_limit(plant("fixed-path"), triangles(4)[0])
     assert front.limits["boundary, K = 1"] == pytest.approx(boundary.limit)
 
@@ -272,11 +277,11 @@ def test_more_disk_margin_costs_what_another_search_says():
 def test_a_flight_has_gains_at_each_time():
     c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     plants = tv.Plant.from_coefficients(c)
-    found = tv.design.least_gain_schedule(
+    found = tv.design.minimum_gain_schedule(
         [40.0, 66.0], plants, triangles(4), crossover=2.0, **NOZZLE
     )
     assert tv.CRITERIA["classic"].are_satisfied(found.schedule.margins(plants)).all()
-    assert found.deflection == max(one.deflection for one in found.each)
+    assert found.deflection == max(one.deflection for one in found.designs)
 
 
 def test_the_modes_of_a_flexible_vehicle_are_asked_too():
@@ -284,12 +289,12 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     criteria = tv.control.Criteria.custom(
         aero_margin_dB=6.0, phase_margin_deg=20.0, mode_gain_margin_dB=1.0
     )
-    asked = question(plant=flexible, criteria=criteria)
-    whole = question(
+    asked = problem(plant=flexible, criteria=criteria)
+    whole = problem(
         plant=flexible, criteria=replace(criteria, requirements=criteria.requirements[:2])
     )
     points = np.array([[x, y] for x in (0.1, 0.3, 0.5) for y in (0.4, 0.5, 0.6)])
-    lacks, rigid = asked.lacks(points), whole.lacks(points)
+    lacks, rigid = asked.missing_fractions(points), whole.missing_fractions(points)
     assert np.all(lacks >= rigid)
     for point, one in zip(points, lacks, strict=True):
         met = criteria.are_satisfied(asked.autopilot(point).band_margins(flexible))
@@ -304,7 +309,7 @@ def test_the_search_finds_the_corner_of_two_walls():
         lack = np.maximum(0.04 - x * y, 2.0 * x - y)
         return np.where(lack > 0.0, 10.0 + lack, x + y)
 
-    points, _ = least_points(values, 2, first=64, each=32, rounds=60)
+    points, _ = box_minimum(values, 2, initial=64, per_round=32, rounds=60)
     assert points[0] == pytest.approx([0.1 * np.sqrt(2.0), 0.2 * np.sqrt(2.0)], abs=1e-4)
 
 
@@ -327,12 +332,12 @@ def test_the_search_finds_the_corner_of_two_walls():
 )
 def test_what_cannot_be_sought_is_refused(changes, words):
     with pytest.raises(tv.InputError, match=words):
-        question(**changes)
+        problem(**changes)
 
 
 def test_criteria_that_no_gains_meet_name_the_nearest_and_the_bound():
     with pytest.raises(tv.InputError) as said:
-        tv.least_deflection_gains(
+        tv.minimum_deflection_gains(
             plant("fixed-path"),
             triangles(4),
             criteria=tv.control.Criteria.custom(disk_margin=1.5),

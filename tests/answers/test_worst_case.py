@@ -68,7 +68,7 @@ def test_with_a_dead_band_nothing_is_proved():
         wind=WIND,
         dead_band=0.5,
     )
-    assert found.deflection.how == "searched"
+    assert found.deflection.method == "searched"
 
 
 def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
@@ -82,7 +82,7 @@ def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
     }
     found = tv.worst_case(VEHICLE, LOOP, box, model="fixed-path", wind=WIND)
     worst = found.deflection
-    assert (worst.how, worst.corner) == ("corners (proved)", True)
+    assert (worst.method, worst.corner) == ("corners (proved)", True)
     least, most = (dict(zip(box, ends, strict=True)) for ends in zip(*box.values(), strict=True))
     rises = {"normal_force_slope", "wind_duration", "wind_peak"}
     assert worst.at == {name: (most if name in rises else least)[name] for name in box}

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.design.gain_designs import specified_autopilot
 from tvclin.studyfile.findings import find
 
 STUDY = """
@@ -33,7 +33,7 @@ def test_gains_are_sought_and_their_winds_listed():
     document = json.loads(found.stdout)
     least = document["least"]
     assert least["meaning"] == "peak"
-    assert len(least["each_deg"]) == 3
+    assert len(least["deflections_deg"]) == 3
     assert least["deflection_deg"] >= document["peak_deflection_deg"] * (1.0 - 1e-9)
     assert "crossover" in least["active"]
 
@@ -57,7 +57,7 @@ def test_a_study_file_designs_with_its_samples_and_filters(tmp_path):
     lag = '[[autopilot.filter]]\nkind = "low-pass"\non = "rate"\nfrequency_rad_per_s = 60\n'
     file.write_text(STUDY + "sample_rate_Hz = 25\n" + lag)
     case = tv.load_study(file)
-    found = autopilot_asked(case, case.history, tv.CRITERIA["classic"])
+    found = specified_autopilot(case, case.history, tv.CRITERIA["classic"])
     assert found.sample_rate == 25.0
     assert len(found.rate_filters) == 1
     assert tv.CRITERIA["classic"].are_satisfied(found.margins(case.plant))

@@ -104,8 +104,8 @@ def boundary_map(vehicle):
 
 
 def least_gains(vehicle):
-    found = tv.least_deflection_gains(rigid(vehicle), WIND, actuator=tv.Actuator(), delay=0.02)
-    return plots.least_gains_chart([tv.design.least_gains_front(found, [0.6, 0.8, 1.0])])
+    found = tv.minimum_deflection_gains(rigid(vehicle), WIND, actuator=tv.Actuator(), delay=0.02)
+    return plots.gain_trade_off_chart([tv.design.gain_designs(found, [0.6, 0.8, 1.0])])
 
 
 CHARTS = {

@@ -10,7 +10,7 @@ import pytest
 import tvclin as tv
 from tests.flexible import MODE_AND_TANK
 from tests.show.pages import section
-from tvclin.design import least_gains_curves as asked
+from tvclin.design import gain_designs
 from tvclin.show.report.page import page_of
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.parse import parse_study
@@ -153,8 +153,10 @@ def test_the_whole_page_holds_the_section_and_what_went_in(page):
 
 
 def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
-    sought, seek = [], asked.autopilot_asked
-    monkeypatch.setattr(asked, "autopilot_asked", lambda *a: sought.append(a) or seek(*a))
+    sought, seek = [], gain_designs.specified_autopilot
+    monkeypatch.setattr(
+        gain_designs, "specified_autopilot", lambda *a: sought.append(a) or seek(*a)
+    )
     found = find(replace(plan, nozzle=tv.Nozzle()))
     assert len(sought) == 1
     assert found.flexible.autopilot is found.comparison.autopilot

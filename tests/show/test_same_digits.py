@@ -12,7 +12,7 @@ from tests.show.pages import section
 from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.control.margins.criteria import margin_table
-from tvclin.design.standard_trials import bounds, needed
+from tvclin.design.standard_trials import bounds, limit_tables
 from tvclin.requirement.study_tables import verdict
 from tvclin.studyfile.findings import find
 
@@ -101,9 +101,9 @@ def test_laws_have_the_digits_of_the_page_in_the_terminal_and_in_a_notebook():
     trials = tv.design.law_trials(plant, laws, winds, sample_rate=20.0)
     options = ("--duration", 3, "--wind", "triangle", "--sample-rate", 20)
     printed = run("laws", "configuration-i", "--model", "fixed-path", *options)
-    over_trim = needed(trials, bounds(plant, winds))[1]
+    over_trim = limit_tables(trials, bounds(plant, winds))[1]
 
-    assert all(text in printed for text in shown(*needed(trials, bounds(plant, winds))))
+    assert all(text in printed for text in shown(*limit_tables(trials, bounds(plant, winds))))
     assert all(f"<td>{text}</td>" in trials._repr_html_() for text in shown(over_trim)[:-1])
 
 

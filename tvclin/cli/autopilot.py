@@ -43,8 +43,8 @@ from tvclin.control.comparison import (
     worst_duration,
 )
 from tvclin.control.margins.criteria import Criteria
-from tvclin.design.least_gains import LeastGains
-from tvclin.design.least_gains_curves import autopilot_asked, least_asked
+from tvclin.design.gain_designs import minimum_gains, specified_autopilot
+from tvclin.design.minimum_gains import MinimumGains
 from tvclin.requirement.autopilot_requirement import AutopilotRequirement, autopilot_requirement
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.studyfile.study_plan import StudyPlan
@@ -74,7 +74,7 @@ class LeastOptions:
         "With --least --limits: number of sudden ends of each wind to survive as well.", shown="0"
     )
 
-    panel = "Gains for the least nozzle"
+    panel = "Gains for the minimum deflection"
 
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan whose design is this search, where --least is given."""
@@ -85,8 +85,8 @@ class LeastOptions:
         design = with_gains(plan.asked, design=LEAST_NOZZLE, crossover=crossover)
         return replace(plan, design=design)
 
-    def found(self, case: Case, criteria: Criteria) -> LeastGains | None:
-        """Return the gains for the least nozzle; None without --least."""
+    def found(self, case: Case, criteria: Criteria) -> MinimumGains | None:
+        """Return the gains for the minimum deflection; None without --least."""
         design, wind = case.asked, case.wind_in_plane
         if not self.least:
             return None
@@ -94,13 +94,13 @@ class LeastOptions:
             raise InputError("give --least, or gains and a rule for them, not both")
         if not isinstance(wind, ShapedWind):
             raise InputError(
-                "gains for the least nozzle are sought in pulses of three durations: give no"
+                "gains for the minimum deflection are sought in pulses of three durations: give no"
                 " --winds; with its gains tvclin autopilot and fly go through a sounding"
             )
         winds = [
             wind.history({"wind_duration": ratio * wind.duration}) for ratio in _DURATION_RATIOS
         ]
-        return least_asked(
+        return minimum_gains(
             case,
             winds,
             criteria,
@@ -110,7 +110,7 @@ class LeastOptions:
         )
 
 
-def print_least(gains: LeastGains) -> None:
+def print_least(gains: MinimumGains) -> None:
     """Print the gains, the active constraints of the optimum, and notes."""
     print_tables(gains.table())
     say(f"Held by: {', '.join(gains.active) or 'no constraint, a flat minimum'}")
@@ -158,7 +158,9 @@ def autopilot(
     with waiting("seeking gains and the worst duration"):
         sought = least.found(case, case.held_to)
         wind = case.history
-        loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
+        loop_of = (
+            specified_autopilot(case, wind, case.held_to) if sought is None else sought.autopilot
+        )
         compared = compare_with_trim(case.plant, loop_of, wind)
         worst, need = _worst(compared, case.wind_in_plane), study_requirement(case)
         single_plane_case = replace(case, nozzle=replace(case.nozzle, stop=None))  # in this plane
@@ -185,7 +187,7 @@ class _Answer:
     case: StudyPlan
     compared: TrimComparison
     worst: WorstDuration | None
-    sought: LeastGains | None
+    sought: MinimumGains | None
     need: CaseRequirement | None
     flown: AutopilotRequirement | None
     reason: str
@@ -350,9 +352,9 @@ class _Answer:
         from tvclin import plots
 
         if self.sought is not None:
-            from tvclin.design.least_gains_curves import least_gains_front
+            from tvclin.design.gain_designs import gain_trade_off
 
-            plots.save_figure(plots.least_gains_chart([least_gains_front(self.sought)]), plot)
+            plots.save_figure(plots.gain_trade_off_chart([gain_trade_off(self.sought)]), plot)
         elif self.compared.margins.stable:
             plots.save_figure(plots.comparison_chart(self.compared), plot)
         else:

@@ -18,7 +18,7 @@ from tvclin.cli.output import print_json, print_tables, say, say_notes, say_requ
 from tvclin.cli.wind import wind_words
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
-from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.design.gain_designs import specified_autopilot
 from tvclin.flights.flown_boundary import ENGINES, flown_boundary
 from tvclin.flights.nozzle_command import ReportControl
 from tvclin.flights.theory_comparison import (
@@ -168,7 +168,7 @@ class Flying:
         if self.law == REPORT:
             return ReportControl(**parameters)
         if self.law == AUTOPILOT:
-            parameters = {AUTOPILOT: autopilot_asked(self.case, self.wind, self.case.held_to)}
+            parameters = {AUTOPILOT: specified_autopilot(self.case, self.wind, self.case.held_to)}
         parameters["rate_limit"] = self.case.hardware["rate_limit"]
         return design_law(self.law, plant, float(self.wind.peak), **parameters)
 

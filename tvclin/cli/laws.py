@@ -19,20 +19,20 @@ from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT
-from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.design.gain_designs import specified_autopilot
 from tvclin.design.standard_trials import (
     LEGEND,
     WINDS,
     Bounds,
     LawTrials,
     bounds,
-    doubts,
     law_trials,
-    loads,
-    needed,
+    limit_tables,
+    limit_warnings,
+    load_table,
+    scan_text,
     standard_laws,
     standard_winds,
-    tried,
 )
 from tvclin.linear.flexible import AnyPlant, plant_of
 from tvclin.linear.plant import Plant
@@ -105,11 +105,11 @@ class _Answer:
     duration: float
     rate: float
     trials: LawTrials
-    beside: dict[str, Bounds]
+    bounds: dict[str, Bounds]
 
     def document(self, cuts: int) -> dict[str, Any]:
         """Return it for JSON."""
-        trims = {name: entry.trim_deg for name, entry in self.beside.items()}
+        trims = {name: entry.trim_deg for name, entry in self.bounds.items()}
         return {
             **picked(self, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
             **picked(self, "peak_deg duration_s"),
@@ -122,7 +122,7 @@ class _Answer:
                 {**vars(entry), "limit_deg": trims[entry.wind] * entry.limit}
                 for entry in self.trials
             ],
-            "no_forecast": {name: entry.no_forecast for name, entry in self.beside.items()},
+            "no_forecast": {name: entry.no_forecast for name, entry in self.bounds.items()},
         }
 
     def print(self, source: str) -> None:
@@ -135,10 +135,10 @@ class _Answer:
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
         name = self.case.vehicle.name or source
         say(f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {engine}")
-        print_tables(*needed(self.trials, self.beside), loads(self.trials))
+        print_tables(*limit_tables(self.trials, self.bounds), load_table(self.trials))
         say(LEGEND)
-        say(tried(self.trials))
-        say_notes((*linear_notes(self.peak), *doubts(self.trials)))
+        say(scan_text(self.trials))
+        say_notes((*linear_notes(self.peak), *limit_warnings(self.trials)))
 
 
 def _without_actuator(plan: StudyPlan) -> StudyPlan:
@@ -159,7 +159,7 @@ def _with_gains(flies: FlownLaw, plan: StudyPlan) -> StudyPlan:
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
     """Return the laws of the case, designed for a peak [rad], with its filters."""
-    autopilot = autopilot_asked(case, case.history, case.held_to)
+    autopilot = specified_autopilot(case, case.history, case.held_to)
     laws_by_name = standard_laws(plant, peak, autopilot, case.hardware["rate_limit"])
     return {
         name: with_filters(law, case.asked)

@@ -36,7 +36,7 @@ from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.margins.criteria import Criteria
-from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.design.gain_designs import specified_autopilot
 from tvclin.design.worst_case import BOX_TABLE, WorstCase, unit_of, worst_case
 from tvclin.flights.closed_loop.flown_margins import FlownMargins, flown_margins, flown_table
 from tvclin.studyfile.study_plan import StudyPlan
@@ -219,7 +219,7 @@ def margins(
         only_with("--flown or --box", **vars(blows))
         aside += ["margins without --flown and --box"]
     note_left_out(case, "margins", *aside)
-    autopilot = autopilot_asked(case, case.history, case.held_to)
+    autopilot = specified_autopilot(case, case.history, case.held_to)
     loop_margins = MarginsFound.of(autopilot, case.plant, case.held_to)
     moved = loop_margins.detuned if detuned else None
     in_wind = _flown(case, autopilot) if flown and loop_margins.whole.stable else None

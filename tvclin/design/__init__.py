@@ -1,6 +1,6 @@
-"""Design: gains for the least nozzle, laws in standard winds, the worst case in a box.
+"""Design: gains for the minimum deflection, laws in standard winds, the worst case in a box.
 
-- Gains: `least_deflection_gains`, `least_gain_schedule`, `least_gains_front`.
+- Gains: `minimum_deflection_gains`, `minimum_gain_schedule`, `gain_trade_off`.
 - Laws in the standard winds: `law_trials`, `standard_laws`, `standard_winds`, by a `LawsRequest`.
 - The worst case in a box: `tvclin.worst_case`.
 """

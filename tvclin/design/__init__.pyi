@@ -1,9 +1,9 @@
-from .least_gains import LeastGains as LeastGains
-from .least_gains import least_deflection_gains as least_deflection_gains
-from .least_gains_curves import GainsFront as GainsFront
-from .least_gains_curves import LeastSchedule as LeastSchedule
-from .least_gains_curves import least_gain_schedule as least_gain_schedule
-from .least_gains_curves import least_gains_front as least_gains_front
+from .gain_designs import GainTradeOff as GainTradeOff
+from .gain_designs import MinimumGainSchedule as MinimumGainSchedule
+from .gain_designs import gain_trade_off as gain_trade_off
+from .gain_designs import minimum_gain_schedule as minimum_gain_schedule
+from .minimum_gains import MinimumGains as MinimumGains
+from .minimum_gains import minimum_deflection_gains as minimum_deflection_gains
 from .standard_trials import LawsRequest as LawsRequest
 from .standard_trials import LawTrial as LawTrial
 from .standard_trials import law_trials as law_trials

@@ -99,18 +99,18 @@ class LawTrial(Shown):
         Boundary: minimum deflection limit, normalised by ``|B alpha_w,max|``; infinite if none is
         sufficient, and the lowest that was tried if that survives.
     status : str
-        "ok", or a reservation on the boundary in words, as of `ClosedLoopBoundary`.
+        "ok", or a reservation on the boundary in words; see `ClosedLoopBoundary`.
     lowest, highest : float
         Range of limits that were tried, normalised by trim.
     growth : float
-        Growth rate [1/s] of the worst mode in the linear range, as of `ClosedLoopBoundary`.
+        Growth rate [1/s] of the worst mode in the linear range; see `ClosedLoopBoundary`.
     creeps : bool
         Whether the law lets that mode creep away, though it survives the wind.
     monotone : bool
         Whether every limit that was tried above one that survives survives as well.
     looked : tuple of pairs of float
-        Steps in which limits were tried above the boundary, and up to where, as of
-        `ClosedLoopBoundary`.
+        Steps in which limits were tried above the boundary, and the largest limit of each step;
+        see `ClosedLoopBoundary`.
     peak_angle_of_attack, peak_attitude : float
         Largest of 801 samples of a flight at 1.2 times the boundary, normalised by the peak of the
         wind; NaN without a boundary, and without `loads`.
@@ -150,7 +150,7 @@ class LawTrials(tuple[LawTrial, ...]):
             )
             for t in self
         )
-        caption = "What each law needs; angles over the peak of the wind"
+        caption = "Required limit of each law; angles over the peak of the wind"
         return table(lines.Table(caption, head, rows))
 
 
@@ -187,7 +187,7 @@ def standard_laws(
 ) -> dict[str, Law]:
     """Return all laws by name, designed on a plant for a peak wind [rad] and rate limit [rad/s].
 
-    As `design_law`; the law "autopilot" has the gains of `autopilot` unless that is None.
+    Same exceptions as `design_law`; the law "autopilot" has the gains of `autopilot`, if given.
     """
     options: dict[str, Any] = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
     design = partial(design_law, plant=plant, peak=peak, rate_limit=rate_limit)
@@ -212,17 +212,17 @@ def law_trials(
     plant : Plant or FlexiblePlant
         The plant that flies.
     laws, winds : mapping of str to Law and to History
-        By name, as of `standard_laws` and `standard_winds`.
+        Laws and winds by name, such as from `standard_laws` and `standard_winds`.
     sample_rate : float
         Samples of the law in a second [Hz].
     cuts : int
-        Number of sudden ends of each wind that are tried as well, as of `closed_loop_boundary`.
+        Number of sudden ends of each wind that are tried as well; see `closed_loop_boundary`.
     loads : bool
         Whether to fly for the largest angle of attack and attitude; they are NaN otherwise.
     progress : callable, optional
-        Called with the finished and the largest total work, as of `closed_loop_boundary`.
+        Called with the finished and the largest total work; see `closed_loop_boundary`.
     **hardware
-        rate_limit, actuator and delay, as of `closed_loop_boundary`.
+        rate_limit, actuator and delay of `closed_loop_boundary`.
     """
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
@@ -255,10 +255,22 @@ def law_curve(
     sample_rate: float = _SAMPLE_RATE,
     **hardware: Any,
 ) -> FloatArray:
-    """Return the boundaries of a law in triangular winds, normalised by trim, over tau times beta.
+    """Return the boundaries of a law in triangular winds, normalised by trim, ``(n,)``.
 
-    With damping, over tau times the pole. `peak`: of the winds [rad]. `sample_rate`: of
-    the law [Hz]. `hardware`: as of `law_trials`.
+    Parameters
+    ----------
+    plant : Plant or FlexiblePlant
+        The plant that flies.
+    law : Law
+        The law, designed on that plant.
+    tau_beta : ndarray
+        Durations of the winds, times beta; with damping, times the pole of the plant, ``(n,)``.
+    peak : float
+        Largest wind angle of attack [rad].
+    sample_rate : float
+        Sample rate of the law [Hz].
+    **hardware
+        Same parameters as in `law_trials`.
     """
     pole = float(plant.coefficients.pole)
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
@@ -320,9 +332,9 @@ LEGEND = (
 
 
 class Bounds(NamedTuple):
-    """Bounds of all laws in a wind: its trim [deg], and two lower bounds normalised by that.
+    """Bounds of all laws in a wind: trim [deg], and two lower bounds normalised by that trim.
 
-    NaN where one is not defined.
+    A bound that is not defined is NaN.
     """
 
     trim_deg: float
@@ -331,98 +343,122 @@ class Bounds(NamedTuple):
 
 
 def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
-    """Return the bounds of every law in each wind, without a forecast and with the wind known."""
+    """Return the bounds of every law by wind, without a forecast and with a known wind."""
 
-    def of(wind: History) -> Bounds:
+    def bounds_in(wind: History) -> Bounds:
         trim = abs(float(plant.coefficients.B * wind.peak))
         peak = _defined(lambda: optimum_deflection(plant, wind, min(0.0, float(wind.onset))).peak)
         free = _defined(lambda: float(forecast_free_limit(plant, wind).limit))
         return Bounds(float(np.degrees(trim)), free, peak / trim if trim else np.nan)
 
-    return {name: of(wind) for name, wind in winds.items()}
+    return {name: bounds_in(wind) for name, wind in winds.items()}
 
 
-def needed(found: Sequence[LawTrial], beside: Mapping[str, Bounds]) -> tuple[Table, ...]:
-    """Return the required limit of each law in each wind, and the bounds of every law."""
-    laws = tuple(dict.fromkeys(one.law for one in found))
-    trials = {(one.wind, one.law): one for one in found}
+def limit_tables(
+    trials: Sequence[LawTrial], wind_bounds: Mapping[str, Bounds]
+) -> tuple[Table, ...]:
+    """Return the tables of the required limit of each law in each wind, and of the bounds.
+
+    The limits are in degrees and normalised by the trim of the wind; the bounds hold for every law.
+    """
+    laws = tuple(dict.fromkeys(trial.law for trial in trials))
+    by_name = {(trial.wind, trial.law): trial for trial in trials}
     head = ("wind", *(law.replace("-", " ") for law in laws), "any law")
 
     def rows(unit: str, scales: Mapping[str, float]) -> Iterator[tuple[Line, ...]]:
-        for j, (wind, one) in enumerate(beside.items()):
+        for j, (wind, entry) in enumerate(wind_bounds.items()):
             scale, key = scales[wind], f"laws.{j}"
-            cells = [_limit(f"{key}.{law}{unit}", trials[wind, law], scale) for law in laws]
-            yield ((wind,), *cells, number_cell(f"{key}.any{unit}", scale * one.no_forecast))
+            cells = [_limit(f"{key}.{law}{unit}", by_name[wind, law], scale) for law in laws]
+            yield ((wind,), *cells, number_cell(f"{key}.any{unit}", scale * entry.no_forecast))
 
-    def bounded() -> Iterator[tuple[Line, ...]]:
-        for j, (wind, (trim, _, minimum)) in enumerate(beside.items()):
-            known = number_cell(f"laws.{j}.minimum_deg", trim * minimum)
-            over = number_cell(f"laws.{j}.minimum", minimum)
-            yield (wind,), number_cell(f"laws.{j}.ideal_deg", trim), known, over
+    def minimum_rows() -> Iterator[tuple[Line, ...]]:
+        for j, (wind, (trim, _, minimum)) in enumerate(wind_bounds.items()):
+            ideal = number_cell(f"laws.{j}.ideal_deg", trim)
+            deflection = number_cell(f"laws.{j}.minimum_deg", trim * minimum)
+            ratio = number_cell(f"laws.{j}.minimum", minimum)
+            yield (wind,), ideal, deflection, ratio
 
-    trims = {wind: one.trim_deg for wind, one in beside.items()}
+    trims = {wind: entry.trim_deg for wind, entry in wind_bounds.items()}
     beyond = ("wind", "trim in that wind [deg]", f"{WIND_KNOWN} [deg]", "over trim")
     return (
-        Table("Deflection limit that each law needs [deg]", head, tuple(rows("_deg", trims))),
-        Table("The same over trim in that wind", head, tuple(rows("", dict.fromkeys(trims, 1.0)))),
-        Table("Trim in each wind, and the minimum of any control", beyond, tuple(bounded())),
+        Table("Required deflection limit of each law [deg]", head, tuple(rows("_deg", trims))),
+        Table(
+            "Required limit of each law, over trim in that wind",
+            head,
+            tuple(rows("", dict.fromkeys(trims, 1.0))),
+        ),
+        Table("Trim in each wind, and the minimum of any control", beyond, tuple(minimum_rows())),
     )
 
 
-def loads(found: Sequence[LawTrial]) -> Table:
-    """Return the largest angle of attack and attitude of each law in each wind."""
-    laws = tuple(dict.fromkeys(one.law for one in found))
-    winds = dict.fromkeys(one.wind for one in found)
-    trials = {(one.wind, one.law): one for one in found}
-    rows = tuple(((wind,), *(_load_cell(trials[wind, law]) for law in laws)) for wind in winds)
+def load_table(trials: Sequence[LawTrial]) -> Table:
+    """Return the table of the largest angle of attack and attitude of each law in each wind.
+
+    Both are normalised by the peak wind angle of attack.
+    """
+    laws = tuple(dict.fromkeys(trial.law for trial in trials))
+    winds = dict.fromkeys(trial.wind for trial in trials)
+    by_name = {(trial.wind, trial.law): trial for trial in trials}
+    rows = tuple(((wind,), *(_load_cell(by_name[wind, law]) for law in laws)) for wind in winds)
     caption = "Largest angle of attack / attitude over the wind, with 1.2 times that limit"
     return Table(caption, ("wind", *(law.replace("-", " ") for law in laws)), rows)
 
 
-def tried(found: Sequence[LawTrial]) -> str:
-    """Return which limits were tried, in sentences."""
-    one = found[0]
-    step = (one.highest - one.lowest) / STEPS
+def scan_text(trials: Sequence[LawTrial]) -> str:
+    """Return the range and the steps of the limits that were flown, in sentences."""
+    trial = trials[0]
+    step = (trial.highest - trial.lowest) / STEPS
     return (
-        f"Tried: limits from {one.lowest:g} to {one.highest:g} of ideal trim in steps of"
+        f"Tried: limits from {trial.lowest:g} to {trial.highest:g} of ideal trim in steps of"
         f" {step:.2g}, and for {ABOVE * step:.2g} above each edge in steps of {step / PARTS:.2g},"
         " finer still near the edge. A narrower range of lost limits would not be seen."
     )
 
 
-def doubts(found: Sequence[LawTrial]) -> list[str]:
-    """Return the meaning of the marks of limits, with their laws and winds."""
-    odd = [f'!: "{one.law}" in "{one.wind}": {one.status}' for one in found if _doubtful(one)]
-    again = ", ".join(f'"{one.law}" in "{one.wind}"' for one in found if not one.monotone)
-    said = "some lower limits survive as well; above this one all that were tried survive"
-    return [*odd, f"*: {said}: {again}"] if again else odd
+def limit_warnings(trials: Sequence[LawTrial]) -> list[str]:
+    """Return the notes on limits that are marked by ``!`` or ``*``, with their laws and winds."""
+    marked = [
+        f'!: "{trial.law}" in "{trial.wind}": {trial.status}'
+        for trial in trials
+        if _doubtful(trial)
+    ]
+    windows = ", ".join(
+        f'"{trial.law}" in "{trial.wind}"' for trial in trials if not trial.monotone
+    )
+    meaning = "some lower limits survive as well; above this one all that were tried survive"
+    return [*marked, f"*: {meaning}: {windows}"] if windows else marked
 
 
-def _limit(key: str, one: LawTrial, scale: float) -> Line:
-    """Return the boundary times a scale, or the end of the range of limits that it is beyond."""
-    shown = number_cell(key, scale * one.limit)
-    if one.limit > one.highest:
-        shown = (f">{scale * one.highest:.4g}",)
-    elif one.limit <= one.lowest:
-        shown = (f"<{scale * one.lowest:.4g}",)
-    mark = ("" if one.monotone else "*") + ("!" if _doubtful(one) else "")
+def _limit(key: str, trial: LawTrial, scale: float) -> Line:
+    """Return the cell of a boundary times `scale`: a number, or "<" or ">" a tried limit.
+
+    ``*`` marks a boundary below which some limits survive as well, ``!`` one with a reservation.
+    """
+    shown = number_cell(key, scale * trial.limit)
+    if trial.limit > trial.highest:
+        shown = (f">{scale * trial.highest:.4g}",)
+    elif trial.limit <= trial.lowest:
+        shown = (f"<{scale * trial.lowest:.4g}",)
+    mark = ("" if trial.monotone else "*") + ("!" if _doubtful(trial) else "")
     return (*shown, mark) if mark else shown
 
 
-def _load_cell(one: LawTrial) -> Line:
-    if one.limit > one.highest:
+def _load_cell(trial: LawTrial) -> Line:
+    """Return largest angle of attack and attitude of a trial, or a dash without a boundary."""
+    if trial.limit > trial.highest:
         return ("-",)
-    key = f"loads.{one.wind}.{one.law}"
-    angle = number_cell(f"{key}.angle_of_attack", one.peak_angle_of_attack, 2)
-    return (*angle, "/", *number_cell(f"{key}.attitude", one.peak_attitude, 2))
+    key = f"loads.{trial.wind}.{trial.law}"
+    angle = number_cell(f"{key}.angle_of_attack", trial.peak_angle_of_attack, 2)
+    return (*angle, "/", *number_cell(f"{key}.attitude", trial.peak_attitude, 2))
 
 
-def _doubtful(one: LawTrial) -> bool:
+def _doubtful(trial: LawTrial) -> bool:
     """Return whether the status of a boundary needs a note below the table."""
-    return one.status not in (OK, NEVER, ALWAYS)
+    return trial.status not in (OK, NEVER, ALWAYS)
 
 
 def _defined(value: Callable[[], float]) -> float:
+    """Return the value of a function, NaN where it raises `InputError`."""
     try:
         return value()
     except InputError:

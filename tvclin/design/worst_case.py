@@ -1,4 +1,4 @@
-"""The worst margins and the worst deflection when numbers lie anywhere in a box, and where."""
+"""Worst margins and worst required deflection of all vehicles in a box, and their numbers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, margin, unit_factor
-from tvclin.design.search import least_points
+from tvclin.design.box_minimum import box_minimum
 from tvclin.ensembles.dispersions import KINDS, MODES, WIND
 from tvclin.linear.plant import Plant, default_model
 from tvclin.requirement.nominal_requirement import required_deflection
@@ -44,10 +44,10 @@ BOX_TABLE = FileTable("--box", {name: KINDS[name] for name in _VEHICLE} | WIND |
 _COEFFICIENTS = tuple(field.name for field in fields(Coefficients))
 _MAX_BOX_NUMBERS = 10
 """Largest number of numbers in a box, which then has 1024 corners."""
-_INSIDE = 256
-"""Number of even points in the box."""
-_STEPS: dict[str, Any] = {"each": 32, "rounds": 10, "tolerance": 1e-9, "islands": 1}
-"""Search from the worst of these points."""
+_INTERIOR_POINTS = 256
+"""Number of even points in the box, before the search."""
+_SEARCH_OPTIONS: dict[str, Any] = {"per_round": 32, "rounds": 10, "tolerance": 1e-9, "islands": 1}
+"""Options of the search that starts from the worst corners and interior points."""
 _RELATIVE_TOLERANCE = 1e-6
 """Relative difference above which a point inside is worse than all corners."""
 _SHOWN_MARGINS = tuple(name for name in MARGINS if not name.startswith("peak"))
@@ -56,7 +56,7 @@ _SHOWN_MARGINS = tuple(name for name in MARGINS if not name.startswith("peak"))
 
 @dataclass(frozen=True, eq=False)
 class Worst:
-    """The worst value of one number in a box, and where it happens.
+    """Worst value of a margin or deflection in a box, and the point of the box that has it.
 
     Attributes
     ----------
@@ -65,10 +65,10 @@ class Worst:
     nominal : float
         The value where nothing has changed.
     at : dict of str to float
-        The numbers of the box there [SI].
+        The numbers of the box at that point [SI].
     corner : bool
-        Whether that is a corner of the box.
-    how : str
+        Whether that point is a corner of the box.
+    method : str
         "corners (proved)": it is proved that a corner is the worst. "searched": all corners, even
         points inside and points near the worst of them were tried; there may be worse ones.
     """
@@ -77,12 +77,12 @@ class Worst:
     nominal: float
     at: dict[str, float]
     corner: bool
-    how: str
+    method: str
 
     @property
-    def place(self) -> tuple[lines.Line, lines.Line]:
-        """Position in the box, and method by which it was determined, in words."""
-        return ("a corner" if self.corner else "inside",), (self.how,)
+    def location(self) -> tuple[lines.Line, lines.Line]:
+        """Cells of a table: "a corner" or "inside", and the method of the search."""
+        return ("a corner" if self.corner else "inside",), (self.method,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +98,10 @@ class WorstCase(Shown):
     stable : bool
         Whether every loop that was tried is stable.
     deflection : Worst or None
-        The required deflection [rad], in size; None without a wind, and infinite in one of more
-        than 30 deg, in which no deflection is known to be sufficient.
+        The required deflection [rad], in size; None without a wind, and infinite in a wind of
+        more than 30 deg, in which no deflection is known to be sufficient.
     tried : int
-        How many loops were tried.
+        Number of loops that were computed.
     """
 
     box: dict[str, tuple[float, float]]
@@ -117,18 +117,18 @@ class WorstCase(Shown):
     def table(self) -> lines.Table:
         """Return the nominal and the worst value of each number, and its position."""
         rows: list[tuple[lines.Line, ...]] = []
-        for name, one in self.margins.items():
+        for name, worst in self.margins.items():
             label, unit, _ = MARGINS[name]
-            both = (margin("", unit_factor(unit) * x, unit) for x in (one.nominal, one.value))
-            rows.append(((label,), *both, *one.place))
+            values = (margin("", unit_factor(unit) * x, unit) for x in (worst.nominal, worst.value))
+            rows.append(((label,), *values, *worst.location))
         if self.deflection is not None:
-            one = self.deflection
-            both = (
+            worst = self.deflection
+            values = (
                 lines.minimum_limit(lines.degrees("", x, unit="deg"))
-                for x in (one.nominal, one.value)
+                for x in (worst.nominal, worst.value)
             )
-            rows.append((("required deflection",), *both, *one.place))
-        head = ("", "nominal", "worst", "at", "how")
+            rows.append((("required deflection",), *values, *worst.location))
+        head = ("", "nominal", "worst", "at", "method")
         return lines.Table("Worst case in the box", head, tuple(rows))
 
     def _repr_html_(self) -> str:
@@ -152,15 +152,15 @@ def worst_case(
     subject : Vehicle or Coefficients
         The nominal vehicle, or its coefficients.
     autopilot : Autopilot
-        The nominal loop: one, continuous.
+        The nominal autopilot, continuous, no batch.
     box : mapping of str to pairs
-        Least and largest value [SI] of each number that is not known, up to ten: fields of
+        Smallest and largest value [SI] of each uncertain number, up to ten: fields of
         `Vehicle` or of `Coefficients`, "wind_peak", "wind_duration", gains of `Autopilot`,
         "gain" (a factor on all gains), "delay", "actuator_frequency", "actuator_damping".
     model, plane : str
-        Of the plant, the model by `default_model` if not given; the plane is that of a `Vehicle`.
+        Model of the plant, by `default_model` if not given, and plane of a `Vehicle`.
     wind : ShapedWind, optional
-        The nominal wind; without it no deflection is asked for.
+        The nominal wind; without it `deflection` is None.
     dead_band : float
         K of the required deflection.
 
@@ -168,14 +168,15 @@ def worst_case(
     ------
     InputError
         For unknown names, bounds that do not rise, a box of more than ten numbers, an actuator that
-        is in the box and not in the loop, an autopilot with a sample rate, batches, and as
-        `Coefficients` and `required_deflection` for what lies in the box.
+        is in the box and not in the loop, an autopilot with a sample rate, batches; also the
+        exceptions of `Coefficients` and `required_deflection`, for any point of the box.
 
     Notes
     -----
-    On a fixed path, with K = 1 and a wind of one peak, the required deflection is B alpha_w,max
-    y(tau beta), and y rises with tau beta; so it rises or falls with each number by itself, and a
-    corner is the worst. The page on least gains has the proof. All else is searched.
+    On a fixed path, with K = 1 and a wind of a single peak, the required deflection is B
+    alpha_w,max y(tau beta), and y rises with tau beta; so it rises or falls with each number by
+    itself, and a corner is the worst. The page on least gains has the proof. All other values are
+    searched.
 
     Examples
     --------
@@ -185,7 +186,7 @@ def worst_case(
     >>> box = {"thrust": (0.97 * vehicle.thrust, 1.03 * vehicle.thrust), "delay": (0.0, 0.04)}
     >>> found = tv.worst_case(vehicle, autopilot, box)
     >>> worst = found.margins["phase_margin_deg"]
-    >>> round(worst.nominal, 1), round(worst.value, 1), worst.at["delay"], worst.how
+    >>> round(worst.nominal, 1), round(worst.value, 1), worst.at["delay"], worst.method
     (27.2, 25.6, 0.04, 'searched')
     """
     ends = _checked(subject, autopilot, box, wind)
@@ -224,15 +225,15 @@ def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tup
     instance("box", box, Mapping, "of names to a least and a largest value")
     if not 0 < len(box) <= _MAX_BOX_NUMBERS:
         raise InputError(f"box must have 1 to {_MAX_BOX_NUMBERS} numbers; got {len(box)}")
-    names = _VEHICLE if isinstance(subject, Vehicle) else _COEFFICIENTS
-    known = (*names, *GAINS, *LOOP, *(WIND if wind is not None else ()))
+    of_subject = _VEHICLE if isinstance(subject, Vehicle) else _COEFFICIENTS
+    names = (*of_subject, *GAINS, *LOOP, *(WIND if wind is not None else ()))
     ends = {}
     for name, pair in box.items():
-        one_of("a number in box", name, known)
-        given = finite(name, pair)
-        if given.shape != (2,) or not given[0] < given[1]:
+        one_of("a number in box", name, names)
+        bounds = finite(name, pair)
+        if bounds.shape != (2,) or not bounds[0] < bounds[1]:
             raise InputError(f"box of {name} must be a least and a larger value; got {pair!r}")
-        ends[name] = (float(given[0]), float(given[1]))
+        ends[name] = (float(bounds[0]), float(bounds[1]))
     if autopilot.actuator is None and {"actuator_frequency", "actuator_damping"} & ends.keys():
         raise InputError("an actuator is in the box, but the autopilot has none")
     first_order = autopilot.actuator is not None and autopilot.actuator.damping is None
@@ -243,7 +244,7 @@ def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tup
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    """A vehicle, its autopilot and wind, with numbers of a box changed."""
+    """Plants, autopilots and winds whose numbers lie in a box, around a nominal case."""
 
     subject: Vehicle | Coefficients
     autopilot: Autopilot
@@ -261,7 +262,7 @@ class _Case:
         return dict(zip(self.names, spread.T, strict=True))
 
     def plant(self, values: Mapping[str, FloatArray]) -> Plant:
-        """Return the plants with these numbers."""
+        """Return the plants with changed numbers [SI], ``(n,)``."""
         names = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
         changed = self.subject.replace(**{k: v for k, v in values.items() if k in names})
         if isinstance(changed, Vehicle):
@@ -269,7 +270,7 @@ class _Case:
         return Plant.from_coefficients(changed, self.model)
 
     def loop(self, values: Mapping[str, FloatArray]) -> Autopilot:
-        """Return the autopilots with these numbers."""
+        """Return the autopilots with changed numbers [SI], ``(n,)``."""
         a = self.autopilot
         factor = values.get("gain", 1.0)
         changes: dict[str, Any] = {
@@ -320,12 +321,12 @@ class _Case:
         best = int(np.argmin(edges))
         point, worst, corner = corners[best], float(edges[best]), True
         if not proved and np.isfinite(worst):
-            points, minima = least_points(
+            points, minima = box_minimum(
                 lambda x, _: np.broadcast_to(value(self.values(x)), len(x)),
                 len(self.names),
-                first=_INSIDE,
-                known=corners,
-                **_STEPS,
+                initial=_INTERIOR_POINTS,
+                start=corners,
+                **_SEARCH_OPTIONS,
             )
             if minima[0] < worst - _RELATIVE_TOLERANCE * abs(worst):
                 point, worst = points[0], float(minima[0])

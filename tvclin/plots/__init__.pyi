@@ -32,8 +32,8 @@ from .responses import response_curves as response_curves
 from .root_locus import pole_map as pole_map
 from .root_locus import root_locus_chart as root_locus_chart
 from .style import save_figure as save_figure
+from .trade_offs import gain_trade_off_chart as gain_trade_off_chart
 from .trade_offs import laws_chart as laws_chart
-from .trade_offs import least_gains_chart as least_gains_chart
 from .trade_offs import load_chart as load_chart
 from .trade_offs import load_curves as load_curves
 from .trade_offs import plane_chart as plane_chart

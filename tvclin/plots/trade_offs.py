@@ -33,7 +33,7 @@ from tvclin.boundary.plane_limits import plane_limit
 from tvclin.case.load import FlownLoad
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import LAWS
-from tvclin.design.least_gains_curves import GainsFront
+from tvclin.design.gain_designs import GainTradeOff
 from tvclin.design.standard_trials import law_curve
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
@@ -158,12 +158,12 @@ def load_chart(
     return plot
 
 
-def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
+def gain_trade_off_chart(fronts: Sequence[GainTradeOff]) -> ControlPlot:
     """Draw the minimum deflection over the required disk margin.
 
     Parameters
     ----------
-    fronts : sequence of GainsFront
+    fronts : sequence of GainTradeOff
         Trade-off curves of one vehicle in one set of winds, over the same disk margins: for two
         gains or three, for linear peaks or flown limits.
 
@@ -172,7 +172,7 @@ def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
     InputError
         For no curve, and for curves over different disk margins.
     """
-    fronts = each("fronts", fronts, GainsFront, "see least_gains_front")
+    fronts = each("fronts", fronts, GainTradeOff, "see gain_trade_off")
     if not fronts:
         raise InputError("fronts must be one or more; got none")
     disk = fronts[0].disk_margin

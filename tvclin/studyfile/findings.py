@@ -330,9 +330,9 @@ def _in_a_head_wind(
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     """Return the plant and its autopilot, whose optimised gains satisfy the criteria."""
-    from tvclin.design.least_gains_curves import autopilot_asked
+    from tvclin.design.gain_designs import specified_autopilot
 
-    return plan.plant, autopilot_asked(plan, study.history, plan.held_to)
+    return plan.plant, specified_autopilot(plan, study.history, plan.held_to)
 
 
 def _flight(plan: StudyPlan, request: SizingRequest, told: Told) -> tuple[Sizing, DeflectionTotal]:

@@ -145,7 +145,7 @@ class AutopilotDesign:
     delay : float
         Delay between sensors and actuator [s].
     crossover : float, optional
-        Highest gain crossover [rad/s] of gains for the least nozzle.
+        Highest gain crossover [rad/s] of gains for the minimum deflection.
     filters, attitude_filters, rate_filters : tuple of Filter
         Filters of the command, of the attitude and of the rate, see `Autopilot`.
     sample_rate : float, optional
@@ -215,7 +215,9 @@ class AutopilotDesign:
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         single("plant", plant.batch)
         if self.crossover is not None and self.design != LEAST_NOZZLE:
-            raise InputError(f"crossover is of gains for the least nozzle: design {LEAST_NOZZLE}")
+            raise InputError(
+                f"crossover is of gains for the minimum deflection: design {LEAST_NOZZLE}"
+            )
         options: dict[str, Any] = {
             "actuator": actuator,
             "integral_gain": self.integral_gain,
@@ -254,7 +256,7 @@ def _by_rule(
     if rule == LEAST_NOZZLE:
         raise InputError(
             f"design {LEAST_NOZZLE} needs a wind: tvclin autopilot and study files have one; in"
-            " Python see least_deflection_gains"
+            " Python see minimum_deflection_gains"
         )
     if rule in _OTHER_RULES:
         if has_poles:

@@ -15,7 +15,7 @@ from tvclin.case.case import FROZEN, SIGNS
 from tvclin.case.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT
-from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.design.gain_designs import specified_autopilot
 from tvclin.linear.plant import MODELS
 from tvclin.show.explorer.choices import CONTROLS, REPORT, TRIM, Choices, loop_of
 from tvclin.show.explorer.parts import LONGEST
@@ -51,7 +51,7 @@ def settled(plan: StudyPlan) -> StudyPlan:
     """Return a plan with numerical gains, also where its design searches for them."""
     design = plan.design
     if plan.asked.design == LEAST_NOZZLE:
-        autopilot = autopilot_asked(plan, plan.history, plan.held_to)
+        autopilot = specified_autopilot(plan, plan.history, plan.held_to)
         gains: Any = {name: float(getattr(autopilot, name)) for name in GIVEN_GAINS}
         design = replace(loop_of(plan.asked), **gains)
     return replace(plan, design=design)

@@ -7,7 +7,7 @@ import numpy as np
 
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
 from tvclin.case.flexible_autopilot import shift_of
-from tvclin.design.standard_trials import bounds, needed, standard_winds
+from tvclin.design.standard_trials import bounds, limit_tables, standard_winds
 from tvclin.ensembles.availability.availability_record import Availability
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
@@ -55,12 +55,14 @@ def archive_words(a: Availability) -> str:
 
 # trial_tables
 def law_tables(findings: Findings) -> tuple[Table, ...]:
-    """Return the tables of `needed` for the laws of a study file."""
+    """Return the tables of `limit_tables` for the laws of a study file."""
     request, s = findings.plan.laws, findings.study
     assert request is not None
     plant = Plant(s.coefficients, findings.plan.law_model)
     winds = standard_winds(s.wind.peak, s.wind.duration)
-    return needed(findings.trials, bounds(plant, {name: winds[name] for name in request.winds}))
+    return limit_tables(
+        findings.trials, bounds(plant, {name: winds[name] for name in request.winds})
+    )
 
 
 # flexible

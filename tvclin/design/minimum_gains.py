@@ -21,8 +21,15 @@ from tvclin.control.autopilot.wind_response import deflection_peaks
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, unit_factor
-from tvclin.design.gain_search import CROSSOVER, MISSES, Question, highest_crossover, lacking, needs
-from tvclin.design.search import least_points
+from tvclin.design.box_minimum import box_minimum
+from tvclin.design.gain_problem import (
+    CROSSOVER,
+    UNSATISFIED_COST,
+    GainProblem,
+    highest_crossover,
+    missing_fraction,
+    required_limits,
+)
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes
@@ -30,28 +37,28 @@ from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
 
 PEAK, BOUNDARY = "peak", "boundary"
-"""Meanings of the deflection of `LeastGains`."""
+"""Meanings of the deflection of `MinimumGains`."""
 
 
 @dataclass(frozen=True, eq=False)
-class LeastGains(Shown):
+class MinimumGains(Shown):
     """Gains with the minimum deflection of all gains with the specified margins.
 
     Attributes
     ----------
-    question : Question
+    problem : GainProblem
         Specification: plant, winds, criteria, nozzle.
     autopilot : Autopilot
         The gains, with actuator and delay.
     meaning : str
         "peak": the deflection is the peak of the linear loop, without a limit. "boundary": it is
-        the minimum limit with which flights survive, as of `closed_loop_boundary`; it is lower, by
+        the minimum limit with which flights survive, by `closed_loop_boundary`; it is lower, by
         0.15 to 0.4 of trim as a rule.
     deflection : float
         Largest deflection over the winds [rad], in size.
     relative : float
         The deflection normalised by the trim ``|B alpha_w,max|`` of the worst wind.
-    each : ndarray
+    deflections : ndarray
         The deflection [rad] of each wind, ``(winds,)``.
     worst_wind : int
         Index of the wind with the largest deflection.
@@ -61,42 +68,42 @@ class LeastGains(Shown):
         Active constraints of the minimum: names of margins within 0.5 percent of their limits,
         "crossover", and the winds, by peak and duration, where several require the same
         deflection. Empty where more gain and less gain both require more.
-    unseen : float
+    many_stops : float
         With limits, the boundary [rad] in the same winds with 23 sudden ends, most of which the
         search did not use; else None.
     notes : tuple of str
         Limitations of these gains.
     """
 
-    question: Question
+    problem: GainProblem
     autopilot: Autopilot
     meaning: str
     deflection: float
     relative: float
-    each: FloatArray
+    deflections: FloatArray
     worst_wind: int
     margins: Margins
     active: tuple[str, ...]
-    unseen: float | None
+    many_stops: float | None
     notes: tuple[str, ...]
 
     as_dict = keyed(
-        "meaning deflection_deg part_of_trim=relative worst_wind each_deg active"
-        " unseen_stops_deg=unseen notes"
+        "meaning deflection_deg part_of_trim=relative worst_wind deflections_deg active"
+        " many_stops_deg=many_stops notes"
     )
 
     def table(self) -> Table:
         """Return the table of the deflection in each wind."""
-        words = {
+        meanings = {
             "peak": "largest deflection of the linear loop",
-            "boundary": "least limit with which flights survive",
+            "boundary": "minimum limit with which flights survive",
         }
-        q = self.question
+        q = self.problem
         rows = tuple(
             ((name,), degrees(f"least.{name}", angle), number(f"least.{name}.part", angle / trim))
-            for name, angle, trim in zip(q.names, self.each, q.trims, strict=True)
+            for name, angle, trim in zip(q.names, self.deflections, q.trims, strict=True)
         )
-        caption = f"Least nozzle: {words[self.meaning]}"
+        caption = f"Minimum deflection: {meanings[self.meaning]}"
         return Table(caption, ("wind", "[deg]", "of trim"), rows)
 
     _keys = (
@@ -110,13 +117,18 @@ _SETTLING_TIME_CONSTANTS = 8.0
 """Duration of a response after its wind, in time constants of the fastest pole of the plant."""
 _LIMIT_TOLERANCE = 1e-4
 """Difference of limits, relative to trim, that counts as none."""
-_LINEAR_SEARCH: dict[str, Any] = {"each": 32, "rounds": 40}
+_LINEAR_SEARCH: dict[str, Any] = {"per_round": 32, "rounds": 40}
 """Options of the search by peaks of the linear loop."""
-_FLOWN_SEARCH: dict[str, Any] = {"each": 24, "rounds": 30, "islands": 1}
+_FLOWN_SEARCH: dict[str, Any] = {"per_round": 24, "rounds": 30, "islands": 1}
 """Options of the search by flights."""
-_STOPPED_SEARCH: dict[str, Any] = {"each": 24, "rounds": 14, "islands": 1}
+_STOPPED_SEARCH: dict[str, Any] = {"per_round": 24, "rounds": 14, "islands": 1}
 """Options of the search by flights with sudden ends of the winds."""
-_REFINEMENT: dict[str, Any] = {"first": 8, "each": 12, "rounds": 6, "tolerance": _LIMIT_TOLERANCE}
+_REFINEMENT: dict[str, Any] = {
+    "initial": 8,
+    "per_round": 12,
+    "rounds": 6,
+    "tolerance": _LIMIT_TOLERANCE,
+}
 """Options of the last search by flights, around the best gains."""
 _BOX_POINTS = 256
 """First points of a search over the unit box, for each axis beyond the first."""
@@ -136,7 +148,7 @@ _MIN_ALPHA_RATIO = 0.45
 """alpha_ratio below which a sudden end of the wind requires more than the wind."""
 
 
-def least_deflection_gains(
+def minimum_deflection_gains(
     plant: AnyPlant,
     winds: History | Sequence[History],
     *,
@@ -151,7 +163,7 @@ def least_deflection_gains(
     limits: bool = False,
     stops: int = 0,
     sample_rate: float | None = None,
-) -> LeastGains:
+) -> MinimumGains:
     """Return the gains with the minimum deflection of all gains with the specified margins.
 
     Parameters
@@ -185,15 +197,15 @@ def least_deflection_gains(
 
     Returns
     -------
-    LeastGains
+    MinimumGains
         Gains, deflection, margins, active criteria and notes.
 
     Raises
     ------
     InputError
         For a plant that is aerodynamically stable, a batch, winds that do not end, neither nozzle
-        nor delay nor crossover, stops without limits, gains of which none have the margins, and as
-        `Autopilot.wind_response` and `closed_loop_boundary`.
+        nor delay nor crossover, stops without limits, margins that no gains have; also the
+        exceptions of `Autopilot.wind_response` and `closed_loop_boundary`.
 
     Notes
     -----
@@ -210,14 +222,14 @@ def least_deflection_gains(
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
-    >>> gains = tv.least_deflection_gains(
+    >>> gains = tv.minimum_deflection_gains(
     ...     plant, wind, actuator=tv.Actuator(), delay=0.02, crossover=2.0
     ... )
     >>> round(gains.relative, 2), gains.active
     (1.11, ('phase_margin_deg', 'crossover'))
     """
     winds_row: Any = (winds,) if isinstance(winds, History) else winds
-    question = Question(
+    problem = GainProblem(
         plant=plant,
         winds=winds_row,
         criteria=criteria,
@@ -232,185 +244,190 @@ def least_deflection_gains(
         stops=stops,
         sample_rate=sample_rate,
     )
-    return answered(question)
+    return solve_problem(problem)
 
 
-def answered(question: Question, near: FloatArray | None = None) -> LeastGains:
-    """Return the gains for a question; `near`: known gains to start from, ``(n, axes)``."""
-    axes = len(question.gains)
-    first = _BOX_POINTS * (axes - 1) if near is None else _LOCAL_POINTS
-    start: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
+def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> MinimumGains:
+    """Return the gains that solve a problem; `start`: points to start from, ``(n, axes)``."""
+    axes = len(problem.gains)
+    first = _BOX_POINTS * (axes - 1) if start is None else _LOCAL_POINTS
+    options: dict[str, Any] = {"initial": first, "start": start, "over_box": start is None}
     pools = _ISLANDS if axes > len(("stiffness", "rate")) else 1
-    linear = partial(_cost, question, partial(_linear_peaks, question))
-    points, costs = least_points(linear, axes, islands=pools, **start, **_LINEAR_SEARCH)
-    if costs[0] < MISSES and question.limits:
+    linear = partial(_cost, problem, partial(_linear_peaks, problem))
+    points, costs = box_minimum(linear, axes, islands=pools, **options, **_LINEAR_SEARCH)
+    if costs[0] < UNSATISFIED_COST and problem.limits:
         flown, final = (
-            partial(_cost, question, partial(needs, question, clean=n))
+            partial(_cost, problem, partial(required_limits, problem, scan_count=n))
             for n in (_SEARCH_SCAN, _FINAL_SCAN)
         )
-        options = _STOPPED_SEARCH if question.stops else _FLOWN_SEARCH
-        options = options | {"tolerance": _LIMIT_TOLERANCE}
-        points, _ = least_points(flown, axes, **start | {"known": points}, **options)
-        points, _ = least_points(final, axes, known=points, wide=False, **_REFINEMENT)
-    if costs[0] >= MISSES:
-        raise InputError(_refusal(question, points[0]))
-    if question.limits:
-        each = _boundaries(question, question.autopilot(points[0]), question.stops)
-        return _record(question, points[0], each)
-    exact = [_peaks(question, question.autopilot(point)) for point in points[:_EXACT_ROWS]]
+        search = _STOPPED_SEARCH if problem.stops else _FLOWN_SEARCH
+        options |= search | {"start": points, "tolerance": _LIMIT_TOLERANCE}
+        points, _ = box_minimum(flown, axes, **options)
+        points, _ = box_minimum(final, axes, start=points, over_box=False, **_REFINEMENT)
+    if costs[0] >= UNSATISFIED_COST:
+        raise InputError(_refusal(problem, points[0]))
+    if problem.limits:
+        deflections = _boundaries(problem, problem.autopilot(points[0]), problem.stops)
+        return _record(problem, points[0], deflections)
+    exact = [_peaks(problem, problem.autopilot(point)) for point in points[:_EXACT_ROWS]]
     best = int(np.argmin([peaks.max() for peaks in exact]))
-    return _record(question, points[best], exact[best])
+    return _record(problem, points[best], exact[best])
 
 
 def _cost(
-    question: Question,
-    need: Callable[[FloatArray, float], FloatArray],
+    problem: GainProblem,
+    requirement: Callable[[FloatArray, float], FloatArray],
     points: FloatArray,
     pool: FloatArray,
 ) -> FloatArray:
     """Return the cost of rows of gains, ``(n,)``: required deflection relative to the largest trim.
 
-    From `MISSES` on where a criterion is missed. `need`: function for the deflection of rows that
-    satisfy all criteria, exact below the largest cost of the pool.
+    Rows that miss a criterion cost at least `UNSATISFIED_COST`. `requirement`: function for the
+    deflection of rows that satisfy all criteria, exact below the largest cost of the pool.
     """
-    lacks = question.lacks(points)
-    values = MISSES + np.maximum(lacks, 0.0)
-    good = np.flatnonzero(lacks <= 0.0)
+    missing_fractions = problem.missing_fractions(points)
+    values = UNSATISFIED_COST + np.maximum(missing_fractions, 0.0)
+    good = np.flatnonzero(missing_fractions <= 0.0)
     if good.size:
-        values[good] = np.minimum(need(points[good], float(pool[-1])), 0.9 * MISSES)
+        values[good] = np.minimum(
+            requirement(points[good], float(pool[-1])), 0.9 * UNSATISFIED_COST
+        )
     return np.asarray(values)
 
 
-def _linear_peaks(question: Question, points: FloatArray, goal: float) -> FloatArray:
-    """Return the peaks of the linear loop, normalised by the largest trim, ``(n,)``."""
+def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> FloatArray:
+    """Return the peak deflections of the linear loop, normalised by the largest trim, ``(n,)``."""
     del goal
-    rows = replace(question.autopilot(points), sample_rate=None)
+    rows = replace(problem.autopilot(points), sample_rate=None)
     after = _SETTLING_TIME_CONSTANTS / float(
-        np.nanmax(np.real(unstable_modes(question.plant.rigid).poles))
+        np.nanmax(np.real(unstable_modes(problem.plant.rigid).poles))
     )
-    peaks = [deflection_peaks(rows, question.plant, w, after) for w in question.winds]
-    return np.asarray(np.max(peaks, axis=0) / question.trims.max())
+    peaks = [deflection_peaks(rows, problem.plant, w, after) for w in problem.winds]
+    return np.asarray(np.max(peaks, axis=0) / problem.trims.max())
 
 
-def _peaks(question: Question, autopilot: Autopilot) -> FloatArray:
-    """Return the exact peaks [rad], ``(winds,)``."""
-    response = replace(autopilot, sample_rate=None).wind_response_function(question.plant)
-    return np.array([abs(response(wind).peak("deflection")[0]) for wind in question.winds])
+def _peaks(problem: GainProblem, autopilot: Autopilot) -> FloatArray:
+    """Return the exact peak deflections of the linear loop [rad], ``(winds,)``."""
+    response = replace(autopilot, sample_rate=None).wind_response_function(problem.plant)
+    return np.array([abs(response(wind).peak("deflection")[0]) for wind in problem.winds])
 
 
-def _boundaries(question: Question, autopilot: Autopilot, stops: int) -> FloatArray:
+def _boundaries(problem: GainProblem, autopilot: Autopilot, stops: int) -> FloatArray:
     """Return the boundaries [rad] with `stops` sudden ends of each wind, ``(winds,)``."""
     law = SaturatedLaw.of(autopilot)
     limits = [
         closed_loop_boundary(
-            question.plant,
+            problem.plant,
             law,
             wind,
-            actuator=question.actuator,
-            delay=question.delay,
-            sample_rate=question.flown_rate,
+            actuator=problem.actuator,
+            delay=problem.delay,
+            sample_rate=problem.flown_rate,
             cuts=stops,
         ).deflection
-        for wind in question.winds
+        for wind in problem.winds
     ]
     return np.abs(np.array(limits))
 
 
-def _record(question: Question, point: FloatArray, each: FloatArray) -> LeastGains:
+def _record(problem: GainProblem, point: FloatArray, deflections: FloatArray) -> MinimumGains:
     """Return the record of a row of gains with its deflection in each wind [rad], ``(winds,)``."""
-    autopilot = question.autopilot(point)
-    margins = loop_margins(autopilot.exact_loop(question.plant))
-    worst = int(np.argmax(each))
-    unseen = None
-    if question.limits:
-        unseen = float(_boundaries(question, autopilot, _CHECK_STOPS).max())
-    return LeastGains(
-        question=question,
+    autopilot = problem.autopilot(point)
+    margins = loop_margins(autopilot.exact_loop(problem.plant))
+    worst = int(np.argmax(deflections))
+    many_stops = None
+    if problem.limits:
+        many_stops = float(_boundaries(problem, autopilot, _CHECK_STOPS).max())
+    return MinimumGains(
+        problem=problem,
         autopilot=autopilot,
-        meaning=BOUNDARY if question.limits else PEAK,
-        deflection=float(each[worst]),
-        relative=float(each[worst] / question.trims[worst]),
-        each=each,
+        meaning=BOUNDARY if problem.limits else PEAK,
+        deflection=float(deflections[worst]),
+        relative=float(deflections[worst] / problem.trims[worst]),
+        deflections=deflections,
         worst_wind=worst,
         margins=margins,
-        active=_active(question, margins, each),
-        unseen=unseen,
-        notes=_notes(question, autopilot, point, each, unseen),
+        active=_active(problem, margins, deflections),
+        many_stops=many_stops,
+        notes=_notes(problem, autopilot, point, deflections, many_stops),
     )
 
 
-def _active(question: Question, margins: Margins, each: FloatArray) -> tuple[str, ...]:
-    """Return the names of active criteria, and of the winds if several require the same."""
+def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> tuple[str, ...]:
+    """Return the names of active criteria, and of winds that require the same deflection."""
     active = [
         r.margin
-        for r in question.criteria.requirements
-        if r.margin in MARGINS and abs(lacking(r, getattr(margins, r.margin))) < _RELATIVE_TOLERANCE
+        for r in problem.criteria.requirements
+        if r.margin in MARGINS
+        and abs(missing_fraction(r, getattr(margins, r.margin))) < _RELATIVE_TOLERANCE
     ]
-    limit = question.crossover
+    limit = problem.crossover
     if limit is not None and highest_crossover(margins) > (1.0 - _RELATIVE_TOLERANCE) * limit:
         active.append(CROSSOVER)
-    equal = np.flatnonzero(each > (1.0 - _RELATIVE_TOLERANCE) * each.max())
+    equal = np.flatnonzero(deflections > (1.0 - _RELATIVE_TOLERANCE) * deflections.max())
     if equal.size > 1:
-        active += [question.names[k] for k in equal.tolist()]
+        active += [problem.names[k] for k in equal.tolist()]
     return tuple(active)
 
 
 def _notes(
-    question: Question,
+    problem: GainProblem,
     autopilot: Autopilot,
     point: FloatArray,
-    each: FloatArray,
-    unseen: float | None,
+    deflections: FloatArray,
+    many_stops: float | None,
 ) -> tuple[str, ...]:
     """Return the notes on gains: lean into the wind, path, winds, search range and sudden ends."""
     notes = []
-    trim = question.trims.max()
-    if len(question.gains) > len(("attitude", "rate")):
+    trim = problem.trims.max()
+    if len(problem.gains) > len(("attitude", "rate")):
         a0, b0 = float(autopilot.attitude_gain), float(autopilot.alpha_gain)
-        ratio = a0 / (a0 + b0 - float(question.plant.coefficients.B))
+        ratio = a0 / (a0 + b0 - float(problem.plant.coefficients.B))
         if ratio < _MIN_ALPHA_RATIO:
             notes.append(
                 f"these gains leave {ratio:.2f} of a steady wind as angle of attack: below"
                 f" {_MIN_ALPHA_RATIO} the vehicle leans so far into the wind that a sudden end of"
-                " it needs more; try with stops"
+                " it requires more; try with stops"
             )
-        if question.plant.rigid.model == "fixed-path":
+        if problem.plant.rigid.model == "fixed-path":
             notes.append(
                 "a fixed path sets no price on the attitude error: judge three gains on drift-exact"
             )
-    if len(question.winds) == 1:
+    if len(problem.winds) == 1:
         notes.append("the gains are fitted to one wind alone: give shorter and longer ones as well")
     if (
         np.any((point < _RELATIVE_TOLERANCE) | (point > 1.0 - _RELATIVE_TOLERANCE))
-        and len(question.gains) == 2
+        and len(problem.gains) == 2
     ):
         notes.append("the gains lie at the edge of the search range")
-    if unseen is not None and unseen > (1.0 + _RELATIVE_TOLERANCE) * float(each.max()):
+    if many_stops is not None and many_stops > (1.0 + _RELATIVE_TOLERANCE) * float(
+        deflections.max()
+    ):
         notes.append(
             f"with {_CHECK_STOPS} sudden ends of each wind, most of them new to the search, the"
-            f" boundary is {unseen / trim:.3f} of trim"
+            f" boundary is {many_stops / trim:.3f} of trim"
         )
     return tuple(notes)
 
 
-def _refusal(question: Question, point: FloatArray) -> str:
+def _refusal(problem: GainProblem, point: FloatArray) -> str:
     """Return the sentence that no gains satisfy the criteria, with the nearest gains and bounds."""
-    autopilot = question.autopilot(point)
-    margins = loop_margins(autopilot.exact_loop(question.plant))
-    text = f"no {' and '.join(question.gains)} gains meet the criteria {question.criteria.name}"
+    autopilot = problem.autopilot(point)
+    margins = loop_margins(autopilot.exact_loop(problem.plant))
+    text = f"no {' and '.join(problem.gains)} gains meet the criteria {problem.criteria.name}"
     text += (
         f"; the nearest, a0 = {float(autopilot.attitude_gain):.4g} and"
         f" a1 = {float(autopilot.rate_gain):.4g} s,"
     )
-    lacks = [
-        (float(lacking(r, getattr(margins, r.margin))), r)
-        for r in question.criteria.requirements
+    missing_fractions = [
+        (float(missing_fraction(r, getattr(margins, r.margin))), r)
+        for r in problem.criteria.requirements
         if r.margin in MARGINS
     ]
-    lack, worst = max(lacks, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
+    fraction, worst = max(missing_fractions, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
     if not margins.stable:
         text += " are unstable"
-    elif lack > 0.0:
+    elif fraction > 0.0:
         label, unit, _ = MARGINS[worst.margin]
         value, limit = (
             unit_factor(unit) * x for x in (getattr(margins, worst.margin), worst.limit)
@@ -418,5 +435,5 @@ def _refusal(question: Question, point: FloatArray) -> str:
         text += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
     else:
         text += " miss the required margins of modes or the crossover"
-    bounds = margin_bounds(question.plant, actuator=question.actuator, delay=question.delay)
+    bounds = margin_bounds(problem.plant, actuator=problem.actuator, delay=problem.delay)
     return "; ".join(filter(None, (text, bounds.sentence)))

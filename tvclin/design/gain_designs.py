@@ -1,4 +1,4 @@
-"""Gains for the least nozzle over the required disk margin, over a flight, and of a file."""
+"""Minimum deflection over the required disk margin, gains over a flight, and gains of a case."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.autopilot.gains import GainSchedule
 from tvclin.control.margins.criteria import Criteria
-from tvclin.design.least_gains import LeastGains, answered, least_deflection_gains
+from tvclin.design.minimum_gains import MinimumGains, minimum_deflection_gains, solve_problem
 from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.winds.histories import History
 
@@ -27,20 +27,20 @@ if TYPE_CHECKING:
     from tvclin.case.case import Case
 
 
-def autopilot_asked(case: Case, wind: History, criteria: Criteria) -> Autopilot:
-    """Return the autopilot of a case, in a wind and by criteria for the least nozzle."""
+def specified_autopilot(case: Case, wind: History, criteria: Criteria) -> Autopilot:
+    """Return the autopilot of a case: by its rule, or for the minimum deflection in a wind."""
     if case.asked.design != LEAST_NOZZLE:
         return case.autopilot
-    return least_asked(case, wind, criteria).autopilot
+    return minimum_gains(case, wind, criteria).autopilot
 
 
-def least_asked(
+def minimum_gains(
     case: Case, winds: History | Sequence[History], criteria: Criteria, **options: Any
-) -> LeastGains:
-    """Return the gains for the least nozzle with the nozzle, delay, samples and filters of a case.
+) -> MinimumGains:
+    """Return the gains for the minimum deflection with nozzle, delay and filters of a case.
 
-    `InputError` for gains and numbers of other rules in the same design, and as
-    `least_deflection_gains`.
+    `InputError` for gains and numbers of other rules in the same design; also the exceptions of
+    `minimum_deflection_gains`.
     """
     design = case.asked
     chains: dict[str, Any] = design.chains
@@ -54,10 +54,10 @@ def least_asked(
     ]
     if conflicting:
         raise InputError(
-            "gains for the least nozzle are sought: give no"
+            "gains for the minimum deflection are sought: give no"
             f" {', '.join(name.replace('_', ' ') for name in conflicting)} with them"
         )
-    return least_deflection_gains(
+    return minimum_deflection_gains(
         case.plant,
         winds,
         criteria=criteria,
@@ -75,7 +75,7 @@ DEAD_BANDS = (1.0, 0.5)
 
 
 @dataclass(frozen=True, eq=False)
-class GainsFront(Shown):
+class GainTradeOff(Shown):
     """Minimum deflection over the required disk margin, with the limits of the theory.
 
     Attributes
@@ -85,7 +85,7 @@ class GainsFront(Shown):
     relative : ndarray
         Minimum deflection with each disk margin, normalised by the largest trim, ``(n,)``; infinite
         where no gains have the margin.
-    each : tuple of LeastGains or None
+    designs : tuple of MinimumGains or None
         Gains for each disk margin; None where no gains have it.
     limits : dict of str to float
         Boundaries of the report and minimum of appendix C in the worst wind, normalised by the
@@ -94,37 +94,37 @@ class GainsFront(Shown):
 
     disk_margin: FloatArray
     relative: FloatArray
-    each: tuple[LeastGains | None, ...]
+    designs: tuple[MinimumGains | None, ...]
     limits: dict[str, float]
 
     @property
     def gains(self) -> tuple[str, ...]:
         """Names of the free gains."""
-        return next(tuple(least.question.gains) for least in self.each if least is not None)
+        return next(tuple(design.problem.gains) for design in self.designs if design is not None)
 
     @property
     def meaning(self) -> str:
-        """Meaning of the deflection, "peak" or "boundary"; see `LeastGains`."""
-        return next(least.meaning for least in self.each if least is not None)
+        """Meaning of the deflection, "peak" or "boundary"; see `MinimumGains`."""
+        return next(design.meaning for design in self.designs if design is not None)
 
     _keys = "disk_margin over_trim=relative limits"
 
 
-def least_gains_front(
-    found: LeastGains, disk_margin: ArrayLike = (0.4, 0.6, 0.8, 1.0, 1.2)
-) -> GainsFront:
+def gain_trade_off(
+    gains: MinimumGains, disk_margin: ArrayLike = (0.4, 0.6, 0.8, 1.0, 1.2)
+) -> GainTradeOff:
     """Return the minimum deflection of gains over the required disk margin.
 
     Parameters
     ----------
-    found : LeastGains
-        Gains for the least nozzle; all their other specifications are kept.
+    gains : MinimumGains
+        Gains for the minimum deflection; all their other specifications are kept.
     disk_margin : array_like
         Disk margins, rising, ``(n,)``.
 
     Returns
     -------
-    GainsFront
+    GainTradeOff
         The search at each disk margin begins near the gains of the previous disk margin.
 
     Raises
@@ -137,70 +137,70 @@ def least_gains_front(
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
-    >>> gains = tv.least_deflection_gains(plant, wind, actuator=tv.Actuator(), delay=0.02)
-    >>> tv.design.least_gains_front(gains, [0.8, 1.2]).relative.round(2)
+    >>> gains = tv.minimum_deflection_gains(plant, wind, actuator=tv.Actuator(), delay=0.02)
+    >>> tv.design.gain_designs(gains, [0.8, 1.2]).relative.round(2)
     array([1.03, 1.1 ])
     """
-    instance("found", found, LeastGains, "see least_deflection_gains")
+    instance("gains", gains, MinimumGains, "see minimum_deflection_gains")
     margins = positive("disk_margin", one_row("disk_margin", disk_margin))
     if not margins.size or np.any(np.diff(margins) <= 0.0):
         raise InputError("disk_margin must be one or more rising numbers")
-    question, start = found.question, found.question.point(found.autopilot)
-    each: list[LeastGains | None] = []
+    problem, start = gains.problem, gains.problem.point(gains.autopilot)
+    designs: list[MinimumGains | None] = []
     for margin in margins.tolist():
-        criteria = question.criteria.with_limits("the front", disk_margin=margin)
-        if each and each[-1] is None:
-            each.append(None)
+        criteria = problem.criteria.with_limits("the front", disk_margin=margin)
+        if designs and designs[-1] is None:
+            designs.append(None)
             continue
         try:
-            each.append(answered(replace(question, criteria=criteria), start[np.newaxis]))
+            designs.append(solve_problem(replace(problem, criteria=criteria), start[np.newaxis]))
         except InputError:
-            if not each:
+            if not designs:
                 raise
-            each.append(None)
+            designs.append(None)
             continue
-        start = question.point(each[-1].autopilot)  # type: ignore[union-attr]
-    trim = question.trims.max()
-    relative = [np.inf if gains is None else gains.deflection / trim for gains in each]
-    return GainsFront(margins, np.array(relative), tuple(each), _limits(found))
+        start = problem.point(designs[-1].autopilot)  # type: ignore[union-attr]
+    trim = problem.trims.max()
+    relative = [np.inf if gains is None else gains.deflection / trim for gains in designs]
+    return GainTradeOff(margins, np.array(relative), tuple(designs), _limits(gains))
 
 
-def _limits(found: LeastGains) -> dict[str, float]:
+def _limits(gains: MinimumGains) -> dict[str, float]:
     """Return the boundaries and the minimum in the worst wind, normalised by the largest trim."""
-    question, plant = found.question, found.question.plant.rigid
-    trim, limits = question.trims.max(), {}
+    problem, plant = gains.problem, gains.problem.plant.rigid
+    trim, limits = problem.trims.max(), {}
     for K in DEAD_BANDS:
-        values: Any = [boundary_limit(plant, wind, K).deflection for wind in question.winds]
+        values: Any = [boundary_limit(plant, wind, K).deflection for wind in problem.winds]
         limits[f"boundary, K = {K:g}"] = float(np.max(np.abs(values)) / trim)
-    minimum = max(float(optimum_deflection(plant, wind).peak) for wind in question.winds)
+    minimum = max(float(optimum_deflection(plant, wind).peak) for wind in problem.winds)
     return limits | {WIND_KNOWN: minimum / trim}
 
 
 @dataclass(frozen=True, eq=False)
-class LeastSchedule:
-    """Gains for the least nozzle at several flight times.
+class MinimumGainSchedule:
+    """Gains for the minimum deflection at several flight times.
 
     Attributes
     ----------
     schedule : GainSchedule
         The gains, straight lines between the times.
-    each : tuple of LeastGains
-        Gains for the least nozzle at each time.
+    designs : tuple of MinimumGains
+        Gains for the minimum deflection at each time.
     """
 
     schedule: GainSchedule
-    each: tuple[LeastGains, ...]
+    designs: tuple[MinimumGains, ...]
 
     @property
     def deflection(self) -> float:
         """Largest deflection of all times [rad], which the flight requires of the nozzle."""
-        return max(gains.deflection for gains in self.each)
+        return max(gains.deflection for gains in self.designs)
 
 
-def least_gain_schedule(
+def minimum_gain_schedule(
     time: ArrayLike, plants: Plant, winds: History | Sequence[History], **options: Any
-) -> LeastSchedule:
-    """Return the gains for the least nozzle at each time of a flight.
+) -> MinimumGainSchedule:
+    """Return the gains for the minimum deflection at each time of a flight.
 
     Parameters
     ----------
@@ -209,22 +209,22 @@ def least_gain_schedule(
     plants : Plant
         Plant at each time, ``(n,)``.
     winds, **options
-        Same parameters as of `least_deflection_gains`; the winds may occur at any of the times.
+        Same parameters as in `minimum_deflection_gains`; the winds may occur at any time.
 
     Raises
     ------
     InputError
-        As `GainSchedule` and `least_deflection_gains`.
+        Same exceptions as `GainSchedule` and `minimum_deflection_gains`.
 
     Examples
     --------
     >>> import tvclin as tv
     >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
-    >>> least = tv.design.least_gain_schedule(
+    >>> schedule = tv.design.minimum_gain_schedule(
     ...     [40.0, 66.0], tv.Plant.from_coefficients(c), wind, actuator=tv.Actuator(), crossover=2.0
     ... )
-    >>> [round(gains.relative, 2) for gains in least.each]
+    >>> [round(gains.relative, 2) for gains in schedule.designs]
     [1.03, 1.14]
     """
     instance("plants", plants, Plant, PLANT_HINT)
@@ -234,13 +234,13 @@ def least_gain_schedule(
             f"plants must be one for each of the {times.size} times; got a batch of shape"
             f" {plants.batch}"
         )
-    each = tuple(
-        least_deflection_gains(plants.case(k, plants.batch), winds, **options)
+    designs = tuple(
+        minimum_deflection_gains(plants.case(k, plants.batch), winds, **options)
         for k in range(times.size)
     )
     a0, a1, b0 = (
-        np.array([getattr(least.autopilot, name) for least in each])
+        np.array([getattr(design.autopilot, name) for design in designs])
         for name in ("attitude_gain", "rate_gain", "alpha_gain")
     )
-    gains = replace(each[0].autopilot, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
-    return LeastSchedule(GainSchedule(times, gains), each)
+    gains = replace(designs[0].autopilot, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
+    return MinimumGainSchedule(GainSchedule(times, gains), designs)

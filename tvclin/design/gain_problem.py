@@ -1,7 +1,7 @@
-"""Specification of gains for the least nozzle, and the limits that rows of gains require.
+"""Specification of gains for the minimum deflection, and the limits that rows of gains require.
 
-Limits are found by flights, only as accurately as the search needs them. A row is flown with
-falling limits until a flight is lost, so that the highest lost limit counts, as in
+Limits are found by flights, only as accurately as the search requires. A row is flown with
+falling limits until a flight diverges, so that the highest limit that diverges counts, as in
 `closed_loop_boundary`. A row with a loss above the goal is not bracketed any closer.
 """
 
@@ -41,25 +41,25 @@ from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant, named_m
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
 
-FREE = (("attitude", "rate"), ("attitude", "rate", "alpha"))
+FREE_GAINS = (("attitude", "rate"), ("attitude", "rate", "alpha"))
 """Combinations of free gains."""
 CROSSOVER = "crossover"
 """Name of the upper limit of the gain crossover."""
-MISSES = 10.0
+UNSATISFIED_COST = 10.0
 """Cost of gains that miss a criterion, to which the missing fraction is added."""
 _UNSTABLE = 100.0
 """Missing fraction of an unstable loop, larger than of any stable loop."""
 _FLOWN_RATE = 100.0
 """Sample rate of flights [Hz] of an autopilot without one."""
-_LEAST_STIFFNESS, _LEAST_RATE = 1.01, 0.05
+_MIN_STIFFNESS, _MIN_RATE = 1.01, 0.05
 """Smallest (a0 + b0)/B and a1 beta/B of the search range."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Question:
+class GainProblem:
     """A plant, its winds and nozzle, and the required margins of its autopilot.
 
-    The attributes are the arguments of `least_deflection_gains`.
+    The attributes are the arguments of `minimum_deflection_gains`.
     """
 
     plant: AnyPlant
@@ -83,9 +83,10 @@ class Question:
         instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
         names = self.gains if isinstance(self.gains, list | tuple) else ()
         free = tuple(name for name in names if isinstance(name, str))
-        if free not in FREE or len(free) < len(names):
+        if free not in FREE_GAINS or len(free) < len(names):
             raise InputError(
-                f"gains must be {' or '.join(map(str, FREE))}: those that are free, in this order;"
+                f"gains must be {' or '.join(map(str, FREE_GAINS))}: those that are free, in"
+                " this order;"
                 f" got {shown(self.gains)}"
             )
         object.__setattr__(self, "gains", free)
@@ -109,8 +110,9 @@ class Question:
         mu_alpha = float(self.plant.coefficients.mu_alpha)
         if mu_alpha <= 0.0:
             raise InputError(
-                "gains for the least nozzle are sought for an aerodynamically unstable vehicle,"
-                f" mu_alpha > 0; got {mu_alpha:.6g} 1/s^2 (a stable one needs no deflection)"
+                "gains for the minimum deflection are sought for an aerodynamically unstable"
+                " vehicle,"
+                f" mu_alpha > 0; got {mu_alpha:.6g} 1/s^2 (a stable vehicle requires no deflection)"
             )
         if not np.isfinite(self.fastest):
             raise InputError(
@@ -159,8 +161,8 @@ class Question:
         The axes are log (a0 + b0)/B, log a1 beta/B, and b0/(a0 + b0) where alpha is free.
         """
         B, beta, (stiffest, fastest) = self._scales
-        stiffness = _LEAST_STIFFNESS * (stiffest / _LEAST_STIFFNESS) ** points[..., 0]
-        rate = _LEAST_RATE * (fastest / _LEAST_RATE) ** points[..., 1]
+        stiffness = _MIN_STIFFNESS * (stiffest / _MIN_STIFFNESS) ** points[..., 0]
+        rate = _MIN_RATE * (fastest / _MIN_RATE) ** points[..., 1]
         share = points[..., 2] if len(self.gains) > 2 else np.zeros(points.shape[:-1])
         return Autopilot(
             attitude_gain=B * stiffness * (1.0 - share),
@@ -179,10 +181,10 @@ class Question:
             float(gain)
             for gain in (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
         )
-        stiffness, rate = (a0 + b0) / B / _LEAST_STIFFNESS, a1 * beta / B / _LEAST_RATE
+        stiffness, rate = (a0 + b0) / B / _MIN_STIFFNESS, a1 * beta / B / _MIN_RATE
         axes = [
-            np.log(stiffness) / np.log(stiffest / _LEAST_STIFFNESS),
-            np.log(rate) / np.log(fastest / _LEAST_RATE),
+            np.log(stiffness) / np.log(stiffest / _MIN_STIFFNESS),
+            np.log(rate) / np.log(fastest / _MIN_RATE),
             b0 / (a0 + b0),
         ]
         return np.clip(axes[: len(self.gains)], 0.0, 1.0)
@@ -195,17 +197,17 @@ class Question:
         pace = max(self.fastest / beta, 2.0)
         return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
 
-    def lacks(self, points: FloatArray) -> FloatArray:
+    def missing_fractions(self, points: FloatArray) -> FloatArray:
         """Return the largest missing fraction of a required margin by row of gains, ``(n,)``.
 
-        Zero or less where all criteria are satisfied.
+        The fraction is zero or negative where all criteria are satisfied.
         """
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
-        margins = margins_of(loop.analysis(delays=self._of_delay), loop.batch)
+        margins = margins_of(loop.analysis(delays=self._has_delay_margin), loop.batch)
         fractions = [np.full(len(points), -np.inf)]
         fractions += [
-            lacking(r, getattr(margins, r.margin))
+            missing_fraction(r, getattr(margins, r.margin))
             for r in self.criteria.requirements
             if r.margin in MARGINS
         ]
@@ -213,29 +215,31 @@ class Question:
             with np.errstate(over="ignore"):  # with a denormal crossover
                 fractions.append(highest_crossover(margins) / self.crossover - 1.0)
         worst = np.max(np.nan_to_num(fractions, nan=_UNSTABLE), axis=0)
-        lacks = np.where(margins.stable, worst, _UNSTABLE)
-        good = np.flatnonzero(lacks <= 0.0)
-        if self.plant.structure is not None and good.size and self._of_modes:
-            lacks[good] = np.maximum(lacks[good], self._lacks_of_modes(points[good]))
-        return np.asarray(lacks)
+        missing_fractions = np.where(margins.stable, worst, _UNSTABLE)
+        good = np.flatnonzero(missing_fractions <= 0.0)
+        if self.plant.structure is not None and good.size and self._mode_requirements:
+            missing_fractions[good] = np.maximum(
+                missing_fractions[good], self._mode_missing_fractions(points[good])
+            )
+        return np.asarray(missing_fractions)
 
     @property
-    def _of_delay(self) -> bool:
+    def _has_delay_margin(self) -> bool:
         """Whether a delay margin is required."""
         return any(r.margin == "delay_margin" for r in self.criteria.requirements)
 
     @property
-    def _of_modes(self) -> tuple[Requirement, ...]:
+    def _mode_requirements(self) -> tuple[Requirement, ...]:
         """The required margins of modes."""
         return tuple(r for r in self.criteria.requirements if r.margin not in MARGINS)
 
-    def _lacks_of_modes(self, points: FloatArray) -> FloatArray:
+    def _mode_missing_fractions(self, points: FloatArray) -> FloatArray:
         """Return the largest missing fraction of margins of modes by row of gains, ``(n,)``."""
         assert isinstance(self.plant, FlexiblePlant)
         loop = self.autopilot(points).exact_loop(self.plant)
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
-        for verdict in replace(self.criteria, requirements=self._of_modes).judge(bands):
+        for verdict in replace(self.criteria, requirements=self._mode_requirements).judge(bands):
             surplus = np.asarray(verdict.surplus) / max(verdict.requirement.limit, 1e-9)
             worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
         return worst
@@ -253,10 +257,10 @@ def _checked_winds(winds: Any) -> tuple[History, ...]:
     return checked
 
 
-def lacking(requirement: Requirement, value: Any) -> FloatArray:
+def missing_fraction(requirement: Requirement, value: Any) -> FloatArray:
     """Return the missing fraction of a required margin, ``(n,)``; negative where satisfied."""
-    lack = (requirement.limit - np.asarray(value)) / max(requirement.limit, 1e-9)
-    return np.asarray(-lack if requirement.is_upper_limit else lack)
+    fraction = (requirement.limit - np.asarray(value)) / max(requirement.limit, 1e-9)
+    return np.asarray(-fraction if requirement.is_upper_limit else fraction)
 
 
 def highest_crossover(margins: Margins) -> FloatArray:
@@ -265,11 +269,11 @@ def highest_crossover(margins: Margins) -> FloatArray:
     return np.asarray(np.max(frequencies, axis=-1, initial=0.0))
 
 
-HIGHEST, LOWEST = 2.0, 0.02
-"""Range of limits, normalised by the largest trim deflection; as of `closed_loop_boundary`."""
+_MAX_LIMIT_RATIO, _MIN_LIMIT_RATIO = 2.0, 0.02
+"""Range of limits, normalised by the largest trim deflection; same as `closed_loop_boundary`."""
 _LIMIT_RATIO = 0.9
 """Ratio of each falling limit to the limit before it."""
-_LIMITS_TOGETHER = 4
+_LIMITS_PER_FLIGHT = 4
 """Number of falling limits that are flown together."""
 _SUBDIVISIONS, _REFINEMENTS = 8, 3
 """Parts of a bracket of the boundary, and number of subdivisions: to 1/512 of the last step."""
@@ -277,8 +281,8 @@ _MAX_SCAN_RATIO = 1.5
 """End of the scan for windows of losses, as a ratio to the required limit."""
 
 
-def stopped(winds: tuple[History, ...], stops: int) -> History:
-    """Return winds as a batch, each whole and with `stops` sudden ends at even instants."""
+def with_sudden_ends(winds: tuple[History, ...], stops: int) -> History:
+    """Return a batch of winds: each complete, and with `stops` sudden ends at even instants."""
     combined = reduce(
         add, (wind * row for wind, row in zip(winds, np.eye(len(winds)), strict=True))
     )
@@ -286,69 +290,76 @@ def stopped(winds: tuple[History, ...], stops: int) -> History:
     return combined.before(times).cases(np.arange(times.size), times.shape)
 
 
-def needs(question: Question, points: FloatArray, goal: float, clean: int) -> FloatArray:
+def required_limits(
+    problem: GainProblem, points: FloatArray, goal: float, scan_count: int
+) -> FloatArray:
     """Return the limit that each row of gains requires, normalised by the largest trim, ``(n,)``.
 
     `points`: in the unit box, ``(n, axes)``. `goal`: limit above which no accuracy is needed.
-    `clean`: number of limits above the required limit that are flown as well, because windows of
-    losses lie there.
+    `scan_count`: number of limits above the required limit that are flown as well, because windows
+    of losses lie there.
     """
-    rows = question.autopilot(points)
-    winds = stopped(question.winds, question.stops)
-    steps = int(np.ceil(np.log(LOWEST / HIGHEST) / np.log(_LIMIT_RATIO)))
-    falling = HIGHEST * _LIMIT_RATIO ** np.arange(steps + 1)
+    rows = problem.autopilot(points)
+    winds = with_sudden_ends(problem.winds, problem.stops)
+    steps = int(np.ceil(np.log(_MIN_LIMIT_RATIO / _MAX_LIMIT_RATIO) / np.log(_LIMIT_RATIO)))
+    falling = _MAX_LIMIT_RATIO * _LIMIT_RATIO ** np.arange(steps + 1)
     above = int(np.sum(falling > goal)) + 1
-    lost, survived = np.full(len(points), np.inf), np.full(len(points), np.inf)
-    open_rows, first, size = np.arange(len(points)), 0, max(_LIMITS_TOGETHER, above)
+    diverged, survived = np.full(len(points), np.inf), np.full(len(points), np.inf)
+    open_rows, first, size = np.arange(len(points)), 0, max(_LIMITS_PER_FLIGHT, above)
     while open_rows.size and first < falling.size:
         limits = falling[first : first + size]
-        outcome = _survive(question, rows, open_rows, winds, np.tile(limits, (open_rows.size, 1)))
+        outcome = _survive(problem, rows, open_rows, winds, np.tile(limits, (open_rows.size, 1)))
         at = np.where(outcome.all(axis=1), limits.size, np.argmin(outcome, axis=1))
         lasts = np.where(at > 0, limits[at - 1], survived[open_rows])
         survived[open_rows] = lasts
         ends = at < limits.size
-        lost[open_rows[ends]] = limits[at[ends]]
-        open_rows, first, size = open_rows[~ends], first + size, _LIMITS_TOGETHER
-    survived[open_rows] = lost[open_rows] = falling[-1]  # the lowest limit is sufficient
-    bracketed = np.flatnonzero(np.isfinite(survived) & (lost < goal) & (lost < survived))
+        diverged[open_rows[ends]] = limits[at[ends]]
+        open_rows, first, size = open_rows[~ends], first + size, _LIMITS_PER_FLIGHT
+    survived[open_rows] = diverged[open_rows] = falling[-1]  # the lowest limit is sufficient
+    bracketed = np.flatnonzero(np.isfinite(survived) & (diverged < goal) & (diverged < survived))
     for _ in range(_REFINEMENTS):
         if not bracketed.size:
             break
-        brackets = np.linspace(survived[bracketed], lost[bracketed], _SUBDIVISIONS + 1, axis=1)
-        outcome = _survive(question, rows, bracketed, winds, brackets[:, 1:-1])
+        brackets = np.linspace(survived[bracketed], diverged[bracketed], _SUBDIVISIONS + 1, axis=1)
+        outcome = _survive(problem, rows, bracketed, winds, brackets[:, 1:-1])
         at = np.where(outcome.all(axis=1), _SUBDIVISIONS - 1, np.argmin(outcome, axis=1))
-        survived[bracketed], lost[bracketed] = (
+        survived[bracketed], diverged[bracketed] = (
             np.take_along_axis(brackets, (at + k)[:, np.newaxis], axis=1)[:, 0] for k in (0, 1)
         )
     candidates = np.flatnonzero(survived < goal)
     if candidates.size:
-        scan = survived[candidates, np.newaxis] * np.linspace(1.0, _MAX_SCAN_RATIO, clean + 1)
-        lossy = ~_survive(question, rows, candidates, winds, scan)
-        highest = clean - np.argmax(lossy[:, ::-1], axis=1)  # index of the highest lost limit
-        above = scan[np.arange(candidates.size), np.minimum(highest + 1, clean)]
+        scan = survived[candidates, np.newaxis] * np.linspace(1.0, _MAX_SCAN_RATIO, scan_count + 1)
+        lossy = ~_survive(problem, rows, candidates, winds, scan)
+        highest = scan_count - np.argmax(
+            lossy[:, ::-1], axis=1
+        )  # index of the highest limit that diverges
+        above = scan[np.arange(candidates.size), np.minimum(highest + 1, scan_count)]
         survived[candidates] = np.where(lossy.any(axis=1), above, survived[candidates])
     return survived
 
 
 def _survive(
-    question: Question, rows: Autopilot, which: IndexArray, winds: History, limits: FloatArray
+    problem: GainProblem, rows: Autopilot, which: IndexArray, winds: History, limits: FloatArray
 ) -> BoolArray:
-    """Return whether rows survive all winds with limits relative to trim, ``(k, n)``."""
+    """Return whether rows of gains survive all winds with limits normalised by trim, ``(k, n)``.
+
+    `which`: indices of the rows, ``(k,)``. `limits`: ``(k, n)``.
+    """
     law = Autopilot(
         attitude_gain=rows.attitude_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
         rate_gain=rows.rate_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
         alpha_gain=rows.alpha_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
-        **question.chains,
+        **problem.chains,
     )
     flown = fly_many(
-        question.plant,
+        problem.plant,
         law,
         winds,
         deflection_limit=np.minimum(
-            limits[..., np.newaxis] * question.trims.max(), MAX_DEFLECTION_LIMIT
+            limits[..., np.newaxis] * problem.trims.max(), MAX_DEFLECTION_LIMIT
         ),
-        actuator=question.actuator,
-        sample_rate=question.flown_rate,
-        delay=question.delay,
+        actuator=problem.actuator,
+        sample_rate=problem.flown_rate,
+        delay=problem.delay,
     )
     return np.all(flown.status == SURVIVED, axis=-1)
