@@ -41,9 +41,9 @@ needs, misses = {}, {}
 for azimuth in (0, 30, 60, 90):
     met = tv.fly_through(sounding, flight, azimuth=np.radians(azimuth), plane="both")
     found = tv.size(flight, met, times=[66.0], dead_bands=1.0, plane="both")
-    pitch = found.alone["pitch"].required["K = 1"][0, 0]
+    pitch = found.separate["pitch"].required["K = 1"][0, 0]
     needs[azimuth] = np.degrees(found.required["K = 1"][0, 0])
-    misses[azimuth] = found.pitch_misses["K = 1"][0, 0]
+    misses[azimuth] = found.pitch_omitted_fraction["K = 1"][0, 0]
     print(
         f"towards {azimuth:2d} deg: both {needs[azimuth]:.3f}, pitch alone {np.degrees(pitch):.3f}"
         f" deg, {misses[azimuth]:.0%} too little"

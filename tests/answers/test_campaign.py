@@ -22,7 +22,7 @@ from tvclin.ensembles.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.requirement.plane_requirement import rectangle, vector_need
+from tvclin.requirement.plane_requirement import rectangle, vector_requirements
 
 
 @pytest.fixture(scope="module")
@@ -189,7 +189,7 @@ def test_what_dispersions_add_in_any_wind_is_that_of_a_loop_over_vehicles(
             abs(float(tv.required_deflection(plant, one).deflection))
             for plant, one in zip(plants, winds, strict=True)
         ]
-        vector = vector_need(*plants, wind, stop, np.ones(1)).required[0]
+        vector = vector_requirements(*plants, wind, stop, np.ones(1)).required[0]
         return max(float(rectangle(stop, *alone)), float(vector))
 
     values = {name: column.tolist() for name, column in cases.values.items()}

@@ -334,7 +334,7 @@ def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rat
     if rate < 1.0:
         measure = found["whole flight"].measure
         assert measure.unit == "deg/s"
-        assert measure.needed > measure.there == pytest.approx(rate)
+        assert measure.required > measure.available == pytest.approx(rate)
 
 
 def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_sufficient(tmp_path):

@@ -33,7 +33,7 @@ def test_of_equal_planes_a_round_stop_takes_the_norm_of_the_scalar_answer(flight
     found = tv.size(flight, slanting, times=TIMES, model="fixed-path", plane="both")
     for name, values in straight.required.items():
         assert found.required[name] == pytest.approx(values, rel=1e-14), name
-    misses = found.pitch_misses["K = 1"]
+    misses = found.pitch_omitted_fraction["K = 1"]
     assert misses == pytest.approx(1.0 - abs(np.cos(np.radians(degrees))), abs=1e-14)
 
 
@@ -78,7 +78,7 @@ def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight)
             found = tv.size(
                 flight, met, times=[66.0], plane="both", stop=stop, dead_bands=(1.0, 0.5)
             )
-            pitch, yaw = (found.alone[plane].required for plane in ("pitch", "yaw"))
+            pitch, yaw = (found.separate[plane].required for plane in ("pitch", "yaw"))
             for name, values in found.required.items():
                 if np.isnan(values).all():
                     assert name == "minimum, varying"  # beyond one pole in a plane

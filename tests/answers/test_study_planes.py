@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tvclin.boundary.limit_shapes import CircularShape, PolygonShape
 from tvclin.cli.app import app
-from tvclin.requirement.plane_requirement import missing_part, rectangle
+from tvclin.requirement.plane_requirement import omitted_fraction, rectangle
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.parse import parse_study
 from tvclin.studyfile.questions import questions
@@ -191,4 +191,6 @@ def test_where_a_plane_has_no_limit_neither_has_the_rectangle():
 
 
 def test_one_plane_misses_no_part_of_nothing():
-    np.testing.assert_array_equal(missing_part([0.0, 3.0, 4.0], [0.0, 4.0, 4.0]), [0.0, 0.25, 0.0])
+    np.testing.assert_array_equal(
+        omitted_fraction([0.0, 3.0, 4.0], [0.0, 4.0, 4.0]), [0.0, 0.25, 0.0]
+    )

@@ -187,8 +187,8 @@ def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, 
     assert asked["yes"] is (bool(needed <= rate) or (None if calm <= rate else False))
     assert asked["yes"] is yes
     assert asked["measure"] == {
-        "needed": pytest.approx(needed),
-        "there": pytest.approx(rate),
+        "required": pytest.approx(needed),
+        "available": pytest.approx(rate),
         "unit": "deg/s",
     }
 

@@ -472,7 +472,7 @@ def test_both_planes_stand_beside_each_plane_alone() -> None:
     pitch = json.loads(run("size", "configuration-i", *given, "--json").stdout)
     assert alone["pitch"].tolist() == pitch["required_deg"]["K = 1"]
     assert np.all(needed >= np.maximum(alone["pitch"], alone["yaw"]) * (1.0 - 1e-12))
-    misses = np.array(document["pitch_alone_misses"]["K = 1"])
+    misses = np.array(document["pitch_omitted_fraction"]["K = 1"])
     assert misses == pytest.approx(1.0 - alone["pitch"] / needed)
 
 

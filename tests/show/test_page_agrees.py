@@ -112,10 +112,10 @@ def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
             continue
         names = [key for key in shown if key.startswith(f"asked.{one.name.replace(' ', '_')}.")]
         values = {re.sub(r".*\.(needed|there|left).*", r"\1", key): shown[key] for key in names}
-        assert close(values["left"], values["there"] - values["needed"])
+        assert close(values["remaining"], values["available"] - values["required"])
         if one.measure.unit == "deg" and one.name != "margins":
-            assert close(values["there"], limit)
-    wind = shown["asked.wind.needed_deg"]
+            assert close(values["available"], limit)
+    wind = shown["asked.wind.required_deg"]
     _head(shown, wind, limit, each)
     assert close(marked(html), wind)
     _figure(found, wind, limit)
@@ -149,25 +149,25 @@ def _figure(found: Findings, wind: float, limit: float) -> None:
 def _sections(shown: dict[str, float], found: Findings) -> None:
     """What the table says of each question is what its own section says."""
     calm = "asked.calm_deg"  # of the autopilot, where a head wind asks for more
-    autopilot = calm if calm in shown else "asked.autopilot.needed_deg"
+    autopilot = calm if calm in shown else "asked.autopilot.required_deg"
     pairs = {
-        "asked.whole_flight.needed_deg": "total.required_deg",
+        "asked.whole_flight.required_deg": "total.required_deg",
         autopilot: "wind.stop_deg",
-        "asked.probability.needed_deg": "dispersed.upper_deg",
-        "asked.availability.there_percent": "availability.part_percent",
-        "asked.margins.needed_dB": "criteria.aero_margin_dB",
-        "asked.margins.there_dB": "margin.aero_margin_dB",
-        "asked.margins.needed_deg": "criteria.phase_margin_deg",
-        "asked.margins.there_deg": "margin.phase_margin_deg",
+        "asked.probability.required_deg": "dispersed.upper_deg",
+        "asked.availability.available_percent": "availability.part_percent",
+        "asked.margins.required_dB": "criteria.aero_margin_dB",
+        "asked.margins.available_dB": "margin.aero_margin_dB",
+        "asked.margins.required_deg": "criteria.phase_margin_deg",
+        "asked.margins.available_deg": "margin.phase_margin_deg",
     }
     seen = [name for name in pairs if name in shown]
     assert seen
-    over = found.study.of_both
+    over = found.study.plane_ratio
     for name in seen:
         part = over if name == autopilot else 1.0
         assert close(shown[name], part * shown[pairs[name]]), name
     if found.flexible is not None:
         assert close(shown[autopilot], over * shown["flown.0.0_deg"])
-        assert close(shown["asked.flexible_flight.needed_deg"], shown[autopilot])
+        assert close(shown["asked.flexible_flight.required_deg"], shown[autopilot])
     turns = over * shown["wind.deflection_deg"]
     assert close(shown["asked.autopilot_deg"], turns)

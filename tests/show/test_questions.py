@@ -56,7 +56,7 @@ def test_a_limit_that_covers_the_wind_alone_is_not_sufficient_for_a_probability(
 def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> None:
     found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path", design=DESIGN)
     rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in asked_table(found).rows}
-    parts = {one.name: one.measure.needed / one.measure.there for one in questions(found)}
+    parts = {one.name: one.measure.required / one.measure.available for one in questions(found)}
     ranks = [(rows[name][0] not in NO, -parts[name]) for name in rows]
     assert ranks == sorted(ranks)
     for one in questions(found):
@@ -99,7 +99,7 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     wide = found_for(1.01 * asks, design=DESIGN, criteria=LOOSE)
     assert "more than the limit" not in str(verdict.basis(wide))
     (said,) = (one for one in questions(wide) if one.name == "autopilot")
-    assert said.measure.needed == pytest.approx(needs, rel=1e-12)
+    assert said.measure.required == pytest.approx(needs, rel=1e-12)
     assert f"without a limit it would turn the nozzle by {asks:.3f} deg" in said.text
 
 
@@ -113,7 +113,7 @@ def test_an_autopilot_that_its_rate_limit_loses_is_not_enough() -> None:
     assert loop.peak_deflection_rate > slow.rate_limit
     (said,) = (one for one in questions(found) if one.name == "autopilot")
     assert said.yes is False
-    assert np.isinf(said.measure.needed)
+    assert np.isinf(said.measure.required)
     rate = np.degrees(loop.peak_deflection_rate)
     assert said.text.endswith(f"at {rate:.3f} deg/s")
     assert found.autopilot_survives == 0.0

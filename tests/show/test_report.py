@@ -316,10 +316,10 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
     for name, key in needs.items():
         if not np.isfinite(expected[key]):
             continue
-        row = {"needed": expected[key], "there": 0.4, "left": 0.4 - expected[key]}
+        row = {"required": expected[key], "available": 0.4, "remaining": 0.4 - expected[key]}
         expected |= {f"asked.{name}.{column}_deg": value for column, value in row.items()}
     phase = expected["criteria.phase_margin_deg.surplus"]
-    row = {"needed": 30.0, "there": 30.0 + phase, "left": phase}
+    row = {"required": 30.0, "available": 30.0 + phase, "remaining": phase}
     expected |= {f"asked.margins.{column}_deg": value for column, value in row.items()}
     for key in needs.values():  # they stand in the table of all questions
         del expected[key]
@@ -621,8 +621,8 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     tiles = {name: said for name, (_, said) in section(short, "asked").numbers.items()}
 
     assert headline["verdict.surplus_deg"] == shown["total.short_deg"]
-    assert tiles["asked.whole_flight.needed_deg"] == headline["verdict.required_deg"]
-    assert tiles["asked.wind.needed_deg"] == "0.368"
+    assert tiles["asked.whole_flight.required_deg"] == headline["verdict.required_deg"]
+    assert tiles["asked.wind.required_deg"] == "0.368"
     assert verdict.sentence(short)[0] == "NOT SUFFICIENT: the limit of "
     assert "the whole flight of configuration-i requires" in verdict.sentence(short)[-1]
     total = enough.flight[1]

@@ -114,7 +114,7 @@ def test_a_part_is_asked_for_only_where_it_is_given(folder) -> None:
     assert said == [("availability", yes) for yes in (True, None, False)]
     (_, why) = questions(find(parse_study(document(least_part=0.5), folder)))
     assert why.text == str(part)
-    assert (why.measure.needed, why.measure.there) == (50.0, 100.0 * part.part)
+    assert (why.measure.required, why.measure.available) == (50.0, 100.0 * part.part)
 
 
 def test_what_is_not_known_is_lost_for_a_yes_and_flown_for_a_no(folder) -> None:

@@ -33,7 +33,7 @@ def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None
     assert study.planes is not None
     numbers = values(html)
     assert numbers["planes.required_deg"] == np.degrees(study.planes.deflection)
-    assert numbers["planes.pitch_deg"] == np.degrees(study.planes.alone["pitch"])
+    assert numbers["planes.pitch_deg"] == np.degrees(study.planes.separate["pitch"])
     assert numbers["planes.heading_deg"] == pytest.approx(225.0)
     assert numbers["verdict.required_deg"] == np.degrees(study.required_deflection)
     words = "The verdict is on both planes." if stop else "The verdict is on the pitch plane alone."

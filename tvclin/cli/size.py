@@ -227,7 +227,7 @@ def _print(
 ) -> None:
     """Print the required deflections, the total and all notes, `said` after those of the sizing."""
     name = sizing.schedule.vehicle.name or source
-    planes = "both planes, one stop" if sizing.alone else sizing.plane
+    planes = "both planes, one stop" if sizing.separate else sizing.plane
     say(f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}\n")
     print_tables(*tables.over_time(sizing, counted))
     if marks := tables.marks_line(sizing):

@@ -29,7 +29,11 @@ from tvclin.ensembles.statistics import (
 from tvclin.linear.plant import Plant
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.nominal_requirement import covers, required_deflection
-from tvclin.requirement.plane_requirement import alone_needed, planes_needed, rectangle
+from tvclin.requirement.plane_requirement import (
+    rectangle,
+    separate_requirements,
+    two_plane_requirement,
+)
 from tvclin.requirement.study import Study
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
@@ -200,7 +204,7 @@ def disperse_study(
     for name, value in (("probability", probability), ("confidence", confidence)):
         fraction(name, value)
     columns = evaluate(campaign, 0, cases)
-    deflection = columns[required_name(study.dead_band)] * study.of_both
+    deflection = columns[required_name(study.dead_band)] * study.plane_ratio
     answered = ~np.isnan(deflection)
     if not np.any(answered):
         raise InputError(f"no case has an answer; the first is: {columns['status'][0]}")
@@ -311,8 +315,8 @@ def _needed(
 ) -> FloatArray:
     """Return required deflections [rad] in a wind, of both planes with each by itself, ``(n,)``."""
     if isinstance(wind, PlaneWind):
-        alone = alone_needed(_plants(vehicle, case), wind, dead_band)
-        return rectangle(limit_shape_of(case.nozzle.stop or ""), alone["pitch"], alone["yaw"])
+        separate = separate_requirements(_plants(vehicle, case), wind, dead_band)
+        return rectangle(limit_shape_of(case.nozzle.stop or ""), separate["pitch"], separate["yaw"])
     plant = Plant.from_vehicle(vehicle, case.model, case.plane)
     return np.abs(required_deflection(plant, wind, dead_band).deflection)
 
@@ -320,7 +324,9 @@ def _needed(
 def _of_vectors(vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float) -> FloatArray:
     """Return required deflections [rad] of both planes in a wind with its vectors, ``(n,)``."""
     stop = limit_shape_of(case.nozzle.stop or "")
-    return np.asarray(planes_needed(_plants(vehicle, case), wind, stop, dead_band).deflection)
+    return np.asarray(
+        two_plane_requirement(_plants(vehicle, case), wind, stop, dead_band).deflection
+    )
 
 
 def _plants(vehicle: Vehicle, case: Case) -> dict[str, Plant]:

@@ -37,26 +37,26 @@ class AutopilotRequirement:
         At the dynamic pressure at the peak of a head wind; None where that does not count.
     head_counts : bool
         Whether a head wind sets the required deflection; without `head` no limit is known then.
-    of_both : float
+    plane_ratio : float
         Limit of both planes over the part that this plane has.
     """
 
     nominal: ClosedLoopBoundary
     head: ClosedLoopBoundary | None
     head_counts: bool
-    of_both: float = 1.0
+    plane_ratio: float = 1.0
 
     @property
     def nominal_deflection(self) -> float:
         """The autopilot requirement [rad] at nominal dynamic pressure, a size."""
-        return abs(float(self.nominal.deflection)) * self.of_both
+        return abs(float(self.nominal.deflection)) * self.plane_ratio
 
     @property
     def deflection(self) -> float:
         """The autopilot requirement [rad], a size; infinite if it survives at no limit tried."""
         if self.head is None:
             return self.nominal_deflection
-        return abs(float(self.head.deflection)) * self.of_both
+        return abs(float(self.head.deflection)) * self.plane_ratio
 
     def sufficient(self, limit: float) -> bool | None:
         """Return whether a limit [rad] is sufficient; None above that at nominal pressure alone."""
@@ -87,22 +87,22 @@ def counts_head(need: CaseRequirement | None) -> bool:
 
 
 def head_wind_boundary(
-    case: Case, autopilot: Autopilot, need: CaseRequirement | None, of_both: float = 1.0
+    case: Case, autopilot: Autopilot, need: CaseRequirement | None, plane_ratio: float = 1.0
 ) -> ClosedLoopBoundary | None:
     """Return the boundary of an autopilot at the peak of a head wind; None if not flown."""
     if need is None or not counts_head(need):
         return None
     with suppress(InputError):
         denser = at_peak_pressure(case, need)
-        return autopilot_boundary(denser, denser.plant, autopilot, of_both)
+        return autopilot_boundary(denser, denser.plant, autopilot, plane_ratio)
     return None
 
 
 def autopilot_boundary(
-    case: Case, plant: AnyPlant, autopilot: Autopilot, of_both: float = 1.0
+    case: Case, plant: AnyPlant, autopilot: Autopilot, plane_ratio: float = 1.0
 ) -> ClosedLoopBoundary:
     """Return the boundary of an autopilot, flown with the hardware of a case; its plane's part."""
-    part = (case.nozzle.limit or 0.0) / of_both
+    part = (case.nozzle.limit or 0.0) / plane_ratio
     law = SaturatedLaw.of(autopilot)
     return stop_boundary(plant, law, case.history, part, case.hardware)
 

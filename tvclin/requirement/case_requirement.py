@@ -16,7 +16,7 @@ from tvclin.boundary.open_loop import Reason
 from tvclin.case.case import FROZEN, Case
 from tvclin.linear.plant import Plant
 from tvclin.requirement.nominal_requirement import RequiredDeflection, covers, required_deflection
-from tvclin.requirement.plane_requirement import PlanesNeeded, of_heading, rectangle
+from tvclin.requirement.plane_requirement import TwoPlaneRequirement, heading_requirement, rectangle
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
 from tvclin.winds.histories import History
@@ -41,7 +41,7 @@ class CaseRequirement:
         The wind in the plane, with its gust.
     requirement : RequiredDeflection
         Required deflection at nominal dynamic pressure.
-    planes : PlanesNeeded or None
+    planes : TwoPlaneRequirement or None
         Requirement of both planes at nominal dynamic pressure, in a wind with a direction.
     encountered : dict of str to float
         Required deflection [rad] at the wind's own angle and dynamic pressure, by its possible
@@ -57,7 +57,7 @@ class CaseRequirement:
     dead_band: float
     wind_in_plane: ShapedWind
     requirement: RequiredDeflection
-    planes: PlanesNeeded | None
+    planes: TwoPlaneRequirement | None
     encountered: dict[str, float]
     encountered_unknown: str
 
@@ -131,9 +131,9 @@ class CaseRequirement:
         return f"required deflection {required}{band}{nominal}, see study"
 
     @property
-    def of_both(self) -> float:
+    def plane_ratio(self) -> float:
         """Limit of both planes over the part that this plane has; one if it is judged alone."""
-        return self.planes.over(self.plane) if self.planes is not None and self.in_both else 1.0
+        return self.planes.ratio_to(self.plane) if self.planes is not None and self.in_both else 1.0
 
     @property
     def direction(self) -> str:
@@ -230,7 +230,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     if wind.heading is not None:
         vehicle = complete_vehicle(case.vehicle, "a wind with a direction")
         placed = replace(wind, gust_at=in_plane.gust_at)
-        planes = of_heading(vehicle, case.model, placed, stop, K)
+        planes = heading_requirement(vehicle, case.model, placed, stop, K)
     elif stop is not None:
         raise InputError(
             "a stop of both planes needs a wind with a direction: give where it blows from,"
@@ -268,9 +268,9 @@ def _unknown(required: RequiredDeflection) -> RequiredDeflection:
     return replace(required, deflection=np.nan, needs=dict.fromkeys(required.needs, np.nan))
 
 
-def _unknown_planes(planes: PlanesNeeded) -> PlanesNeeded:
+def _unknown_planes(planes: TwoPlaneRequirement) -> TwoPlaneRequirement:
     """Return a requirement of both planes with NaN [rad], for winds beyond linear aerodynamics."""
-    return replace(planes, deflection=np.nan, alone=dict.fromkeys(planes.alone, np.nan))
+    return replace(planes, deflection=np.nan, separate=dict.fromkeys(planes.separate, np.nan))
 
 
 def pulse_of(case: Case) -> ShapedWind:
@@ -303,7 +303,9 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
         pitch, yaw = (by_plane.get(plane, 0.0) for plane in PLANES)
         required[name] = float(rectangle(planes.stop, pitch, yaw))
         if planes.governs is Reason.BOTH_PLANES:
-            ratios = [x / (size * float(planes.alone[plane])) for plane, x in by_plane.items() if x]
+            ratios = [
+                x / (size * float(planes.separate[plane])) for plane, x in by_plane.items() if x
+            ]
             ratio = max(ratios, default=0.0)
             required[name] = max(required[name], size * planes.deflection * ratio)
     return required

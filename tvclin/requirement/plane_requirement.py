@@ -31,24 +31,24 @@ _MAX_FINITE_RAD = 1e99
 
 
 @dataclass(frozen=True, eq=False)
-class VectorNeed:
+class VectorRequirement:
     """Requirements of the vector of a wind [rad], in the measure of the stop.
 
     `trim` is the largest gauge of -B times the wind, `required` the limit of `plane_limit` at each
     dead band, ``(k,)``, `no_forecast` the lower bound of laws without a forecast, and `minimum`
-    that of every control; `said` is why a number is not defined, or is more than (4b) says.
+    that of every control; `notes` say why a number is not defined, or is more than (4b) says.
     """
 
     trim: float
     required: FloatArray
     no_forecast: float
     minimum: float
-    said: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
-def vector_need(
+def vector_requirements(
     pitch: Plant, yaw: Plant, wind: PlaneWind, stop: LimitShape, dead_bands: FloatArray
-) -> VectorNeed:
+) -> VectorRequirement:
     """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
     from tvclin.boundary.plane_limits import plane_requirements
@@ -58,17 +58,17 @@ def vector_need(
         checked_batch(pitch, wind, stop, yaw)
         limits = plane_requirements(pair, stop, dead_bands.tolist(), literal=True)
     except InputError as error:
-        return VectorNeed(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
+        return VectorRequirement(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
     if isinstance(stop, CircularShape):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
     else:
         trim = float(stop.gauge(pair.moment_driver(pair.times())).max())
-    return VectorNeed(
+    return VectorRequirement(
         trim=trim,
         required=np.array([limit.limit for limit in limits]),
         no_forecast=limits[0].bound,
         minimum=limits[0].minimum,
-        said=tuple(dict.fromkeys(note for limit in limits for note in limit.notes)),
+        notes=tuple(dict.fromkeys(note for limit in limits for note in limit.notes)),
     )
 
 
@@ -85,22 +85,22 @@ def rectangle(stop: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class PlanesNeeded:
+class TwoPlaneRequirement:
     """Requirement of both planes at one dead band, in a wind with a direction or a batch of them.
 
-    `deflection` is the required deflection [rad], in the measure of the stop, `alone` that of each
-    plane by itself.
+    `deflection` is the required deflection [rad], in the measure of the stop, `separate` that
+    of each plane by itself.
     """
 
     stop: LimitShape
     wind: PlaneWind
     deflection: Any
-    alone: dict[str, Any]
+    separate: dict[str, Any]
 
     @property
     def governs(self) -> Reason:
         """Reason of the larger requirement, one plane or the vector of both; for one wind."""
-        by_planes = rectangle(self.stop, self.alone["pitch"], self.alone["yaw"])
+        by_planes = rectangle(self.stop, self.separate["pitch"], self.separate["yaw"])
         vector = self.deflection > by_planes * (1.0 + ROUNDING)
         return Reason.BOTH_PLANES if vector else Reason.ONE_PLANE
 
@@ -109,7 +109,7 @@ class PlanesNeeded:
         """Size [rad] of the largest wind vector."""
         return float(self.wind.peak)
 
-    def over(self, plane: str) -> float:
+    def ratio_to(self, plane: str) -> float:
         """Return the ratio of the limit of both planes to that of one, in a wind of one direction.
 
         The other plane is the same loop in the same wind, and its deflections have that ratio.
@@ -117,32 +117,32 @@ class PlanesNeeded:
         peaks = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
         return float(rectangle(self.stop, peaks["pitch"], peaks["yaw"])) / peaks[plane]
 
-    def misses(self, plane: str) -> float:
+    def omitted_fraction(self, plane: str) -> float:
         """Return the fraction of the requirement of both planes that one plane omits."""
-        return float(missing_part(self.alone[plane], self.deflection))
+        return float(omitted_fraction(self.separate[plane], self.deflection))
 
 
-def planes_needed(
+def two_plane_requirement(
     plants: dict[str, Plant], wind: PlaneWind, stop: LimitShape, dead_band: float
-) -> PlanesNeeded:
+) -> TwoPlaneRequirement:
     """Return the requirement of both planes; `InputError` as `required_deflection`.
 
     Plants and winds broadcast; the vectors of a batch are solved case by case.
     """
-    alone = alone_needed(plants, wind, dead_band)
-    required = rectangle(stop, alone["pitch"], alone["yaw"])
+    separate = separate_requirements(plants, wind, dead_band)
+    required = rectangle(stop, separate["pitch"], separate["yaw"])
     if all(_has_onset(getattr(wind, plane)) for plane in PLANES):
         vector = [
             _vector(plants, wind, stop, dead_band, by_planes, case, required.shape)
             for case, by_planes in enumerate(required.ravel().tolist())
         ]
         required = np.reshape(vector, required.shape)
-    return PlanesNeeded(
-        stop, wind, plain(required), {k: plain(np.asarray(v)) for k, v in alone.items()}
+    return TwoPlaneRequirement(
+        stop, wind, plain(required), {k: plain(np.asarray(v)) for k, v in separate.items()}
     )
 
 
-def alone_needed(
+def separate_requirements(
     plants: dict[str, Plant], wind: PlaneWind, dead_band: float
 ) -> dict[str, FloatArray]:
     """Return the required deflection of each plane by itself [rad]; zero in a calm."""
@@ -182,28 +182,30 @@ def _vector(
         return by_planes
 
 
-def of_heading(
+def heading_requirement(
     vehicle: Vehicle,
     model: str,
     wind: ShapedWind,
     stop: LimitShape | None,
     dead_band: float,
-) -> PlanesNeeded:
+) -> TwoPlaneRequirement:
     """Return the requirement of both planes in a wind with a heading; the default stop is round."""
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
     plane_wind = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
-    return planes_needed(plants, plane_wind, stop or CircularShape(), dead_band)
+    return two_plane_requirement(plants, plane_wind, stop or CircularShape(), dead_band)
 
 
-def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) -> Iterator[str]:
+def direction_notes(
+    planes: TwoPlaneRequirement | None, plane: str, judged: bool, calm: bool
+) -> Iterator[str]:
     """Yield what the direction of a wind changes, in words; nothing without one.
 
     `calm`: whether the nominal dynamic pressure counts, at which `planes` are.
     """
     if planes is None:
         return
-    missing = 100.0 * planes.misses(plane)
+    missing = 100.0 * planes.omitted_fraction(plane)
     if not judged:
         air = "" if calm else " at nominal dynamic pressure"
         yield (
@@ -219,8 +221,8 @@ def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) 
     )
 
 
-def missing_part(alone: ArrayLike, both: ArrayLike) -> FloatArray:
+def omitted_fraction(separate: ArrayLike, both: ArrayLike) -> FloatArray:
     """Return the fraction of the requirement of both planes that one omits; zero without any."""
-    plane, planes = np.asarray(alone, dtype=float), np.asarray(both, dtype=float)
+    plane, planes = np.asarray(separate, dtype=float), np.asarray(both, dtype=float)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(planes > 0.0, 1.0 - plane / planes, 0.0 * planes)

@@ -30,7 +30,7 @@ from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE, Plant, models_of
 from tvclin.requirement.case_requirement import CaseRequirement, case_requirement, pulse_of
 from tvclin.requirement.nominal_requirement import RequiredDeflection, required_deflection
-from tvclin.requirement.plane_requirement import words_of
+from tvclin.requirement.plane_requirement import direction_notes
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
@@ -342,7 +342,7 @@ class Study(CaseRequirement, Shown):
             doubts(case.vehicle),
             gust_placed(pulse_of(case), need.wind_in_plane),
             () if need.beyond else along_the_path(need),
-            () if need.beyond else words_of(need.planes, case.plane, need.in_both, nominal),
+            () if need.beyond else direction_notes(need.planes, case.plane, need.in_both, nominal),
         )
         trim = abs(float(coefficients.B * history.peak))
         if need.beyond:
@@ -402,7 +402,7 @@ class Study(CaseRequirement, Shown):
                 **picked(self.planes, "peak_deg"),
                 "stop": repr(self.planes.stop),
                 **picked(self.planes, "required_deflection_deg=deflection alone_deg"),
-                "pitch_alone_misses": self.planes.misses("pitch"),
+                "pitch_omitted_fraction": self.planes.omitted_fraction("pitch"),
                 "judged": self.in_both,
             }
         gust = (

@@ -121,7 +121,9 @@ class Findings:
         if self.stop is None:
             return None
         head = None if self.head is None else self.head.stop
-        return AutopilotRequirement(self.stop, head, counts_head(self.study), self.study.of_both)
+        return AutopilotRequirement(
+            self.stop, head, counts_head(self.study), self.study.plane_ratio
+        )
 
     @property
     def autopilot_survives(self) -> float:
@@ -133,7 +135,7 @@ class Findings:
         limit, stop, s = self.study.limit, self.stop, self.study
         if stop is None or limit is None:
             return np.nan
-        limit /= s.of_both  # of this plane
+        limit /= s.plane_ratio  # of this plane
         head = None if self.head is None else self.head.stop
         if head is None or not np.isfinite(head.deflection):
             required = abs((head or stop).deflection)
@@ -146,7 +148,7 @@ class Findings:
         def requirement(size: float) -> float:
             with suppress(InputError):
                 denser = at_peak_pressure(self.plan, s, size)
-                flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.of_both)
+                flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.plane_ratio)
                 return size * abs(float(flown.deflection))
             return np.inf
 
@@ -224,7 +226,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
                 "availability", lambda request, told: request.availability(plan, told)
             ),
             rates=result("rates", lambda limit, _: _rates(plan, study, limit)),
-            loads=result("loads", lambda request, _: request.front(plan, 1.0 / study.of_both)),
+            loads=result("loads", lambda request, _: request.front(plan, 1.0 / study.plane_ratio)),
             head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
             reasons=reasons,
             warnings=tuple(messages),
@@ -289,7 +291,7 @@ def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
 
     (plant, autopilot), criteria = loop(), plan.held_to
     # of this plane, along a straight wind
-    limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.of_both
+    limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.plane_ratio
     return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
 
 
@@ -298,7 +300,7 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
     from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    law, limit = SaturatedLaw.of(loop.autopilot), limit / study.of_both
+    law, limit = SaturatedLaw.of(loop.autopilot), limit / study.plane_ratio
     return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
 
 
@@ -309,7 +311,7 @@ def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
 
     if isinstance(loop, FlexibleAnswer):
         return loop.boundaries[0]
-    return autopilot_boundary(plan, loop.plant, loop.autopilot, study.of_both)
+    return autopilot_boundary(plan, loop.plant, loop.autopilot, study.plane_ratio)
 
 
 def _in_a_head_wind(
@@ -320,7 +322,7 @@ def _in_a_head_wind(
 
     if study.ratio_to_nominal <= 1.0:
         return None
-    stop = head_wind_boundary(plan, loop.autopilot, study, study.of_both) if loop else None
+    stop = head_wind_boundary(plan, loop.autopilot, study, study.plane_ratio) if loop else None
     rates = None
     with suppress(InputError):
         denser = at_peak_pressure(plan, study)
@@ -349,7 +351,7 @@ def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightCard:
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
     from tvclin.boundary.limit_over_rate import rate_trade_off
 
-    limit /= study.of_both  # of this plane
+    limit /= study.plane_ratio  # of this plane
     rate = plan.nozzle.rate_limit
     return rate_trade_off(plan.plant.rigid, study.history, limit=limit, rate_limit=rate)
 

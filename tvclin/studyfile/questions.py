@@ -31,23 +31,25 @@ class Measure:
     above the required value, in place of not below.
     """
 
-    needed: float
-    there: float
+    required: float
+    available: float
     unit: str = "deg"
     digits: int = 3
     at_most: bool = False
 
-    as_dict = keyed("needed there unit")
+    as_dict = keyed("required available unit")
 
     @property
-    def left(self) -> float:
+    def remaining(self) -> float:
         """Available minus required value; negative where it is insufficient."""
-        return (self.there - self.needed) * (-1.0 if self.at_most else 1.0)
+        return (self.available - self.required) * (-1.0 if self.at_most else 1.0)
 
     @property
-    def part(self) -> float:
+    def ratio(self) -> float:
         """Required over available value; above one where it is insufficient."""
-        over, under = (self.there, self.needed) if self.at_most else (self.needed, self.there)
+        over, under = (
+            (self.available, self.required) if self.at_most else (self.required, self.available)
+        )
         return over / under if under else float("inf") if over > 0.0 else 0.0
 
 
@@ -215,7 +217,7 @@ def _rate(findings: Findings) -> Question:
         nominal = degrees("asked.calm_rate", front.required_rate, unit="deg/s")
         line, front = (*line, _at_peak(findings), *nominal), findings.head.rates
         yes = _also(yes, front.above_lower_bound)
-    required = front.lower_bound * findings.study.of_both
+    required = front.lower_bound * findings.study.plane_ratio
     measure = _of_angles(front.required_rate, front.rate_limit or np.nan, "deg/s")
     return Question(name, yes, line, required, "at this rate any control requires", measure)
 
@@ -229,7 +231,7 @@ def _load(findings: Findings) -> Question:
     if front.above_lower_bound and front.requires_forecast:
         line = (*line, "; a law that does not know when it stops bears more")
     required, whose = (
-        front.lower_bound * findings.study.of_both,
+        front.lower_bound * findings.study.plane_ratio,
         "within this load any control requires",
     )
     return Question(name, front.above_lower_bound, line, required, whose)
@@ -309,7 +311,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     if not c.margins.stable:
         whose = "" if findings.flexible is None else " of the flexible vehicle"
         return Question(name, False, (f"the loop{whose} is not stable: {c.margins.reason}",))
-    if beyond := beyond_linear(c.peak_angle_of_attack * findings.study.of_both, ATTACK):
+    if beyond := beyond_linear(c.peak_angle_of_attack * findings.study.plane_ratio, ATTACK):
         return Question(name, None, (beyond,))
     peak = without_stop(findings)
     turns = degrees("asked.autopilot", peak, unit="deg")
@@ -351,7 +353,7 @@ def without_stop(found: Findings) -> float:
     """Return the peak deflection [rad] of the autopilot without a stop; NaN without autopilot."""
     if found.comparison is None:
         return float("nan")
-    return float(found.comparison.peak_deflection * found.study.of_both)
+    return float(found.comparison.peak_deflection * found.study.plane_ratio)
 
 
 def _margins(findings: Findings) -> Question:
@@ -397,7 +399,7 @@ def _flexible(findings: Findings) -> Question:
     line: Line = (f"{flown} the flexible vehicle {flexible}",)
     if f.flight.survived and rigid != flexible:
         line += (f", the rigid one {rigid}",)
-    required = abs(float(f.boundaries[0].deflection)) * findings.study.of_both
+    required = abs(float(f.boundaries[0].deflection)) * findings.study.plane_ratio
     limit = findings.study.limit
     measure = None if limit is None else _of_angles(required, limit)
     return Question("flexible flight", f.flight.survived, line, measure=measure)
@@ -414,7 +416,7 @@ def _reason(findings: Findings, field: str) -> str:
 
 
 HEAD = ("question", "answer", "required", "available", "remaining", "why")
-_NUMBERS = ("needed", "there", "left")
+_NUMBERS = ("required", "available", "remaining")
 """Names of the numbers of a measure, below the headings required, available and remaining."""
 _SUFFIXES = {"%": "percent"}
 """Units in the names of numbers."""
@@ -436,7 +438,7 @@ def asked_table(found: Findings) -> Table:
 
 def _worst_first(question: Question) -> tuple[int, float]:
     """Return the sort key: no, not known, yes, and in each the largest ratio required/available."""
-    ratio = np.nan if question.measure is None else question.measure.part
+    ratio = np.nan if question.measure is None else question.measure.ratio
     return (False, None, True).index(question.yes), np.inf if np.isnan(ratio) else -ratio
 
 
@@ -451,9 +453,9 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
 def measured(key: str, measure: Measure) -> tuple[Line, ...]:
     """Return required, available and remaining, with units; none remains of what none satisfies."""
     shown = [_shown(f"{key}.{name}", name, measure) for name in _NUMBERS[:2]]
-    if np.isinf(measure.needed):
+    if np.isinf(measure.required):
         return (("none is sufficient",), shown[1], ("",))
-    return (*shown, _shown(f"{key}.left", "left", measure))
+    return (*shown, _shown(f"{key}.remaining", "remaining", measure))
 
 
 def _shown(key: str, name: str, measure: Measure) -> Line:
@@ -463,7 +465,7 @@ def _shown(key: str, name: str, measure: Measure) -> Line:
     if unit not in _ROUNDED:
         return significant(key, value, unit=unit)
     line = number(key, value, measure.digits, unit)
-    return minimum_limit(line) if name == "needed" and unit == "deg" else line
+    return minimum_limit(line) if name == "required" and unit == "deg" else line
 
 
 def beside(found: Findings) -> Iterator[Question]:

@@ -84,7 +84,9 @@ def nominal(campaign: Campaign) -> dict[str, float]:
     if isinstance(campaign.wind, WindEnsemble):
         return {}
     batch = _batch(campaign, campaign.vehicle, {}, 1)
-    outputs = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
+    outputs: dict[str, FloatArray] = {}
+    for case_by_case in (False, True):
+        outputs |= compute(campaign, batch, case_by_case=case_by_case)
     return {name: float(values[0]) for name, values in outputs.items()}
 
 
@@ -150,11 +152,11 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}
     status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
 
-    def answer(which: IndexArray, alone: bool) -> None:
+    def answer(which: IndexArray, case_by_case: bool) -> None:
         selected = batch(campaign, cases.take(which))
-        for name, values in compute(campaign, selected, alone=alone).items():
+        for name, values in compute(campaign, selected, case_by_case=case_by_case).items():
             answers[name][which] = values
-        if not alone:
+        if not case_by_case:
             plants = [in_plane.plant for in_plane in selected.each]
             unstable = [unstable_modes(plant).poles for plant in plants]
             stable = np.all([np.isnan(poles).all(axis=-1) for poles in unstable], axis=0)
@@ -169,7 +171,7 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
     divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
-    if any(REGISTRY[name].alone(campaign) for name in campaign.outputs):
+    if any(REGISTRY[name].case_by_case(campaign) for name in campaign.outputs):
         for case in np.flatnonzero(cases.possible):
             divide(lambda which: answer(which, True), refused, np.array([case]))
     if "flight" in campaign.outputs:

@@ -32,7 +32,12 @@ from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.requirement.encountered_requirement import encountered_batch
 from tvclin.requirement.nominal_requirement import required_deflection
-from tvclin.requirement.plane_requirement import VectorNeed, planes_needed, rectangle, vector_need
+from tvclin.requirement.plane_requirement import (
+    VectorRequirement,
+    rectangle,
+    two_plane_requirement,
+    vector_requirements,
+)
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.structure import select_cases
 from tvclin.vehicle.vehicle import Vehicle
@@ -206,12 +211,13 @@ class Output:
 
     `columns`: from a campaign to the units of the columns by name. `work`: from a campaign and a
     batch to the columns, ``(n,)`` each or a scalar for all cases; `InputError` when a case has no
-    answer. `alone`: from a campaign to whether `work` takes a single case at a time.
+    answer. `case_by_case`: from a campaign to whether `work` takes a single case at
+    a time.
     """
 
     columns: Callable[[Campaign], dict[str, str]]
     work: Callable[[Campaign, Batch], dict[str, Any]]
-    alone: Callable[[Campaign], bool] = lambda _: False
+    case_by_case: Callable[[Campaign], bool] = lambda _: False
 
 
 def columns(campaign: Campaign) -> dict[str, str]:
@@ -222,17 +228,17 @@ def columns(campaign: Campaign) -> dict[str, str]:
     return units
 
 
-def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, FloatArray]:
+def compute(campaign: Campaign, batch: Batch, *, case_by_case: bool) -> dict[str, FloatArray]:
     """Return the columns of a batch by name, ``(n,)`` each.
 
-    `alone`: compute the outputs that take a single case at a time, or else all other outputs.
+    `case_by_case`: compute the outputs that take a single case at a time, or else the others.
 
     In a wind beyond linear aerodynamics no deflection is known to be sufficient: it is infinite,
     and a flight counts as lost. `InputError` when a case has no answer.
     """
     outputs: dict[str, Any] = {}
     for name in campaign.outputs:
-        if REGISTRY[name].alone(campaign) == alone:
+        if REGISTRY[name].case_by_case(campaign) == case_by_case:
             with naming(f"output {name}"):
                 outputs |= REGISTRY[name].work(campaign, batch)
     shape, beyond = (batch.count,), ~within_linear(batch.wind_angle)
@@ -271,19 +277,19 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
         nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
         return {name: at_encountered(campaign.plane, np.abs(nominal))}
     stop = limit_shape_of(campaign.nozzle.stop or "")
-    nominal_needs = planes_needed(batch.plants, batch.vectors, stop, dead_band)
-    alone = {
-        plane: at_encountered(plane, np.abs(nominal_needs.alone[plane])) for plane in batch.parts
+    nominal_needs = two_plane_requirement(batch.plants, batch.vectors, stop, dead_band)
+    separate = {
+        plane: at_encountered(plane, np.abs(nominal_needs.separate[plane])) for plane in batch.parts
     }
-    both = rectangle(stop, alone.get("pitch", 0.0), alone.get("yaw", 0.0))
+    both = rectangle(stop, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = [np.nan_to_num(x / np.abs(nominal_needs.alone[k])) for k, x in alone.items()]
-    vector = nominal_needs.deflection > rectangle(stop, **nominal_needs.alone) * (1.0 + ROUNDING)
+        ratios = [np.nan_to_num(x / np.abs(nominal_needs.separate[k])) for k, x in separate.items()]
+    vector = nominal_needs.deflection > rectangle(stop, **nominal_needs.separate) * (1.0 + ROUNDING)
     both = np.where(
         vector, np.maximum(both, nominal_needs.deflection * np.max(ratios, axis=0)), both
     )
-    alone = {plane: alone.get(plane, nominal_needs.alone[plane]) for plane in PLANES}
-    return {name: both} | {column: alone[plane] for plane, column in in_planes(name).items()}
+    separate = {plane: separate.get(plane, nominal_needs.separate[plane]) for plane in PLANES}
+    return {name: both} | {column: separate[plane] for plane, column in in_planes(name).items()}
 
 
 def _slow(campaign: Campaign) -> bool:
@@ -298,27 +304,27 @@ def _forecast_free(plant: Plant, wind: History) -> FloatArray:
 
 def _bound(
     name: str,
-    alone: Callable[[Plant, History], Any],
-    vector: Callable[[VectorNeed], float],
+    scalar: Callable[[Plant, History], Any],
+    vector: Callable[[VectorRequirement], float],
     campaign: Campaign,
     batch: Batch,
 ) -> dict[str, Any]:
-    """Return a lower bound of the deflection [rad] by column, by `alone` in each plane by itself.
+    """Return a lower bound of the deflection [rad] by column, by `scalar` in each plane by itself.
 
     Where both planes are judged, of the first case only, and by `vector` in both planes together.
     """
     if not batch.parts:
-        return {name: alone(batch.plant, batch.wind)}
+        return {name: scalar(batch.plant, batch.wind)}
     stop, shape = limit_shape_of(campaign.nozzle.stop or ""), (batch.count,)
     bounds = dict.fromkeys(PLANES, 0.0)
     for plane, in_plane in batch.parts.items():
         first = in_plane.first
-        bounds[plane] = float(np.abs(alone(first.plant, first.wind)))
+        bounds[plane] = float(np.abs(scalar(first.plant, first.wind)))
     largest = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     both = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
     if len(batch.parts) > 1:
         pitch, yaw = (plant.case(0, shape) for plant in batch.plants.values())
-        needs = vector_need(pitch, yaw, batch.vectors.case(0, shape), stop, np.ones(1))
+        needs = vector_requirements(pitch, yaw, batch.vectors.case(0, shape), stop, np.ones(1))
         both = max(both, vector(needs))
     return {name: both} | {k: bounds[plane] for plane, k in in_planes(name).items()}
 

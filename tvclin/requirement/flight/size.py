@@ -45,7 +45,7 @@ from tvclin.requirement.flight.sizing import (
     notes_of,
     unknown_rows,
 )
-from tvclin.requirement.plane_requirement import VectorNeed, rectangle, vector_need
+from tvclin.requirement.plane_requirement import VectorRequirement, rectangle, vector_requirements
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
@@ -77,8 +77,8 @@ def in_both_planes(
     ]
     arises = {name: _arises_in_both(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
     required, more = _required(pitch, yaw, needs, stop, arises)
-    refused = [[bool(one.said) and not one.trim for one in row] for row in needs]
-    spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].said]
+    refused = [[bool(one.notes) and not one.trim for one in row] for row in needs]
+    spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].notes]
     said = (*pitch.said, *yaw.said, *spoken)
     slow = np.where(beyond_one_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
     return Sizing(
@@ -94,7 +94,7 @@ def in_both_planes(
         edge=np.fmin(pitch.edge, yaw.edge),
         said=tuple(dict.fromkeys(said)),
         notes=(),
-        alone=parts,
+        separate=parts,
         arises=arises,
         stop=stop,
     )
@@ -111,7 +111,7 @@ def _arises_in_both(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray
 def _required(
     pitch: Sizing,
     yaw: Sizing,
-    needs: list[list[VectorNeed]],
+    needs: list[list[VectorRequirement]],
     stop: LimitShape,
     arises: dict[Requirement, FloatArray],
 ) -> tuple[dict[Requirement, FloatArray], BoolArray]:
@@ -154,23 +154,23 @@ def _vector(
     beyond: bool,
     stop: LimitShape,
     bands: FloatArray,
-) -> VectorNeed:
+) -> VectorRequirement:
     """Return the requirements of the wind vector; zeros where one plane alone has wind."""
     if any(one.calm for one in wind.values()):
         nothing = np.zeros(bands.shape)
-        return VectorNeed(0.0, nothing, 0.0, 0.0, ())
+        return VectorRequirement(0.0, nothing, 0.0, 0.0, ())
     pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
     both = PlaneWind(**{plane: one.history for plane, one in wind.items()})
-    found = vector_need(pitch, yaw, both, stop, bands)
+    found = vector_requirements(pitch, yaw, both, stop, bands)
     if not (beyond and model in ONE_POLE):
         return found
     pitch, yaw = (Plant.from_vehicle(vehicle, "drift-exact", plane) for plane in PLANES)
-    exact = vector_need(pitch, yaw, both, stop, bands)
+    exact = vector_requirements(pitch, yaw, both, stop, bands)
     required = np.maximum(found.required, exact.minimum)
-    return VectorNeed(found.trim, required, found.no_forecast, exact.minimum, found.said)
+    return VectorRequirement(found.trim, required, found.no_forecast, exact.minimum, found.notes)
 
 
-def _larger(values: FloatArray, needs: list[list[VectorNeed]], value: Any) -> FloatArray:
+def _larger(values: FloatArray, needs: list[list[VectorRequirement]], value: Any) -> FloatArray:
     """Return the larger of the planes' values [rad] and the vector's; NaN is propagated."""
     return np.asarray(np.maximum(values, [[value(one) for one in row] for row in needs]))
 

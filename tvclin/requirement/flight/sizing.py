@@ -16,7 +16,7 @@ from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import one_of
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.limit_shapes import LimitShape
-from tvclin.requirement.plane_requirement import missing_part
+from tvclin.requirement.plane_requirement import omitted_fraction
 from tvclin.requirement.required_quantity import Requirement, requirement_among
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.winds.wind_angles import linear_notes
@@ -87,7 +87,7 @@ class Sizing(Tabled):
         Reasons why a requirement is not defined or not exact; often none.
     notes : tuple of str
         Notes on the validity of the numbers; often none.
-    alone : dict of str to Sizing
+    separate : dict of str to Sizing
         For both planes, the sizing of each plane by itself; else empty.
     unsigned : ndarray of bool, or None
         Where a pulse needs the same in each column of a sign because what its sign changes is not
@@ -121,7 +121,7 @@ class Sizing(Tabled):
     edge: FloatArray
     said: tuple[str, ...]
     notes: tuple[str, ...]
-    alone: Mapping[str, Sizing] = field(default_factory=dict)
+    separate: Mapping[str, Sizing] = field(default_factory=dict)
     stop: LimitShape | None = None
     unsigned: BoolArray | None = None
     arises: Mapping[Requirement, FloatArray] = field(default_factory=dict)
@@ -130,25 +130,27 @@ class Sizing(Tabled):
     _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
 
     @property
-    def pitch_misses(self) -> dict[Requirement, FloatArray]:
+    def pitch_omitted_fraction(self) -> dict[Requirement, FloatArray]:
         """Fraction of each requirement that the pitch plane alone omits, ``(n, m)``.
 
         0.4 says that a limit for the pitch plane alone would be 40 percent too small.
         Empty for one plane.
         """
-        if not self.alone:
+        if not self.separate:
             return {}
-        pitch = self.alone["pitch"].required
-        return {name: missing_part(alone, self.required[name]) for name, alone in pitch.items()}
+        pitch = self.separate["pitch"].required
+        return {name: omitted_fraction(x, self.required[name]) for name, x in pitch.items()}
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
         planes: dict[str, Any] = {}
-        if self.alone:
-            alone = {plane: picked(sizing, "deg=required") for plane, sizing in self.alone.items()}
+        if self.separate:
             planes = {"stop": repr(self.stop)}
-            planes["alone_deg"] = {plane: sizing["deg"] for plane, sizing in alone.items()}
-            planes |= picked(self, "pitch_alone_misses=pitch_misses")
+            planes["separate_deg"] = {
+                plane: picked(sizing, "deg=required")["deg"]
+                for plane, sizing in self.separate.items()
+            }
+            planes |= picked(self, "pitch_omitted_fraction")
         return {
             **picked(self, "vehicle=schedule.vehicle.name model plane law winds times_s"),
             **picked(self, "required_deg"),
@@ -288,7 +290,7 @@ class Sizing(Tabled):
 
     def _columns(self) -> Columns:
         needs = {requirement.column: values for requirement, values in self.required.items()}
-        for plane, sizing in self.alone.items():
+        for plane, sizing in self.separate.items():
             needs |= {f"{k.column}_{plane}_alone": v for k, v in sizing.required.items()}
         others = "change known covered slow_mode beyond_one_pole"
         return Columns(

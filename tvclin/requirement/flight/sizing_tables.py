@@ -88,8 +88,8 @@ def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[
             caption += ", where that is off by at most 100 %"
         if any(shown):
             tables.append(of_names(caption, times, frozen, last, off, shown))
-    if s.alone:
-        alone = (f"{plane} alone" for plane in s.alone)
+    if s.separate:
+        alone = (f"{plane} alone" for plane in s.separate)
         head = ["time [s]", "both planes", *alone, "pitch alone misses [%]"]
         nominal = replace(counted, direction="")
         by = tuple(_by_planes(s, nominal, i, wind) for i in _differing(s, nominal, wind))
@@ -218,8 +218,8 @@ def _by_planes(s: Sizing, counted: Requirement, i: int, wind: int | None) -> tup
     return (
         _time(s.times[i]) if np.isnan(arises) else significant("", arises, 4),
         degrees(f"{key}.both", both[j]),
-        *(degrees(f"{key}.{k}", one.required[counted][i, j]) for k, one in s.alone.items()),
-        number(f"{key}.missing_percent", 100.0 * s.pitch_misses[counted][i, j], 1),
+        *(degrees(f"{key}.{k}", one.required[counted][i, j]) for k, one in s.separate.items()),
+        number(f"{key}.missing_percent", 100.0 * s.pitch_omitted_fraction[counted][i, j], 1),
     )
 
 

@@ -14,7 +14,7 @@ from tvclin.flights.theory_comparison import OUTCOME_WORDS
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.requirement.case_requirement import CaseRequirement
 from tvclin.requirement.nominal_requirement import covers
-from tvclin.requirement.plane_requirement import words_of
+from tvclin.requirement.plane_requirement import direction_notes
 from tvclin.requirement.study import along_the_path, doubts, gust_placed
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.choices import REPORT, Choices
@@ -131,7 +131,7 @@ def _notes(choices: Choices, need: CaseRequirement) -> list[str]:
         *doubts(plan.vehicle),
         *gust_placed(choices.wind, need.wind_in_plane),
         *along_the_path(need),
-        *(plane_notes or words_of(need.planes, plan.plane, False, calm)),
+        *(plane_notes or direction_notes(need.planes, plan.plane, False, calm)),
         *(() if calm else [_NOMINAL]),
     ]
 

@@ -107,7 +107,7 @@ def _linear(findings: Findings) -> Iterator[Assumption]:
     s, c = findings.study, findings.comparison
     angle = abs(float(s.slanting.peak if s.in_both and s.slanting is not None else s.history.peak))
     if c is not None and np.isfinite(c.peak_angle_of_attack):
-        angle = max(angle, c.peak_angle_of_attack * s.of_both)
+        angle = max(angle, c.peak_angle_of_attack * s.plane_ratio)
     reached = degrees("rests.angle_of_attack", angle, 1, "deg")
     line: Line = ("Forces are linear in the angle of attack, which reaches ", *reached, " here")
     state, survived = "ok", abs(s.survivable_peak or 0.0)
@@ -197,7 +197,9 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
     rate_text: Line = ()
     c = findings.comparison
     if c is not None and np.isfinite(c.peak_deflection_rate):
-        rate = degrees("rests.rate", c.peak_deflection_rate * findings.study.of_both, unit="deg/s")
+        rate = degrees(
+            "rests.rate", c.peak_deflection_rate * findings.study.plane_ratio, unit="deg/s"
+        )
         rate_text = (
             " This autopilot turns the nozzle by up to ",
             *rate,
@@ -217,5 +219,5 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
 def _too_fast(findings: Findings, rate_limit: float) -> bool:
     """Return whether theory or the autopilot requires more than the rate limit [rad/s]."""
     c, front = findings.comparison, findings.rates
-    turns = 0.0 if c is None else c.peak_deflection_rate * findings.study.of_both
+    turns = 0.0 if c is None else c.peak_deflection_rate * findings.study.plane_ratio
     return turns > rate_limit or (front is not None and front.required_rate > rate_limit)

@@ -47,7 +47,7 @@ def planes_line(findings: Findings) -> Line:
     s = findings.study
     line: Line = (
         "Both planes together need ",
-        *number("both.factor", s.of_both, 3),
+        *number("both.factor", s.plane_ratio, 3),
         f" times the stop that the {s.plane} plane needs alone",
     )
     required = np.inf if findings.stop is None else _nominal_requirement(findings)

@@ -86,10 +86,10 @@ def heading_line(s: Study) -> Line:
     return number("planes.heading_deg", heading, 1, "deg")
 
 
-def pitch_misses(s: Study) -> Line:
+def pitch_omitted_fraction(s: Study) -> Line:
     """Return the fraction [%] of the requirement of both planes that the pitch plane omits."""
     assert s.planes is not None
-    return number("planes.missing_percent", 100.0 * s.planes.misses("pitch"), 1, "%")
+    return number("planes.missing_percent", 100.0 * s.planes.omitted_fraction("pitch"), 1, "%")
 
 
 def both_planes(s: Study) -> Table:
@@ -98,7 +98,7 @@ def both_planes(s: Study) -> Table:
     rows: list[tuple[Line, ...]] = [
         (("both planes, one stop",), degrees("planes.required", s.planes.deflection))
     ]
-    for plane, required in s.planes.alone.items():
+    for plane, required in s.planes.separate.items():
         rows.append(((f"{plane} alone",), degrees(f"planes.{plane}", required)))
     caption = f"Required deflection of both planes, K = {s.dead_band:g}, {s.model}"
     return Table(caption, ("what turns the nozzle", "[deg]"), tuple(rows))
