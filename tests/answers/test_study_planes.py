@@ -55,7 +55,7 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
         found = json.loads(run("study", *JET, "--sign", "frozen", "--stop", stop, "--json").stdout)
         needed = np.radians(found["verdict"]["required_deflection_deg"])
         assert needed == pytest.approx(exact.deflection, rel=1e-8)
-        alone = np.radians(found["planes"]["alone_deg"]["pitch"])
+        alone = np.radians(found["planes"]["separate_deg"]["pitch"])
         assert alone == pytest.approx(exact.pitch_only, rel=1e-8)
 
 

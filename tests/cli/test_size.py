@@ -468,7 +468,7 @@ def test_both_planes_stand_beside_each_plane_alone() -> None:
         ).stdout
     )
     needed = np.array(document["required_deg"]["K = 1"])
-    alone = {k: np.array(one["K = 1"]) for k, one in document["alone_deg"].items()}
+    alone = {k: np.array(one["K = 1"]) for k, one in document["separate_deg"].items()}
     pitch = json.loads(run("size", "configuration-i", *given, "--json").stdout)
     assert alone["pitch"].tolist() == pitch["required_deg"]["K = 1"]
     assert np.all(needed >= np.maximum(alone["pitch"], alone["yaw"]) * (1.0 - 1e-12))

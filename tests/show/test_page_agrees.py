@@ -111,7 +111,9 @@ def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
         if one.measure is None:
             continue
         names = [key for key in shown if key.startswith(f"asked.{one.name.replace(' ', '_')}.")]
-        values = {re.sub(r".*\.(needed|there|left).*", r"\1", key): shown[key] for key in names}
+        values = {
+            re.sub(r".*\.(required|available|remaining).*", r"\1", key): shown[key] for key in names
+        }
         assert close(values["remaining"], values["available"] - values["required"])
         if one.measure.unit == "deg" and one.name != "margins":
             assert close(values["available"], limit)

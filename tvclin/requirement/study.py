@@ -401,7 +401,7 @@ class Study(CaseRequirement, Shown):
                 **picked(slanting, "heading_deg"),
                 **picked(self.planes, "peak_deg"),
                 "stop": repr(self.planes.stop),
-                **picked(self.planes, "required_deflection_deg=deflection alone_deg"),
+                **picked(self.planes, "required_deflection_deg=deflection separate_deg"),
                 "pitch_omitted_fraction": self.planes.omitted_fraction("pitch"),
                 "judged": self.in_both,
             }
