@@ -43,7 +43,6 @@ OVERTURNED_NOTE = (
     " lets go of it in time, which this response does not show."
 )
 """Note on a limit that survives, but whose response exceeds 90 degrees."""
-_NAMES = ("angle_of_attack", "attitude")
 
 
 @dataclass(frozen=True)
@@ -81,9 +80,7 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
     """
     sign = _wind_sign(plant, wind)
     smallest = _RELATIVE_ROUNDING * abs(float(wind.peak))
-
-    def attitude(times: FloatArray) -> FloatArray:
-        return attitude_responses(plant, deflection, wind, times, ["attitude"])["attitude"]
+    attitude = _output(plant, deflection, wind, "attitude")
 
     def at(time: float) -> Point:
         return Point(float(attitude(np.array([time]))[0]), time)
@@ -128,16 +125,9 @@ def response_end(
     if lets_go and back is not None:
         return ResponseEnd(back.time, RELEASED, back)
     times = probe_times(0.0, longest, deflection, wind)
-    towards = (
-        _wind_sign(plant, wind) * attitude_responses(plant, deflection, wind, times)["attitude"]
-    )
+    attitude = _output(plant, deflection, wind, "attitude")
+    towards = _wind_sign(plant, wind) * attitude(times)
     overturning = _overturning_time(times, towards, wind, _RELATIVE_ROUNDING) if lets_go else np.inf
-
-    def remaining(times: FloatArray) -> FloatArray:
-        return MAX_SHOWN_ATTITUDE - np.abs(
-            attitude_responses(plant, deflection, wind, times)["attitude"]
-        )
-
     exceeding = np.flatnonzero(np.abs(towards) > MAX_SHOWN_ATTITUDE)
     if not exceeding.size or overturning <= times[exceeding[0] - 1]:
         return (
@@ -146,9 +136,8 @@ def response_end(
             else ResponseEnd(longest, COMPLETE)
         )
     ends = times[exceeding[0] - 1], times[exceeding[0]]
-    return ResponseEnd(
-        float(brentq(lambda t: float(remaining(np.array([t]))[0]), *ends)), OVERTURNED
-    )
+    end = brentq(lambda t: MAX_SHOWN_ATTITUDE - abs(float(attitude(np.array([t]))[0])), *ends)
+    return ResponseEnd(float(end), OVERTURNED)
 
 
 def release_time(plant: Plant, wind: History, times: FloatArray, attitude: FloatArray) -> float:
@@ -299,21 +288,22 @@ def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
     ending("wind", wind.end)
     start, end = float(wind.onset), float(np.nextafter(wind.end, -np.inf))
     times = probe_times(start, end, deflection, wind)
-    peaks = [_peak_output(plant, deflection, wind, name, times) for name in _NAMES]
-    (angle, time), (attitude, _) = peaks
+    (angle, time), (attitude, _) = (
+        _peak(_output(plant, deflection, wind, name), times)
+        for name in ("angle_of_attack", "attitude")
+    )
     if not np.isfinite([angle, attitude]).all():
         raise InputError("the attitude grows beyond all numbers before the wind ends")
     return Loads(angle, time, attitude, abs(angle / float(wind.peak)))
 
 
-def _peak_output(
-    plant: Plant, deflection: History, wind: History, name: str, times: FloatArray
-) -> tuple[float, float]:
+def _output(plant: Plant, deflection: History, wind: History, name: str) -> Function:
+    """Return an output of the response as a function of times ``(n,)`` [s]."""
+    return lambda times: attitude_responses(plant, deflection, wind, times, [name])[name]
+
+
+def _peak(output: Function, times: FloatArray) -> tuple[float, float]:
     """Return the value of largest size of an output, with its sign, and its time [s]."""
-
-    def output(t: FloatArray) -> FloatArray:
-        return attitude_responses(plant, deflection, wind, t, [name])[name]
-
     values = output(times)
     sign = float(np.sign(values[np.argmax(np.abs(values))])) or 1.0
     value, time = refined_maximum(lambda t: sign * output(t), times, sign * values)
