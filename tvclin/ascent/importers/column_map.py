@@ -19,30 +19,15 @@ from tvclin.base.errors import InputError, number, shown
 from tvclin.base.sheet import Column, Fit, Heading, Headings, Sheet, letters, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.base.units import POUND_FORCE, UNITS, WRITTEN, unit_of
+from tvclin.vehicle.damping import QUANTITIES as DAMPING_QUANTITIES
+from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
+_UNMAPPED = {"control_force_slope", *DAMPING_QUANTITIES} - {"pitch_damping"}
+"""Numbers of vehicle files that no column has."""
 QUANTITIES = {
-    "time": "time",
-    "weight": "force",
-    "mass": "mass",
-    "moment_of_inertia": "inertia",
-    "thrust": "force",
-    "aerodynamic_arm": "length",
-    "control_arm": "length",
-    "pressure_station": "length",
-    "gravity_station": "length",
-    "gimbal_station": "length",
-    "normal_force_slope": "force slope",
-    "axial_force": "force",
-    "dynamic_pressure": "pressure",
-    "reference_area": "area",
-    "normal_force_coefficient_slope": "per angle",
-    "axial_force_coefficient": "number",
-    "velocity": "speed",
-    "attitude": "angle",
-    "angle_of_attack": "angle",
-    "altitude": "length",
-    "nominal_deflection": "angle",
-    "pitch_damping": "damping moment",
+    **{name: kind for name, kind in VEHICLE_TABLE.quantities.items() if name not in _UNMAPPED},
+    **dict.fromkeys(("pressure_station", "gravity_station", "gimbal_station"), "length"),
+    **{"angle_of_attack": "angle", "altitude": "length", "nominal_deflection": "angle"},
 }
 """Dimensions of the quantities of a map: keys of vehicle files, and factors of arms and forces."""
 _FACTORS = {
