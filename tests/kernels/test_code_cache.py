@@ -63,7 +63,7 @@ def test_damaged_machine_code_is_told_of_once_and_compiled_anew(folder, damage):
     assert not compiled_anew(mended)
 
 
-def test_what_is_kept_is_one_file_for_each_signature(folder):
+def test_what_is_cached_is_one_file_for_each_signature(folder):
     first = as_another_process()
     first(VALUES, 0.3)
     first(VALUES, 1)

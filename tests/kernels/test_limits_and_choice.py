@@ -202,7 +202,7 @@ def test_calls_alike_are_worth_together_what_one_is_not(monkeypatch):
 
 
 def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatch):
-    monkeypatch.setattr(choice, "_is_kept", lambda function: True)
+    monkeypatch.setattr(choice, "_is_cached", lambda function: True)
     monkeypatch.setattr(choice, "available", lambda: True)
     monkeypatch.setattr(choice, "machine_code", lambda function: "compiled")
     plain = [small_roots, small_roots, small_roots]

@@ -33,7 +33,7 @@ def test_machine_code_rounds_like_plain_python():
     assert machine_code(total)(values, 0.3) == total(values, 0.3)
 
 
-def test_what_is_kept_has_another_name_when_a_constant_of_a_called_function_changes(monkeypatch):
+def test_what_is_cached_has_another_name_when_a_constant_of_a_called_function_changes(monkeypatch):
     before = source.digest.__wrapped__(total)
     monkeypatch.setitem(term.__globals__, "GROWTH", 2.5)
     assert source.digest.__wrapped__(total) != before
@@ -41,7 +41,7 @@ def test_what_is_kept_has_another_name_when_a_constant_of_a_called_function_chan
     assert source.digest.__wrapped__(total) == before
 
 
-def test_what_is_kept_has_another_name_when_a_called_function_changes(monkeypatch):
+def test_what_is_cached_has_another_name_when_a_called_function_changes(monkeypatch):
     before = source.digest.__wrapped__(total)
     monkeypatch.setitem(total.__globals__, "term", kernel(lambda rate, u: u - rate))
     assert source.digest.__wrapped__(total) != before
@@ -63,9 +63,10 @@ def test_machine_code_is_found_where_numba_keeps_it(tmp_path, place):
     code = (
         "import sys; sys.path.insert(0, sys.argv[1]); sys.dont_write_bytecode = True\n"
         "import kept\nfrom tvclin.kernels import choice\n"
-        "before = choice._is_kept(kept.twice)\nassert 'numba' not in sys.modules\n"
+        "before = choice._is_cached(kept.twice)\nassert 'numba' not in sys.modules\n"
         "choice.machine_code(kept.twice)(1.0)\n"
-        "print(before, choice._is_kept(kept.twice), choice.cache_folder(choice.Path(sys.argv[1])))"
+        "folder = choice.cache_folder(choice.Path(sys.argv[1]))\n"
+        "print(before, choice._is_cached(kept.twice), folder)"
     )
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     done = subprocess.run(
@@ -97,7 +98,7 @@ def test_a_process_with_the_code_in_another_place_pays_the_small_threshold(monke
 def test_machine_code_is_loaded_for_the_work_of_one_call(monkeypatch):
     monkeypatch.setattr(choice, "available", lambda: True)
     monkeypatch.setattr(choice, "machine_code", lambda function: "machine code")
-    monkeypatch.setattr(choice, "_is_kept", lambda function: True)
+    monkeypatch.setattr(choice, "_is_cached", lambda function: True)
     for _ in range(100):
         assert choice.fastest(total, 0.01) is total
     assert choice.fastest(total, 0.1) == "machine code"

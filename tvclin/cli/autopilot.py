@@ -124,7 +124,7 @@ _MIN_DURATION_RATIO, _MAX_DURATION_RATIO = 0.2, 8.0
 def autopilot(
     vehicle: Source = "configuration-i",
     time: At = None,
-    blows: WindOptions = GROUP,
+    winds: WindOptions = GROUP,
     limits: Given = BOTH_LIMITS,
     gains: Given = GAINS,
     loop: LoopOptions = GROUP,
@@ -154,7 +154,7 @@ def autopilot(
     changes = [
         options.over for options in (limits, samples, motion, sign, criteria, least, gains, loop)
     ]
-    case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid, time=time)
+    case = case_of(vehicle, *changes, wind=winds.over, told=("autopilot",), rigid=rigid, time=time)
     with waiting("seeking gains and the worst duration"):
         sought = least.found(case, case.held_to)
         wind = case.history
@@ -177,7 +177,7 @@ def autopilot(
         with waiting("drawing"):
             result.draw(shown.plot)
     note_nominal_pressure(case)
-    answer(shown.as_json, result.document, lambda: result.print(blows.title(case, "")), result.met)
+    answer(shown.as_json, result.document, lambda: result.print(winds.title(case, "")), result.met)
 
 
 @dataclass(frozen=True, eq=False)

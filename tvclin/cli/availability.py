@@ -147,7 +147,7 @@ def availability(
     ),
     end: float | None = asked("Last flight time that counts, in s.", flag="--to", shown="the last"),
     judged: JudgedOptions = GROUP,
-    blows: GustOptions = GROUP,
+    winds: GustOptions = GROUP,
     as_json: AsJson = False,
     csv: Path | None = asked(
         "Also write what every sounding needs into this file: need_deg (empty where"
@@ -171,7 +171,7 @@ def availability(
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon(**only.reading)
-    soundings, (gust, speed) = only.read(archive), blows.on_top
+    soundings, (gust, speed) = only.read(archive), winds.on_top
     with bar("soundings") as progress:
         result = availability_of(
             flight,

@@ -26,7 +26,7 @@ def card(
     source: Annotated[
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
-    blows: FlightOptions = GROUP,
+    winds: FlightOptions = GROUP,
     law: str | None = asked(
         f"The law that is flown: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}.",
         shown="that of the study file, or trim",
@@ -53,7 +53,7 @@ def card(
     Exit code 0: MET, every flight survives within the limits; 1: NOT MET, NOT SURVIVED, or NOT
     KNOWN, as where a wind is not known along the flight; 2: bad input.
     """
-    case = flight_asked("card", source, blows, question, sign, sheet, model, own, planes)
+    case = flight_asked("card", source, winds, question, sign, sheet, model, own, planes)
     assert case.sizing is not None
     flies = one_of("--law", law or case.sizing.card or "trim", LAWS)
     if flies != AUTOPILOT:

@@ -89,7 +89,7 @@ class WhatFlies:
 def fly(
     vehicle: Source = "configuration-i",
     time: At = None,
-    blows: WindOptions = GROUP,
+    winds: WindOptions = GROUP,
     what: WhatFlies = GROUP,
     limit: Given = replace(LIMIT, shown={"limit": "1.1 times the linear boundary"}),
     rate_limit: Given = RATE_LIMIT,
@@ -120,10 +120,10 @@ def fly(
     changes = [options.over for options in (limit, rate_limit, plane, flies)]
     case = case_of(vehicle, *changes, rigid=rigid, time=time)
     engine, *law = what.on(case, along_trajectory, flies, rate_limit, rigid)
-    name = blows.name(case)
+    name = winds.name(case)
     condition, faults = None, Faults()
     with faults.kept():
-        case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
+        case = (winds.in_flight if along_trajectory else winds.over)(case, vehicle)
     with faults.kept():
         condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
     faults.tell()

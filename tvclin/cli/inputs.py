@@ -40,7 +40,7 @@ def case_of(
     source: str,
     *changes: "Callable[[StudyPlan], StudyPlan]",
     time: float | None = None,
-    blows: Callable[[StudyPlan, str], StudyPlan] | None = None,
+    wind: Callable[[StudyPlan, str], StudyPlan] | None = None,
     told: tuple[str, ...] = (),
     rigid: bool = False,
 ) -> StudyPlan:
@@ -57,8 +57,8 @@ def case_of(
         plan = without_structure(plan)
     for change in changes:
         plan = change(plan)
-    if blows is not None:
-        plan = blows(plan, source)
+    if wind is not None:
+        plan = wind(plan, source)
     if told:
         note_left_out(plan, *told)
     return without_structure(plan) if any(map(wholly_rigid, told)) else plan

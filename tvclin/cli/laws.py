@@ -16,7 +16,7 @@ from tvclin.cli.margin_tables import parts_line
 from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, At, Given, Rigid, Shown, Source, asked
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import BlowingOptions
+from tvclin.cli.wind import SoundingOptions
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.design.gain_designs import specified_autopilot
@@ -49,7 +49,7 @@ def _quoted(name: str) -> str:
 def laws(
     vehicle: Source = "configuration-i",
     time: At = None,
-    blows: BlowingOptions = GROUP,
+    wind_options: SoundingOptions = GROUP,
     wind: list[str] | None = asked(
         f"Only this wind; may be given several times: {listed(map(_quoted, WINDS), 'or')}.",
         shown="all",
@@ -77,15 +77,21 @@ def laws(
     from tvclin import plots
 
     if shown.plot is not None:
-        only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
+        only_with(
+            "no --plot: that is drawn of pulses alone",
+            gust=wind_options.gust,
+            winds=wind_options.winds,
+        )
     within("--cuts", cuts, 0, 1000)
     changes = rate_limit.over, motion.over, _without_actuator, partial(_with_gains, flies)
-    case = case_of(vehicle, *changes, blows=blows.over, told=("laws",), rigid=rigid, time=time)
+    case = case_of(
+        vehicle, *changes, wind=wind_options.over, told=("laws",), rigid=rigid, time=time
+    )
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
     if case.laws is not None and not flies.samples.values:
         hardware["sample_rate"] = case.laws.sample_rate
         note_left_out(case, "laws with a rate in [laws]")
-    peak, duration, winds = _winds(blows, wind, case)
+    peak, duration, winds = _winds(wind_options, wind, case)
     chosen = _laws(case, plant.rigid, peak)
     with bar("flights") as progress:
         trials = law_trials(plant, chosen, winds, cuts=cuts, progress=progress, **hardware)
@@ -169,14 +175,14 @@ def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
 
 
 def _winds(
-    blows: BlowingOptions, names: list[str] | None, case: StudyPlan
+    wind_options: SoundingOptions, names: list[str] | None, case: StudyPlan
 ) -> tuple[float, float, dict[str, History]]:
     """Return peak [rad] and duration [s] for which laws are designed, and the winds by name."""
     pulse = case.wind_in_plane
     if not isinstance(pulse, ShapedWind):
         only_with("the standard winds in place of --winds", wind=names)
         wind = case.history
-        return float(wind.peak), float(wind.end - wind.onset), {blows.name(case): wind}
+        return float(wind.peak), float(wind.end - wind.onset), {wind_options.name(case): wind}
     standard = standard_winds(pulse.peak, pulse.duration)
     if (gust := pulse.placed_gust) is not None:
         standard = {name: standard_wind + gust for name, standard_wind in standard.items()}

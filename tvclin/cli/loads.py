@@ -32,7 +32,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 def loads(
     vehicle: Source = "configuration-i",
     time: At = None,
-    blows: WindOptions = GROUP,
+    winds: WindOptions = GROUP,
     limits: Given = BOTH_LIMITS,
     bound: Given = Given("case.load.LoadBound", "load", "load"),
     law: list[str] | None = asked(
@@ -64,11 +64,11 @@ def loads(
     elif AUTOPILOT not in names:
         flies.gains.only_with(f"--law {AUTOPILOT}")
     changes = [item.over for item in (limits, bound, motion, flies)]
-    case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid, time=time)
+    case = case_of(vehicle, *changes, wind=winds.over, told=("loads",), rigid=rigid, time=time)
     flown = _flown(case, names)
     with waiting("angle over load"):
         front = _front(case)
-    title = blows.title(case, vehicle)
+    title = winds.title(case, vehicle)
     shown.write(
         lambda: plots.load_curves(front, flown),
         lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),
@@ -77,7 +77,7 @@ def loads(
     required = study_requirement(case)
     answer(
         shown.as_json,
-        lambda: blows.document(case, required) | {"trade_off": front, "flown": flown},
+        lambda: winds.document(case, required) | {"trade_off": front, "flown": flown},
         lambda: _print(title, front, flown, required),
         (front.limit is None or not front.verdict) and all(item.survives_within for item in flown),
     )

@@ -189,7 +189,7 @@ def margins(
         "Also fly the wind with --limit-deg, and print what may change before it is lost.",
     ),
     limits: Given = BOTH_LIMITS,
-    blows: WindOptions = GROUP,
+    winds: WindOptions = GROUP,
     samples: Given = SAMPLE_RATE,
     shown: Shown = GROUP,
 ) -> None:
@@ -212,11 +212,11 @@ def margins(
     if not flown:
         limits.only_with("--flown")
     changes = [options.over for options in (limits, samples, motion, criteria, gains, loop)]
-    case = case_of(vehicle, *changes, blows=blows.over, rigid=rigid, time=time)
+    case = case_of(vehicle, *changes, wind=winds.over, rigid=rigid, time=time)
     only_with(MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
     if not (flown or box or case.asked.design == LEAST_NOZZLE):
-        only_with("--flown or --box", **vars(blows))
+        only_with("--flown or --box", **vars(winds))
         aside += ["margins without --flown and --box"]
     note_left_out(case, "margins", *aside)
     autopilot = specified_autopilot(case, case.history, case.held_to)
@@ -225,7 +225,7 @@ def margins(
     in_wind = _flown(case, autopilot) if flown and loop_margins.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
     draw(shown.plot, lambda: _chart(chart, loop_margins))
-    result = _Answer(case, loop_margins, blows.name(case), moved, in_wind, in_box)
+    result = _Answer(case, loop_margins, winds.name(case), moved, in_wind, in_box)
     answer(shown.as_json, result.document, lambda: result.print(vehicle), result.met)
 
 

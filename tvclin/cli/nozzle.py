@@ -35,7 +35,7 @@ _FLIGHT_LIMITS = ("acceleration_limit", "travel_limit", "torque_limit", "power_l
 def nozzle(
     vehicle: Source = "configuration-i",
     time: At = None,
-    blows: WindOptions = GROUP,
+    winds: WindOptions = GROUP,
     limits: Given = Given(NOZZLE, at="nozzle"),
     law: str | None = asked(
         f"Also fly this law with both limits: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}."
@@ -73,13 +73,13 @@ def nozzle(
     elif law is not None and one_of("--law", law, LAWS) != AUTOPILOT and not laws:
         flies.gains.only_with(f"--law {AUTOPILOT}")
     changes = [options.over for options in (limits, motion, flies)]
-    case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid, time=time)
+    case = case_of(vehicle, *changes, wind=winds.over, told=("nozzle",), rigid=rigid, time=time)
     if law is None and not laws:
         note_left_out(case, "nozzle without --law")
     flown = _flown(case, law)
     with waiting("angle over rate"):
         front = _front(case)
-    title, needed = blows.title(case, vehicle), _needed(case) if laws else None
+    title, needed = winds.title(case, vehicle), _needed(case) if laws else None
     drawn, more = needed or front, {} if needed is None else {"laws": needed}
     required = study_requirement(case)
     limited = front.limit is not None or front.rate_limit is not None
@@ -90,7 +90,7 @@ def nozzle(
     note_nominal_pressure(case)
     answer(
         shown.as_json,
-        lambda: blows.document(case, required) | {"trade_off": front, "flown": flown} | more,
+        lambda: winds.document(case, required) | {"trade_off": front, "flown": flown} | more,
         lambda: _print(title, front, needed, flown, required),
         not (limited and front.verdict) and (flown is None or bool(flown.verdict.met)),
     )

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def optimum(
     vehicle: Source = "configuration-i",
     time: At = None,
-    blows: WindOptions = GROUP,
+    winds: WindOptions = GROUP,
     start: float | None = asked(
         "Start of the control, in s; negative: before the wind.", shown="the onset of the wind"
     ),
@@ -42,8 +42,8 @@ def optimum(
     from tvclin import plots
 
     changes = rate_limit.over, motion.over
-    case = case_of(vehicle, *changes, blows=blows.over, told=("optimum",), time=time)
-    plant, wind, title = case.plant.rigid, case.history, blows.title(case, vehicle)
+    case = case_of(vehicle, *changes, wind=winds.over, told=("optimum",), time=time)
+    plant, wind, title = case.plant.rigid, case.history, winds.title(case, vehicle)
     start = float(wind.onset) if start is None else start
     known_wind = KnownWind.of(plant, wind, start, horizon, case.nozzle.rate_limit)
     shown.write(
@@ -52,7 +52,7 @@ def optimum(
     )
     required, notes = study_requirement(case), linear_notes(float(wind.peak))
     if shown.as_json:
-        print_json(blows.document(case, required) | known_wind.as_dict() | {"notes": notes})
+        print_json(winds.document(case, required) | known_wind.as_dict() | {"notes": notes})
     else:
         print_tables(known_wind.table(title))
         say_required(required)

@@ -169,7 +169,7 @@ _MAX_UNTIL = 1000.0
 def respond(
     vehicle: Source = "configuration-i",
     time: At = None,
-    blows: WindOptions = GROUP,
+    winds: WindOptions = GROUP,
     dead_band: float | None = asked(
         "Dead band K, from 0 to 1: trim up to K times the limit.", shown="1.0"
     ),
@@ -192,11 +192,11 @@ def respond(
 
     within("--until", until, 1e-3, _MAX_UNTIL)
     within("--points", points, 2, 1_000_000)
-    plan = case_of(vehicle, limit.over, motion.over, blows=blows.over, told=("respond",), time=time)
+    plan = case_of(vehicle, limit.over, motion.over, wind=winds.over, told=("respond",), time=time)
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
     K = chosen(dead_band, plan.dead_band)
-    case = held(plan, blows.name(plan), K, capability, until)
+    case = held(plan, winds.name(plan), K, capability, until)
     largest, shown = case.followed(until * float(case.wind.end))
     files.write(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),

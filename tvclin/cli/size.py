@@ -152,7 +152,7 @@ def size(
     source: Annotated[
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
-    blows: FlightOptions = GROUP,
+    winds: FlightOptions = GROUP,
     model: Given = MODEL,
     planes: PlaneOptions = GROUP,
     sign: Given = SIGN,
@@ -179,7 +179,7 @@ def size(
     """
     from tvclin import plots
 
-    case = flight_asked("size", source, blows, question, sign, limits, model, planes)
+    case = flight_asked("size", source, winds, question, sign, limits, model, planes)
     request = case.sizing
     assert request is not None
     if plot is not None:
@@ -275,18 +275,18 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
 def flight_asked(
     command: str,
     source: str,
-    blows: FlightOptions,
+    winds: FlightOptions,
     question: Given,
     sign: Given,
     *changes: Given | PlaneOptions | FlownLaw,
 ) -> StudyPlan:
     """Return the case of a flight from a file and options."""
-    soundings = blows.soundings()
+    soundings = winds.soundings()
     note_source(source, command)
     case = load_sizing(source, soundings)
     for options in (question, sign, *changes):
         case = options.over(case)
-    case = blows.over(case)
+    case = winds.over(case)
     request = case.sizing
     assert request is not None
     if not request.soundings:

@@ -61,7 +61,7 @@ def _with_limit_shape(stop: str | None, disperse: bool, plan: StudyPlan) -> Stud
 def study(
     source: Source = "configuration-i",
     time: At = None,
-    blows: ShapedOptions = GROUP,
+    winds: ShapedOptions = GROUP,
     question: Given = Given(STUDY, "dead_band switch sign model plane"),
     limit: Given = LIMIT,
     stop: str | None = asked(
@@ -89,7 +89,7 @@ def study(
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
     changes = limit.over, partial(_with_limit_shape, stop, disperse), question.over, drawn.over
-    plan = case_of(source, *changes, blows=blows.over, told=("study",), time=time)
+    plan = case_of(source, *changes, wind=winds.over, told=("study",), time=time)
     with bar("answers") as progress:
         findings = find(questioned(plan), progress)
     if disperse and findings.dispersed is None:

@@ -223,7 +223,7 @@ class BiasOptions(FormatOptions, PulseOptions):
 
 
 @dataclass(frozen=True)
-class BlowingOptions(BiasOptions):
+class SoundingOptions(BiasOptions):
     """Options of a sounding, or of a pulse but its shape; `grouped` gives them to a command."""
 
     winds: Path | None = asked(
@@ -331,7 +331,7 @@ class BlowingOptions(BiasOptions):
 
 
 @dataclass(frozen=True)
-class WindOptions(BlowingOptions, ShapedOptions):
+class WindOptions(SoundingOptions, ShapedOptions):
     """Options of a pulse or a sounding; `grouped` gives them to a command."""
 
 
@@ -356,7 +356,7 @@ def noted_sounding(file: Path, time: str | None, **reading: Any) -> "WindProfile
 
 
 def wind_words(name: str, case: Case) -> str:
-    """Return the wind of a case in words: its name, its peak, how long it blows, and its gust."""
+    """Return the wind of a case in words: its name, its peak, its duration, and its gust."""
     wind, gust = case.history, ""
     peak, length = float(wind.peak), float(wind.end - wind.onset)
     in_plane = case.wind_in_plane

@@ -82,7 +82,7 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
         total, command = seconds * _similar_calls.get(), _command.get()
         compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
         loads = command is None or command.seconds + total > _MIN_IMPORTING_SECONDS
-        compiled = compile_now or (loads and total > _MIN_LOADING_SECONDS and _is_kept(function))
+        compiled = compile_now or (loads and total > _MIN_LOADING_SECONDS and _is_cached(function))
     return machine_code(function) if compiled and available() else function
 
 
@@ -121,7 +121,7 @@ def run(
         in_slices(lambda first, last: selected(*arguments, first, last), cases, compiled_seconds)
 
 
-def _is_kept(function: Callable[..., Any]) -> bool:
+def _is_cached(function: Callable[..., Any]) -> bool:
     """Return whether machine code of a kernel is cached on disk."""
     file = Path(function.__code__.co_filename)
     cached = cache_folder(file.parent).glob(
