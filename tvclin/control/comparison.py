@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base import lines
-from tvclin.base.arrays import FloatArray, IndexArray
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, callable_for, ending, instance, number, positive
 from tvclin.base.fields import spec
@@ -78,22 +78,16 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     return float(max(-values.min(), -np.min(peaks), direct))
 
 
-_GRID_DURATIONS = 41
+_GRID_DURATIONS = 21
 """Number of durations over the whole range."""
-_PER_PERIOD = 16
+_PER_PERIOD = 6
 """Number of durations in each period of an oscillating mode."""
-_MAX_PER_MODE = 2000
+_MAX_PER_MODE = 750
 """Largest number of durations for one mode."""
-_STRIDE = 4
-"""Stride through the durations in the first pass."""
-_WINDOW = 6
-"""Number of first-pass values that give the height of the oscillation around a duration."""
 _DECAY_EXPONENT = 5.0
 """Exponent of the decay, e^-5, of a mode up to which its periods are sampled."""
 _DURATION_TOLERANCE = 1e-6
 """Tolerance of the worst duration, over the shortest duration."""
-_MIN_RISE = 1e-9
-"""Smallest rise of a parabola above its samples, over the largest value, that is refined."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +139,7 @@ def worst_duration(
     Notes
     -----
     Durations are evaluated over the whole range and in every period of the loop's modes until they
-    have decayed (at most 2000 for one mode), and those near a maximum are refined. A family whose
+    have decayed (at most 750 for one mode), and those near a maximum are refined. A family whose
     winds oscillate faster than the loop may hide a worse duration.
 
     Examples
@@ -185,55 +179,28 @@ def _worst(deflection: Callable[[float], float], durations: FloatArray) -> Worst
     """Return the worst of the durations [s], refined between its neighbours."""
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
-    durations, values = _evaluated(deflection, durations)
+    values = np.array([deflection(duration) for duration in durations.tolist()])
     top = int(np.argmax(values))
     ends = (0, durations.size - 1)
     worst = WorstDuration(float(durations[top]), float(values[top]), top in ends)
-    for k in _maxima(durations, values):
+    tolerance = {"xatol": _DURATION_TOLERANCE * durations[0]}
+    for k in _summits(values):
         bounds = durations[k - 1], durations[k + 1]
-        tolerance = {"xatol": _DURATION_TOLERANCE * durations[0]}
         maximum = minimize_scalar(lambda d: -deflection(d), bounds=bounds, options=tolerance)
         if -maximum.fun > worst.peak_deflection:
             worst = WorstDuration(float(maximum.x), float(-maximum.fun), False)
     return worst
 
 
-def _evaluated(
-    deflection: Callable[[float], float], durations: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return durations [s] and their peak deflections [rad], dense where the maximum may lie.
+def _summits(values: FloatArray) -> list[int]:
+    """Return the indices of samples next to a maximum that may be the highest of all.
 
-    The first pass takes every fourth duration. The second pass fills the intervals whose local
-    maximum plus local variation reaches the largest value of the first.
+    A maximum exceeds the sample by no more than the sample exceeds its lower neighbour.
     """
-    values = np.full(durations.shape, np.nan)
-
-    def fill(indices: IndexArray) -> None:
-        values[indices] = [deflection(duration) for duration in durations[indices]]
-
-    first = np.unique(np.append(np.arange(0, durations.size, _STRIDE), durations.size - 1))
-    fill(first)
-    windows = np.pad(values[first], _WINDOW // 2 - 1, mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(windows, _WINDOW)
-    tall = 2.0 * windows.max(axis=-1) - windows.min(axis=-1) >= values[first].max()
-    interval = np.searchsorted(first, np.arange(durations.size), side="right") - 1
-    fill(np.flatnonzero(np.isnan(values) & np.append(tall, False)[interval]))
-    finished = ~np.isnan(values)
-    return durations[finished], values[finished]
-
-
-def _maxima(x: FloatArray, values: FloatArray) -> list[int]:
-    """Return the indices of samples whose parabola may have the highest maximum of all."""
-    steps, slopes = np.diff(x), np.diff(values) / np.diff(x)
-    curvature = np.diff(slopes) / (x[2:] - x[:-2])
-    slope = slopes[:-1] + curvature * steps[:-1]
-    concave = np.where(curvature < 0.0, curvature, np.nan)
-    offset, rise = -slope / (2.0 * concave), -(slope**2) / (4.0 * concave)
-    before, after = 0.5 * steps[:-1], 0.5 * steps[1:]
-    before[0], after[-1] = steps[0], steps[-1]
-    likely = (-before <= offset) & (offset <= after) & (rise > _MIN_RISE * values.max())
-    likely &= values[1:-1] + 2.0 * rise > values.max()
-    return (1 + np.flatnonzero(likely)).tolist()
+    before, middle, after = values[:-2], values[1:-1], values[2:]
+    bound = 2.0 * middle - np.minimum(before, after)
+    high = (middle >= before) & (middle >= after) & (bound >= values.max())
+    return (1 + np.flatnonzero(high)).tolist()
 
 
 def _durations(A: FloatArray, low: float, high: float) -> FloatArray:
