@@ -96,7 +96,7 @@ def test_the_page_holds_every_equation_and_every_claim_in_tables_of_even_rows():
 
 def test_the_equations_of_the_study_page_are_those_of_the_ledger():
     ledgers = {one["id"]: one for one in claims.equations()}
-    pages = tomllib.loads((files("tvclin.show.report") / "equations.toml").read_text("utf-8"))
+    pages = tomllib.loads((files("tvclin.studyfile") / "equations.toml").read_text("utf-8"))
     for number, equation in pages.items():
         corrected = ledgers[number]["corrected"]
         agrees = corrected.startswith("agrees")

@@ -9,8 +9,8 @@ import pytest
 import tvclin as tv
 from tests.show.pages import section
 from tvclin.base.lines import Number, text
-from tvclin.show.report import verdict
-from tvclin.show.report.assumptions import assumptions, doubts
+from tvclin.studyfile import study_verdict as verdict
+from tvclin.studyfile.assumptions import assumptions, doubts
 from tvclin.studyfile.findings import Findings, find
 
 HEADER = re.compile(r"<header.*?</header>", re.DOTALL)

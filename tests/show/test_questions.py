@@ -12,7 +12,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.cli.app import app
-from tvclin.show.report import verdict
+from tvclin.studyfile import study_verdict as verdict
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.questions import all_yes, asked_table, questions, sufficient
 

@@ -16,9 +16,9 @@ from tvclin.base.lines import Number, as_sentence, text
 from tvclin.cli.app import app
 from tvclin.design.standard_trials import law_trials
 from tvclin.linear.plant import MODELS
-from tvclin.show.report import notes, verdict
-from tvclin.show.report.assumptions import assumptions
 from tvclin.show.report.page import _environment, page_of
+from tvclin.studyfile import study_verdict as verdict
+from tvclin.studyfile.assumptions import assumptions
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.glossary import TERMS
 from tvclin.studyfile.parse import parse_study
@@ -487,7 +487,7 @@ def test_a_measured_wind_is_told_with_its_station_its_date_and_the_direction_of_
     wind = {"peak_deg": 5.0, "duration_s": 7.5}
     study = {"vehicle": "configuration-i"}
     asked = parse_study({"study": study, "wind": [wind, sounding], "schedule": {}}).sizing
-    (told,) = map(text, notes.sounding_lines(asked))
+    (told,) = map(text, asked.sounding_lines())
     for said in ("wyoming.txt: 74794 XMR Cape Kennedy", "12Z 15 Feb 2024", "towards 62.5 deg"):
         assert said in told
     assert "soundings/" not in told

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.errors import InputError
+from tvclin.base.lines import Line, number
 from tvclin.case.case import Case
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
@@ -126,6 +127,17 @@ def shift_of(plant: AnyPlant) -> Shift | None:
         return plant.shift()
     except InputError:
         return None
+
+
+def shift_lines(plant: AnyPlant) -> tuple[Line, Line] | None:
+    """Return the shifts [%] of fast pole and deflection by the structure; None as of `shift_of`."""
+    moved = shift_of(plant)
+    if moved is None:
+        return None
+    return (
+        number("flexible.shift.fast_pole", moved.fast_pole, 1, "%"),
+        number("flexible.shift.trim_price", moved.trim_price, 1, "%"),
+    )
 
 
 def shift_words(vehicle: AnyVehicle, plane: str) -> str:

@@ -29,6 +29,7 @@ from .responses import flight_chart as flight_chart
 from .responses import flight_curves as flight_curves
 from .responses import response_chart as response_chart
 from .responses import response_curves as response_curves
+from .responses import study_response_chart as study_response_chart
 from .root_locus import pole_map as pole_map
 from .root_locus import root_locus_chart as root_locus_chart
 from .style import save_figure as save_figure

@@ -1,6 +1,7 @@
 """Responses over time: of one vehicle, and the report's figures 3, 4 and 6 to 9 of the attitude."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +42,7 @@ from tvclin.plots.style import (
     cycle,
     draw,
 )
+from tvclin.requirement.study_response import StudyResponse
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import load_vehicle
@@ -168,6 +170,18 @@ def response_chart(
     if not isinstance(curves, Curves):
         curves = response_curves(curves, limit=limit)
     return draw(curves, Look(title, _ORDINATES, _STYLES, limits=_frames(curves), across=across))
+
+
+def study_response_chart(response: StudyResponse) -> "ControlPlot":
+    """Draw angles, deflection with its limit, and wind of the response of a study, in a column."""
+    curves = response_curves(
+        response.response,
+        limit=response.limit,
+        deflection=response.deflection,
+        wind=response.study.history,
+    )
+    columns = tuple(column for column in curves.columns if column.panel != "rate")
+    return response_chart(replace(curves, columns=columns), across=1)
 
 
 def flight_curves(

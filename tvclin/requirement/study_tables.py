@@ -1,7 +1,7 @@
 """A study as tables, and its verdict in words."""
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from tvclin.base.lines import (
 from tvclin.base.quantities import NO_FORECAST, QUANTITIES, STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.base.units import written
 from tvclin.boundary.open_loop import ROUNDING, Reason
+from tvclin.case.case import Case
+from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.wind_angles import BEYOND_LINEAR
@@ -125,6 +127,64 @@ def boundaries(s: Study) -> Table:
         f"{s.wind_in_plane.gust_text}{component}"
     )
     return Table(caption, head, tuple(rows))
+
+
+def both_planes(s: Study) -> Table:
+    """Return the required deflection of both planes with one limit, and of each plane."""
+    assert s.planes is not None
+    rows: list[tuple[Line, ...]] = [
+        (("both planes, one stop",), degrees("planes.required", s.planes.deflection))
+    ]
+    for plane, required in s.planes.separate.items():
+        rows.append(((f"{plane} alone",), degrees(f"planes.{plane}", required)))
+    caption = f"Required deflection of both planes, K = {s.dead_band:g}, {s.model}"
+    return Table(caption, ("what turns the nozzle", "[deg]"), tuple(rows))
+
+
+def heading_line(s: Study) -> Line:
+    """Return the direction from which the wind blows, clockwise from that of flight."""
+    assert s.slanting is not None
+    assert s.slanting.heading is not None
+    heading = float(np.degrees(s.slanting.heading)) % 360.0
+    return number("planes.heading_deg", heading, 1, "deg")
+
+
+def pitch_omitted_fraction(s: Study) -> Line:
+    """Return the fraction [%] of the requirement of both planes that the pitch plane omits."""
+    assert s.planes is not None
+    return number("planes.missing_percent", 100.0 * s.planes.omitted_fraction("pitch"), 1, "%")
+
+
+def question(s: Study, case: Case) -> Table:
+    """Return the wind, the dead band, the limits and further inputs of a study of a case."""
+    wind, nozzle = pulse_of(case), case.nozzle
+    rows: list[Row] = [
+        ("plane", ("pitch and yaw, one stop" if s.in_both else s.plane,)),
+        ("model of the verdict", (s.model,)),
+        ("wind shape", (wind.shape,)),
+        ("peak wind angle", _typed("wind.peak_deg", wind.peak)),
+        ("wind duration", significant("wind.duration", wind.duration, 6, "s")),
+        ("dead band of the verdict, K", significant("question.dead_band", s.dead_band)),
+        ("left when K times the limit is", (LEFT_WHEN[s.switch],)),
+    ]
+    if wind.heading is not None:
+        heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
+        rows.insert(4, ("it blows from, off the flight", heading))
+    if s.encountered or s.sign is not None:
+        rows.append(("dynamic pressure", (AIR[s.sign],)))
+    gust = (s.slanting or s.wind_in_plane).placed_gust
+    if gust is not None:
+        rows += [
+            ("gust on top: peak", _typed("gust.peak_deg", gust.peak)),
+            ("it begins", significant("gust.begins", gust.onset, 6, "s")),
+            ("it ends", significant("gust.ends", gust.end, 6, "s")),
+        ]
+    if nozzle.limit is not None:
+        rows.append(("deflection limit", degrees("question.limit", nozzle.limit, unit="deg")))
+    if nozzle.rate_limit is not None:
+        rate = _typed("question.rate_limit", nozzle.rate_limit, "deg/s")
+        rows.append(("deflection rate limit", rate))
+    return quantities("Wind and question", rows)
 
 
 class _Judged(NamedTuple):
@@ -234,3 +294,8 @@ def _governed(s: Study) -> str:
     if s.in_both:
         return f"of both planes, {s.governs}"
     return "none is needed" if s.governs == Reason.NOTHING else f"set by {s.governs}"
+
+
+def _typed(name: str, angle: Any, unit: str = "deg") -> Line:
+    """Return an angle [rad] or a rate [rad/s] in degrees, as it was typed."""
+    return significant(name, np.degrees(angle), unit=unit)

@@ -312,6 +312,11 @@ class Availability(Tabled):
         ]
         return card("Launch availability", rows + [("note", note, "") for note in self.notes])
 
+    @property
+    def requires_deflection(self) -> bool:
+        """Whether any judged sounding requires deflection."""
+        return bool(np.nanmax(self.most, initial=0.0) > 0.0)
+
     def _rows(self, value: Any) -> tuple[Any, ...]:
         """Return values by azimuth as a tuple, also for a single azimuth."""
         return (value,) if np.ndim(self.azimuth) == 0 else value
@@ -352,6 +357,22 @@ _MONTHS = (
     *("January", "February", "March", "April", "May", "June"),
     *("July", "August", "September", "October", "November", "December"),
 )
+
+
+def limit_line(a: Availability) -> Line:
+    """Return the limit and the fraction of the soundings that fly with it."""
+    return ("Limit ", *degrees("availability.limit", a.limit, unit="deg"), ": ", *a.part().line)
+
+
+def archive_words(a: Availability) -> str:
+    """Return azimuth, number, station and dates of the soundings, as a sentence."""
+    azimuth = f"{np.degrees(float(a.azimuth)):.4g}"
+    first, last = a.soundings.times[[0, -1]].astype("datetime64[D]")
+    station = a.soundings.station or "an archive"
+    return (
+        f"The vehicle flies towards {azimuth} deg through each of the {len(a.soundings)} winds of"
+        f" {station} from {first} to {last}."
+    )
 
 
 def by_month(a: Availability) -> Table:

@@ -5,7 +5,7 @@ Model, planes, limit and stop are those of the case, and so is the first of its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -30,6 +30,8 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.base.fields import checked, file_table, flag, quantity, text, word
+from tvclin.base.lines import Line
+from tvclin.base.lines import number as number_line
 from tvclin.case.case import CROSS, DIRECTIONS, FROZEN, SIGNS, Case
 from tvclin.control.laws.registry import LAWS
 from tvclin.requirement.flight.controllability import ControllabilityRatio, controllability_ratio
@@ -450,6 +452,14 @@ class SizingRequest:
             f"the flight is that of {self.source}, not of the study's vehicle, {self.another}; give"
             " its own in [schedule], or leave out [schedule] and [size]"
         ]
+
+    def sounding_lines(self) -> Iterator[Line]:
+        """Yield station, date and direction of flight of each sounding, as a sentence."""
+        for name, sounding in self.soundings.items():
+            source = sounding.profile.source or "given without a source"
+            azimuth = number_line(f"flight.azimuth.{name}", np.degrees(sounding.azimuth), 1, "deg")
+            said = source if source.startswith(name) else f"{name}: {source}"
+            yield (f"Measured wind {said}; the flight goes towards ", *azimuth, ".")
 
     @property
     def notes(self) -> list[str]:

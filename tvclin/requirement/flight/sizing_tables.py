@@ -25,6 +25,13 @@ _OFF = "{} off by [%]"
 _MAX_FREEZING_ERROR = 1.0
 """Relative error above which a frozen requirement is no approximation, as at a low speed."""
 
+COLUMNS = (
+    "Change: by how much beta or B changes while the wind blows; above"
+    f" {100 * STEADY:g} % a frozen vehicle is doubtful. One pole: whether the slow motion of the"
+    " flight path may be neglected. Data: whether those of the flight cover the whole wind."
+)
+"""Definitions of the columns of doubts, in sentences."""
+
 
 def marks_line(s: Sizing) -> str:
     """Return the meanings of the marks in a table of the worst winds; empty without marks."""

@@ -2,7 +2,7 @@
 
 import platform
 import re
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from importlib.metadata import version
 from importlib.resources import files
 from os import PathLike
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tvclin import plots
 from tvclin.base.errors import InputError, missing
 from tvclin.base.lines import Formula, Line, Number, Table, as_sentence
+from tvclin.case.flexible_autopilot import shift_lines
 from tvclin.control.margins.criteria import band_table, margin_table
 from tvclin.design import standard_trials as trial_tables
 from tvclin.ensembles.availability import availability_record as answer_tables
@@ -20,10 +21,11 @@ from tvclin.requirement import study_tables
 from tvclin.requirement.flight import sizing_tables
 from tvclin.requirement.flight.total import total_table
 from tvclin.requirement.study import Study
-from tvclin.show.report import assumptions, autopilot_tables, equations, notes, verdict
+from tvclin.requirement.study_response import study_response
 from tvclin.show.report.figures import inline_svg
-from tvclin.show.report.study_response import StudyResponse, study_response
+from tvclin.studyfile import assumptions, autopilot_tables, study_verdict
 from tvclin.studyfile.findings import Findings, Told, find
+from tvclin.studyfile.glossary import equation_table, glossary_table
 from tvclin.studyfile.questions import asked_table, loop_notes, sufficient
 from tvclin.studyfile.read import load_study
 from tvclin.studyfile.study_plan import StudyPlan
@@ -42,7 +44,6 @@ _NAMES: dict[str, Any] = {
     "trial_tables": trial_tables,
     "availability_tables": answer_tables,
     "autopilot_tables": autopilot_tables,
-    "notes": notes,
     **{
         function.__name__: function
         for function in (
@@ -50,11 +51,12 @@ _NAMES: dict[str, Any] = {
             assumptions.doubts,
             assumptions.general,
             band_table,
-            equations.equation_table,
+            equation_table,
             flown_table,
             margin_table,
             mode_tables,
             plant_of,
+            shift_lines,
             loop_notes,
             study_response,
             total_table,
@@ -125,14 +127,14 @@ def _page(findings: Findings, environment: "Environment") -> str:
         document={key: value for key, value in document.items() if value},
         name=findings.study.vehicle.name or "unnamed vehicle",
         sufficient=sufficient(findings),
-        sentence=verdict.sentence(findings),
-        basis=verdict.basis(findings),
-        facts=verdict.facts(findings),
+        sentence=study_verdict.sentence(findings),
+        basis=study_verdict.basis(findings),
+        facts=study_verdict.facts(findings),
         assumed=assumed,
         doubts=assumptions.doubts_counted(assumed, sections.count(_DOUBT)),
         sections=sections,
         headings=_HEADING.findall(sections),
-        glossary=equations.glossary_table(_words(sections)),
+        glossary=glossary_table(_words(sections)),
     )
 
 
@@ -160,17 +162,6 @@ def _origin(findings: Findings) -> Table:
     rows += [((name,), (version(name),)) for name in _PACKAGES]
     rows.append((("Python",), (platform.python_version(),)))
     return Table("Inputs and versions", ("what", "which"), tuple(rows))
-
-
-def _response_chart(response: StudyResponse) -> "ControlPlot":
-    curves = plots.response_curves(
-        response.response,
-        limit=response.limit,
-        deflection=response.deflection,
-        wind=response.study.history,
-    )
-    columns = tuple(column for column in curves.columns if column.panel != "rate")
-    return plots.response_chart(replace(curves, columns=columns), across=1)
 
 
 def _plane_vectors(study: Study) -> "ControlPlot | None":
@@ -205,7 +196,6 @@ def _environment() -> "Environment":
     environment.globals |= {
         "svg": inline_svg,
         "plane_vectors": _plane_vectors,
-        "response_chart": _response_chart,
     }
     environment.globals["style"] = files(__package__).joinpath("style.css").read_text("utf-8")
     environment.globals["show"] = environment.get_template("parts.html").module

@@ -1,4 +1,4 @@
-"""Tables and notes of the autopilot of a study: in its wind, with its limit, and as a law."""
+"""Tables and notes of the autopilot of a study, in its wind and with its limit, and of its laws."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,9 @@ from tvclin.base.lines import (
 )
 from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.case.flexible_autopilot import FlexibleAnswer
+from tvclin.design.standard_trials import bounds, limit_tables, standard_winds
 from tvclin.flights.closed_loop.survival_limit import OK
+from tvclin.linear.plant import Plant
 from tvclin.studyfile.findings import Findings
 
 
@@ -102,6 +104,17 @@ def flexible_flight(findings: Findings) -> Table:
     )
     head = ("quantity", "flexible", "rigid")
     return Table(caption, head, ((("least limit that survives [deg]",), *cells),))
+
+
+def law_tables(findings: Findings) -> tuple[Table, ...]:
+    """Return the required limit of each law in each wind of a study, and the bounds of any law."""
+    request, s = findings.plan.laws, findings.study
+    assert request is not None
+    plant = Plant(s.coefficients, findings.plan.law_model)
+    winds = standard_winds(s.wind.peak, s.wind.duration)
+    return limit_tables(
+        findings.trials, bounds(plant, {name: winds[name] for name in request.winds})
+    )
 
 
 def autopilot_as_law(findings: Findings) -> Line:

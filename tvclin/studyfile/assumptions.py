@@ -11,9 +11,9 @@ from tvclin.case.case import FROZEN
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
 from tvclin.requirement.study import OUTLASTS, outlasts_one_pole
-from tvclin.show.report.verdict import SURVIVES
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import nominal_notes
+from tvclin.studyfile.study_verdict import SURVIVES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.wind_angles import (
     BEYOND_LINEAR,
