@@ -70,7 +70,7 @@ _ = bode_chart(autopilot, plant)
 
 # %%
 for one in tv.CRITERIA["aircraft"].judge(margins):
-    print(one.requirement.margin, round(float(one.value), 2), "met" if one.satisfied else "NOT MET")
+    print(one.criterion.margin, round(float(one.value), 2), "met" if one.satisfied else "NOT MET")
 
 # %% [markdown]
 # And the nozzle? In a wind this loop asks for a peak deflection. Below the boundary limits no

@@ -465,7 +465,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Coefficients.replace": Door(coefficients.replace, {"mu_alpha": 0.3}),
         "Criteria": Door(
             tv.control.Criteria,
-            {"name": "own", "requirements": tv.CRITERIA["classic"].requirements},
+            {"name": "own", "limits": tv.CRITERIA["classic"].limits},
         ),
         "Criteria.are_satisfied": Door(tv.CRITERIA["classic"].are_satisfied, {"margins": margins}),
         "Criteria.with_limits": Door(

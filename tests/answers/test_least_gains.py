@@ -290,9 +290,7 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
         aero_margin_dB=6.0, phase_margin_deg=20.0, mode_gain_margin_dB=1.0
     )
     asked = problem(plant=flexible, criteria=criteria)
-    whole = problem(
-        plant=flexible, criteria=replace(criteria, requirements=criteria.requirements[:2])
-    )
+    whole = problem(plant=flexible, criteria=replace(criteria, limits=criteria.limits[:2]))
     points = np.array([[x, y] for x in (0.1, 0.3, 0.5) for y in (0.4, 0.5, 0.6)])
     lacks, rigid = asked.missing_fractions(points), whole.missing_fractions(points)
     assert np.all(lacks >= rigid)

@@ -31,7 +31,7 @@ def test_margins_equal_the_library():
     for name in ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin"):
         assert document["margins"][name] == pytest.approx(getattr(expected, name), rel=1e-12)
     assert document["criteria"]["met"]
-    assert all(one["source"] for one in document["criteria"]["requirements"])
+    assert all(one["source"] for one in document["criteria"]["limits"])
 
 
 def test_criteria_decide_the_exit_code():
@@ -330,7 +330,7 @@ def test_an_autopilot_says_by_what_it_is_judged() -> None:
     given = ("autopilot", "configuration-i", "--gain-db", "4", "--delay-margin-ms", "20")
     printed, told = run(*given), json.loads(run(*given, "--json").stdout)["criteria"]
 
-    asked = {one["margin"]: (one["limit"], one["source"]) for one in told["requirements"]}
+    asked = {one["margin"]: (one["limit"], one["source"]) for one in told["limits"]}
     assert asked["delay_margin"] == (0.02, "the command line")
     assert asked["gain_increase_dB"] == (4.0, "the command line")
     assert asked["phase_margin_deg"][0] == 30.0

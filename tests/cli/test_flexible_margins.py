@@ -60,7 +60,7 @@ def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     own = ("--gain-db", "3", "--phase-deg", "20")
     assert margins(*own).exit_code == 0
     document = json.loads(margins(*own, "--mode-gain-db", "6", "--json").stdout)
-    judged = {(one["band"], one["margin"]): one for one in document["criteria"]["requirements"]}
+    judged = {(one["band"], one["margin"]): one for one in document["criteria"]["limits"]}
     second = autopilot().band_margins(booster()).mode("bending 2").gain_margin_dB
     found = judged["bending 2", "mode_gain_margin_dB"]
     assert found["surplus"] == pytest.approx(second - 6.0, rel=1e-9)

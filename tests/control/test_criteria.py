@@ -8,7 +8,7 @@ import pytest
 
 from tests.margin_numbers import NUMBERS
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
-from tvclin.control.margins.criteria import CRITERIA, Criteria, Requirement
+from tvclin.control.margins.criteria import CRITERIA, Criteria, Criterion
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import loop_margins
 from tvclin.linear.plant import MODELS
@@ -313,13 +313,13 @@ def test_an_unstable_loop_says_how_many_poles():
 
 
 def test_the_named_criteria_say_what_they_ask_for_and_where_it_comes_from():
-    limits = {name: [r.limit for r in one.requirements] for name, one in CRITERIA.items()}
+    limits = {name: [r.limit for r in one.limits] for name, one in CRITERIA.items()}
     assert limits == {"classic": [6, 6, 30], "aircraft": [6, 6, 45]}
     for name, criteria in CRITERIA.items():
         assert criteria.name == name
-        assert [r.unit for r in criteria.requirements] == ["dB", "dB", "deg"]
-        assert not any(r.is_upper_limit for r in criteria.requirements)
-        assert all(len(r.source) > 20 for r in criteria.requirements)
+        assert [r.unit for r in criteria.limits] == ["dB", "dB", "deg"]
+        assert not any(r.is_upper_limit for r in criteria.limits)
+        assert all(len(r.source) > 20 for r in criteria.limits)
 
 
 def test_surplus_is_positive_where_a_requirement_is_met():
@@ -332,7 +332,7 @@ def test_surplus_is_positive_where_a_requirement_is_met():
         assert [one.surplus for one in judged] == pytest.approx([shift, shift], abs=1e-12)
         assert [one.satisfied for one in judged] == [met, met]
         assert own.are_satisfied(m) is met
-        assert [one.requirement.is_upper_limit for one in judged] == [True, False]
+        assert [one.criterion.is_upper_limit for one in judged] == [True, False]
     assert not Criteria.custom(peak_sensitivity=peak + 1, phase_margin_deg=phase + 1).are_satisfied(
         m
     )
@@ -356,23 +356,23 @@ def test_criteria_of_a_batch_and_of_unstable_loops():
 def test_criteria_of_ones_own():
     own = Criteria.custom("dispersed", "a memorandum", delay_margin=0.1, disk_margin=0.4)
     assert own.name == "dispersed"
-    assert own.requirements == (
-        Requirement("delay_margin", 0.1, "a memorandum"),
-        Requirement("disk_margin", 0.4, "a memorandum"),
+    assert own.limits == (
+        Criterion("delay_margin", 0.1, "a memorandum"),
+        Criterion("disk_margin", 0.4, "a memorandum"),
     )
-    assert [r.unit for r in own.requirements] == ["s", ""]
-    assert Criteria.custom(delay_margin=1).requirements[0].source
-    assert Criteria(own.name, list(own.requirements)) == own
+    assert [r.unit for r in own.limits] == ["s", ""]
+    assert Criteria.custom(delay_margin=1).limits[0].source
+    assert Criteria(own.name, list(own.limits)) == own
 
 
 def test_criteria_are_changed_limit_by_limit_and_each_says_where_it_comes_from():
     own = Criteria.custom("own", "a memorandum", delay_margin=0.05, disk_margin=0.4)
     changed = own.with_limits("a letter", disk_margin=0.5, aero_margin_dB=6.0)
     assert changed.name == "own, changed by a letter"
-    assert changed.requirements == (
-        Requirement("delay_margin", 0.05, "a memorandum"),
-        Requirement("disk_margin", 0.5, "a letter"),
-        Requirement("aero_margin_dB", 6.0, "a letter"),
+    assert changed.limits == (
+        Criterion("delay_margin", 0.05, "a memorandum"),
+        Criterion("disk_margin", 0.5, "a letter"),
+        Criterion("aero_margin_dB", 6.0, "a letter"),
     )
     assert changed.description == "delay margin 50 ms, disk margin 0.5, aero margin 6 dB"
     assert own.with_limits("nobody") is own
@@ -410,10 +410,10 @@ def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_ban
         ),
         (lambda: Criteria.custom(delay_margin=np.nan), "delay_margin must be finite"),
         (lambda: Criteria.custom(delay_margin=[0.1, 0.2]), "delay_margin must be "),
-        (lambda: Requirement("phase_margin", 30.0, "me"), "margin must be one of aero_margin_dB"),
-        (lambda: Requirement("disk_margin", 0.4, 7), "source must be a text .*; got 7"),
-        (lambda: Criteria(7, CRITERIA["classic"].requirements), "name must be a text .*; got 7"),
-        (lambda: Criteria("mine", ["disk_margin"]), "requirements must be a tuple of Requirement"),
+        (lambda: Criterion("phase_margin", 30.0, "me"), "margin must be one of aero_margin_dB"),
+        (lambda: Criterion("disk_margin", 0.4, 7), "source must be a text .*; got 7"),
+        (lambda: Criteria(7, CRITERIA["classic"].limits), "name must be a text .*; got 7"),
+        (lambda: Criteria("mine", ["disk_margin"]), "limits must be a tuple of Criterion"),
         (lambda: CRITERIA["classic"].with_limits(7, disk_margin=0.4), "source must be a text"),
         (lambda: CRITERIA["classic"].judge(6.0), "margins must be a Margins .*; got 6.0"),
     ],

@@ -321,7 +321,7 @@ def test_criteria_know_bands():
         aero_margin_dB=6.0, mode_gain_margin_dB=18.0, mode_phase_margin_deg=45.0
     )
     found = AUTOPILOT.band_margins(booster())
-    judged = {(one.requirement.margin, one.band): one for one in asked.judge(found)}
+    judged = {(one.criterion.margin, one.band): one for one in asked.judge(found)}
     assert len(judged) == 1 + 2 * 5
     assert not judged["mode_gain_margin_dB", "bending 2"].satisfied
     assert judged["mode_gain_margin_dB", "bending 2"].surplus == to_margin(16.816351 - 18.0)

@@ -77,7 +77,7 @@ def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
     assert plan.vehicle == tv.load_vehicle(folder / "my.toml")
     assert tv.load_study(folder / "my.toml").vehicle == plan.vehicle
     assert tv.load_study("configuration-i").vehicle.structure is None
-    assert [one.margin for one in plan.criteria.requirements][-1] == "mode_gain_margin_dB"
+    assert [one.margin for one in plan.criteria.limits][-1] == "mode_gain_margin_dB"
 
 
 @pytest.mark.thorough

@@ -270,8 +270,7 @@ class _Answer:
             "boundaries_deg": bounds,
             **picked(compared, "minimum_deg wind_gain"),
             "worst_duration": self.worst,
-            "criteria": picked(self.case.held_to, "name requirements")
-            | {"met": self.criteria_satisfied},
+            "criteria": picked(self.case.held_to, "name limits") | {"met": self.criteria_satisfied},
             "limit_deg": self.limit,
             "autopilot_requirement_deg": self.flown and degrees(self.flown.deflection),
             "autopilot_requirement_nominal_deg": self.flown

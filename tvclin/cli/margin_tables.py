@@ -151,7 +151,7 @@ def margins_document(result: MarginsFound) -> dict[str, Any]:
         "margins": loop_margins,
         "bounds": _bounds(autopilot, result.plant),
         **({} if result.bands is None else {"bands": result.bands}),
-        "criteria": {"name": result.asked.name, "met": result.met, "requirements": result.judged},
+        "criteria": {"name": result.asked.name, "met": result.met, "limits": result.judged},
         "notes": loop_margins.notes,
     }
 

@@ -73,9 +73,9 @@ class BoxFound:
     def met(self) -> bool:
         """Whether the worst margins satisfy the criteria, as far as they are known."""
         return self.worst.stable and all(
-            self.worst.margins[requirement.margin].value >= requirement.limit
-            for requirement in self.asked.requirements
-            if requirement.margin in self.worst.margins
+            self.worst.margins[criterion.margin].value >= criterion.limit
+            for criterion in self.asked.limits
+            if criterion.margin in self.worst.margins
         )
 
     def as_dict(self) -> dict[str, Any]:

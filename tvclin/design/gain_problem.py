@@ -33,7 +33,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import band_margins
-from tvclin.control.margins.criteria import Criteria, Requirement
+from tvclin.control.margins.criteria import Criteria, Criterion
 from tvclin.control.margins.margins import MARGINS, Margins, margins_of
 from tvclin.flights.closed_loop.checks import check_sample_rate
 from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT, SURVIVED, fly_many
@@ -208,7 +208,7 @@ class GainProblem:
         fractions = [np.full(len(points), -np.inf)]
         fractions += [
             missing_fraction(r, getattr(margins, r.margin))
-            for r in self.criteria.requirements
+            for r in self.criteria.limits
             if r.margin in MARGINS
         ]
         if self.crossover is not None:
@@ -217,7 +217,7 @@ class GainProblem:
         worst = np.max(np.nan_to_num(fractions, nan=_UNSTABLE), axis=0)
         missing_fractions = np.where(margins.stable, worst, _UNSTABLE)
         good = np.flatnonzero(missing_fractions <= 0.0)
-        if self.plant.structure is not None and good.size and self._mode_requirements:
+        if self.plant.structure is not None and good.size and self._mode_limits:
             missing_fractions[good] = np.maximum(
                 missing_fractions[good], self._mode_missing_fractions(points[good])
             )
@@ -226,12 +226,12 @@ class GainProblem:
     @property
     def _has_delay_margin(self) -> bool:
         """Whether a delay margin is required."""
-        return any(r.margin == "delay_margin" for r in self.criteria.requirements)
+        return any(r.margin == "delay_margin" for r in self.criteria.limits)
 
     @property
-    def _mode_requirements(self) -> tuple[Requirement, ...]:
+    def _mode_limits(self) -> tuple[Criterion, ...]:
         """The required margins of modes."""
-        return tuple(r for r in self.criteria.requirements if r.margin not in MARGINS)
+        return tuple(r for r in self.criteria.limits if r.margin not in MARGINS)
 
     def _mode_missing_fractions(self, points: FloatArray) -> FloatArray:
         """Return the largest missing fraction of margins of modes by row of gains, ``(n,)``."""
@@ -239,8 +239,8 @@ class GainProblem:
         loop = self.autopilot(points).exact_loop(self.plant)
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
-        for verdict in replace(self.criteria, requirements=self._mode_requirements).judge(bands):
-            surplus = np.asarray(verdict.surplus) / max(verdict.requirement.limit, 1e-9)
+        for verdict in replace(self.criteria, limits=self._mode_limits).judge(bands):
+            surplus = np.asarray(verdict.surplus) / max(verdict.criterion.limit, 1e-9)
             worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
         return worst
 
@@ -257,10 +257,10 @@ def _checked_winds(winds: Any) -> tuple[History, ...]:
     return checked
 
 
-def missing_fraction(requirement: Requirement, value: Any) -> FloatArray:
+def missing_fraction(criterion: Criterion, value: Any) -> FloatArray:
     """Return the missing fraction of a required margin, ``(n,)``; negative where satisfied."""
-    fraction = (requirement.limit - np.asarray(value)) / max(requirement.limit, 1e-9)
-    return np.asarray(-fraction if requirement.is_upper_limit else fraction)
+    fraction = (criterion.limit - np.asarray(value)) / max(criterion.limit, 1e-9)
+    return np.asarray(-fraction if criterion.is_upper_limit else fraction)
 
 
 def highest_crossover(margins: Margins) -> FloatArray:

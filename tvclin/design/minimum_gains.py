@@ -357,7 +357,7 @@ def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> 
     """Return the names of active criteria, and of winds that require the same deflection."""
     active = [
         r.margin
-        for r in problem.criteria.requirements
+        for r in problem.criteria.limits
         if r.margin in MARGINS
         and abs(missing_fraction(r, getattr(margins, r.margin))) < _RELATIVE_TOLERANCE
     ]
@@ -421,7 +421,7 @@ def _refusal(problem: GainProblem, point: FloatArray) -> str:
     )
     missing_fractions = [
         (float(missing_fraction(r, getattr(margins, r.margin))), r)
-        for r in problem.criteria.requirements
+        for r in problem.criteria.limits
         if r.margin in MARGINS
     ]
     fraction, worst = max(missing_fractions, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))

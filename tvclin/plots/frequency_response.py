@@ -118,7 +118,7 @@ def nichols_chart(
 
 def box_sides(criteria: Criteria) -> tuple[float, float, float]:
     """Return the heights of the criteria box above and below -1 [dB], and its half width [deg]."""
-    limits = {r.margin: r.limit for r in criteria.requirements}
+    limits = {r.margin: r.limit for r in criteria.limits}
     up, down, half_width = (limits.get(name, 0.0) for name in _SIDES)
     return up, down, half_width
 

@@ -371,21 +371,21 @@ def _margins(findings: Findings) -> Question:
     if worst is None:
         return Question("margins", satisfied, line)
     of = f" of {worst.band}" if worst.band else ""
-    line += (f"; the {worst.requirement.name}{of} has least to spare",)
+    line += (f"; the {worst.criterion.name}{of} has least to spare",)
     return Question("margins", satisfied, line, measure=_measured(worst))
 
 
 def _relative_surplus(judgement: Judgement) -> float:
     """Return the surplus of a margin over its criterion; infinite for a criterion of zero."""
-    limit = judgement.requirement.limit
+    limit = judgement.criterion.limit
     return float(judgement.surplus) / limit if limit else np.inf
 
 
 def _measured(judgement: Judgement) -> Measure:
     """Return a margin with its criterion, in the unit of tables."""
-    limit, unit = judgement.requirement.shown
+    limit, unit = judgement.criterion.shown
     value, digits = unit_factor(unit) * float(judgement.value), DIGITS[unit]
-    return Measure(limit, value, unit, digits, judgement.requirement.is_upper_limit)
+    return Measure(limit, value, unit, digits, judgement.criterion.is_upper_limit)
 
 
 def _flexible(findings: Findings) -> Question:

@@ -277,12 +277,12 @@ def _critical_margins(
 ) -> tuple[str, ...]:
     """Return the name of the margin with the smallest relative surplus, for each row."""
     judged = criteria.judge(margins)
-    limits = [max(j.requirement.limit, np.finfo(float).tiny) for j in judged]
+    limits = [max(j.criterion.limit, np.finfo(float).tiny) for j in judged]
     surplus = np.stack(
         [np.broadcast_to(j.surplus, count) / limit for j, limit in zip(judged, limits, strict=True)]
     )
     critical = np.argmin(np.where(np.isnan(surplus), np.inf, surplus), axis=0)
-    names = [j.requirement.margin + (f" of {j.band}" if j.band else "") for j in judged]
+    names = [j.criterion.margin + (f" of {j.band}" if j.band else "") for j in judged]
     stable = np.broadcast_to(loops.stable, count)
     return tuple(names[k] if good else "unstable" for k, good in zip(critical, stable, strict=True))
 

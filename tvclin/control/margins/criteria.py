@@ -1,4 +1,4 @@
-"""Criteria for stability margins: requirements with their sources, judgements, and their tables."""
+"""Criteria for stability margins: their limits with their sources, judgements, and their tables."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ _AIRCRAFT = (
 
 
 @dataclass(frozen=True)
-class Requirement(Record):
+class Criterion(Record):
     """Limit of one margin.
 
     Attributes
@@ -88,27 +88,27 @@ class Requirement(Record):
 
 @dataclass(frozen=True, eq=False)
 class Judgement(Record):
-    """Margin compared with its requirement; numbers have the shape ``(...)`` of the batch.
+    """Margin compared with its criterion; numbers have the shape ``(...)`` of the batch.
 
     Attributes
     ----------
-    requirement : Requirement
+    criterion : Criterion
         Limit of the margin.
     value : float or ndarray
         Margin of the loop; NaN for an unstable loop.
     surplus : float or ndarray
-        Distance of the value from the limit, in its unit; negative for an unsatisfied requirement.
+        Distance of the value from the limit, in its unit; negative for an unsatisfied criterion.
     satisfied : bool or ndarray
-        Whether the requirement is satisfied; False for an unstable loop.
+        Whether the criterion is satisfied; False for an unstable loop.
     band : str
         Name of the mode; empty for the whole loop.
     """
 
-    requirement: Requirement = field(
+    criterion: Criterion = field(
         metadata=specs(
-            Field("margin", of="requirement.margin"),
-            Field("limit", of="requirement.limit"),
-            Field("source", of="requirement.source"),
+            Field("margin", of="criterion.margin"),
+            Field("limit", of="criterion.limit"),
+            Field("source", of="criterion.source"),
         )
     )
     value: Any = field(metadata=spec())
@@ -119,24 +119,24 @@ class Judgement(Record):
 
 @dataclass(frozen=True)
 class Criteria:
-    """Named set of requirements, such as ``CRITERIA["classic"]``, or a custom set.
+    """Named set of limits, such as ``CRITERIA["classic"]``, or a custom set.
 
     Attributes
     ----------
     name : str
         Name of the set.
-    requirements : tuple of Requirement
+    limits : tuple of Criterion
         Limits of the set.
     """
 
     name: str
-    requirements: tuple[Requirement, ...]
+    limits: tuple[Criterion, ...]
 
     def __post_init__(self) -> None:
         text("name", self.name)
-        requirements = each("requirements", self.requirements, Requirement, "see Criteria.custom")
-        object.__setattr__(self, "requirements", requirements)
-        if not requirements:
+        limits = each("limits", self.limits, Criterion, "see Criteria.custom")
+        object.__setattr__(self, "limits", limits)
+        if not limits:
             raise InputError(f"criteria need a limit: one or more of {', '.join(_UNITS)}")
 
     @classmethod
@@ -164,10 +164,10 @@ class Criteria:
         >>> import tvclin as tv
         >>> limits = {"aero_margin_dB": 3, "phase_margin_deg": 20}
         >>> dispersed = tv.control.Criteria.custom("dispersed", **limits)
-        >>> [r.limit for r in dispersed.requirements]
+        >>> [r.limit for r in dispersed.limits]
         [3.0, 20.0]
         """
-        return cls(name, tuple(Requirement(key, value, source) for key, value in limits.items()))
+        return cls(name, tuple(Criterion(key, value, source) for key, value in limits.items()))
 
     def with_limits(self, source: str, **limits: float) -> "Criteria":
         """Return the criteria with limits of a source replaced or added.
@@ -187,29 +187,29 @@ class Criteria:
         if not limits:
             return self
         name = f"{self.name}, changed by {text('source', source)}"
-        limits_of_source = Criteria.custom(name, source, **limits).requirements
-        by_margin = {r.margin: r for r in (*self.requirements, *limits_of_source)}
+        limits_of_source = Criteria.custom(name, source, **limits).limits
+        by_margin = {r.margin: r for r in (*self.limits, *limits_of_source)}
         return Criteria(name, tuple(by_margin.values()))
 
     @property
     def description(self) -> str:
-        """Names and limits of all requirements, in one line."""
-        limits = [(r.name, *r.shown) for r in self.requirements]
+        """Names and limits of all criteria, in one line."""
+        limits = [(r.name, *r.shown) for r in self.limits]
         return ", ".join(f"{name} {limit:g} {unit}".rstrip() for name, limit, unit in limits)
 
     @property
     def has_mode_limits(self) -> bool:
-        """Whether a requirement applies to modes."""
-        return any(r.margin in _MODE_MARGINS for r in self.requirements)
+        """Whether a criterion applies to modes."""
+        return any(r.margin in _MODE_MARGINS for r in self.limits)
 
     @property
     def without_mode_limits(self) -> "Criteria | None":
-        """Criteria with the requirements on the whole loop alone; None if there are none."""
-        loop = tuple(r for r in self.requirements if r.margin not in _MODE_MARGINS)
+        """Criteria with the limits of the whole loop alone; None if there are none."""
+        loop = tuple(r for r in self.limits if r.margin not in _MODE_MARGINS)
         return Criteria(self.name, loop) if loop else None
 
     def judge(self, margins: Margins | BandMargins) -> tuple[Judgement, ...]:
-        """Return the judgement of each margin, in the order of the requirements.
+        """Return the judgement of each margin, in the order of the criteria.
 
         Parameters
         ----------
@@ -229,43 +229,43 @@ class Criteria:
             instance("margins", margins, Margins, "see Autopilot.margins")
             loop, modes = margins, ()
         judgements = []
-        for requirement in self.requirements:
-            if requirement.margin not in _MODE_MARGINS:
-                judgements.append(_judge(requirement, loop))
+        for criterion in self.limits:
+            if criterion.margin not in _MODE_MARGINS:
+                judgements.append(_judge(criterion, loop))
             elif isinstance(margins, Margins):
                 raise InputError(
-                    f"{requirement.margin} is asked of modes; give Autopilot.band_margins in place"
+                    f"{criterion.margin} is asked of modes; give Autopilot.band_margins in place"
                     " of margins"
                 )
             judgements += [
-                _judge_mode(requirement, loop, mode)
+                _judge_mode(criterion, loop, mode)
                 for mode in modes
-                if requirement.margin in _MODE_MARGINS
+                if criterion.margin in _MODE_MARGINS
             ]
         return tuple(judgements)
 
     def are_satisfied(self, margins: Margins | BandMargins) -> Any:
-        """Return whether every requirement is satisfied, ``(...)``."""
+        """Return whether every criterion is satisfied, ``(...)``."""
         verdicts = [np.asarray(judgement.satisfied) for judgement in self.judge(margins)]
         return plain_bool(np.logical_and.reduce(verdicts))
 
 
-def _judge(requirement: Requirement, margins: Margins) -> Judgement:
+def _judge(criterion: Criterion, margins: Margins) -> Judgement:
     """Return the judgement of a margin of the whole loop."""
-    value = np.asarray(getattr(margins, requirement.margin), dtype=float)
-    surplus = value - requirement.limit
-    surplus = -surplus if requirement.is_upper_limit else surplus
-    return Judgement(requirement, plain(value), plain(surplus), plain_bool(surplus >= 0.0))
+    value = np.asarray(getattr(margins, criterion.margin), dtype=float)
+    surplus = value - criterion.limit
+    surplus = -surplus if criterion.is_upper_limit else surplus
+    return Judgement(criterion, plain(value), plain(surplus), plain_bool(surplus >= 0.0))
 
 
-def _judge_mode(requirement: Requirement, loop: Margins, mode: ModeBand) -> Judgement:
+def _judge_mode(criterion: Criterion, loop: Margins, mode: ModeBand) -> Judgement:
     """Return the judgement of a margin of one mode."""
-    value = np.asarray(getattr(mode, _MODE_MARGINS[requirement.margin]), dtype=float)
+    value = np.asarray(getattr(mode, _MODE_MARGINS[criterion.margin]), dtype=float)
     value = np.where(loop.stable, value, np.nan)
     applies = np.asarray(loop.stable) & ~np.isnan(value)
-    surplus = np.where(applies, value - requirement.limit, np.where(loop.stable, np.inf, np.nan))
+    surplus = np.where(applies, value - criterion.limit, np.where(loop.stable, np.inf, np.nan))
     satisfied = plain_bool((surplus >= 0.0)[()])
-    return Judgement(requirement, plain(value), plain(surplus), satisfied, mode.name)
+    return Judgement(criterion, plain(value), plain(surplus), satisfied, mode.name)
 
 
 def plain_bool(array: Any) -> Any:
@@ -298,7 +298,7 @@ _FACTORS = {"aero_margin_dB": "aero_margin", "gain_increase_dB": "gain_increase"
 
 def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
     """Return the table of margins of one stable loop, their frequencies, limits and surplus."""
-    by_margin = {j.requirement.margin: j for j in judged if not j.band}
+    by_margin = {j.criterion.margin: j for j in judged if not j.band}
     rows: list[tuple[Line, ...]] = []
     for name, label, value, unit, frequency in margins.rows():
         key = f"margin.{name}"
@@ -353,10 +353,10 @@ def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
     """Return the limit of a margin and its surplus with the verdict; empty without judgement."""
     if judgement is None:
         return ("",), ("",)
-    requirement = judgement.requirement
-    limit, unit = requirement.shown
-    key = f"criteria.{judgement.band}{'.' * bool(judgement.band)}{requirement.margin}"
-    prefix = ("at most ",) if requirement.is_upper_limit else ()
+    criterion = judgement.criterion
+    limit, unit = criterion.shown
+    key = f"criteria.{judgement.band}{'.' * bool(judgement.band)}{criterion.margin}"
+    prefix = ("at most ",) if criterion.is_upper_limit else ()
     surplus = unit_factor(unit) * judgement.surplus
     by = ("+" if 0.0 <= surplus < np.inf else "", *significant(f"{key}.surplus", surplus, 3))
     return (
