@@ -9,6 +9,7 @@ import pytest
 
 import tvclin as tv
 from tvclin.base.cards import Shown, card
+from tvclin.base.fields import derived
 from tvclin.ensembles.statistics import quantile_bound
 
 
@@ -170,8 +171,10 @@ def test_trials_are_one_table_of_laws_and_winds():
 
 def test_residues_of_modes_that_oscillate_are_shown_in_degrees():
     class Found(Shown):
-        _keys = "residue_deg"
-        residue = np.array([0.1 + 0.2j])
+        @property
+        @derived("angle")
+        def residue(self):
+            return np.array([0.1 + 0.2j])
 
     shown = Cells(Found()._repr_html_()).rows
 

@@ -2,18 +2,15 @@
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import fields
 from html import escape
 from textwrap import fill
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from tvclin.base.arrays import AnyArray
-from tvclin.base.documents import picked
 from tvclin.base.fields import document, fields_of
 from tvclin.base.lines import Line, Table, number, text
-from tvclin.base.units import UNITS, written
 
 _LINE_WIDTH = 88
 """Characters per line of a printed record."""
@@ -21,21 +18,10 @@ _LINE_WIDTH = 88
 _MAX_LISTED_NUMBERS = 6
 """Largest number of elements of an array that is shown in full, not by its range."""
 
-_SUFFIXES = {suffix for kind in UNITS.values() for suffix in kind} | {"dB"}
-
 _MIN_FIXED_ANGLE = 1e-3
 """Angle [deg] above which it is shown to three decimals, not to six digits."""
 
 Row = tuple[str, Any, str]
-
-
-class Quantity(NamedTuple):
-    """Number of a record in tables: its key, label, value and unit."""
-
-    key: str
-    label: str
-    value: Any
-    unit: str
 
 
 def card_rows(record: Any) -> Iterator[Row]:
@@ -81,25 +67,12 @@ def lines(title: str, rows: Iterable[Row]) -> str:
 class Record:
     """Value that a notebook shows as a small table, and JSON as a document, made of its fields."""
 
-    _keys = ""
-
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
-        if not fields_of(self):
-            return {x.name: getattr(self, x.name) for x in fields(self)}  # type: ignore
         return document(self)
 
-    def _quantities(self) -> Iterator[Row]:
-        if fields_of(self):
-            yield from card_rows(self)
-            return
-        record: Any = self
-        values = picked(record, self._keys) if self._keys else record.as_dict()
-        for key, value in values.items():
-            yield from _parts(*named(key), value)
-
     def _repr_html_(self) -> str:
-        return card(_title(type(self)), self._quantities())
+        return card(_title(type(self)), card_rows(self))
 
 
 class Shown(Record):
@@ -111,10 +84,7 @@ class Shown(Record):
             cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # ahead of a dataclass
 
     def __repr__(self) -> str:
-        return line(_title(type(self)), self._quantities())
-
-
-Carded = Record
+        return line(_title(type(self)), card_rows(self))
 
 
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
@@ -123,7 +93,7 @@ def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
         for label, item in value.items():
             yield from _parts(f"{name}, {label}", unit, item)
     elif isinstance(value, Record):
-        yield from ((f"{name}, {label}", *rest) for label, *rest in value._quantities())
+        yield from ((f"{name}, {label}", *rest) for label, *rest in card_rows(value))
     elif isinstance(value, tuple) and value and isinstance(value[0], Record):
         by_name = {item.name: item for item in value if hasattr(item, "name")}
         yield from _parts(name, "", by_name or len(value))
@@ -134,14 +104,6 @@ def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
 def _title(kind: type) -> str:
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__).lower()
     return words[:1].upper() + words[1:]
-
-
-def named(key: str) -> tuple[str, str]:
-    """Return the name in a key, and the unit at its end."""
-    for position in (k for k, letter in enumerate(key) if letter == "_"):
-        if key[position + 1 :] in _SUFFIXES:
-            return key[:position].replace("_", " "), written(key[position + 1 :])
-    return key.replace("_", " "), ""
 
 
 def table(shown: Table, said: Iterable[Line] = ()) -> str:

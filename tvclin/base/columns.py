@@ -12,6 +12,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import imported
+from tvclin.base.fields import fields_of
 from tvclin.base.files import write_rows
 
 if TYPE_CHECKING:
@@ -97,6 +98,15 @@ class Columns:
         if axes is None:
             return values
         return values.reshape([len(x.values) if x.key in axes else 1 for x in self.axes])
+
+
+def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) -> tuple[Column, ...]:
+    """Return fields of a record, by their names, as columns."""
+    return tuple(
+        Column(item.name, np.asarray(item.si_value(record)), item.si_unit or "1", axes)
+        for item in fields_of(record)
+        if item.name in names
+    )
 
 
 class Tabled(Shown):

@@ -38,6 +38,8 @@ _CONVERSIONS: dict[str, Callable[[Any], Any]] = {
     "gain": decibels,
 }
 """Functions from SI units to other units of documents, by kind of quantity."""
+_ROUNDED_UNITS = ("dB", "deg", "deg_per_s", "deg_per_s2")
+"""Units with a fixed number of decimals in tables."""
 _ANGLE_DIGITS = 3
 """Decimals of an angle in tables."""
 _EXPONENTS = str.maketrans("23", "²³")
@@ -101,12 +103,17 @@ class Field:
     @property
     def si_unit(self) -> str:
         """SI unit in messages; empty without a unit."""
-        return si_unit(self.kind)
+        return si_unit(self.kind) if self.numeric else ""
 
     @property
     def unit(self) -> str:
         """Unit in tables; empty without a unit."""
         return written(self.suffix).translate(_EXPONENTS)
+
+    @property
+    def heading(self) -> str:
+        """Label in tables with its unit."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
 
     @property
     def document_key(self) -> str:
@@ -115,23 +122,29 @@ class Field:
 
     def value(self, record: Any) -> Any:
         """Return the value of a record in the unit of documents: angles in degrees, gains in dB."""
-        source = self.of or self.name
-        value = source(record) if callable(source) else attrgetter(source)(record)
-        convert = _CONVERSIONS.get(self.kind)
+        value, convert = self.si_value(record), _CONVERSIONS.get(self.kind)
         return value if convert is None else _converted(value, convert)
+
+    def si_value(self, record: Any) -> Any:
+        """Return the value of a record as it is there."""
+        source = self.of or self.name
+        return source(record) if callable(source) else attrgetter(source)(record)
 
     def line(self, record: Any, prefix: str) -> lines.Line:
         """Return the value of a record as the cell of a table, with its unit.
 
         `prefix`: first part of the name of the number, as in "optimum.peak_deg".
         """
-        value, name = self.value(record), f"{prefix}.{self.document_key}"
+        return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
+
+    def cell(self, name: str, value: Any, unit: str = "") -> lines.Line:
+        """Return a value in the unit of documents as the cell `name` of a table."""
         if value is None or isinstance(value, str):
             return (value or "none",)
-        if self.digits is None and self.suffix not in ("dB", "deg", "deg_per_s", "deg_per_s2"):
-            return lines.significant(name, value, unit=self.unit)
+        if self.digits is None and self.suffix not in _ROUNDED_UNITS:
+            return lines.significant(name, value, unit=unit)
         digits = _ANGLE_DIGITS if self.digits is None else self.digits
-        return lines.number(name, value, digits, self.unit)
+        return lines.number(name, value, digits, unit)
 
     @property
     def numeric(self) -> bool:
@@ -256,8 +269,8 @@ def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
 
 
 def fields_of(record: Any) -> tuple[Field, ...]:
-    """Return the fields of a record: of its attributes, then of its properties, in their order."""
-    kind: Any = type(record)
+    """Return the fields of a record or its class: attributes, then properties, in their order."""
+    kind: Any = record if isinstance(record, type) else type(record)
     return _fields_of(kind)
 
 

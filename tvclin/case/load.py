@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
 
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, instance, nonzero, number, positive, small_angle
-from tvclin.base.fields import checked, file_table, quantity
+from tvclin.base.fields import checked, derived, file_table, quantity, spec
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.case.case import Case
 from tvclin.control.laws.law import Law
@@ -113,13 +112,11 @@ class FlownLoad(Shown):
         Load limit of the structure [rad].
     """
 
-    law: str
-    status: str
-    load: float
-    time: float
-    bound: float | None
-
-    as_dict = keyed("law status load_deg time_s bound_deg survives_within")
+    law: str = field(metadata=spec())
+    status: str = field(metadata=spec())
+    load: float = field(metadata=spec("angle"))
+    time: float = field(metadata=spec("time"))
+    bound: float | None = field(metadata=spec("angle"))
 
     @classmethod
     def of(cls, case: Case, name: str, law: Law, bound: LoadBound | None = None) -> Self:
@@ -160,6 +157,7 @@ class FlownLoad(Shown):
         return cls(name, flight.status, float(loads[worst]), float(flight.times[worst]), max_load)
 
     @property
+    @derived()
     def survives_within(self) -> bool | None:
         """Whether the law survives within the bound; None beyond linear aerodynamics."""
         if self.status == NOT_KNOWN:

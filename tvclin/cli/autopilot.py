@@ -7,7 +7,6 @@ from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
@@ -255,22 +254,31 @@ class _Answer:
         compared, (force, across) = self.compared, self.loads
         bounds = {f"{K:g}": degrees(boundary) for K, boundary in compared.boundaries.items()}
         return {
-            **picked(self.case, "vehicle=vehicle.name model=plant.model plane"),
+            "vehicle": self.case.vehicle.name,
+            "model": self.case.plant.model,
+            "plane": self.case.plane,
             "autopilot": compared.autopilot,
             **poles_document(compared.autopilot, compared.plant),
-            **picked(
-                compared,
-                "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
-                " part_of_trim=ratio_to_trim peak_deflection_rate_deg_s peak_angle_of_attack_deg",
-            ),
+            "wind_peak_deg": degrees(compared.wind.peak),
+            "stable": compared.margins.stable,
+            "peak_deflection_deg": degrees(compared.peak_deflection),
+            "part_of_trim": compared.ratio_to_trim,
+            "peak_deflection_rate_deg_s": degrees(compared.peak_deflection_rate),
+            "peak_angle_of_attack_deg": degrees(compared.peak_angle_of_attack),
             "peak_normal_force_N": force,
-            **picked(compared, "peak_attitude_deg peak_flight_path_angle_deg"),
+            "peak_attitude_deg": degrees(compared.peak_attitude),
+            "peak_flight_path_angle_deg": degrees(compared.peak_flight_path_angle),
             "peak_lateral_speed_m_s": across,
-            **picked(compared, "trim_deg=trim_deflection"),
+            "trim_deg": degrees(compared.trim_deflection),
             "boundaries_deg": bounds,
-            **picked(compared, "minimum_deg wind_gain"),
+            "minimum_deg": degrees(compared.minimum),
+            "wind_gain": compared.wind_gain,
             "worst_duration": self.worst,
-            "criteria": picked(self.case.held_to, "name limits") | {"met": self.criteria_satisfied},
+            "criteria": {
+                "name": self.case.held_to.name,
+                "limits": self.case.held_to.limits,
+                "met": self.criteria_satisfied,
+            },
             "limit_deg": self.limit,
             "autopilot_requirement_deg": self.flown and degrees(self.flown.deflection),
             "autopilot_requirement_nominal_deg": self.flown

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.flight_condition import FlightCondition
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.quantities import NOMINAL, survival
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -107,9 +106,14 @@ class Compared:
     def _document(self) -> dict[str, Any]:
         case, ends = self.case, self._ends()
         return {
-            **picked(case, "vehicle=case.vehicle.name engine plane=case.plane law dead_band"),
-            "wind": {"shape": case.shape, **picked(case.wind, "peak_deg onset_s end_s")},
-            **picked(self, "limit_deg survived=flight.survived"),
+            "vehicle": case.case.vehicle.name,
+            "engine": case.engine,
+            "plane": case.case.plane,
+            "law": case.law,
+            "dead_band": case.dead_band,
+            "wind": {"shape": case.shape, **case.wind.as_dict()},
+            "limit_deg": np.degrees(self.limit),
+            "survived": self.flight.survived,
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
             "boundary_deg": None if ends is None else self.both(ends),
             "pressure": self.case.pressure,

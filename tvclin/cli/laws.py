@@ -5,7 +5,6 @@ from functools import partial
 from math import degrees
 from typing import Any
 
-from tvclin.base.documents import picked
 from tvclin.base.errors import one_of, within
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
@@ -117,8 +116,11 @@ class _Answer:
         """Return it for JSON."""
         trims = {name: entry.trim_deg for name, entry in self.bounds.items()}
         return {
-            **picked(self, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
-            **picked(self, "peak_deg duration_s"),
+            "vehicle": self.case.vehicle.name,
+            "model": self.plant.model,
+            "plane": self.case.plane,
+            "peak_deg": degrees(self.peak),
+            "duration_s": self.duration,
             "flexible": self.plant.structure is not None,
             "cuts": cuts,
             "notes": linear_notes(self.peak),

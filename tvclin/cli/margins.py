@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.fields import document
 from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.base.tables import known
 from tvclin.case.autopilot_assumptions import gain_notes
@@ -253,12 +253,15 @@ class _Answer:
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
-        wind = {"name": self.wind, **picked(self.case, "peak_deg=history.peak")}
+        case = self.case
+        wind = {"name": self.wind, **document(case.history, "peak")}
         further = {
             "wind": self.in_wind and wind,
-            **picked(self, "detuned=moved flown=in_wind box=in_box"),
+            "detuned": self.moved,
+            "flown": self.in_wind,
+            "box": self.in_box,
         }
-        head = picked(self.case, "vehicle=vehicle.name model=plant.model plane")
+        head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         more = {name: value for name, value in further.items() if value is not None}
         margins = margins_document(self.found)
         return head | margins | more | {"notes": (*margins["notes"], *self.notes)}

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, within
+from tvclin.base.fields import document
 from tvclin.base.quantities import NOMINAL, survival
 from tvclin.case.case import Case
 from tvclin.cli.inputs import case_of, chosen, note_nominal_pressure
@@ -259,19 +259,31 @@ def _covers_the_wind(case: Held, shown: ResponseEnd) -> bool:
 def _document(case: Held, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
     verdict, wind_covered = case.verdict, _covers_the_wind(case, shown)
     needed = None if case.required is None else np.degrees(case.required.required_deflection)
-    keys = "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative"
+    peak = {
+        "deg": np.degrees(case.loads.peak_angle_of_attack),
+        "time_s": case.loads.peak_time,
+        "relative_to_wind": case.loads.relative,
+    }
     return {
-        **picked(case, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
-        "wind": {"shape": case.name, **picked(case.wind, "peak_deg duration_s=end")},
+        "vehicle": case.case.vehicle.name,
+        "model": case.plant.model,
+        "plane": case.case.plane,
+        "wind": {"shape": case.name, **document(case.wind, "peak"), "duration_s": case.wind.end},
         "required_deflection_deg": needed,
-        **picked(case, "dead_band nominal_deflection_deg=nominal governed_by=governs limit_deg"),
-        **picked(case, "survived notes"),
-        "shown_until": picked(shown, "time_s why"),
+        "dead_band": case.dead_band,
+        "nominal_deflection_deg": np.degrees(case.nominal),
+        "governed_by": case.governs,
+        "limit_deg": np.degrees(case.limit),
+        "survived": case.survived,
+        "notes": case.notes,
+        "shown_until": {"time_s": shown.time, "why": shown.why},
         "attitude": largest,
-        "peak_angle_of_attack": picked(case.loads, keys) if wind_covered else None,
+        "peak_angle_of_attack": peak if wind_covered else None,
         "verdict": {
-            **picked(verdict, "stable residues_rad"),
+            "stable": verdict.stable,
+            "residues_rad": verdict.residues,
             "final_motion": str(verdict.final_motion),
-            **picked(verdict.final_motion, "offset_deg rate_deg_per_s"),
+            "offset_deg": np.degrees(verdict.final_motion.offset),
+            "rate_deg_per_s": np.degrees(verdict.final_motion.rate),
         },
     }

@@ -11,8 +11,8 @@ import typer
 
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
+from tvclin.base.fields import document
 from tvclin.base.files import called
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.case.case import FROZEN
@@ -198,7 +198,7 @@ def size(
         "total": total,
         "controllability": ratio,
         "notes": [*sizing.notes, *said],
-        "verdict": picked(total, "limit_deg sufficient left_deg not_sized"),
+        "verdict": document(total, "limit", "sufficient", "left", "not_sized"),
     }
     answer(
         as_json,

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.base.documents import picked
 from tvclin.base.errors import (
     Faults,
     InputError,
@@ -272,10 +271,13 @@ class SoundingOptions(BiasOptions):
 
     def document(self, case: Case, required: CaseRequirement | None) -> dict[str, Any]:
         """Return the vehicle, model, wind and plane of a case, and its requirement, for JSON."""
-        wind = {"name": self.name(case), **picked(case.history, "peak_deg onset_s end_s")}
-        head = picked(case, "vehicle=vehicle.name model=plant.model")
-        needed = None if required is None else degrees(required.required_deflection)
-        return {**head, "wind": wind, "plane": case.plane, "required_deflection_deg": needed}
+        return {
+            "vehicle": case.vehicle.name,
+            "model": case.plant.model,
+            "wind": {"name": self.name(case), **case.history.as_dict()},
+            "plane": case.plane,
+            "required_deflection_deg": required and degrees(required.required_deflection),
+        }
 
     def sounding(self, plan: StudyPlan, source: str) -> History:
         """Return the wind angle [rad] of the sounding in the flight of a plan, in flight time.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, one_row, positive, times_row
+from tvclin.base.fields import spec
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -92,10 +93,10 @@ class GainTradeOff(Shown):
         largest trim.
     """
 
-    disk_margin: FloatArray
-    relative: FloatArray
+    disk_margin: FloatArray = field(metadata=spec())
+    relative: FloatArray = field(metadata=spec(label="over trim"))
     designs: tuple[MinimumGains | None, ...]
-    limits: dict[str, float]
+    limits: dict[str, float] = field(metadata=spec())
 
     @property
     def gains(self) -> tuple[str, ...]:
@@ -106,8 +107,6 @@ class GainTradeOff(Shown):
     def meaning(self) -> str:
         """Meaning of the deflection, "peak" or "boundary"; see `MinimumGains`."""
         return next(design.meaning for design in self.designs if design is not None)
-
-    _keys = "disk_margin over_trim=relative limits"
 
 
 def gain_trade_off(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -11,8 +11,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError
+from tvclin.base.fields import Field, spec, specs
 from tvclin.base.lines import Table, degrees, number
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -76,21 +76,24 @@ class MinimumGains(Shown):
     """
 
     problem: GainProblem
-    autopilot: Autopilot
-    meaning: str
-    deflection: float
-    relative: float
-    deflections: FloatArray
-    worst_wind: int
-    margins: Margins
-    active: tuple[str, ...]
-    many_stops: float | None
-    notes: tuple[str, ...]
-
-    as_dict = keyed(
-        "meaning deflection_deg part_of_trim=relative worst_wind deflections_deg active"
-        " many_stops_deg=many_stops notes"
+    autopilot: Autopilot = field(
+        metadata=specs(
+            Field("attitude_gain", of="autopilot.attitude_gain", document=False),
+            Field("rate_gain", "time", of="autopilot.rate_gain", document=False),
+            Field("alpha_gain", of="autopilot.alpha_gain", document=False),
+        )
     )
+    meaning: str = field(metadata=spec())
+    deflection: float = field(metadata=spec("angle"))
+    relative: float = field(metadata=spec(name="part_of_trim", label="over trim"))
+    deflections: FloatArray = field(metadata=spec("angle", card=False))
+    worst_wind: int = field(metadata=spec(card=False))
+    margins: Margins = field(
+        metadata=spec(name="disk_margin", of="margins.disk_margin", document=False)
+    )
+    active: tuple[str, ...] = field(metadata=spec(label="held by"))
+    many_stops: float | None = field(metadata=spec("angle", card=False))
+    notes: tuple[str, ...] = field(metadata=spec())
 
     def table(self) -> Table:
         """Return the table of the deflection in each wind."""
@@ -105,12 +108,6 @@ class MinimumGains(Shown):
         )
         caption = f"Minimum deflection: {meanings[self.meaning]}"
         return Table(caption, ("wind", "[deg]", "of trim"), rows)
-
-    _keys = (
-        "attitude_gain=autopilot.attitude_gain rate_gain_s=autopilot.rate_gain"
-        " alpha_gain=autopilot.alpha_gain meaning deflection_deg over_trim=relative"
-        " disk_margin=margins.disk_margin held_by=active notes"
-    )
 
 
 _SETTLING_TIME_CONSTANTS = 8.0

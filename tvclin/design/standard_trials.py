@@ -6,7 +6,7 @@ Every wind has the same peak and is measured by the duration of the triangle it 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -16,7 +16,7 @@ from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, callable_for, each, flag, instance, number, positive
-from tvclin.base.fields import checked, file_table, quantity, word
+from tvclin.base.fields import checked, file_table, quantity, spec, word
 from tvclin.base.lines import Line, Table
 from tvclin.base.lines import number as number_cell
 from tvclin.base.quantities import WIND_KNOWN
@@ -116,20 +116,18 @@ class LawTrial(Shown):
         wind; NaN without a boundary, and without `loads`.
     """
 
-    law: str
-    wind: str
-    limit: float
-    status: str
+    law: str = field(metadata=spec())
+    wind: str = field(metadata=spec())
+    limit: float = field(metadata=spec())
+    status: str = field(metadata=spec())
     lowest: float
     highest: float
     growth: float
     creeps: bool
     monotone: bool
     looked: tuple[tuple[float, float], ...]
-    peak_angle_of_attack: float
-    peak_attitude: float
-
-    _keys = "law wind limit status peak_angle_of_attack peak_attitude"
+    peak_angle_of_attack: float = field(metadata=spec())
+    peak_attitude: float = field(metadata=spec())
 
 
 class LawTrials(tuple[LawTrial, ...]):

@@ -12,8 +12,8 @@ import numpy as np
 from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
+from tvclin.base.fields import spec
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
@@ -104,15 +104,11 @@ class WorstCase(Shown):
         Number of loops that were computed.
     """
 
-    box: dict[str, tuple[float, float]]
-    margins: dict[str, Worst]
-    stable: bool
-    deflection: Worst | None
-    tried: int
-
-    _keys = "stable tried"
-
-    as_dict = keyed("box margins stable required_deflection_rad=deflection tried")
+    box: dict[str, tuple[float, float]] = field(metadata=spec(card=False))
+    margins: dict[str, Worst] = field(metadata=spec(card=False))
+    stable: bool = field(metadata=spec())
+    deflection: Worst | None = field(metadata=spec(name="required_deflection_rad", card=False))
+    tried: int = field(metadata=spec())
 
     def table(self) -> lines.Table:
         """Return the nominal and the worst value of each number, and its position."""

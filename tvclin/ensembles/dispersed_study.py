@@ -1,14 +1,14 @@
 """The deflection that covers a dispersed vehicle, within seconds and without a file."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
+from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency
 from tvclin.boundary.limit_shapes import limit_shape_of
@@ -80,25 +80,23 @@ class DispersedStudy(Shown):
     """
 
     nominal: Study
-    dispersions: Dispersions
-    seed: int
+    dispersions: Dispersions = field(metadata=spec(of="dispersions.each", card=False))
+    seed: int = field(metadata=spec())
     values: dict[str, FloatArray]
     deflection: FloatArray
     status: AnyArray
-    required: Quantile
-    success: Success | None
-    drivers: dict[str, float]
-
-    _keys = (
-        "cases=required.cases seed median_deg estimate_deg=required.estimate"
-        " upper_deg=required.upper drivers"
+    required: Quantile = field(
+        metadata=specs(
+            Field(name="cases", of="required.cases"),
+            Field(name="probability", of="required.probability", card=False),
+            Field(name="confidence", of="required.confidence", card=False),
+            Field(kind="angle", name="estimate", of="required.estimate"),
+            Field(kind="angle", name="upper", of="required.upper"),
+            Field(kind="angle", name="lower", of="required.lower", card=False),
+        )
     )
-
-    as_dict = keyed(
-        "cases=required.cases seed probability=required.probability confidence=required.confidence"
-        " median_deg estimate_deg=required.estimate upper_deg=required.upper"
-        " lower_deg=required.lower drivers success dispersions=dispersions.each"
-    )
+    success: Success | None = field(metadata=spec(card=False))
+    drivers: dict[str, float] = field(metadata=spec())
 
     def _repr_html_(self) -> str:
         return "".join(map(table, self.tables()))
@@ -144,6 +142,7 @@ class DispersedStudy(Shown):
         return f" In {count} of {self.status.size} cases: {BEYOND}." if count else ""
 
     @property
+    @derived("angle")
     def median(self) -> float:
         """The median [rad] of the deflections of cases that have an answer."""
         return float(np.nanmedian(self.deflection))

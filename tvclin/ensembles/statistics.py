@@ -7,15 +7,15 @@ independent days that have as much information.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, fraction, whole_number
+from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, number, text
 
 _PROBABILITY_TOLERANCE = 1e-12
@@ -37,14 +37,18 @@ class Quantile(Shown):
     infinity if the sample is too small to bound it. `cases`: size of the sample.
     """
 
-    probability: float
-    confidence: float
-    estimate: float
-    upper: float
-    lower: float
-    cases: int
+    probability: float = field(metadata=spec())
+    confidence: float = field(metadata=spec())
+    estimate: float = field(metadata=spec())
+    upper: float = field(metadata=spec())
+    lower: float = field(metadata=spec())
+    cases: int = field(metadata=spec())
 
-    _keys = "probability estimate upper lower confidence cases"
+    @property
+    def angles(self) -> dict[str, float]:
+        """Estimate and bounds of an angle [deg] by their keys."""
+        names = ("estimate", "lower", "upper")
+        return {f"{name}_deg": float(np.degrees(getattr(self, name))) for name in names}
 
     @property
     def converged(self) -> bool:
@@ -62,10 +66,10 @@ class Quantile(Shown):
 class Success(Shown):
     """A probability of success, or of loss, with the ends of its Clopper-Pearson interval."""
 
-    estimate: float
-    lower: float
-    upper: float
-    confidence: float
+    estimate: float = field(metadata=spec())
+    lower: float = field(metadata=spec())
+    upper: float = field(metadata=spec())
+    confidence: float = field(metadata=spec())
 
     def line(self, name: str) -> Line:
         """Return the probability and its interval in percent, as a line with that name."""
@@ -79,8 +83,6 @@ class Success(Shown):
         )
         estimate, lower, upper = percent
         return (*estimate, " % (", *lower, " to ", *upper, " %)")
-
-    _keys = "estimate lower upper confidence"
 
 
 @dataclass(frozen=True)
@@ -224,24 +226,22 @@ class Part(Shown):
         Confidence of the interval.
     """
 
-    flown: int
-    judged: int
-    unknown: int
-    effective: float
-    lower: float
-    upper: float
+    flown: int = field(metadata=spec())
+    judged: int = field(metadata=spec())
+    unknown: int = field(metadata=spec())
+    effective: float = field(metadata=spec(name="effective_number"))
+    lower: float = field(metadata=spec())
+    upper: float = field(metadata=spec())
     confidence: float
 
-    as_dict = keyed(
-        "flown judged unknown part lower upper effective_number=effective whatever_unknown=bounds"
-    )
-
     @property
+    @derived()
     def part(self) -> float:
         """Ratio of the soundings that fly to those that are judged; NaN where none is judged."""
         return self.flown / self.judged if self.judged else float("nan")
 
     @property
+    @derived(name="whatever_unknown")
     def bounds(self) -> tuple[float, float]:
         """Fractions of all soundings if every unknown one were lost, and if every one flew."""
         total = self.judged + self.unknown

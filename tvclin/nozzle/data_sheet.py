@@ -13,30 +13,24 @@ import numpy as np
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Shown, named, table
-from tvclin.base.documents import keyed, picked
+from tvclin.base.cards import Shown, table
+from tvclin.base.fields import Field, derived, document, fields_of, spec, specs
 from tvclin.base.files import write_rows
-from tvclin.base.lines import Line, Table, significant
-from tvclin.base.lines import number as figure
+from tvclin.base.lines import Line, Table
 from tvclin.flights.closed_loop.fly_many import NO_FLIGHT, SURVIVED, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import select_unstable
 from tvclin.nozzle.duty import NozzleCard, NozzleVerdict
+from tvclin.nozzle.motion import Work
 from tvclin.requirement.flight.sizing import flight_times, hundredths
 
-_MINIMUM_KEYS = "least_angle_deg=least least_rate_deg_per_s least_acceleration_deg_per_s2"
-"""Keys of the minima in a known wind."""
-_CARD_KEYS = (
-    "angle_deg=|angle.value| rate_deg_per_s=|rate.value| steady_rate_deg_per_s"
-    " acceleration_deg_per_s2=|acceleration.value| travel_deg reversals time_at_stop_s"
-)
-"""Keys of the card of a flight."""
-_WORK_KEYS = (
-    "torque_N_m=|torque.value| holding_torque_N_m=holding rms_torque_N_m=rms_torque"
-    " power_W=power.value energy_J=energy"
-)
-"""Keys of torque, power and energy."""
+_MINIMA = ("least_angle", "least_rate", "least_acceleration")
+"""Fields of the minima in a known wind."""
+_DUTY = ("angle", "rate", "steady_rate", "acceleration", "travel", "reversals", "time_at_stop")
+"""Fields of the duty of a flight."""
+_WORK = ("torque", "holding_torque", "rms_torque", "power", "energy")
+"""Fields of torque, power and energy."""
 _COLUMN_KEYS = (
     *("least_angle_deg", "least_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
     "acceleration_deg_per_s2",
@@ -58,14 +52,14 @@ class CardPoint(Shown):
     time [rad/s, W]. `direction`: head or tail, for a pulse whose dynamic pressure depends on it.
     """
 
-    time: float
-    wind: str
-    plane: str
+    time: float = field(metadata=spec("time"))
+    wind: str = field(metadata=spec())
+    plane: str = field(metadata=spec())
     limit: float
-    least: float = 0.0
+    least: float = field(default=0.0, metadata=spec("angle", name="least_angle"))
     pole: float = 0.0
-    status: str = ""
-    why: str = ""
+    status: str = field(default="", metadata=spec())
+    why: str = field(default="", metadata=spec())
     card: NozzleCard | None = None
     said: tuple[str, ...] = ()
     alone: FloatArray = field(default_factory=lambda: np.zeros(2))
@@ -73,11 +67,13 @@ class CardPoint(Shown):
     direction: str = ""
 
     @property
+    @derived("angular rate")
     def least_rate(self) -> float:
         """The deflection rate p d0 [rad/s] that must be exceeded at any angle."""
         return self.pole * self.least
 
     @property
+    @derived("angular acceleration")
     def least_acceleration(self) -> float:
         """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle."""
         return self.pole**2 * self.least
@@ -90,15 +86,21 @@ class CardPoint(Shown):
     @property
     def numbers(self) -> dict[str, float]:
         """All numbers by keys with their units."""
-        numbers = picked(self, _MINIMUM_KEYS)
+        numbers = document(self, *_MINIMA)
         if self.card is not None:
-            numbers |= picked(self.card, _CARD_KEYS)
-            numbers |= {} if self.card.work is None else picked(self.card.work, _WORK_KEYS)
-        return {key: float(value) for key, value in numbers.items()}
+            numbers |= document(self.card, *_DUTY)
+            numbers |= {} if self.card.work is None else document(self.card.work, *_WORK)
+        return {key: abs(float(value)) for key, value in numbers.items()}
 
     def as_dict(self) -> dict[str, Any]:
         """Return the point as the command line prints it as JSON, angles in degrees."""
-        return picked(self, "time_s wind plane status why") | self.numbers
+        return document(self) | self.numbers
+
+
+_FIELDS = {
+    item.document_key: item for kind in (Work, NozzleCard, CardPoint) for item in fields_of(kind)
+}
+"""Fields of all numbers, by key."""
 
 
 @dataclass(frozen=True)
@@ -109,12 +111,10 @@ class Duty(Shown):
     `energy`: work of the actuators [J]; NaN without nozzle data.
     """
 
-    wind: str
-    plane: str
-    travel: float
-    energy: float
-
-    as_dict = keyed("wind plane travel_deg energy_J")
+    wind: str = field(metadata=spec())
+    plane: str = field(metadata=spec())
+    travel: float = field(metadata=spec("angle"))
+    energy: float = field(metadata=spec("energy"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,21 +135,21 @@ class FlightCard(Shown):
         Omitted terms, and how the whole flight is counted.
     """
 
-    vehicle: str
-    law: str
-    points: tuple[CardPoint, ...]
-    duties: tuple[Duty, ...]
-    verdict: NozzleVerdict
-    notes: tuple[str, ...]
-
-    as_dict = keyed("vehicle law verdict largest duties points notes")
-    _keys = "vehicle law verdict=verdict.words largest"
+    vehicle: str = field(metadata=spec())
+    law: str = field(metadata=spec())
+    points: tuple[CardPoint, ...] = field(metadata=spec(card=False))
+    duties: tuple[Duty, ...] = field(metadata=spec(card=False))
+    verdict: NozzleVerdict = field(
+        metadata=specs(Field(card=False), Field(of="verdict.words", document=False))
+    )
+    notes: tuple[str, ...] = field(metadata=spec(card=False))
 
     def _repr_html_(self) -> str:
         first, *rest = self.tables()
         return table(first, ((self.verdict.words,),)) + "".join(map(table, rest))
 
     @property
+    @derived()
     def largest(self) -> dict[str, float]:
         """The largest of each quantity over the flight, by keys with their units."""
         return {key: point.numbers[key] for key, point in self._worst().items()}
@@ -193,17 +193,16 @@ class FlightCard(Shown):
 
         rows: list[tuple[Line, ...]] = []
         for key, point in self._worst().items():
-            name, unit = named(key)
-            value = _cell(f"card.{key}", key, point.numbers[key])
-            label = f"{name} [{unit}]" if unit else name
+            value = _FIELDS[key].cell(f"card.{key}", point.numbers[key])
+            label = _FIELDS[key].heading
             rows.append(((label,), value, (f"{point.time:.6g}",), where(point)))
         for key in ("travel_deg", "energy_J"):
             sums = [duty.as_dict()[key] for duty in self.duties]
             if np.isfinite(sums).any():
                 worst = self.duties[k := int(np.nanargmax(sums))]
-                name, unit = named(key)
-                value = _cell(f"card.whole.{key}", key, sums[k])
-                label = f"{name} of the whole flight [{unit}]"
+                item = _FIELDS[key]
+                value = item.cell(f"card.whole.{key}", sums[k])
+                label = f"{item.title} of the whole flight [{item.unit}]"
                 rows.append(((label,), value, ("",), where(worst)))
         head = ("", "largest", "at [s]", "in the wind")
         return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
@@ -225,15 +224,10 @@ class FlightCard(Shown):
                     key: float(np.fmax.reduce([row.get(key, np.nan) for row in numbers]))
                     for key in available
                 }
-                cells = (_cell(f"card.{time:g}.{key}", key, largest[key]) for key in available)
+                cells = (_FIELDS[k].cell(f"card.{time:g}.{k}", largest[k]) for k in available)
                 rows.append(((f"{time:.6g}",), *cells))
-            heads = [" [".join(filter(None, named(key))) + "]" for key in available]
+            heads = [_FIELDS[key].heading for key in available]
             yield Table(caption, ("time [s]", *heads), tuple(rows))
-
-
-def _cell(name: str, key: str, value: float) -> Line:
-    """Return the text of a number, with digits by the unit of its key."""
-    return figure(name, value) if "_deg" in key else significant(name, value)
 
 
 _PAIR = "two unstable poles are a pair, for which no test of loss is known"

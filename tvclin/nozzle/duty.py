@@ -6,7 +6,7 @@ Duty is angle, rate, travel, torque, power and energy; the data sheet says what 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     directions,
@@ -25,6 +24,7 @@ from tvclin.base.errors import (
     small_angle,
     times_row,
 )
+from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Line, Row, Table, degrees, quantities, significant
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import satisfaction, survival
@@ -70,28 +70,32 @@ class NozzleCard(Shown):
         Omitted terms, and why they are omitted.
     """
 
-    angle: Point
-    rate: Point
-    acceleration: Point
-    rms_rate: float
-    steady_rate: float
-    window: float
-    travel: float
-    reversals: int
-    time_at_stop: float | None
-    work: Work | None
-    notes: tuple[str, ...]
-
-    as_dict = keyed(
-        "angle_deg=angle.value angle_time_s=angle.time rate_deg_per_s=rate.value"
-        " rate_time_s=rate.time acceleration_deg_per_s2=acceleration.value"
-        " acceleration_time_s=acceleration.time rms_rate_deg_per_s steady_rate_deg_per_s window_s"
-        " travel_deg reversals time_at_stop_s work notes"
+    angle: Point = field(
+        metadata=specs(
+            Field(kind="angle", of="angle.value"),
+            Field(kind="time", name="angle_time", of="angle.time", card=False),
+        )
     )
-    _keys = (
-        "angle_deg=angle.value rate_deg_per_s=rate.value travel_deg reversals time_at_stop_s work"
-        " notes"
+    rate: Point = field(
+        metadata=specs(
+            Field(kind="angular rate", of="rate.value"),
+            Field(kind="time", name="rate_time", of="rate.time", card=False),
+        )
     )
+    acceleration: Point = field(
+        metadata=specs(
+            Field(kind="angular acceleration", of="acceleration.value", card=False),
+            Field(kind="time", name="acceleration_time", of="acceleration.time", card=False),
+        )
+    )
+    rms_rate: float = field(metadata=spec("angular rate", card=False))
+    steady_rate: float = field(metadata=spec("angular rate", card=False))
+    window: float = field(metadata=spec("time", card=False))
+    travel: float = field(metadata=spec("angle"))
+    reversals: int = field(metadata=spec())
+    time_at_stop: float | None = field(metadata=spec("time"))
+    work: Work | None = field(metadata=spec())
+    notes: tuple[str, ...] = field(metadata=spec())
 
     def tables(self) -> tuple[Table, ...]:
         """Return the card as a table of names and values."""
@@ -298,14 +302,13 @@ class Need(Shown):
     that the nozzle offers; None where the data sheet has none.
     """
 
-    name: str
-    unit: str
-    needed: float
-    there: float | None
-
-    as_dict = keyed("name unit needed there left met")
+    name: str = field(metadata=spec())
+    unit: str = field(metadata=spec())
+    needed: float = field(metadata=spec())
+    there: float | None = field(metadata=spec())
 
     @property
+    @derived()
     def left(self) -> float | None:
         """Remaining margin, available minus required; negative where the nozzle is insufficient."""
         if self.there is None:
@@ -314,6 +317,7 @@ class Need(Shown):
         return max(margin, 0.0) if self.met else margin  # negative by rounding only
 
     @property
+    @derived()
     def met(self) -> bool | None:
         """Whether the available value is sufficient; None where either value is not known."""
         if self.there is None or np.isnan(self.needed):
@@ -334,12 +338,9 @@ class NozzleVerdict(Shown):
     judged, with the reason and a remedy, in words.
     """
 
-    needs: tuple[Need, ...]
-    lost: tuple[str, ...] = ()
-    unknown: tuple[str, ...] = ()
-
-    as_dict = keyed("met words needs lost unknown")
-    _keys = "verdict=words lost unknown"
+    needs: tuple[Need, ...] = field(metadata=spec(card=False))
+    lost: tuple[str, ...] = field(default=(), metadata=spec())
+    unknown: tuple[str, ...] = field(default=(), metadata=spec())
 
     @classmethod
     def of(
@@ -371,6 +372,7 @@ class NozzleVerdict(Shown):
         return cls.of(nozzle, dict.fromkeys(needed_of(nozzle, (), np.nan), np.nan), (), unknown)
 
     @property
+    @derived(card=False)
     def met(self) -> bool | None:
         """Whether all flights are survived and all lines satisfied; None where not known."""
         answers = [need.met for need in self.needs if need.there is not None]
@@ -395,6 +397,7 @@ class NozzleVerdict(Shown):
         return f"the {worst.name} needed is {needed}, and {available} is available"
 
     @property
+    @derived(label="verdict")
     def words(self) -> str:
         """The verdict in a sentence, with its reason."""
         specified = any(need.there is not None for need in self.needs)

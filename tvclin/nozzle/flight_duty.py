@@ -8,7 +8,7 @@ that nothing is counted twice.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any, Self
 
@@ -17,7 +17,6 @@ import numpy as np
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     between,
@@ -28,6 +27,7 @@ from tvclin.base.errors import (
     positive,
     whole_number,
 )
+from tvclin.base.fields import spec
 from tvclin.base.lines import Table
 from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
 from tvclin.boundary.limit_shapes import limit_shape_of
@@ -75,13 +75,11 @@ class FlownCard(Shown):
     and on terms that the card omits. In a wind beyond linear aerodynamics nothing is known.
     """
 
-    law: str
-    status: str
-    card: NozzleCard | None
+    law: str = field(metadata=spec())
+    status: str = field(metadata=spec())
+    card: NozzleCard | None = field(metadata=spec())
     notes: tuple[str, ...]
-    verdict: NozzleVerdict
-
-    as_dict = keyed("law status card verdict")
+    verdict: NozzleVerdict = field(metadata=spec())
 
     @classmethod
     def of(cls, case: Case, name: str, law: Law) -> Self:

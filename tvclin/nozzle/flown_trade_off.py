@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     callable_for,
@@ -22,6 +21,7 @@ from tvclin.base.errors import (
     whole_number,
     within,
 )
+from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.case.case import Case
@@ -56,15 +56,15 @@ class FlownFront(Shown):
     was tried above one that survives survives as well.
     """
 
-    front: RateTradeOff
-    limits: dict[str, FloatArray]
-    monotone: dict[str, BoolArray]
-    cuts: int
-
-    as_dict = keyed("rates_deg_per_s=front.rates limits_deg monotone cuts needed_deg survives")
-    _keys = "needed_deg survives cuts"
+    front: RateTradeOff = field(
+        metadata=spec("angular rate", name="rates", of="front.rates", card=False)
+    )
+    limits: dict[str, FloatArray] = field(metadata=spec("angle", card=False))
+    monotone: dict[str, BoolArray] = field(metadata=spec(card=False))
+    cuts: int = field(metadata=spec())
 
     @property
+    @derived("angle")
     def needed(self) -> dict[str, float] | None:
         """Limit [rad] of each law at the rate limit of the nozzle; None if not among `rates`."""
         at_rate = np.flatnonzero(self.front.rates == self.front.rate_limit)
@@ -73,6 +73,7 @@ class FlownFront(Shown):
         return {name: float(values[at_rate[0]]) for name, values in self.limits.items()}
 
     @property
+    @derived()
     def survives(self) -> dict[str, bool] | None:
         """Whether each law survives with the nozzle; None without its limits, or not known."""
         needed, limit = self.needed, self.front.limit

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
+from tvclin.base.fields import Field, spec, specs
 from tvclin.case.nozzle import NozzleData
 from tvclin.flights.closed_loop.fly import NozzleFlight
 from tvclin.linear.extremes import Point
@@ -144,20 +144,24 @@ class Work(Shown):
     `stiffness`: k + s_E a_x [N m/rad]; with a negative one the nozzle turns away by itself.
     """
 
-    torque: Point
-    holding: float
-    rms_torque: float
-    power: Point
-    energy: float
-    returned: float
-    corner_power: float
-    stiffness: float
-
-    as_dict = keyed(
-        "torque_N_m=torque.value torque_time_s=torque.time holding_torque_N_m=holding"
-        " rms_torque_N_m=rms_torque power_W=power.value power_time_s=power.time"
-        " corner_power_W=corner_power energy_J=energy returned_energy_J=returned"
+    torque: Point = field(
+        metadata=specs(
+            Field(kind="moment", of="torque.value"),
+            Field(kind="time", name="torque_time", of="torque.time"),
+        )
     )
+    holding: float = field(metadata=spec("moment", name="holding_torque"))
+    rms_torque: float = field(metadata=spec("moment"))
+    power: Point = field(
+        metadata=specs(
+            Field(kind="power", of="power.value"),
+            Field(kind="time", name="power_time", of="power.time"),
+        )
+    )
+    energy: float = field(metadata=spec("energy"))
+    returned: float = field(metadata=spec("energy", name="returned_energy"))
+    corner_power: float = field(metadata=spec("power"))
+    stiffness: float
 
 
 def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:

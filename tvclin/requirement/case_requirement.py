@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.errors import InputError, between, number, positive, single, within
+from tvclin.base.fields import Field, spec, specs
 from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.open_loop import Reason
@@ -53,12 +54,27 @@ class CaseRequirement:
     All requirements are NaN, or empty, in a wind `beyond` linear aerodynamics.
     """
 
-    case: Case
-    dead_band: float
+    case: Case = field(
+        metadata=specs(
+            Field("vehicle", of="vehicle.name", document=False),
+            Field("model", of="model"),
+            Field("plane", of="plane", document=False),
+            Field("sign", of="sign", card=False),
+            Field("limit", "angle", of="limit"),
+        )
+    )
+    dead_band: float = field(metadata=spec())
     wind_in_plane: ShapedWind
-    requirement: RequiredDeflection
+    requirement: RequiredDeflection = field(
+        metadata=specs(
+            Field("required_deflection", "angle", of="required_deflection"),
+            Field("governed_by", of="governs"),
+            Field("requirements", "angle", of="requirement.needs", card=False),
+            Field("nominal_deflection", "angle", of="nominal_deflection", card=False),
+        )
+    )
     planes: TwoPlaneRequirement | None
-    encountered: dict[str, float]
+    encountered: dict[str, float] = field(metadata=spec("angle", card=False))
     encountered_unknown: str
 
     @property

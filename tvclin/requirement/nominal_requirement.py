@@ -15,7 +15,7 @@ The minimum peak of a wind that is known, with trim and the boundary at K = 0, i
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
+from tvclin.base.fields import Field, derived, document, spec, specs
 from tvclin.base.lines import Row, Table, degrees, minimum_limit, number, quantities, significant
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit, leading_pole
@@ -62,13 +62,11 @@ class RequiredDeflection(Shown):
         Status of the boundary with the literal switch; see `BoundaryLimit`.
     """
 
-    limit: Any
-    deflection: Any
-    governs: Any
-    needs: dict[Reason, Any]
+    limit: Any = field(metadata=spec(label="limit over trim"))
+    deflection: Any = field(metadata=spec("angle"))
+    governs: Any = field(metadata=spec())
+    needs: dict[Reason, Any] = field(metadata=spec("angle"))
     status: Any
-
-    _keys = "limit_over_trim=limit deflection_deg governs needs_deg"
 
 
 def required_deflection(
@@ -279,7 +277,14 @@ class KnownWind(Shown):
 
     plant: Plant
     wind: History
-    best: Optimum
+    best: Optimum = field(
+        metadata=specs(
+            Field("peak", "angle", of="best.peak"),
+            Field("switch_times", "time", of="best.switch_times"),
+            Field("status", of="best.status"),
+            Field("certificate", of="best.certificate"),
+        )
+    )
     limited: RateLimitedOptimum | None = None
 
     @classmethod
@@ -304,21 +309,25 @@ class KnownWind(Shown):
         return (self.limited or self.best).deflection
 
     @property
+    @derived("angle")
     def trim(self) -> float:
         """Static trim [rad]: the largest deflection of ideal trim."""
         return abs(float(self.plant.coefficients.B * self.wind.peak))
 
     @property
+    @derived()
     def part_of_trim(self) -> float | None:
         """Minimum peak over static trim; None without trim."""
         return self.best.peak / self.trim if self.trim else None
 
     @property
+    @derived("angle")
     def held(self) -> float:
         """Boundary limit [rad] at K = 0, for one pole: constant from the onset of the wind on."""
         return abs(float(boundary_limit(self.plant, self.wind, 0.0).deflection))
 
     @property
+    @derived()
     def first_segment(self) -> str:
         """Direction of the first segment of the deflection, in words."""
         deflection = self.best.deflection
@@ -330,12 +339,8 @@ class KnownWind(Shown):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
-        return {
-            **picked(self.best, "peak_deg"),
-            **picked(self, "part_of_trim trim_deg held_deg first_segment"),
-            **picked(self.best, "switch_times_s status certificate"),
-            **({} if self.limited is None else {"with_rate_limit": self.limited}),
-        }
+        more = {} if self.limited is None else {"with_rate_limit": self.limited}
+        return document(self) | more
 
     def table(self, caption: str) -> Table:
         """Return the peak, its certificate, and the numbers it is compared with."""

@@ -8,7 +8,7 @@ plane, whose dead band is left by the vector, may need more in a wind that turns
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, plain
+from tvclin.base.fields import derived, spec
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape
 from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.linear.plant import Plant
@@ -94,8 +95,8 @@ class TwoPlaneRequirement:
 
     stop: LimitShape
     wind: PlaneWind
-    deflection: Any
-    separate: dict[str, Any]
+    deflection: Any = field(metadata=spec("angle", name="required_deflection"))
+    separate: dict[str, Any] = field(metadata=spec("angle"))
 
     @property
     def governs(self) -> Reason:
@@ -105,6 +106,7 @@ class TwoPlaneRequirement:
         return Reason.BOTH_PLANES if vector else Reason.ONE_PLANE
 
     @property
+    @derived("angle")
     def peak(self) -> float:
         """Size [rad] of the largest wind vector."""
         return float(self.wind.peak)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from math import radians
 from typing import Any, Self
@@ -13,8 +13,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of
+from tvclin.base.fields import Field, document, spec, specs
 from tvclin.base.quantities import NOMINAL
 from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
@@ -216,23 +216,29 @@ class Study(CaseRequirement, Shown):
     """
 
     coefficients: Coefficients
-    wind: Any
-    switch: str
+    wind: Any = field(
+        metadata=specs(
+            Field("wind", of="shape", document=False),
+            Field("peak", "angle", of="wind.peak", document=False),
+            Field("duration", "time", of="wind.duration", document=False),
+        )
+    )
+    switch: str = field(metadata=spec(card=False))
     modes: dict[str, Modes]
-    trim_deflection: float
+    trim_deflection: float = field(metadata=spec("angle", document=False))
     boundaries: dict[str, BoundaryLimit]
     dead_bands: FloatArray
-    sufficient: bool | None
-    survivable_peak: float | None
+    sufficient: bool | None = field(metadata=spec())
+    survivable_peak: float | None = field(
+        metadata=specs(
+            Field(kind="angle", of=lambda study: study.survivable_size),
+            Field("survivable_peak_of", of="peak_of", card=False),
+            Field("survivable_peak_is_bound", of="survives_bound", card=False),
+        )
+    )
     forecast_free: dict[str, ForecastFreeLimit]
     minima: dict[str, float]
     notes: tuple[str, ...] = ()
-
-    _keys = (
-        "vehicle=vehicle.name model plane wind=shape peak_deg=wind.peak duration_s=wind.duration"
-        " dead_band required_deflection_deg governed_by=governs trim_deflection_deg limit_deg"
-        " sufficient survivable_peak_deg=|survivable_peak|"
-    )
 
     @classmethod
     def from_vehicle(
@@ -381,6 +387,11 @@ class Study(CaseRequirement, Shown):
         return f"of the wind's part in the {self.plane} plane{gust}"
 
     @property
+    def survivable_size(self) -> float | None:
+        """Size of the survivable peak [rad]; None without a limit."""
+        return None if self.survivable_peak is None else abs(self.survivable_peak)
+
+    @property
     def survives_bound(self) -> bool | None:
         """Whether the survivable peak is a lower bound, `peak_bound`; None without a limit."""
         if self.survivable_peak is None:
@@ -398,37 +409,36 @@ class Study(CaseRequirement, Shown):
         v, slanting, planes = self.vehicle, self.slanting, {}
         if self.planes is not None and slanting is not None:
             planes["planes"] = {
-                **picked(slanting, "heading_deg"),
-                **picked(self.planes, "peak_deg"),
+                "heading_deg": np.degrees(slanting.heading or 0.0),
+                **document(self.planes),
                 "stop": repr(self.planes.stop),
-                **picked(self.planes, "required_deflection_deg=deflection separate_deg"),
                 "pitch_omitted_fraction": self.planes.omitted_fraction("pitch"),
                 "judged": self.in_both,
             }
-        gust = (
-            None if self.gust is None else picked(self.gust, "peak_deg begins_s=onset ends_s=end")
-        )
+        gust = None
+        if self.gust is not None:
+            gust = {
+                **document(self.gust, "peak"),
+                "begins_s": self.gust.onset,
+                "ends_s": self.gust.end,
+            }
         return {
             "vehicle": v if isinstance(v, Vehicle) else {"name": v.name},
-            **picked(self, "plane coefficients"),
-            "wind": {"shape": self.shape, **picked(self.wind, "peak_deg duration_s")},
+            "plane": self.plane,
+            "coefficients": self.coefficients,
+            "wind": {"shape": self.shape, **document(self, "peak", "duration")},
             "gust": gust,
             **planes,
             "unstable_poles_per_s": {name: modes.poles for name, modes in self.modes.items()},
-            **picked(self, "trim_deflection_deg"),
+            **document(self, "trim_deflection"),
             "boundaries": {
                 name: {"dead_band": self.dead_bands, **boundary.as_dict()}
                 for name, boundary in self.boundaries.items()
             },
-            **picked(self, "forecast_free minimum_deg=minima notes"),
-            "verdict": picked(
-                self,
-                "model dead_band switch sign required_deflection_deg governed_by=governs"
-                " requirements_deg=requirement.needs nominal_deflection_deg encountered_deg"
-                " limit_deg sufficient"
-                " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of"
-                " survivable_peak_is_bound=survives_bound",
-            ),
+            "forecast_free": self.forecast_free,
+            "minimum_deg": {name: np.degrees(peak) for name, peak in self.minima.items()},
+            "notes": self.notes,
+            "verdict": document(self),
         }
 
 

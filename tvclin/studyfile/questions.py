@@ -1,11 +1,12 @@
 """Questions of a study file about a limit and an autopilot, and the table of their answers."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tvclin.base.documents import keyed
+from tvclin.base.cards import Record
+from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, degrees, listed, minimum_limit, number, significant, text
 from tvclin.base.quantities import NOMINAL, satisfaction, sufficiency, survival
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
@@ -24,20 +25,18 @@ _CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
 
 
 @dataclass(frozen=True)
-class Measure:
+class Measure(Record):
     """Required and available value of a question, both in `unit`, the unit that is shown.
 
     `digits` is the number of digits behind the point. `at_most`: the available value must not be
     above the required value, in place of not below.
     """
 
-    required: float
-    available: float
-    unit: str = "deg"
+    required: float = field(metadata=spec())
+    available: float = field(metadata=spec())
+    unit: str = field(default="deg", metadata=spec())
     digits: int = 3
     at_most: bool = False
-
-    as_dict = keyed("required available unit")
 
     @property
     def remaining(self) -> float:
@@ -54,7 +53,7 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Question:
+class Question(Record):
     """One question of a study file.
 
     `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
@@ -64,16 +63,15 @@ class Question:
     available value: by default `needs` and the limit.
     """
 
-    name: str
-    yes: bool | None
-    line: Line
+    name: str = field(metadata=spec())
+    yes: bool | None = field(metadata=spec())
+    line: Line = field(metadata=spec(name="why", of="text"))
     needs: float = float("nan")
     whose: str = ""
-    measure: Measure | None = None
-
-    as_dict = keyed("name answer yes why=text measure")
+    measure: Measure | None = field(default=None, metadata=spec())
 
     @property
+    @derived()
     def answer(self) -> str:
         """The answer as a word: a verdict, whether a criterion is met, or a flight survived."""
         if self.name in _FLIGHTS:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, card
 from tvclin.base.columns import Column, Columns, Tabled
-from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import (
     between,
     finite,
@@ -23,6 +22,7 @@ from tvclin.base.errors import (
     small_angle,
     within,
 )
+from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Line, Table, degrees, minimum_limit, text
 from tvclin.base.lines import number as number_cell
 from tvclin.ensembles.availability.judge import Judge
@@ -58,16 +58,15 @@ class Today(Shown):
         Reason why nothing can be said; empty for a judged sounding.
     """
 
-    least: float
-    most: float
+    least: float = field(metadata=spec("angle"))
+    most: float = field(metadata=spec("angle"))
     limit: float
-    part: float
-    judged: tuple[float, float]
-    why: str = ""
-
-    as_dict = keyed("go least_deg most_deg part_of_archive_below=part judged_s why")
+    part: float = field(metadata=spec(name="part_of_archive_below"))
+    judged: tuple[float, float] = field(metadata=spec("time"))
+    why: str = field(default="", metadata=spec())
 
     @property
+    @derived()
     def go(self) -> bool | None:
         """Whether the limit is sufficient; None where that is not known."""
         if not np.isnan(self.most) and covers(self.limit, self.most):
@@ -114,16 +113,16 @@ class Availability(Tabled):
     """
 
     soundings: Soundings
-    limit: float
+    limit: float = field(metadata=spec("angle"))
     azimuth: float | FloatArray
-    plane: str
-    model: str
+    plane: str = field(metadata=spec())
+    model: str = field(metadata=spec())
     least: FloatArray
     most: FloatArray
     known: BoolArray
     persistence: FloatArray
     confidence: float
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = field(metadata=spec())
     reasons: tuple[str, ...]
     judged: FloatArray
     judge: Judge
@@ -152,8 +151,6 @@ class Availability(Tabled):
         return tuple(
             reason or word * open_ for (reason, open_), word in zip(both, words, strict=True)
         )
-
-    _keys = "limit_deg model plane notes"
 
     @property
     def judged_in_all(self) -> tuple[float, float]:
@@ -260,7 +257,12 @@ class Availability(Tabled):
                 Column("to", ends, "s", ("time",)),
                 Column("why", np.array(self.why, dtype=str), "", ("time",)),
             ),
-            picked(self, "limit plane model station=soundings.station"),
+            {
+                "limit": self.limit,
+                "plane": self.plane,
+                "model": self.model,
+                "station": self.soundings.station,
+            },
         )
 
     def with_limit(self, limit: float) -> Self:
@@ -285,9 +287,11 @@ class Availability(Tabled):
             }
             for a, part in enumerate(self._rows(self.part()))
         ]
-        head = "vehicle=judge.flight.vehicle.name station=soundings.station model plane limit_deg"
         return {
-            **picked(self, f"{head} confidence"),
+            "vehicle": self.judge.flight.vehicle.name,
+            "station": self.soundings.station,
+            **document(self, "model", "plane", "limit"),
+            "confidence": self.confidence,
             "soundings": len(self.soundings),
             "judged_s": list(self.judged_in_all),
             "towards": towards,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, one_of, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.laws.law import Law
@@ -170,9 +169,11 @@ class Replay:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, with units by name."""
-        return picked(
-            self, "case status fate inputs outputs units response=extremes flight=extremes_flown"
-        )
+        names = ("case", "status", "fate", "inputs", "outputs", "units")
+        return {name: getattr(self, name) for name in names} | {
+            "response": self.extremes,
+            "flight": self.extremes_flown,
+        }
 
     def tables(self) -> tuple[Table, ...]:
         """Return the tables of inputs, required deflections, flight, margins and response."""

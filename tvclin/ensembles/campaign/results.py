@@ -1,7 +1,7 @@
 """Results of a campaign: columns read chunk by chunk, and their statistics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -9,8 +9,8 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.columns import Column, Columns, Tabled
-from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
+from tvclin.base.fields import Field, derived, specs
 from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints
 from tvclin.ensembles.campaign.case_replay import Replay, replay_case
 from tvclin.ensembles.campaign.cases import nominal
@@ -43,13 +43,14 @@ class CampaignResults(Tabled):
     """
 
     folder: Path
-    manifest: Manifest
-    chunks: tuple[int, ...]
-
-    _keys = (
-        "vehicle=campaign.vehicle.name model=campaign.model cases seed=campaign.seed complete"
-        " outputs"
+    manifest: Manifest = field(
+        metadata=specs(
+            Field("vehicle", of="campaign.vehicle.name"),
+            Field("model", of="campaign.model"),
+            Field("seed", of="campaign.seed"),
+        )
     )
+    chunks: tuple[int, ...]
 
     @classmethod
     def read(cls, folder: Path) -> "CampaignResults":
@@ -65,11 +66,13 @@ class CampaignResults(Tabled):
         return self.manifest.campaign
 
     @property
+    @derived()
     def cases(self) -> int:
         """Number of cases in the finished chunks."""
         return sum(self.campaign.span(k)[1] for k in self.chunks)
 
     @property
+    @derived()
     def complete(self) -> bool:
         """Whether the campaign has ended: all chunks are finished, or the answer has converged."""
         return len(self.chunks) == self.campaign.chunks or self.converged
@@ -92,6 +95,7 @@ class CampaignResults(Tabled):
         return nominal(self.campaign)
 
     @property
+    @derived()
     def outputs(self) -> tuple[str, ...]:
         """Names of the columns of all outputs."""
         return tuple(columns(self.campaign))
@@ -283,7 +287,10 @@ class CampaignResults(Tabled):
             (Column(case, values[case], ""),),
             tuple(Column(name, values[name], units.get(name, "")) for name in others),
             {
-                **picked(plan, "vehicle=vehicle.name model plane seed"),
+                "vehicle": plan.vehicle.name,
+                "model": plan.model,
+                "plane": plan.plane,
+                "seed": plan.seed,
                 "sha256": self.manifest.seal,
             },
         )

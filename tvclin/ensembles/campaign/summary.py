@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.cards import Shown
-from tvclin.base.documents import picked
+from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency, survival
 from tvclin.case.case import FROZEN
@@ -34,15 +34,13 @@ class CampaignSummary(Shown):
     """
 
     found: CampaignResults
-    output: str
-    limit: float | None
-    required: Quantile
+    output: str = field(metadata=spec())
+    limit: float | None = field(metadata=spec("angle", card=False))
+    required: Quantile = field(metadata=spec())
     answers: np.ndarray[Any, np.dtype[np.float64]]
-    success: Success | None
-    survival: Success | None
+    success: Success | None = field(metadata=spec())
+    survival: Success | None = field(metadata=spec())
     loss: Success | None
-
-    _keys = "output median_deg required success survival"
 
     @classmethod
     def of(
@@ -87,6 +85,7 @@ class CampaignSummary(Shown):
         return "in each wind" if plan.wind.count else "in a head or tail wind, the worse"
 
     @property
+    @derived("angle")
     def median(self) -> float:
         """The median of the answers [rad]."""
         return float(np.median(self.answers))
@@ -102,22 +101,21 @@ class CampaignSummary(Shown):
         found, flights = self.found, self.found.flights
         nominal = found.nominal.get(self.output)
         return {
-            **picked(found.campaign, "vehicle=vehicle.name model"),
-            **picked(self, "output trusts_a_forecast"),
-            **picked(found, "cases cases_planned=campaign.cases complete"),
+            **document(found, "vehicle", "model", "cases", "complete"),
+            "cases_planned": found.campaign.cases,
+            **document(self, "output", "limit", "success", "survival", "median"),
+            "trusts_a_forecast": self.trusts_a_forecast,
             "statuses": found.statuses(),
-            **picked(self.required, "probability confidence"),
+            **document(self.required, "probability", "confidence"),
             "nominal_deg": None if nominal is None else np.degrees(nominal),
-            **picked(self, "median_deg"),
-            **picked(self.required, "estimate_deg lower_deg upper_deg"),
-            **picked(self, "limit_deg success survival"),
+            **self.required.angles,
             "flights": flights and dict(zip(("survived", "lost"), flights, strict=True)),
             "loss": self.loss,
             "loss_drivers": found.loss_drivers(),
             "drivers": found.drivers(self.output),
             "worst": [{"case": k, "deg": np.degrees(v)} for k, v in self.worst.items()],
             "convergence": [
-                picked(quantile, "cases lower_deg estimate_deg upper_deg")
+                {"cases": quantile.cases, **quantile.angles}
                 for quantile in found.convergence(self.output)
             ],
         }

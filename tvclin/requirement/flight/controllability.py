@@ -6,15 +6,15 @@ Design rules keep it above 2 where possible, and above 1 always.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.flight.total import (
@@ -48,17 +48,21 @@ class ControllabilityRatio(Shown):
         Available deflection [rad].
     """
 
-    takes: DeflectionTotal
-    limit: float
-
-    as_dict = keyed("ratio words time_s=takes.time takes_deg=takes.total limit_deg")
+    takes: DeflectionTotal = field(
+        metadata=specs(
+            Field(kind="time", name="time", of="takes.time"), Field(kind="angle", of="takes.total")
+        )
+    )
+    limit: float = field(metadata=spec("angle"))
 
     @property
+    @derived()
     def ratio(self) -> float:
         """Available deflection over the deflection taken; infinite where none is."""
         return self.limit / self.takes.total if self.takes.total else np.inf
 
     @property
+    @derived()
     def words(self) -> str:
         """The ratio against its goal and its limit, in words."""
         known = " where the winds are known" if self.takes.not_sized else ""

@@ -11,9 +11,9 @@ import numpy as np
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.columns import Column, Columns, Tabled
-from tvclin.base.documents import keyed, picked
+from tvclin.base.columns import Column, Columns, Tabled, columns_of
 from tvclin.base.errors import one_of
+from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.requirement.plane_requirement import omitted_fraction
@@ -37,11 +37,9 @@ def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:
 class Worst(Shown):
     """The largest deflection [rad] of one requirement, its flight time [s] and its wind."""
 
-    deflection: float
-    time: float
-    wind: str
-
-    as_dict = keyed("deflection_deg time_s wind")
+    deflection: float = field(metadata=spec("angle"))
+    time: float = field(metadata=spec("time"))
+    wind: str = field(metadata=spec())
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,33 +101,34 @@ class Sizing(Tabled):
         Trim of winds that are fixed in flight time, each angle with the vehicle of its own time.
     """
 
-    schedule: FlightSchedule
-    times: FloatArray
-    winds: tuple[str, ...]
+    schedule: FlightSchedule = field(metadata=spec(name="vehicle", of="schedule.vehicle.name"))
+    times: FloatArray = field(metadata=spec("time", card=False))
+    winds: tuple[str, ...] = field(metadata=spec())
     dead_bands: FloatArray
-    required: dict[Requirement, FloatArray]
-    law: str
-    model: str
-    plane: str
-    begins: FloatArray
-    ends: FloatArray
-    change: FloatArray
-    known_times: FloatArray
-    known: BoolArray
-    covered: BoolArray
-    slow_mode: FloatArray
-    edge: FloatArray
+    required: dict[Requirement, FloatArray] = field(metadata=spec("angle", card=False))
+    law: str = field(metadata=spec(card=False))
+    model: str = field(metadata=spec())
+    plane: str = field(metadata=spec())
+    begins: FloatArray = field(metadata=spec("time", card=False))
+    ends: FloatArray = field(metadata=spec("time", card=False))
+    change: FloatArray = field(metadata=spec(card=False))
+    known_times: FloatArray = field(metadata=spec("time", card=False))
+    known: BoolArray = field(metadata=spec(card=False))
+    covered: BoolArray = field(metadata=spec(card=False))
+    slow_mode: FloatArray = field(metadata=spec(card=False, document=False))
+    edge: FloatArray = field(metadata=spec("time", name="single_pole_edge", card=False))
     said: tuple[str, ...]
     notes: tuple[str, ...]
     separate: Mapping[str, Sizing] = field(default_factory=dict)
     stop: LimitShape | None = None
     unsigned: BoolArray | None = None
-    arises: Mapping[Requirement, FloatArray] = field(default_factory=dict)
+    arises: Mapping[Requirement, FloatArray] = field(
+        default_factory=dict, metadata=spec("time", card=False, document=False)
+    )
     concurrent: ConcurrentTrim | None = None
 
-    _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
-
     @property
+    @derived(card=False, document=False)
     def pitch_omitted_fraction(self) -> dict[Requirement, FloatArray]:
         """Fraction of each requirement that the pitch plane alone omits, ``(n, m)``.
 
@@ -145,19 +144,18 @@ class Sizing(Tabled):
         """Return the record as the command line prints it as JSON, angles in degrees."""
         planes: dict[str, Any] = {}
         if self.separate:
-            planes = {"stop": repr(self.stop)}
-            planes["separate_deg"] = {
-                plane: picked(sizing, "deg=required")["deg"]
-                for plane, sizing in self.separate.items()
+            planes = {
+                "stop": repr(self.stop),
+                "separate_deg": {
+                    plane: document(sizing, "required")["required_deg"]
+                    for plane, sizing in self.separate.items()
+                },
+                **document(self, "pitch_omitted_fraction"),
             }
-            planes |= picked(self, "pitch_omitted_fraction")
         return {
-            **picked(self, "vehicle=schedule.vehicle.name model plane law winds times_s"),
-            **picked(self, "required_deg"),
-            **(picked(self, "arises_s") if self.arises else {}),
+            **document(self),
+            **(document(self, "arises") if self.arises else {}),
             **planes,
-            **picked(self, "begins_s ends_s change covered known known_times_s beyond_one_pole"),
-            **picked(self, "single_pole_edge_s=edge worst"),
             "worst_by_wind": {
                 wind: {key.label: worst for key, worst in self.worst_in(wind).items()}
                 for wind in self.winds
@@ -181,6 +179,7 @@ class Sizing(Tabled):
         return table(Table(title, head, rows))
 
     @property
+    @derived(card=False)
     def beyond_one_pole(self) -> BoolArray:
         """Whether the wind is beyond the single-pole theory, ``(n, m)``."""
         return beyond_one_pole(self.slow_mode)
@@ -200,11 +199,13 @@ class Sizing(Tabled):
         return words[self.law]
 
     @property
+    @derived(card=False)
     def worst(self) -> dict[Requirement, Worst]:
         """Largest value of each requirement, omitting those that are defined nowhere."""
         return self._largest(range(len(self.winds)))
 
     @property
+    @derived("angle", document=False)
     def largest(self) -> dict[Requirement, float]:
         """Largest deflection [rad] of each requirement, omitting those that are defined nowhere."""
         return {name: worst.deflection for name, worst in self.worst.items()}
@@ -292,16 +293,15 @@ class Sizing(Tabled):
         needs = {requirement.column: values for requirement, values in self.required.items()}
         for plane, sizing in self.separate.items():
             needs |= {f"{k.column}_{plane}_alone": v for k, v in sizing.required.items()}
-        others = "change known covered slow_mode beyond_one_pole"
+        others = ("begins", "ends", "change", "known", "covered", "slow_mode", "beyond_one_pole")
         return Columns(
             (Column("time", self.times, "s"), Column("wind", np.array(self.winds), "")),
             (
                 *(Column(name, values, "rad") for name, values in needs.items()),
-                *(Column(name, getattr(self, name), "s") for name in ("begins", "ends")),
-                *(Column(name, getattr(self, name)) for name in others.split()),
-                Column("single_pole_edge", self.edge, "s", ("time",)),
+                *columns_of(self, *others),
+                *columns_of(self, "single_pole_edge", axes=("time",)),
             ),
-            {"vehicle": self.schedule.vehicle.name, **picked(self, "model plane law")},
+            document(self, "vehicle", "model", "plane", "law"),
         )
 
 

@@ -8,12 +8,11 @@ A reserve is a fraction of the available limit that stays unused: total <= (1 - 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tvclin.base.cards import Shown, table
-from tvclin.base.documents import keyed
+from tvclin.base.cards import Record, Shown, table
 from tvclin.base.errors import (
     InputError,
     between,
@@ -29,6 +28,7 @@ from tvclin.base.errors import (
     text,
     within,
 )
+from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line as Cell
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.base.quantities import sufficiency
@@ -51,17 +51,15 @@ RATES = (1e-15, 1e9)
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Record):
     """A contribution to the total deflection [rad], zero or positive.
 
     Systematic contributions add up, random ones by the root of the sum of squares.
     """
 
-    name: str
-    deflection: float
-    kind: str = "systematic"
-
-    as_dict = keyed("name deflection_deg kind")
+    name: str = field(metadata=spec())
+    deflection: float = field(metadata=spec("angle"))
+    kind: str = field(default="systematic", metadata=spec())
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, KINDS)
@@ -98,13 +96,13 @@ class DeflectionTotal(Shown):
         Required rate [rad/s], at the limit or else at any; NaN where it is not known.
     """
 
-    lines: tuple[Line, ...]
-    reserve: float = 0.0
-    limit: float | None = None
-    time: float | None = None
-    not_sized: tuple[str, ...] = ()
-    rate_limit: float | None = None
-    needed_rate: float = 0.0
+    lines: tuple[Line, ...] = field(metadata=spec(card=False))
+    reserve: float = field(default=0.0, metadata=spec())
+    limit: float | None = field(default=None, metadata=spec("angle", document=False))
+    time: float | None = field(default=None, metadata=spec("time"))
+    not_sized: tuple[str, ...] = field(default=(), metadata=spec(card=False, document=False))
+    rate_limit: float | None = field(default=None, metadata=spec("angular rate", card=False))
+    needed_rate: float = field(default=0.0, metadata=spec("angular rate", card=False))
     end: str = ""
 
     def __post_init__(self) -> None:
@@ -121,12 +119,6 @@ class DeflectionTotal(Shown):
             number("rate_limit", self.rate_limit, between(*RATES), "rad/s")
         instance("needed_rate", self.needed_rate, float, "in rad/s")
         text("end", self.end)
-
-    _keys = "time_s total_deg reserve limit_deg required_deg"
-
-    as_dict = keyed(
-        "time_s lines total_deg reserve required_deg rate_limit_deg_per_s needed_rate_deg_per_s"
-    )
 
     def _repr_html_(self) -> str:
         return table(total_table(self), self.verdict)
@@ -179,11 +171,13 @@ class DeflectionTotal(Shown):
         return float(np.linalg.norm(deflections))
 
     @property
+    @derived("angle")
     def total(self) -> float:
         """Sum of systematic and random contributions [rad]; NaN without any."""
         return self.systematic + self.random if self.lines else float("nan")
 
     @property
+    @derived("angle")
     def required(self) -> float:
         """Minimum limit [rad] with the reserve: total/(1 - reserve)."""
         return self.total / (1.0 - self.reserve)
@@ -194,6 +188,7 @@ class DeflectionTotal(Shown):
         return self.rate_limit is not None and self.needed_rate > self.rate_limit * (1.0 + 1e-9)
 
     @property
+    @derived(card=False, document=False)
     def sufficient(self) -> bool | None:
         """Whether the limit covers the total and the reserve, at the available rate.
 
@@ -208,6 +203,7 @@ class DeflectionTotal(Shown):
         return None if sufficient and self.not_sized else sufficient
 
     @property
+    @derived("angle", card=False, document=False)
     def left(self) -> float | None:
         """Remaining deflection [rad]: limit minus reserve and total; negative if insufficient."""
         return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
