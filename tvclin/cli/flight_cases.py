@@ -18,15 +18,14 @@ from tvclin.cli.wind import wind_words
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
 from tvclin.design.gain_designs import specified_autopilot
+from tvclin.flights.engine_interface import ReportControl, verdict_time
 from tvclin.flights.flown_boundary import ENGINES, flown_boundary
-from tvclin.flights.nozzle_command import ReportControl
 from tvclin.flights.theory_comparison import (
     PEAKS,
     FlightComparison,
     compare_flight,
     linear_boundary,
 )
-from tvclin.flights.verdict import verdict_time
 from tvclin.linear.modes import all_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement

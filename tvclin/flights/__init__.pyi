@@ -12,8 +12,8 @@ from .closed_loop.survival_limit import BoundaryMap as BoundaryMap
 from .closed_loop.survival_limit import ClosedLoopBoundary as ClosedLoopBoundary
 from .closed_loop.survival_limit import boundary_map as boundary_map
 from .closed_loop.survival_limit import closed_loop_boundary as closed_loop_boundary
+from .engine_interface import ReportControl as ReportControl
 from .flown_boundary import FlownBoundary as FlownBoundary
-from .nozzle_command import ReportControl as ReportControl
 from .planar import fly_planar as fly_planar
 from .sixdof.fly_sixdof import fly_sixdof as fly_sixdof
 from .sixdof.model import Earth as Earth

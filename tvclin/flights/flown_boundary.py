@@ -30,11 +30,16 @@ from tvclin.base.fields import spec
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
-from tvclin.flights.nozzle_command import Control, ReportControl, command_of
+from tvclin.flights.engine_interface import (
+    Control,
+    ReportControl,
+    command_of,
+    verdict_of,
+    verdict_time,
+)
 from tvclin.flights.planar import planar_case, planar_outputs
 from tvclin.flights.sixdof.fly_sixdof import SixDof, fly_sixdof, planes_verdict
 from tvclin.flights.sixdof.model import Earth
-from tvclin.flights.verdict import verdict_of, verdict_time
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

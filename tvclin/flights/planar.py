@@ -33,16 +33,18 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.closed_loop.continuous import Arc, ContinuousFlight, Loop, smooth_piece
-from tvclin.flights.nozzle_command import (
+from tvclin.flights.engine_interface import (
+    MAX_ATTITUDE,
     ONSET_OVER_LIMIT,
+    OUTPUTS,
     Command,
     Control,
     ReportControl,
     check_history,
     command_of,
     limit_of,
+    warn_of_the_end,
 )
-from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS, warn_of_the_end
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle

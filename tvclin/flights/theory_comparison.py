@@ -30,9 +30,8 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.fly_many import SURVIVED, FlownCases, fly_many
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
+from tvclin.flights.engine_interface import MAX_ATTITUDE, OUTPUTS, ReportControl
 from tvclin.flights.flown_boundary import ENGINES
-from tvclin.flights.nozzle_command import ReportControl
-from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import MAX_SHOWN_ATTITUDE, release_time
 from tvclin.linear.flexible import AnyPlant

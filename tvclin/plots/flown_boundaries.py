@@ -15,9 +15,8 @@ from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import instance, one_of, one_row, positive, within
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
+from tvclin.flights.engine_interface import OUTPUTS, ReportControl
 from tvclin.flights.flown_boundary import ENGINES, flown_boundary
-from tvclin.flights.nozzle_command import ReportControl
-from tvclin.flights.verdict import OUTPUTS
 from tvclin.plots.boundaries import ABSCISSA, ORDINATE, drift_words
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw

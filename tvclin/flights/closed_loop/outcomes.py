@@ -80,7 +80,7 @@ def _unstable_poles(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray
 def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
     """Return the rows of an unstable coordinate on states, delta and delta', ``(p, n + 2)``.
 
-    The coordinate is that of `recoverable.unstable_coordinates`. With the left eigenvector l, l A =
+    The coordinate is that of `unstable_coordinates`. With the left eigenvector l, l A =
     p l, and z = l x: z' = p z + l b delta + l b3 delta'', where b3 is the input of an engine with
     inertia. The coordinate that follows the deflection alone is
 

@@ -14,10 +14,10 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.units import FOOT
 from tvclin.control.laws.law import Measurement
+from tvclin.flights.engine_interface import MAX_ATTITUDE, OUTPUTS
 from tvclin.flights.sixdof.engine import Engine
 from tvclin.flights.sixdof.model import DEFLECTIONS, Earth, InitialState, model_xml, planet_xml
 from tvclin.flights.sixdof.steering import Steering
-from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 

@@ -20,18 +20,22 @@ from tvclin.control.laws.both_planes import LawInPlanes
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_span
-from tvclin.flights.nozzle_command import (
+from tvclin.flights.engine_interface import (
+    MAX_ATTITUDE,
+    OUTPUTS,
     Command,
     Control,
     ReportControl,
     check_history,
     command_of,
+    has_fallen,
     limit_of,
+    verdict_time,
+    warn_of_the_end,
 )
 from tvclin.flights.sixdof.airframe import Place, reused_airframe
 from tvclin.flights.sixdof.model import Earth, NominalCourse, nominal_course
 from tvclin.flights.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
-from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS, has_fallen, verdict_time, warn_of_the_end
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.vehicle.coefficients import PLANES, Coefficients

@@ -15,7 +15,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.actuator import actuator_system
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
-from tvclin.flights.nozzle_command import ONSET_OVER_LIMIT, Command
+from tvclin.flights.engine_interface import ONSET_OVER_LIMIT, Command
 from tvclin.winds.histories import History
 
 Steering = Callable[[int, Measurement], float]
