@@ -13,14 +13,13 @@ from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import open_loop_requirements
 from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import Plant
+from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.shaped import ShapedWind
 
 _MIN_STEPS, _MAX_STEPS = 16, 64
 """Smallest and largest number of steps over the wind, two in each duration of the gust."""
-_TIME_TOLERANCE = 1e-4
-"""Tolerance of the time of the gust, relative to the duration of the wind."""
-_EVALUATIONS = 15
-"""Typical number of evaluations of the refinement."""
+_REFINEMENTS = 3
+"""Refinements of the time of the gust, to 1e-4 of the duration of the wind."""
 
 
 def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> ShapedWind:
@@ -48,21 +47,12 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
 
     steps = int(np.clip(2.0 * length / float(gust.end - gust.onset), _MIN_STEPS, _MAX_STEPS))
     times = np.linspace(0.0, length, steps + 1)
-    with suppress(InputError):
+    with suppress(InputError), repeated(1 + _REFINEMENTS):
         scan = required(times)
         if not np.all(np.isfinite(scan)) or scan.max() == 0.0:
             return wind
         best = int(scan.argmax())
-        bracket = times[[max(best - 1, 0), min(best + 1, steps)]]
-        from scipy.optimize import minimize_scalar
-
-        with repeated(_EVALUATIONS):
-            finer = minimize_scalar(
-                lambda time: -float(required(np.asarray(time))),
-                bounds=tuple(bracket),
-                method="bounded",
-                options={"xatol": _TIME_TOLERANCE * length},
-            )
-        better = -finer.fun > scan[best]
-        return replace(wind, gust_at=float(finer.x if better else times[best]))
+        low, high = times[max(best - 1, 0)], times[min(best + 1, steps)]
+        time, refined = grid_minimum(lambda time: -required(time), low, high, _REFINEMENTS)
+        return replace(wind, gust_at=float(time if -refined > scan[best] else times[best]))
     return wind

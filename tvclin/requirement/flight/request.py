@@ -34,6 +34,7 @@ from tvclin.base.lines import Line
 from tvclin.base.lines import number as number_line
 from tvclin.case.case import CROSS, DIRECTIONS, FROZEN, SIGNS, Case
 from tvclin.control.laws.registry import LAWS
+from tvclin.kernels.choice import repeated
 from tvclin.requirement.flight.controllability import ControllabilityRatio, controllability_ratio
 from tvclin.requirement.flight.flight_requirement import FlightMode
 from tvclin.requirement.flight.flight_winds import WindOf
@@ -385,7 +386,8 @@ class SizingRequest:
         def at(time: float, k: int) -> Case:
             return self.at(case, time, pulses[k])
 
-        return by_direction(found, len(pulses), at, self._mode(case, found))
+        with repeated(found.known.size):
+            return by_direction(found, len(pulses), at, self._mode(case, found))
 
     def _mode(self, case: Case, found: Sizing) -> FlightMode | None:
         """The flight over the schedule and all winds, where parameters vary in one plane."""

@@ -18,6 +18,7 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.limit_shapes import LimitShape, limit_shape_of
 from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, ONE_POLE, Plant
 from tvclin.requirement.flight.flight_requirement import (
     LAWS,
@@ -289,7 +290,8 @@ def size(
     for name in planes:
         in_plane = [[wind[name] for wind in row] for row in placed]
         inputs = _Inputs(schedule, chosen, tuple(named), known, bands, model, name, law)
-        sizings[name] = _sized(inputs, vehicles, in_plane, varying, count_need)
+        with repeated(len(named) * chosen.size):
+            sizings[name] = _sized(inputs, vehicles, in_plane, varying, count_need)
     sizing = (
         sizings[plane]
         if plane in sizings
