@@ -25,7 +25,7 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
-from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.closed_loop.fly import flight_responses
 from tvclin.flights.closed_loop.survival_limit import (
     ABOVE,
     ALWAYS,
@@ -315,7 +315,7 @@ def _loads(
     """Return the largest angle of attack and attitude of a flight, relative to the peak wind."""
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)
-    outputs = fly(plant, law, wind, times, deflection_limit=limit, **flown).outputs
+    outputs = flight_responses(plant, law, wind, times, deflection_limit=limit, **flown)
     peak = abs(float(wind.peak))
     angle, attitude = (
         float(np.abs(outputs[name]).max()) / peak for name in ("angle_of_attack", "attitude")

@@ -27,7 +27,7 @@ from tvclin.base.errors import (
 from tvclin.base.lines import Line, Table, degrees, minimum_limit
 from tvclin.boundary.limit import boundary_limit
 from tvclin.control.laws.law import Law
-from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.closed_loop.fly import flight_responses
 from tvclin.flights.closed_loop.fly_many import SURVIVED, FlownCases, fly_many
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.flights.engine_interface import MAX_ATTITUDE, OUTPUTS, ReportControl
@@ -283,8 +283,9 @@ def _linear(
         deflection = trim_then_hold(plant, wind, sign * limit, control.dead_band, "literal")
         outputs = attitude_responses(plant, deflection, wind, times)
         return np.stack([*(outputs[name] for name in OUTPUTS[:-1]), deflection(times)])
-    flown = fly(plant, control, wind, times, deflection_limit=limit, sample_rate=SAMPLE_RATE)
-    return np.stack([flown.outputs[name] for name in OUTPUTS])
+    nozzle: dict[str, Any] = {"deflection_limit": limit, "sample_rate": SAMPLE_RATE}
+    flown = flight_responses(plant, control, wind, times, **nozzle)
+    return np.stack([flown[name] for name in OUTPUTS])
 
 
 NOT_KNOWN = "not known"
@@ -353,9 +354,9 @@ def _rows(
     plant: AnyPlant, law: Law, wind: History, times: FloatArray, nozzle: dict[str, Any]
 ) -> FloatArray:
     """Return the `OUTPUTS` [rad, rad/s], ``(5, n)``; NaN from the end of the model's range on."""
-    flown, zeros = fly(plant, law, wind, times, **nozzle), np.zeros(times.size)
+    flown, zeros = flight_responses(plant, law, wind, times, **nozzle), np.zeros(times.size)
     available = (*plant.outputs, "deflection")  # a fixed path has no angle
-    rows = np.stack([flown.outputs[name] if name in available else zeros for name in OUTPUTS])
+    rows = np.stack([flown[name] if name in available else zeros for name in OUTPUTS])
     beyond = np.flatnonzero(np.abs(rows[0]) > MAX_ATTITUDE)
     rows[:, beyond[0] if beyond.size else times.size :] = np.nan
     return rows

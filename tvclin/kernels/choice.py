@@ -53,6 +53,8 @@ class _PlainWork:
 
 
 _plain_work = _PlainWork()
+_cached: set[Callable[..., Any]] = set()
+"""Kernels whose machine code was on disk."""
 
 _command: ContextVar[_PlainWork | None] = ContextVar("_command", default=None)
 """Plain work of the command that runs, if one does."""
@@ -122,12 +124,14 @@ def run(
 
 
 def _is_cached(function: Callable[..., Any]) -> bool:
-    """Return whether machine code of a kernel is cached on disk."""
-    file = Path(function.__code__.co_filename)
-    cached = cache_folder(file.parent).glob(
-        f"{file.stem}.{function.__name__}_{digest(function)}*.nbc"
-    )
-    return next(cached, None) is not None
+    """Return whether machine code of a kernel is, or was in this process, cached on disk."""
+    if function not in _cached:
+        file = Path(function.__code__.co_filename)
+        pattern = f"{file.stem}.{function.__name__}_{digest(function)}*.nbc"
+        if next(cache_folder(file.parent).glob(pattern), None) is None:
+            return False
+        _cached.add(function)
+    return True
 
 
 def cache_folder(sources: Path) -> Path:

@@ -35,7 +35,7 @@ from tvclin.flights.closed_loop.fly_many import LOST, NO_FLIGHT, fly_many
 from tvclin.flights.closed_loop.sampled import outputs_of, tracked
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
-from tvclin.linear.response import time_response
+from tvclin.linear.response import Responses, time_response
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -117,6 +117,45 @@ def fly(
     >>> bool(abs(flown.outputs["attitude"][-1]) < 1e-6)
     True
     """
+    flown = flight_responses(
+        plant,
+        law,
+        wind,
+        timepts,
+        deflection_limit=deflection_limit,
+        rate_limit=rate_limit,
+        actuator=actuator,
+        sample_rate=sample_rate,
+        delay=delay,
+        gain=gain,
+    )
+    return time_response(
+        flown.time,
+        flown.outputs,
+        flown.labels,
+        name=f"{plant.model} with limits",
+        title=f"Flight with limits, {plant.model} model",
+        wind=wind,
+    )
+
+
+def flight_responses(
+    plant: AnyPlant,
+    law: Law,
+    wind: History,
+    timepts: ArrayLike,
+    *,
+    deflection_limit: float,
+    rate_limit: float = np.inf,
+    actuator: Actuator | None = None,
+    sample_rate: float | None = None,
+    delay: float = 0.0,
+    gain: float = 1.0,
+) -> Responses:
+    """Return outputs and deflection of a flight as arrays, without loading python-control.
+
+    Same parameters and exceptions as `fly`.
+    """
     check_flight(plant, law, wind)
     times = times_row("timepts", timepts)
     limit = number(
@@ -137,9 +176,7 @@ def fly(
         hardware = Hardware(length, late, actuator, max_rate)
         rows = _sampled(plant, law, wind, times, limit, hardware, factor)
     outputs = np.vstack([outputs_of(plant, rows, wind(times)), rows[-1:]])
-    labels, name = (*plant.outputs, "deflection"), f"{plant.model} with limits"
-    title = f"Flight with limits, {plant.model} model"
-    return time_response(times, outputs, labels, name=name, title=title, wind=wind)
+    return Responses(times, outputs, (*plant.outputs, "deflection"))
 
 
 def _continuous(
