@@ -7,7 +7,6 @@ the report's control: trim up to the exit of the dead band, then the limit.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -60,9 +59,7 @@ class ConstantDeflection(History):
         object.__setattr__(self, "limit", plain(limit))
         object.__setattr__(self, "start", plain(start))
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         limit, start = np.broadcast_arrays(self.limit, self.start)
         return linear_pieces(start[..., np.newaxis], limit[..., np.newaxis], 0.0)
 
@@ -104,9 +101,7 @@ class BangBang(History):
         object.__setattr__(self, "start", plain(start))
         object.__setattr__(self, "switch_times", times)
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         limit, start = np.asarray(self.limit), np.asarray(self.start)
         count = self.switch_times.shape[-1]
         shape = np.broadcast_shapes(limit.shape, start.shape, self.switch_times.shape[:-1])

@@ -39,13 +39,17 @@ class History(Record, ABC):
     """Real function of time, zero before its first knot, in exact pieces.
 
     Histories come in batches: every quantity has the leading axes ``batch``, and a single history
-    is the batch of shape ``()``. A concrete wind or deflection defines its pieces only.
+    is the batch of shape ``()``. A concrete wind or deflection defines its `_pieces` only.
     """
 
-    @property
     @abstractmethod
+    def _pieces(self) -> Pieces:
+        """Return the `pieces`, which a wind or a deflection defines."""
+
+    @cached_property
     def pieces(self) -> Pieces:
         """Pieces as arrays: knots, coefficients and rates."""
+        return self._pieces()
 
     @property
     def knots(self) -> FloatArray:
@@ -346,9 +350,7 @@ class Piecewise(History):
 
     arrays: Pieces
 
-    @property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         return self.arrays
 
     def __repr__(self) -> str:

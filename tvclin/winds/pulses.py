@@ -15,7 +15,6 @@ triangle of the same area and peak as another wind.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -141,9 +140,7 @@ class SampledWind(History):
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "angle", angle)
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         return piecewise_linear(self.time, self.angle)
 
     def __repr__(self) -> str:
@@ -210,9 +207,7 @@ class RectangularWind(Pulse):
         not broadcast.
     """
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         return _vertices_to_pieces((0.0, self.duration), (self.peak, self.peak))
 
 
@@ -236,14 +231,12 @@ class TriangularWind(Pulse):
         not broadcast.
     """
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         return _vertices_to_pieces((0.0, self.duration / 2, self.duration), (0.0, self.peak, 0.0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AsymmetricTriangularWind(History):
+class AsymmetricTriangularWind(Pulse):
     """Wind that rises linearly from t = 0 to its peak at any time and falls linearly to tau.
 
     Parameters
@@ -263,8 +256,6 @@ class AsymmetricTriangularWind(History):
         the duration, or shapes that do not broadcast.
     """
 
-    peak: float | FloatArray = field()  # type: ignore[assignment]
-    duration: float | FloatArray
     peak_time: float | FloatArray
 
     def __post_init__(self) -> None:
@@ -273,9 +264,7 @@ class AsymmetricTriangularWind(History):
         set_fields(self, peak=peak, duration=duration, peak_time=peak_time)
         nonnegative("duration - peak_time", duration - peak_time, "s")
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         return _vertices_to_pieces((0.0, self.peak_time, self.duration), (0.0, self.peak, 0.0))
 
 
@@ -309,9 +298,7 @@ class TrapezoidalWind(History):
         set_fields(self, peak=peak, rise=rise, hold=hold, fall=fall)
         checked_duration("rise + hold + fall", rise + hold + fall)
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         top = self.rise + self.hold
         times = (0.0, self.rise, top, top + self.fall)
         return _vertices_to_pieces(times, (0.0, self.peak, self.peak, 0.0))
@@ -347,9 +334,7 @@ class OneMinusCosineGust(Pulse):
     The shape is that of 14 CFR 25.341(a)(2).
     """
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         duration = np.asarray(self.duration)
         knots = np.stack([np.zeros_like(duration), duration / 2, duration], axis=-1)
         return _half_waves(np.asarray(self.peak), duration / 2, knots, [_RISE, _FALL, _ZERO])
@@ -394,9 +379,7 @@ class LayeredGust(History):
         set_fields(self, peak=peak, blend=blend, plateau=plateau)
         checked_duration("blend + plateau", blend + plateau)
 
-    @cached_property
-    def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+    def _pieces(self) -> Pieces:
         blend = np.asarray(self.blend)
         top = blend + self.plateau
         knots = np.stack(np.broadcast_arrays(0.0, blend, top, top + blend), axis=-1)
