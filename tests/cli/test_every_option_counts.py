@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from tvclin.cli.app import app
 
 SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
-SHOWN = ("as_json", "plot", "csv", "points", "chart", "until", "explain", "help")
+SHOWN = ("settings", "as_json", "plot", "csv", "points", "chart", "until", "explain", "help")
 """Options that say how an answer is shown."""
 V = "configuration-i"
 F = "study.toml"

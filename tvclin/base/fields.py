@@ -47,6 +47,7 @@ _TEMPLATE_WIDTH = 96
 """Characters per line of a template."""
 _UNIT = re.compile(r" \[[^\]]+\]")
 _CLAUSE = re.compile(r"[;:.](?=\s|$)|$")
+_SECTION = re.compile(r"(?:Attributes|Parameters)\n----------\n")
 _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
 
 
@@ -296,7 +297,7 @@ def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
     """Return the fields of the parameters of a dataclass, by name."""
     helps: dict[str, str] = {}
     for item in reversed(inspect.getmro(kind)):  # type: ignore[arg-type]
-        helps |= _helps(item)
+        helps |= help_lines(item)
     return {
         item.name: replace(
             item.metadata[_SPECIFICATION][0],
@@ -368,10 +369,10 @@ def completed(text: str, table: FileTable, kind: type) -> str:
     return text[:end] + "".join(f"\n# {line}" for line in lines) + text[end:]
 
 
-def _helps(kind: type) -> dict[str, str]:
-    """Return the lines of help in the docstring of a class, by attribute."""
+def help_lines(kind: type) -> dict[str, str]:
+    """Return the lines of help in the docstring of a class, by attribute or parameter."""
     doc = inspect.cleandoc(kind.__doc__ or "")
-    _, _, attributes = doc.partition("Attributes\n----------\n")
+    *_, attributes = _SECTION.split(doc, maxsplit=1)
     helps: dict[str, str] = {}
     for names, description in _ENTRY.findall(re.split(r"\n\n(?=\w)", attributes)[0] + "\n"):
         helps |= dict.fromkeys(names.split(", "), " ".join(description.split()))

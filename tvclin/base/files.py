@@ -15,6 +15,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
 
@@ -166,7 +167,10 @@ def _decoded(content: bytes, name: str, encodings: tuple[str, ...]) -> str:
 
 
 def tables_of(text: str, source: str) -> dict[str, Any]:
-    """Return the tables of a TOML text; `source` names it in messages."""
+    """Return the tables of a TOML text, or of an edited source; `source` names it in messages."""
+    tables = source.tables if isinstance(source, EditedSource) else None
+    if tables is not None:
+        return tables
     name = called(source)
     _check_text(text, name)
     try:

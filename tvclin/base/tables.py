@@ -103,7 +103,7 @@ class FileTable:
                     key_of[name] = key
                     values[name] = number(key, value) * factor
                 else:
-                    raise InputError(self._unknown(key))
+                    raise InputError(self.unknown(key))
         faults.tell()
         self.need(values, self.required)
         return {self.fields.get(name, name): value for name, value in values.items()}
@@ -135,7 +135,7 @@ class FileTable:
             raise InputError(f"{key} in {self.heading} must be a list; got {shown(value)}")
         return tuple(value)
 
-    def _unknown(self, key: str) -> str:
+    def unknown(self, key: str) -> str:
         """Return the message on an unknown key: its missing unit, or similar keys."""
         keys, words = self.keys, (*self.words, *self.lists)
         fields = [

@@ -48,10 +48,12 @@ class _Late(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         from tvclin.cli.options import grouped
+        from tvclin.cli.settings import settable
 
         command = function_of(name)
         if not isinstance(command, typer.Typer):
-            command = grouped(command) if name in _WITHOUT_ARITHMETIC else _strict(grouped(command))
+            command = settable(grouped(command), name)
+            command = command if name in _WITHOUT_ARITHMETIC else _strict(command)
         return _named(_made(name, command))
 
 
@@ -73,7 +75,10 @@ def _named(command: Any) -> Any:
 
     @wraps(run)
     def call(*given: Any, **values: Any) -> Any:
+        from tvclin.cli.settings import check_settings
+
         try:
+            check_settings(options, values)
             return run(*given, **values)
         except ValueError as error:
             from tvclin.cli.option_names import named  # late: most runs have no fault
@@ -132,8 +137,10 @@ class Commands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the name, the command and the arguments of a command line."""
+        from tvclin.cli.settings import joined
+
         name, _, rest = super().resolve_command(ctx, args)
-        return name, name and self.commands[name], rest
+        return name, name and self.commands[name], joined(rest)
 
     def make_context(self, *given: Any, **options: Any) -> Any:
         """Read the command line; this prints help and version."""

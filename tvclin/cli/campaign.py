@@ -16,6 +16,7 @@ from tvclin.cli.inputs import note_left_out
 from tvclin.cli.options import GROUP, SIGN, AsJson, Given, asked, grouped
 from tvclin.cli.output import answer, print_tables, say
 from tvclin.cli.progress import bar
+from tvclin.cli.settings import settable
 from tvclin.ensembles.campaign.chunk_runner import (
     cluster,
     damaged,
@@ -81,9 +82,12 @@ def init(
 
 
 @campaign.command()
+@settable
 @grouped
 def run(
-    file: Annotated[Path, typer.Argument(help="The campaign file (see: tvclin campaign init).")],
+    campaign_file: Annotated[
+        str, typer.Argument(metavar="FILE", help="The campaign file (see: tvclin campaign init).")
+    ],
     folder: Annotated[Path, typer.Option("-o", "--folder", help="Folder for the results.")],
     work: WorkOptions = GROUP,
     until_converged: float | None = asked(
@@ -95,7 +99,7 @@ def run(
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
     """
-    plan = load_campaign(file)
+    plan = load_campaign(campaign_file)
     note_left_out(plan, "campaign")
     if plan.dispersions == DEFAULT_DISPERSIONS:
         say(f"Note: these dispersions are assumed: {plan.dispersions.words}.", err=True)

@@ -37,7 +37,7 @@ def named(error: ValueError, options: Iterable[Any], values: Mapping[str, Any]) 
     if not isinstance(error, InputError):
         return error
     flags = [option for option in options if option.opts[0].startswith("--")]
-    flags_given = [option.opts[0] for option in flags if _is_set(option, values)]
+    flags_given = [option.opts[0] for option in flags if is_set(option, values)]
     return InputError(in_options(str(error), _candidates(flags), flags_given))
 
 
@@ -86,6 +86,7 @@ def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _is_set(option: Any, values: Mapping[str, Any]) -> bool:
+def is_set(option: Any, values: Mapping[str, Any]) -> bool:
+    """Return whether an option has another value than its default."""
     value = values.get(option.name)
     return value is not None and value is not False and value not in ([], option.default)

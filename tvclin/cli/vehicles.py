@@ -40,7 +40,7 @@ def vehicles(as_json: AsJson = False) -> None:
 
 
 def init(
-    file: Annotated[Path, typer.Argument(help="The file to write, such as my.toml.")],
+    file: Annotated[Path | None, typer.Argument(help="The file to write, such as my.toml.")] = None,
     study: bool = switch("--study", "A study file: vehicle, wind, laws, margins and more."),
     vehicle: str | None = asked("Copy this vehicle of the package instead (see: tvclin vehicles)."),
     schedule: str | None = asked(
@@ -49,14 +49,20 @@ def init(
         metavar="SCHEDULE",
     ),
     time: At = None,
+    keys: bool = switch("--keys", "List all keys of these files instead, for --set too."),
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
+    if keys:
+        _print_keys(file)
+        return
     from tvclin.base.errors import InputError, one_of
     from tvclin.base.files import called, write_new
     from tvclin.cli.inputs import only_with
     from tvclin.studyfile.read import example
     from tvclin.vehicle.vehicle_file import list_vehicles, read_vehicle_text, template
 
+    if file is None:
+        raise InputError("name the file to write, such as my.toml (or give --keys)")
     sources = {"--study": study, "--vehicle": vehicle is not None, "--from": schedule is not None}
     if sum(sources.values()) > 1:
         raise InputError(f"give {' or '.join(name for name in sources if sources[name])}, not both")
@@ -71,6 +77,17 @@ def init(
     name = called(file)
     then = f"tvclin report {name}" if study else f"tvclin study {name}"
     say(f"Wrote {name}. Fill in what differs, then: {then}")
+
+
+def _print_keys(file: Path | None) -> None:
+    """Print all keys of study and vehicle files; `InputError` with a file."""
+    from tvclin.base.errors import InputError
+    from tvclin.cli.output import print_tables
+    from tvclin.studyfile.keys import key_tables
+
+    if file is not None:
+        raise InputError("--keys writes no file; leave out its name")
+    print_tables(*key_tables())
 
 
 def _vehicle_of_flight(schedule: str, time: float | None) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.schedule_file import SOURCE_TABLE, load_vehicle_at
+from tvclin.base.edits import EditedSource
 from tvclin.base.errors import Faults, InputError, between, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
@@ -80,7 +81,8 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
     """
     file = a_path("path", path)
     start = f"write a campaign file with: tvclin campaign init {called(file)}"
-    document = tables_of(read_text(file, "a campaign file", start), str(file))
+    name = path if isinstance(path, EditedSource) else str(file)
+    document = tables_of(read_text(file, "a campaign file", start), name)
     with naming(called(file)):
         return parse_campaign(document, file.parent)
 
@@ -199,6 +201,8 @@ def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVe
 
 def beside(source: str, folder: Path) -> str | Path:
     """Return the name of a vehicle of the package, or a path, in `folder` if the file exists."""
+    if isinstance(source, EditedSource):
+        return source
     path = folder / source
     return path if source not in list_vehicles() and exists(path) else source
 

@@ -10,15 +10,19 @@ from dataclasses import replace
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.fields import completed
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import FileTable
+from tvclin.case.case import DEFAULT_WIND
+from tvclin.requirement.case_requirement import pulse_of
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 from tvclin.vehicle.vehicle_file import COEFFICIENTS, is_schedule, read_vehicle_text, source_tables
+from tvclin.winds.shaped import ShapedWind
 
 if TYPE_CHECKING:
     from tvclin.requirement.flight.request import SoundingRequest
@@ -65,8 +69,10 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     from tvclin.studyfile.parse import parse_study
 
     with naming(called(name)):
-        if time is not None:
+        if time is not None and not _of_a_vehicle(document):
             raise InputError("the time of the vehicle of a study file is time_s in its [study]")
+        if time is not None:
+            document["study"]["time_s"] = time
         return parse_study(document, Path(name).parent)
 
 
@@ -104,11 +110,19 @@ def load_sizing(
     if _is_study(source):
         plan = load_study(source)
         if plan.sizing is None:
-            raise InputError(
-                f"{called(source)} has no flight; add [schedule], see tvclin init --study"
-            )
-        winds = {**plan.sizing.soundings, **winds}
-        return replace(plan, sizing=replace(plan.sizing, soundings=winds))
+            document = source_tables(source)
+            if not _of_a_vehicle(document):
+                raise InputError(
+                    f"{called(source)} has no flight; add [schedule], see tvclin init --study"
+                )
+            plan = load_study(EditedSource(str(source), document | {"size": {}}))
+            pulse = not winds or not _is_default(pulse_of(plan))
+            assert plan.sizing is not None
+            plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse))
+        sizing = plan.sizing
+        assert sizing is not None
+        winds = {**sizing.soundings, **winds}
+        return replace(plan, sizing=replace(sizing, soundings=winds))
     flight = load_schedule(source)
     sizing = SizingRequest(schedule=flight, source=str(source), pulse=not winds, soundings=winds)
     return StudyPlan(vehicle=flight.vehicle, sizing=sizing)
@@ -132,6 +146,16 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
     from tvclin.studyfile.campaign_file import beside
 
     return beside(vehicles[0], Path(name).parent)
+
+
+def _is_default(wind: ShapedWind) -> bool:
+    """Return whether a wind without its gust is the one that is assumed."""
+    return replace(wind, gust=None, gust_at=None, gust_speed=None) == DEFAULT_WIND
+
+
+def _of_a_vehicle(document: Mapping[str, Any]) -> bool:
+    """Return whether a study is that of a vehicle, or of a schedule, with keys set."""
+    return isinstance(document.get("study", {}).get("vehicle"), EditedSource)
 
 
 def _is_study(source: str | PathLike[str]) -> bool:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base.edits import EditedSource
 from tvclin.base.errors import Faults, InputError, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.fields import parameters
@@ -152,7 +153,8 @@ def source_tables(source: str | PathLike[str]) -> dict[str, Any]:
 
 def is_csv(source: str | PathLike[str]) -> bool:
     """Return whether a source is a flight schedule in CSV, by its name."""
-    return str(a_path("source", source, "a name or a path")).lower().endswith(".csv")
+    name = str(a_path("source", source, "a name or a path")).lower()
+    return name.endswith(".csv") and getattr(source, "tables", None) is None
 
 
 def is_schedule(source: str | PathLike[str]) -> bool:
@@ -245,7 +247,9 @@ def vehicle_file(vehicle: Vehicle) -> str:
 
 def numbers_as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:
     """Return the numbers of a vehicle file in its own units, by name; empty for other files."""
-    row = source_tables(source).get("vehicle")
+    tables = source_tables(source)
+    vehicle = tables.get("study", {}).get("vehicle")
+    row = (source_tables(vehicle) if isinstance(vehicle, EditedSource) else tables).get("vehicle")
     return VEHICLE_TABLE.units(row) if isinstance(row, dict) else {}
 
 

@@ -1,0 +1,238 @@
+"""--set KEY VALUE: the plan of a study file that has the key, in every command with a case."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.base.errors import InputError
+from tvclin.cli.app import app
+from tvclin.cli.settings import _completed
+from tvclin.studyfile.keys import all_keys
+from tvclin.studyfile.read import example, load_sizing
+from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES, with_settings
+
+V, BENDS = "configuration-i", "made-up-booster"
+STUDY = """
+[study]
+vehicle = "configuration-i"
+[wind]
+shape = "triangular"
+peak_deg = 5.0
+duration_s = 7.5
+"""
+
+
+def ran(*arguments):
+    result = CliRunner().invoke(app, arguments)
+    return result.exit_code, result.stdout, result.stderr
+
+
+def study_of(tmp_path, more="", text=STUDY):
+    file = tmp_path / "study.toml"
+    file.write_text(text + more)
+    return str(file)
+
+
+def same(plan, other):
+    """Whether two plans are equal, their vehicles by their numbers."""
+
+    def plain(p):
+        return {k: repr(v) for k, v in vars(p).items() if k not in ("vehicle", "plant", "sizing")}
+
+    return plain(plan) == plain(other) and repr(plan.vehicle) == repr(other.vehicle)
+
+
+@pytest.mark.parametrize(
+    ("settings", "more"),
+    [
+        ([("autopilot.rate_gain_s", "0.8"), ("autopilot.attitude_gain", "1")],
+         "[autopilot]\nrate_gain_s = 0.8\nattitude_gain = 1"),
+        ([("nozzle.limit_deg", "0.5"), ("nozzle.rate_limit_deg_per_s", "5")],
+         "[nozzle]\nlimit_deg = 0.5\nrate_limit_deg_per_s = 5"),
+        ([("gust.peak_deg", "1"), ("gust.duration_s", "2")],
+         "[gust]\npeak_deg = 1\nduration_s = 2"),
+        ([("laws.names", "trim,dead-band")], '[laws]\nnames = ["trim", "dead-band"]'),
+        ([("laws.names", '["trim"]')], '[laws]\nnames = ["trim"]'),
+        ([("criteria.name", "aircraft"), ("criteria.disk_margin", ".5")],
+         '[criteria]\nname = "aircraft"\ndisk_margin = 0.5'),
+        ([("document.revision", "3")], '[document]\nrevision = "3"'),
+        ([("dispersion.thrust.percent", "4")],
+         '[[dispersion]]\nparameter = "thrust"\npercent = 4'),
+        ([("autopilot.filter.1.kind", "low-pass"), ("autopilot.filter.1.frequency_Hz", "9")],
+         '[[autopilot.filter]]\nkind = "low-pass"\nfrequency_Hz = 9'),
+        ([("question.confidence", "0.95")], "[question]\nconfidence = 0.95"),
+    ],
+)  # fmt: skip
+def test_a_key_that_is_set_is_that_of_the_file(settings, more, tmp_path):
+    wanted = tv.load_study(study_of(tmp_path, more))
+    assert same(tv.load_study(with_settings(V, settings)), wanted)
+    assert same(tv.load_study(with_settings(study_of(tmp_path), settings)), wanted)
+
+
+def test_another_spelling_of_the_quantity_is_replaced_and_none_takes_it_out(tmp_path):
+    file = study_of(tmp_path, "[autopilot]\ndesign = 'lqr'\ndelay_ms = 30")
+    plan = tv.load_study(with_settings(file, [("wind.peak_rad", "0.1")]))
+    assert plan.wind.peak == 0.1
+    plan = tv.load_study(with_settings(file, [("wind.peak_speed_m_per_s", "30")]))
+    assert plan.wind.speed == 30.0
+    plan = tv.load_study(with_settings(file, [("autopilot.rate_gain_s", "2")]))
+    assert (plan.design.design, plan.design.rate_gain, plan.design.delay) == (None, 2.0, 0.03)
+    plan = tv.load_study(with_settings(file, [("autopilot.delay_s", "none")]))
+    assert (plan.design.design, plan.design.delay) == ("lqr", 0.0)
+    assert tv.load_study(with_settings(file, [("autopilot", "none")])).design is None
+
+
+def test_rows_of_lists_have_numbers_and_names(tmp_path):
+    text = example().replace("# [[wind]]                   # measured", "# ", 1)
+    file = study_of(tmp_path, text=text)
+    before = {d.parameter: d for d in tv.load_study(file).dispersions.each}
+    plan = tv.load_study(
+        with_settings(
+            file,
+            [
+                ("dispersion.thrust.percent", "3"),
+                ("dispersion.2.percent", "7"),
+                ("dispersion.wind_duration", "none"),
+                ("wind.2.peak_deg", "2"),
+                ("wind.2.duration_s", "3"),
+                ("wind.1.shape", "rectangular"),
+            ],
+        )
+    )
+    after = {d.parameter: d for d in plan.dispersions.each}
+    assert (after["thrust"].spread, after["moment_of_inertia"].spread) == (0.03, 0.07)
+    assert before.keys() - after.keys() == {"wind_duration"}
+    assert plan.wind.shape == "rectangular"
+    assert [np.degrees(other.peak) for other in plan.sizing.others] == [pytest.approx(2.0)]
+
+
+@pytest.mark.parametrize("flight", [False, True])
+def test_a_vehicle_is_changed_wherever_it_is_read(flight, tmp_path):
+    settings = [("vehicle.thrust_N", "3e6")]
+    more = '[schedule]\nsource = "configuration-i"' if flight else ""
+    for source in (V, study_of(tmp_path, more)):
+        edited = with_settings(source, settings)
+        assert tv.load_study(edited).vehicle.thrust == 3e6
+        if flight or source == V:
+            plan = load_sizing(edited)
+            assert plan.sizing.schedule.at(66.0).thrust == pytest.approx(3e6)
+    edited = with_settings(BENDS, [("bending.1.damping", "0.02"), ("nozzle.limit_deg", "1")])
+    assert tv.load_study(edited).vehicle.structure.bending[0].damping == 0.02
+
+
+def test_a_vehicle_with_keys_has_its_flight():
+    plan = load_sizing(with_settings(V, [("size.every_s", "20"), ("wind.peak_deg", "4")]))
+    bare = load_sizing(V)
+    assert plan.sizing.every == 20.0
+    assert plan.wind.peak == pytest.approx(np.radians(4.0))
+    assert plan.sizing.schedule.span == bare.sizing.schedule.span
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("autopilot.rate_gian_s", "1", "did you mean rate_gain_s"),
+        ("autopilto.rate_gain_s", "1", "did you mean autopilot"),
+        ("rate_gain_s", "1", "needs its table: autopilot.rate_gain_s"),
+        ("wind.peak", "1", "write peak_rad or peak_deg"),
+        ("wind.3.peak_deg", "1", "the file has 1 of [[wind]]"),
+        ("vehicle.trust_N", "1", "did you mean thrust_N"),
+        ("study.model", "drfit", "did you mean 'drift'"),
+        ("nozzle.limit_deg", "much", "must be a number"),
+        ("laws.names", "[", "no value of a TOML file"),
+        ("wind", "5", "write wind.KEY"),
+        ("wind..peak_deg", "5", "such as autopilot.rate_gain_s"),
+        ("nozzle.limit_deg.deg", "5", "limit_deg.deg are several"),
+    ],
+)
+def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
+    code, _, error = ran("poles", V, "--set", key, value)
+    assert code == 2
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_keys_that_exclude_each_other_are_refused():
+    for pair in (
+        [("wind.peak_deg", "4"), ("wind.peak_speed_m_per_s", "3")],
+        [("autopilot.design", "lqr"), ("autopilot.rate_gain_s", "3")],
+    ):
+        with pytest.raises(InputError, match="exclude each other"):
+            with_settings(V, pair)
+    with pytest.raises(InputError, match="given twice"):
+        with_settings(V, [("wind.peak_deg", "4"), ("wind.peak_deg", "5")])
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "key"),
+    [
+        ("study", ("--peak-speed", "20"), ("wind.peak_deg", "6")),
+        ("study", ("--dead-band", "0.5"), ("study.dead_band", "0.4")),
+        ("study", ("--limit-deg", "1"), ("nozzle.limit_rad", "0.01")),
+        ("margins", ("--rate-gain", "1"), ("autopilot.rate_gain_s", "2")),
+        ("margins", ("--delay-ms", "1"), ("autopilot.delay_s", "2")),
+        ("size", ("--every", "20"), ("size.every_s", "10")),
+    ],
+)
+def test_a_key_beside_its_own_option_is_refused(command, option, key):
+    code, _, error = ran(command, V, *option, "--set", *key)
+    assert (code, error) == (2, f"Error: give {option[0]} or --set {key[0]}, not both\n")
+
+
+def test_an_option_and_its_key_answer_the_same():
+    by_option = ran("respond", V, "--peak-deg", "-3", "--limit-deg", "1", "--json")
+    keys = ("--set", "wind.peak_deg", "-3", "--set", "nozzle.limit_deg", "1")
+    by_key = ran("respond", V, *keys, "--json")
+    assert by_key == by_option
+    assert json.loads(by_key[1])["wind"]["peak_deg"] == pytest.approx(-3.0)
+
+
+def test_a_flight_schedule_has_no_keys_of_a_vehicle(tmp_path):
+    file = tmp_path / "flight.csv"
+    row = "1.48e6,2.25e7,6.67e5,2.495e6,9.45,23.56,80700,538.81,0.78"
+    head = "weight_N,moment_of_inertia_kg_m2,normal_force_slope_N_per_rad,thrust_N"
+    head += ",aerodynamic_arm_m,control_arm_m,axial_force_N,velocity_m_per_s,attitude_rad"
+    file.write_text(f"time_s,{head}\n50,{row}\n80,{row}\n")
+    code, _, error = ran("poles", str(file), "--at", "60", "--set", "vehicle.thrust_N", "3e6")
+    assert code == 2
+    assert "flight schedule" in error
+    assert ran("poles", str(file), "--at", "60", "--set", "study.plane", "yaw")[0] == 0
+
+
+def test_the_list_of_keys_has_each_key_once_with_its_help():
+    names = [key.name for key in all_keys()]
+    assert len(names) == len(set(names))
+    assert all(key.help for key in all_keys())
+    for name, table in (STUDY_TABLES | VEHICLE_TABLES).items():
+        for quantity in {*table.quantities, *table.words, *table.lists} - {"filter"}:
+            spelled = {f"{name}.{key}" for key, (of, _) in table.keys.items() if of == quantity}
+            assert (spelled or {f"{name}.{quantity}"}) & set(names), (name, quantity)
+    code, shown, _ = ran("init", "--keys")
+    assert code == 0
+    assert "autopilot.rate_gain_s" in shown
+
+
+def test_each_key_of_the_list_is_known():
+    rows = dict.fromkeys(("wind", "bending", "slosh", "correlation", "dispersion"), ".1")
+    for home, _, key in (item.name.rpartition(".") for item in all_keys()):
+        place = f"{home}{'.1' if home == 'autopilot.filter' else rows.get(home, '')}"
+        with_settings(BENDS, [(f"{place}.{key}", "none")])
+
+
+def test_the_shell_completes_keys():
+    assert "autopilot.rate_gain_s" in dict(_completed("autopilot.ra"))
+    assert not dict(_completed("nothing"))
+
+
+def test_a_campaign_takes_keys_too(tmp_path):
+    file = study_of(
+        tmp_path, "[campaign]\ncases = 8\n[[dispersion]]\nparameter = 'thrust'\npercent = 1"
+    )
+    code, said, error = ran(
+        "campaign", "run", file, "-o", str(tmp_path / "r"), "--set", "campaign.cases", "4"
+    )
+    assert code == 0, error
+    assert said.startswith("4 of 4 cases are done")

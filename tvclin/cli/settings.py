@@ -1,0 +1,177 @@
+"""The option --set of the commands that take a case: keys of its study file by name."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import wraps
+from inspect import Parameter, Signature, signature
+from typing import Annotated, Any
+
+import typer
+from typer.models import ArgumentInfo
+
+_SOURCES = ("vehicle", "source", "campaign_file")
+"""Arguments of commands that take a case."""
+_WITHOUT_SETTINGS = ("availability", "explore")
+"""Commands whose source is no study file, or which write it into a notebook."""
+_PARAMETER = "settings"
+_LAST = ("as_json", "csv", "plot")
+"""Options of the output, which stand last in the help."""
+_WIND_KEYS: dict[str, tuple[str, ...]] = {
+    "--wind": ("wind.shape",),
+    "--duration": ("wind.duration",),
+    "--peak-deg": ("wind.peak", "wind.peak_speed"),
+    "--peak-speed": ("wind.peak", "wind.peak_speed"),
+    "--wind-direction-deg": ("wind.direction",),
+    "--azimuth-deg": ("wind.azimuth",),
+    "--winds": ("wind.sounding",),
+    "--gust": ("gust.peak", "gust.peak_speed", "gust.duration"),
+    "--gust-speed": ("gust.peak", "gust.peak_speed", "gust.duration"),
+    "--gust-plateau": ("gust.plateau",),
+    "--gust-at": ("gust.peak_time",),
+}
+_OTHER_KEYS: dict[str, tuple[str, ...]] = {
+    "--stop": ("nozzle.stop",),
+    "--at": ("study.time",),
+    "--actuator-frequency": ("nozzle.actuator_frequency",),
+    "--actuator-hz": ("nozzle.actuator_frequency",),
+    "--actuator-damping": ("nozzle.actuator_damping",),
+    "--delay-ms": ("autopilot.delay",),
+    "--notch-hz": ("autopilot.filter",),
+    "--low-pass-hz": ("autopilot.filter",),
+    "--criteria": ("criteria.name",),
+    "--gain-db": ("criteria.aero_margin_dB", "criteria.gain_increase_dB"),
+    "--phase-deg": ("criteria.phase_margin_deg",),
+    "--delay-margin-ms": ("criteria.delay_margin",),
+    "--mode-gain-db": ("criteria.mode_gain_margin_dB",),
+    "--mode-phase-deg": ("criteria.mode_phase_margin_deg",),
+}
+"""Options that are no declared fields, and their keys without units."""
+_HEADINGS = {
+    "studyfile.study_plan.StudyPlan": "study",
+    "case.nozzle.Nozzle": "nozzle",
+    "case.load.LoadBound": "load",
+    "control.autopilot.design_rules.AutopilotDesign": "autopilot",
+    "requirement.flight.request.SizingRequest": "size",
+}
+"""Tables of the records whose fields are options."""
+_CAMPAIGN = ("cases", "seed", "method")
+_QUESTION = ("probability", "confidence")
+"""Fields of a study that stand in [campaign], and in [question]."""
+
+
+def _completed(incomplete: str) -> Iterator[tuple[str, str]]:
+    """Yield the keys that begin with a text, each with its line of help."""
+    from tvclin.studyfile.keys import all_keys
+
+    yield from ((key.name, key.help) for key in all_keys() if key.name.startswith(incomplete))
+
+
+_Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY VALUE",
+        autocompletion=_completed,
+        help="Set a key of the study file, such as autopilot.rate_gain_s 0.8; none removes it. May"
+        " be given several times (keys: tvclin init --keys).",
+    ),
+]
+
+
+def settable(command: Callable[..., None], name: str = "") -> Callable[..., None]:
+    """Return a command whose source, if it takes a case, has the keys of --set."""
+    parameters = signature(command).parameters
+    source = next(filter(None, map(_source_name, parameters.values())), None)
+    if name in _WITHOUT_SETTINGS or source is None:
+        return command
+
+    @wraps(command)
+    def run(**values: Any) -> None:
+        settings = values.pop(_PARAMETER)
+        if settings:
+            values[source] = _edited(values[source], pairs(settings))
+        command(**values)
+
+    option = Parameter(
+        _PARAMETER, Parameter.POSITIONAL_OR_KEYWORD, default=None, annotation=_Settings
+    )
+    last = [item for name, item in parameters.items() if name in _LAST]
+    shown = [*(item for item in parameters.values() if item not in last), option, *last]
+    run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
+    run.__annotations__ = {item.name: item.annotation for item in shown}
+    return run
+
+
+def _source_name(parameter: Parameter) -> str | None:
+    """Return the name of a parameter that is the source of a case; None for another one."""
+    kinds = getattr(parameter.annotation, "__metadata__", ())
+    is_argument = any(isinstance(kind, ArgumentInfo) for kind in kinds)
+    return parameter.name if is_argument and parameter.name in _SOURCES else None
+
+
+def joined(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments of a command line with key and value of --set as KEY=VALUE.
+
+    typer has no list of pairs. An option at the end, as in a completion, is unchanged.
+    """
+    words, together = list(arguments), []
+    while words:
+        word = words.pop(0)
+        together.append(word)
+        if word == "--set" and len(words) > 1 and "=" not in words[0]:
+            together.append(f"{words.pop(0)}={words.pop(0)}")
+    return together
+
+
+def pairs(settings: Iterable[str]) -> list[tuple[str, str]]:
+    """Return keys and values of the option."""
+    from tvclin.base.errors import InputError, shown
+
+    made = [setting.partition("=") for setting in settings]
+    for key, equals, _ in made:
+        if not equals:
+            raise InputError(f"--set takes a key and a value, wind.peak_deg 6; got {shown(key)}")
+    return [(key, value) for key, _, value in made]
+
+
+def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
+    """Raise `InputError` for a key that is set beside its own option.
+
+    `options`: the parameters of a command. `values`: their values, by name.
+    """
+    settings = values.get(_PARAMETER)
+    if not settings:
+        return
+    from tvclin.base.errors import InputError
+    from tvclin.cli.option_names import is_set
+    from tvclin.studyfile.settings import quantity_name
+
+    keys = _WIND_KEYS | _OTHER_KEYS | _field_keys()
+    flags = [option.opts[0] for option in options if is_set(option, values)]
+    for key, _ in pairs(settings):
+        for flag in flags:
+            if quantity_name(key) in keys.get(flag, ()):
+                raise InputError(f"give {flag} or --set {key}, not both")
+
+
+def _edited(source: str | None, settings: Sequence[tuple[str, str]]) -> str:
+    """Return the source with the keys set; `InputError` without a source."""
+    from tvclin.cli.inputs import only_with
+    from tvclin.studyfile.settings import with_settings
+
+    if source is None:
+        only_with("a vehicle or a study file", set=settings)
+    return with_settings(str(source), settings)
+
+
+def _field_keys() -> dict[str, tuple[str, ...]]:
+    """Return the keys without units of the options of declared fields, by option."""
+    from tvclin.cli.options import Given
+
+    keys: dict[str, tuple[str, ...]] = {}
+    for kind, heading in _HEADINGS.items():
+        for parameter, item in Given(kind).fields.items():
+            flag = item.option or f"--{parameter.strip('_').replace('_', '-')}"
+            home = "campaign" if item.name in _CAMPAIGN else heading
+            home = "question" if item.name in _QUESTION else home
+            keys[flag] = (*keys.get(flag, ()), f"{home}.{item.called}")
+    return keys

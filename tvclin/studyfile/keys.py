@@ -1,0 +1,254 @@
+"""All keys of study and vehicle files, each with its unit, default and line of help.
+
+They come from the declarations of the tables and from the docstrings of the records that the
+tables make.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.base.fields import help_lines, parameters
+from tvclin.base.lines import Table, words
+from tvclin.base.tables import FileTable
+from tvclin.base.units import written
+from tvclin.case.load import LoadBound
+from tvclin.case.nozzle import Nozzle, NozzleData
+from tvclin.control.autopilot.design_rules import FILTER_TABLE, AutopilotDesign
+from tvclin.design.standard_trials import LawsRequest
+from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.dispersions import Dispersion
+from tvclin.requirement.flight.request import SizingRequest
+from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES
+from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.studyfile.title_block import Document
+from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_file import SOUNDING_TABLE
+
+_RECORDS: dict[str, tuple[type, ...]] = {
+    "document": (Document,),
+    "study": (StudyPlan,),
+    "wind": (ShapedWind,),
+    "gust": (ShapedWind,),
+    "nozzle": (Nozzle, NozzleData),
+    "load": (LoadBound,),
+    "question": (Campaign,),
+    "laws": (LawsRequest,),
+    "autopilot": (AutopilotDesign,),
+    "size": (SizingRequest,),
+    "availability": (AvailabilityRequest,),
+    "campaign": (Campaign,),
+    "outputs": (Campaign,),
+    "dispersion": (Dispersion,),
+    "vehicle": (Vehicle,),
+    "flight": (FlightCondition,),
+    "structure": (Structure,),
+    "engine": (Engine,),
+    "bending": (BendingMode,),
+    "slosh": (SloshTank,),
+}
+"""Records that the tables make, whose docstrings have the lines of help."""
+_HELP = {
+    "study.vehicle": "A vehicle of the package, or a vehicle file beside this one.",
+    "study.time": "Time of flight, where the vehicle is a flight schedule.",
+    "campaign.vehicle": "A vehicle of the package, or a vehicle file beside this one.",
+    "campaign.time": "Time of flight, where the vehicle is a flight schedule.",
+    "document.project": "Project, at the head of the page.",
+    "document.author": "Author, at the head of the page.",
+    "document.date": "Date, at the head of the page.",
+    "document.revision": "Revision, at the head of the page.",
+    "wind.peak": "Peak wind angle of attack.",
+    "wind.duration": "Duration.",
+    "wind.peak_speed": "Peak wind speed, in place of the angle.",
+    "wind.direction": "Direction from which the wind blows, from north, clockwise.",
+    "wind.azimuth": "Direction of flight, from north, clockwise.",
+    "wind.file": "A file of sampled winds, for campaigns.",
+    "wind.unit": "Unit of the angles in that file.",
+    "wind.sounding": "A sounding in place of a pulse, beside this file.",
+    "wind.above_ground": "Elevation of the site, for heights above the ground.",
+    "wind.name": "Name of the sounding.",
+    "wind.format": "Format of the sounding; by default found from its content.",
+    "wind.time": "Time of the sounding in a file of several, as 2024-02-15 12.",
+    "wind.units": "Units of a table that names none, as ft,mph.",
+    "gust.peak": "Peak wind angle of attack of the gust on top of the wind.",
+    "gust.duration": "Duration of the gust.",
+    "gust.peak_speed": "Peak wind speed of the gust, in place of the angle.",
+    "gust.plateau": "Part of its duration at its peak.",
+    "gust.peak_time": "Time of its peak; by default that of the largest requirement.",
+    "nozzle.actuator_frequency": "Natural frequency of the actuator; 0: no actuator.",
+    "nozzle.actuator_damping": "Damping ratio of the actuator.",
+    "nozzle.mass": "Mass that turns, for torque and power.",
+    "nozzle.arm": "Distance of its centre of mass aft of the hinge.",
+    "nozzle.inertia": "Moment of inertia about that centre.",
+    "nozzle.stop": "Limit shape of both planes: round, round-each-plane, square or square-45.",
+    "load.q_alpha": "Largest product of dynamic pressure and angle of attack.",
+    "load.alpha_moment": "Bending moment per angle of attack at the station.",
+    "load.deflection_moment": "Bending moment per deflection at the station.",
+    "autopilot.filter.kind": "Kind of a filter: notch, low-pass, lead-lag or rational.",
+    "autopilot.filter.on": "Signal of the filter: sum, attitude or rate.",
+    "autopilot.filter.frequency": "Frequency of a notch or a low-pass filter.",
+    "autopilot.filter.damping": "Damping ratio of a low-pass filter of second order.",
+    "autopilot.filter.zero_damping": "Damping ratio of the zeros of a notch filter.",
+    "autopilot.filter.pole_damping": "Damping ratio of the poles of a notch filter.",
+    "autopilot.filter.zero": "Zero of a lead-lag filter.",
+    "autopilot.filter.pole": "Pole of a lead-lag filter.",
+    "autopilot.filter.numerator": "Coefficients of a rational filter, highest power first.",
+    "autopilot.filter.denominator": "Coefficients of a rational filter, highest power first.",
+    "nozzle.stiffness": "Stiffness k of the hinge.",
+    "nozzle.damping": "Damping c of the hinge.",
+    "nozzle.friction": "Friction M_f of the hinge.",
+    "nozzle.offset": "Lateral offset e of the centre of mass that turns.",
+    "nozzle.thrust_offset": "Lateral offset e_T of the line of thrust from the hinge.",
+    "size.dispersion": "Addition by dispersions to the requirement of the wind.",
+    "size.reserve": "Part of the limit that stays unused.",
+    "size.count": "Column that enters the total: K = 1, trim, ...",
+    "outputs.dead_bands": "Dead bands K of the outputs required and flown, from 0 to 1.",
+    "availability.persistence": "Increase of the wind angle between balloon and launch.",
+    "dispersion.parameter": "Key of the vehicle, wind_peak, wind_duration, a gain or a mode.",
+    "criteria.name": "Standard set that the numbers change: classic or aircraft.",
+    "criteria.aero_margin_dB": "Smallest gain margin down.",
+    "criteria.gain_increase_dB": "Smallest gain margin up.",
+    "criteria.phase_margin_deg": "Smallest phase margin.",
+    "criteria.delay_margin": "Smallest delay margin.",
+    "criteria.disk_margin": "Smallest disk margin.",
+    "criteria.peak_sensitivity": "Largest peak of the sensitivity.",
+    "criteria.peak_complementary_sensitivity": "Largest peak of the complementary sensitivity.",
+    "criteria.mode_gain_margin_dB": "Smallest gain margin of each gain-stabilised mode.",
+    "criteria.mode_phase_margin_deg": "Smallest phase margin of each phase-stabilised mode.",
+    "schedule.source": "Flight schedule (CSV), or a vehicle with a table [flight].",
+    "availability.archive": "Station file of IGRA, folder of soundings, or a list of them.",
+    "availability.station": "Station of the soundings.",
+    "availability.in_order": "Whether the soundings of a file are in the order of time.",
+    "availability.dates": "File of launch dates that count.",
+    "availability.months": "Months that count, from 1 to 12.",
+    "availability.years": "Years that count.",
+    "availability.persistence_hours": "Time between balloon and launch, in hours.",
+    "availability.utc_offset_hours": "Local time minus UTC, in hours.",
+    "outputs.names": "Outputs of a campaign.",
+    "dispersion.part": "Spread as a fraction of the nominal value.",
+    "dispersion.percent": "Spread in percent of the nominal value.",
+    "correlation.between": "Two dispersed parameters.",
+    "correlation.coefficient": "Coefficient of their correlation.",
+    "vehicle.mass": "Mass, in place of the weight.",
+    "vehicle.dynamic_pressure": "Dynamic pressure of the aerodynamic coefficients.",
+    "vehicle.reference_area": "Reference area of the aerodynamic coefficients.",
+    "vehicle.normal_force_coefficient_slope": "Normal force coefficient per angle of attack.",
+    "vehicle.axial_force_coefficient": "Axial force coefficient.",
+    "vehicle.pitch_damping_coefficient": "C_mq, negative, about the centre of gravity.",
+    "vehicle.reference_length": "Reference length of C_mq.",
+    "vehicle.jet_mass_flow": "Mass flow of the jet, for its damping.",
+    "vehicle.inertia_rate": "Rate of the moment of inertia.",
+    "vehicle.exit_arm": "Distance of the nozzle's exit aft of the centre of gravity.",
+    "sensors.attitude_sensor_frequency": "Natural frequency of the lag of the attitude sensor.",
+    "sensors.attitude_sensor_damping": "Damping ratio of that lag.",
+    "sensors.rate_gyro_frequency": "Natural frequency of the lag of the rate gyro.",
+    "sensors.rate_gyro_damping": "Damping ratio of that lag.",
+    "bending.tank_slopes_per_m": "Slopes at the tanks, in the order of [[slosh]].",
+    "bending.tank_slopes_per_ft": "Slopes at the tanks, in the order of [[slosh]].",
+    "bending.tank_slopes_per_in": "Slopes at the tanks, in the order of [[slosh]].",
+    "coefficients.name": "Name of the vehicle.",
+    "coefficients.mu_alpha": "Angular acceleration per angle of attack.",
+    "coefficients.mu_delta": "Angular acceleration per deflection.",
+    "coefficients.beta": "Square root of mu_alpha.",
+    "coefficients.B": "Trim deflection per angle of attack.",
+    "coefficients.damping": "Damping of the attitude rate.",
+    **{
+        f"coefficients.{name}": f"Coefficient {name} of the path."
+        for name in ["C1", "C2", "b1", "b2", "q"]
+    },
+}
+"""Help of keys that are no attribute of a record, or have another meaning in the file."""
+_DEFAULTS = {
+    "wind.shape": "triangular",
+    "wind.peak": "5",
+    "wind.duration": "7.5",
+    "nozzle.actuator_frequency": "25.1",
+    "nozzle.actuator_damping": "0.7",
+    "criteria.name": "classic",
+}
+"""Defaults of keys that are no fields."""
+_UNIT = re.compile(r" \[[^\]]+\]")
+_SENTENCE = re.compile(r"(?<=[^A-Z])\.(?: |$)")
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key with its table, its other units, its default and its line of help."""
+
+    name: str
+    others: tuple[str, ...]
+    default: str
+    help: str
+
+    @property
+    def meaning(self) -> str:
+        """Line of help with the default and the other units."""
+        default = self.default and f"default {self.default}"
+        others = ", ".join(self.others)
+        more = "; ".join(filter(None, (default, others and f"also in {others}")))
+        return f"{self.help} ({more})" if more else self.help
+
+
+@cache
+def all_keys() -> tuple[Key, ...]:
+    """Return all keys of study and vehicle files, in the order of the tables."""
+    tables = STUDY_TABLES | VEHICLE_TABLES
+    found = [key for name, table in tables.items() for key in _keys(name, table)]
+    names = [key.name for key in found]
+    extra = [*_keys("wind", SOUNDING_TABLE), *_keys("autopilot.filter", FILTER_TABLE)]
+    return (*found, *(key for key in extra if key.name not in names))
+
+
+def key_tables() -> list[Table]:
+    """Return a table of the keys of each table of a file."""
+    homes = dict.fromkeys(key.name.rpartition(".")[0] for key in all_keys())
+    return [
+        words(
+            f"[{home}]",
+            ["key", "meaning"],
+            [[key.name, key.meaning] for key in all_keys() if key.name.rpartition(".")[0] == home],
+        )
+        for home in homes
+    ]
+
+
+def _keys(name: str, table: FileTable) -> Iterator[Key]:
+    """Yield the keys of a table."""
+    helps: dict[str, str] = {}
+    specified: dict[str, Any] = {}
+    for record in _RECORDS.get(name, ()):
+        for kind in reversed(record.__mro__):
+            helps |= help_lines(kind)
+        specified |= parameters(record)
+    for quantity in (*table.quantities, *table.words, *table.lists):
+        full = f"{name}.{quantity}"
+        if full == "autopilot.filter":
+            continue
+        field = table.fields.get(quantity, quantity)
+        item = specified.get(field)
+        spelled = [key for key, (of, _) in table.keys.items() if of == quantity]
+        first = (spelled or [quantity])[0]
+        if table.quantities.get(quantity, "").startswith("ang"):
+            first = first.replace("_rad", "_deg")
+        default = _DEFAULTS.get(full, "")
+        if not default and item is not None:
+            default = _default(item, table.keys[first][1] if item.numeric and spelled else None)
+        said = _HELP.get(full) or _SENTENCE.split(_UNIT.sub("", helps.get(field, "")))[0]
+        others = tuple(written(k.removeprefix(quantity).strip("_")) for k in spelled if k != first)
+        yield Key(f"{name}.{first}", others, default, said.replace("`", "").rstrip("."))
+
+
+def _default(item: Any, factor: float | None) -> str:
+    """Return the default of a field in the unit of its key; empty where there is none."""
+    if item.shown or item.default is None:
+        return item.shown
+    values = item.default if item.many else (item.default,)
+    return ", ".join(f"{value / factor:g}" if factor else str(value) for value in values)

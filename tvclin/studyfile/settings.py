@@ -1,0 +1,335 @@
+"""Keys of a study file that are set beside it, as by --set of the commands.
+
+A key is named with its table, as `autopilot.rate_gain_s`, and with the row of a repeated one, as
+`wind.2.peak_deg` or `dispersion.thrust.percent`. The tables of the file are changed before they
+are read, so that a key is checked as in the file.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tvclin.ascent.flight_condition import FLIGHT_TABLE
+from tvclin.base.edits import EditedSource
+from tvclin.base.errors import InputError, naming, shown
+from tvclin.base.files import called
+from tvclin.base.tables import FileTable, known
+from tvclin.case.case import DEFAULT_WIND
+from tvclin.control.autopilot.design_rules import FILTER_TABLE, GIVEN_GAINS, RULE_KEYS
+from tvclin.studyfile.campaign_file import TABLES, beside
+from tvclin.studyfile.title_block import DOCUMENT_TABLE
+from tvclin.vehicle.linear_vehicle import COEFFICIENTS_TABLE
+from tvclin.vehicle.vehicle_file import (
+    BENDING_TABLE,
+    ENGINE_TABLE,
+    SENSORS_TABLE,
+    SLOSH_TABLE,
+    STRUCTURE_TABLE,
+    VEHICLE_TABLE,
+    is_schedule,
+    source_tables,
+)
+from tvclin.winds.wind_file import SOUNDING_TABLE, WIND_TABLE
+
+STUDY_TABLES = {table.name: table for table in TABLES}
+"""Tables of a study file by heading."""
+VEHICLE_TABLES = {
+    table.name: table
+    for table in (
+        *(VEHICLE_TABLE, FLIGHT_TABLE, STRUCTURE_TABLE, ENGINE_TABLE, SENSORS_TABLE),
+        *(BENDING_TABLE, SLOSH_TABLE, COEFFICIENTS_TABLE),
+    )
+}
+"""Tables of a vehicle file by heading."""
+_ALL_TABLES = STUDY_TABLES | VEHICLE_TABLES
+_ROWS = {"wind": "name", "dispersion": "parameter", "correlation": "", "bending": "", "slosh": ""}
+"""Repeated tables, and the key that names a row."""
+_ROW_BY_NAME = "dispersion"
+"""Table in which an unknown name begins a row."""
+_PEAKS = ("peak",), ("peak_speed",)
+_ALTERNATIVES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "wind": _PEAKS,
+    "gust": _PEAKS,
+    "vehicle": (("weight",), ("mass",)),
+    "autopilot": (GIVEN_GAINS, RULE_KEYS),
+    "availability": (("persistence",), ("persistence_hours",)),
+}
+"""Quantities of a table of which the first group excludes the second."""
+_TEXTS = (WIND_TABLE, SOUNDING_TABLE, VEHICLE_TABLE, DOCUMENT_TABLE)
+"""Tables whose words are texts, also where they look like numbers."""
+_REMOVAL = "none"
+"""Value that removes a key."""
+
+
+class Setting(NamedTuple):
+    """A key as it was given, its parts, and its value; None removes the key."""
+
+    key: str
+    parts: list[str]
+    value: Any
+
+
+def with_settings(source: str, settings: Iterable[tuple[str, str]]) -> str:
+    """Return a source with keys of its study file, or of its vehicle file, set.
+
+    Parameters
+    ----------
+    source : str
+        As of `load_study`. A vehicle, or a flight schedule, becomes a study of that.
+    settings : iterable of (str, str)
+        Keys with their table, and their values as in a TOML file, strings without quotes; "none"
+        removes a key. Keys in another unit, or that exclude the new one, are replaced.
+
+    Raises
+    ------
+    InputError
+        For an unknown table, key or row (similar ones are suggested), for a key that is given
+        twice, and for keys of a vehicle whose source is a flight schedule.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> source = with_settings("configuration-i", [("autopilot.rate_gain_s", "0.8")])
+    >>> tv.load_study(source).design.rate_gain
+    0.8
+    """
+    given = [_setting(key, value) for key, value in settings]
+    keys = [setting.key for setting in given]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise InputError(f"--set {key} is given twice; keep one")
+    of_vehicle = [setting for setting in given if setting.parts[0] in VEHICLE_TABLES]
+    of_study = [setting for setting in given if setting.parts[0] in STUDY_TABLES]
+    tables = source_tables(source)
+    if {"study", "campaign"} & tables.keys():
+        return EditedSource(source, _study(tables, Path(source).parent, of_study, of_vehicle))
+    vehicle = _vehicle(source, tables, of_vehicle)
+    if not of_study:
+        return vehicle
+    wind = {"shape": DEFAULT_WIND.shape, "peak_rad": DEFAULT_WIND.peak}
+    document = {"study": {"vehicle": vehicle}, "wind": wind | {"duration_s": DEFAULT_WIND.duration}}
+    return EditedSource(source, _changed(document, of_study))
+
+
+def quantity_name(key: str) -> str:
+    """Return the name of a key with its table, without its row and its unit."""
+    parts = key.split(".")
+    table = _ALL_TABLES.get(parts[0])
+    if table is None or len(parts) == 1:
+        return key
+    if parts[0] == "autopilot" and len(parts) > 2:
+        return ".".join(parts[:2])
+    return f"{parts[0]}.{_quantity(table, parts[-1])}"
+
+
+def _setting(key: str, value: str) -> Setting:
+    """Return a setting, its table checked."""
+    parts = key.split(".")
+    if not all(parts):
+        raise InputError(
+            f"--set takes a key with its table, such as autopilot.rate_gain_s; got {shown(key)}"
+        )
+    if len(parts) == 1 and parts[0] not in _ALL_TABLES:
+        homes = [f"{name}.{key}" for name, table in _ALL_TABLES.items() if key in table.every_key]
+        if homes:
+            raise InputError(f"--set {key} needs its table: {' or '.join(homes)}")
+    known("table of --set", parts[:1], _ALL_TABLES)
+    return Setting(key, parts, _value(key, value))
+
+
+def _value(key: str, text: str) -> Any:
+    """Return the value of a text: a number, true or false, a list, or the text itself."""
+    text = text.strip()
+    if text == _REMOVAL:
+        return None
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    if text in ("true", "false"):
+        return text == "true"
+    if text[:1] not in ('"', "'", "[", "{"):
+        return text
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        raise InputError(f"--set {key} is no value of a TOML file: {shown(text)}") from None
+
+
+def _study(
+    tables: dict[str, Any], folder: Path, of_study: list[Setting], of_vehicle: list[Setting]
+) -> dict[str, Any]:
+    """Return the tables of a study file with its keys and those of its vehicle set."""
+    tables = _changed(tables, of_study)
+    home = tables["study"] if "vehicle" in tables.get("study", {}) else tables.get("campaign", {})
+    vehicle = home.get("vehicle")
+    if not of_vehicle:
+        return tables
+    if isinstance(vehicle, dict):
+        known("table of --set", [item.parts[0] for item in of_vehicle], ["vehicle", *STUDY_TABLES])
+        return tables | {"study": home | _changed({"vehicle": vehicle}, of_vehicle)}
+    if not isinstance(vehicle, str):
+        raise InputError(f"--set {of_vehicle[0].key} needs a vehicle in [study]")
+    file = str(beside(vehicle, folder))
+    edited = _vehicle(file, source_tables(file), of_vehicle)
+    flight = tables.get("schedule")
+    if isinstance(flight, dict) and flight.get("source") == vehicle:
+        flight["source"] = edited
+    home["vehicle"] = edited
+    return tables
+
+
+def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> str:
+    """Return the source of a vehicle with keys of its file set."""
+    if settings and is_schedule(source):
+        raise InputError(
+            f"--set {settings[0].key} is of a vehicle, and {called(source)} a flight schedule:"
+            " write its vehicle at a time with tvclin init FILE --from SCHEDULE --at TIME"
+        )
+    return EditedSource(source, _changed(tables, settings) if settings else None)
+
+
+def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
+    """Return tables with keys set; `InputError` where two of the keys exclude each other."""
+    for setting in settings:
+        with naming(f"--set {setting.key}"):
+            _put(tables, setting)
+    for setting in settings:
+        if setting.value is not None and not _is_there(tables, setting):
+            others = [other.key for other in settings if other.value is not None]
+            others.remove(setting.key)
+            raise InputError(f"--set {setting.key} and {others[-1]} exclude each other; keep one")
+    return tables
+
+
+def _put(tables: dict[str, Any], setting: Setting) -> None:
+    """Set the key of a setting in tables, or remove it, its row or its table."""
+    (name, *rest), value = setting.parts, setting.value
+    if not rest:
+        if value is not None:
+            raise InputError(f"a table takes no value but none; write {name}.KEY")
+        tables.pop(name, None)
+        return
+    table, entry = _ALL_TABLES[name], tables.get(name)
+    if name in _ROWS:
+        rows, rest = _rows_of(tables, name), list(rest)
+        row = _row(rows, name, rest, value)
+        if row is None or not rest:
+            return
+        entry, table = row, _row_table(name, rest[0])
+    elif entry is None:
+        entry = tables[name] = {}
+    elif not isinstance(entry, dict):
+        raise InputError(f"{name} is no table in the file")
+    if name == "autopilot" and rest[0] == "filter" and len(rest) > 1:
+        filters = entry.setdefault("filter", [])
+        rest = rest[1:]
+        row = _row(filters, "autopilot.filter", rest, value)
+        if row is None or not rest:
+            return
+        entry, table = row, FILTER_TABLE
+    if len(rest) > 1:
+        raise InputError(f"a key stands in a table; {'.'.join(rest)} are several")
+    _put_key(table, name, entry, rest[0], value)
+
+
+def _rows_of(tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
+    """Return the rows of a repeated table, which is then a list in the tables."""
+    entry = tables.get(name, [])
+    rows = entry if isinstance(entry, list) else [entry]
+    if not all(isinstance(row, dict) for row in rows):
+        raise InputError(f"{name} is no table in the file")
+    tables[name] = rows
+    return rows
+
+
+def _row(
+    rows: list[dict[str, Any]], name: str, rest: list[str], value: Any
+) -> dict[str, Any] | None:
+    """Return a row by its number or name, which is removed from `rest`; None if it is removed.
+
+    Without a number the only row. The number after the last begins a row.
+    """
+    k = _index(rows, name, rest)
+    if k is None:
+        if len(rows) > 1:
+            raise InputError(
+                f"the file has {len(rows)} of [[{name}]]: write {name}.1.{rest[0]}, for example"
+            )
+        if not rows:
+            rows.append({})
+        return rows[0]
+    del rest[0]
+    if rest:
+        if k == len(rows):
+            rows.append({})
+        return rows[k]
+    if value is not None:
+        raise InputError("a row takes no value but none; name its key too")
+    del rows[k : k + 1]
+    return None
+
+
+def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None:
+    """Return the index of a row by its number or name; None where a key stands in their place."""
+    label, first = _ROWS.get(name, ""), rest[0]
+    names = [str(row.get(label, "")) for row in rows] if label else []
+    if first.isdigit():
+        if not 1 <= int(first) <= len(rows) + 1:
+            raise InputError(f"the file has {len(rows)} of [[{name}]]; got number {first}")
+        return int(first) - 1
+    if first in names:
+        return names.index(first)
+    if len(rest) == 1:
+        return None
+    if name != _ROW_BY_NAME:
+        known(f"row of [[{name}]]", [first], [*filter(None, names), "a number"])
+    rows.append({label: first})
+    return len(rows) - 1
+
+
+def _row_table(name: str, key: str) -> FileTable:
+    """Return the table of a key of a row; a wind may be measured."""
+    table = _ALL_TABLES[name]
+    measured = name == "wind" and key not in table.every_key and key in SOUNDING_TABLE.every_key
+    return SOUNDING_TABLE if measured else table
+
+
+def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value: Any) -> None:
+    """Set or remove a key of a table, checked; other spellings of the quantity are removed."""
+    free = name == "schedule" or (name == "dispersion" and key.startswith("spread"))
+    if not free and key not in table.every_key:
+        raise InputError(table.unknown(key))
+    quantity = _quantity(table, key)
+    excluded, groups = {quantity}, _ALTERNATIVES.get(name, ((), ()))
+    if value is not None and quantity in (*groups[0], *groups[1]):
+        excluded |= set(groups[quantity in groups[0]])
+    for other in [other for other in entry if _quantity(table, other) in excluded]:
+        del entry[other]
+    if value is None:
+        return
+    if key in table.lists and isinstance(value, str):
+        value = [_value(key, item) for item in value.split(",")]
+    elif key in table.lists and not isinstance(value, list):
+        value = [value]
+    elif key in table.words and table in _TEXTS and isinstance(value, int | float):
+        value = str(value)
+    entry[key] = value
+
+
+def _quantity(table: FileTable, key: str) -> str:
+    """Return the name of a key without its unit."""
+    return table.keys.get(key, (key,))[0]
+
+
+def _is_there(tables: Mapping[str, Any], setting: Setting) -> bool:
+    """Return whether the key of a setting is in the tables."""
+    key, entry = setting.parts[-1], tables.get(setting.parts[0])
+    rows = entry if isinstance(entry, list) else [entry]
+    if setting.parts[0] == "autopilot" and len(setting.parts) > 2:
+        rows = tables["autopilot"].get("filter", [])
+    return any(isinstance(row, dict) and key in row for row in rows)
