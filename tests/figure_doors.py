@@ -82,13 +82,17 @@ def figures(folder: Path) -> dict[str, Door]:
         "attitude_chart": Door(
             plots.attitude_chart, {"plant": plant, **responses, **titles, "flights": None}
         ),
-        "availability_chart": Door(plots.availability_chart, {"found": available, "name": "a"}),
+        "availability_chart": Door(
+            plots.availability_chart, {"availability": available, "name": "a"}
+        ),
         "bode_chart": Door(plots.bode_chart, loop),
         "boundary_chart": Door(
             plots.boundary_chart,
             {"tau_beta": [2.0, 4.0], "dead_bands": (1.0, 0.5), "coefficients": coefficients},
         ),
-        "boundary_map_chart": Door(plots.boundary_map_chart, {"found": mapped, "limit": 0.03}),
+        "boundary_map_chart": Door(
+            plots.boundary_map_chart, {"boundary_map": mapped, "limit": 0.03}
+        ),
         "comparison_chart": Door(plots.comparison_chart, {"comparison": compared}),
         "curves_of": Door(plots.curves_of, {"plot": plots.sketch_a()}),
         "figure_1": Door(
@@ -127,7 +131,7 @@ def figures(folder: Path) -> dict[str, Door]:
             plots.flight_curves,
             {"flight": beside, "limit": 0.01, "name": "a", "parameters": "b", "beside": "linear"},
         ),
-        "flown_margins_chart": Door(plots.flown_margins_chart, {"found": flown}),
+        "flown_margins_chart": Door(plots.flown_margins_chart, {"flown_margins": flown}),
         "laws_chart": Door(
             plots.laws_chart,
             {

@@ -91,7 +91,7 @@ def figure_2(
     Parameters
     ----------
     tau_beta, dead_bands
-        As of `boundary_chart`.
+        Same as in `boundary_chart`.
     """
     title = f"Figure 2. Stability boundary {_FIXED}"
     return _draw_boundaries("figure-2", title, tau_beta, dead_bands, None)
@@ -107,7 +107,7 @@ def figure_5(
     Parameters
     ----------
     tau_beta
-        As of `boundary_chart`.
+        Same as in `boundary_chart`.
     dead_bands : sequence of float
         K, one for each panel.
     vehicles : sequence of Vehicle or str
@@ -175,9 +175,9 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
     curves = _study_curves(study, x)
     axes = new_axes()
     lines: list[Any] = []
-    of_each_model = len(curves.columns) // len(study.boundaries)
+    curves_per_model = len(curves.columns) // len(study.boundaries)
     for index, column in enumerate(curves.columns):
-        model, row = divmod(index, of_each_model)
+        model, row = divmod(index, curves_per_model)
         look: Style = {"color": cycle(COLOURS)[row], "marker": cycle(MARKS)[row], "ms": 4.5}
         look |= {"ls": ("-", "--")[model], "markevery": max(x.size // 10, 1)}
         lines += axes.plot(x, column.values, lw=1.6, label=column.label, **look)
@@ -205,13 +205,12 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
 
 def _study_curves(study: Study, durations: FloatArray) -> Curves:
     """Return the boundary over durations [s] for the models and dead bands of a study."""
-    each = durations[:, np.newaxis]
-    wind = study.wind_in_plane.history({"wind_duration": each})
+    wind = study.wind_in_plane.history({"wind_duration": durations[:, np.newaxis]})
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
     columns = []
     for model in study.boundaries:
-        found = required_deflection(Plant(study.coefficients, model), wind, shown)
-        sizes = np.abs(np.degrees(found.deflection)).T
+        requirement = required_deflection(Plant(study.coefficients, model), wind, shown)
+        sizes = np.abs(np.degrees(requirement.deflection)).T
         columns += [
             Column(f"K = {K:g}, {model}", y, "deg") for K, y in zip(shown, sizes, strict=True)
         ]
@@ -270,14 +269,14 @@ def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:
 
 def _abscissas(tau_beta: ArrayLike | None) -> FloatArray:
     """Return the abscissas tau*beta; `InputError` unless they are a positive row."""
-    given = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
-    return one_row("tau_beta", np.atleast_1d(positive("tau_beta", given)))
+    abscissas = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
+    return one_row("tau_beta", np.atleast_1d(positive("tau_beta", abscissas)))
 
 
 def _fractions(dead_bands: Sequence[float]) -> list[float]:
     """Return dead bands K as a list; `InputError` for what is no row of numbers from 0 to 1."""
-    given = within("dead_bands", dead_bands, 0.0, 1.0)
-    return one_row("dead_bands", np.atleast_1d(given)).tolist()
+    fractions = within("dead_bands", dead_bands, 0.0, 1.0)
+    return one_row("dead_bands", np.atleast_1d(fractions)).tolist()
 
 
 def _row(values: Any) -> FloatArray:

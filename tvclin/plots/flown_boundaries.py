@@ -83,7 +83,7 @@ def flown_limit(
     `dead_band`: duration of the wind, and K. `plane` ({"pitch", "yaw"}): plane of the wind. `peak`:
     its peak [rad], at the vehicle's own time. `engine`: one of `ENGINES`. `along`: whether the
     parameters vary along the trajectory, which planar flights know; frozen where not. `tolerance`:
-    as of `flown_boundary`.
+    same as in `flown_boundary`.
     """
     vehicle = load_vehicle(name)
     options: dict[str, Any] = {}
@@ -98,8 +98,8 @@ def flown_limit(
 def centred_wind(vehicle: Vehicle, peak: float, tau_beta: float) -> History:
     """Return the triangular wind of a given tau p that has its peak at the vehicle's time."""
     wind = TriangularWind(peak=peak, duration=tau_beta / Coefficients.from_vehicle(vehicle).pole)
-    own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
-    return wind.shift(own - wind.duration / 2.0)
+    peak_time = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+    return wind.shift(peak_time - wind.duration / 2.0)
 
 
 TAU_BETA = (1.0, 2.0, 4.0, 8.0, 14.0, 20.0)
@@ -159,7 +159,7 @@ def figure_11(
     Parameters
     ----------
     vehicle, dead_bands, **options
-        As of `figure_10`.
+        Same as in `figure_10`.
     """
     return _figure(11, vehicle, dead_bands, **options)
 
@@ -208,7 +208,7 @@ def _panel(
 ) -> list[Column]:
     """Return the curves of one dead band."""
     c = Coefficients.from_vehicle(load_vehicle(name))
-    found = {
+    limits_of = {
         _FIXED: np.asarray(triangular_limit(x, K)),
         _DRIFT: np.asarray(triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)),
     }
@@ -216,13 +216,13 @@ def _panel(
     for which in _engines(engine):
         places = frozen if which == engine else along
         limits = [flown_limit(name, b, K, engine=which) for b in places.tolist()]
-        found[_flown(which)] = _at(x, places, limits)
+        limits_of[_flown(which)] = _at(x, places, limits)
     for label, (plane, peak) in ALONG.items():
         limits = [
             flown_limit(name, b, K, plane=plane, peak=peak, along=True) for b in along.tolist()
         ]
-        found[label] = _at(x, along, limits)
-    return [Column(label, values, panel=panel) for label, values in found.items()]
+        limits_of[label] = _at(x, along, limits)
+    return [Column(label, values, panel=panel) for label, values in limits_of.items()]
 
 
 def _engines(engine: str) -> list[str]:

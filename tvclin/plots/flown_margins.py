@@ -35,12 +35,12 @@ _LIMIT: Style = {"color": WARM, "lw": 2.4}
 _GROWS: Style = {"color": "0.88"}
 
 
-def flown_margins_chart(found: Sequence[FlownMargins]) -> ControlPlot:
+def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
     """Draw flown margins over the limit, with the margins of the linear loop as dotted lines.
 
     Parameters
     ----------
-    found : sequence of FlownMargins
+    flown_margins : sequence of FlownMargins
         Margins of one law in one wind with two or more limits.
 
     Raises
@@ -48,7 +48,8 @@ def flown_margins_chart(found: Sequence[FlownMargins]) -> ControlPlot:
     InputError
         For fewer than two different limits.
     """
-    ordered = sorted(each("found", found, FlownMargins, "see flown_margins"), key=lambda m: m.spare)
+    checked = each("flown_margins", flown_margins, FlownMargins, "see flown_margins")
+    ordered = sorted(checked, key=lambda m: m.spare)
     spare = np.array([m.spare for m in ordered])
     columns, styles = [], {}
     for name, colour, line in zip(CHANGES, (*COLOURS[:4], INK), (*LINES[:4], "-"), strict=True):
@@ -76,14 +77,14 @@ def flown_margins_chart(found: Sequence[FlownMargins]) -> ControlPlot:
     return plot
 
 
-def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> ControlPlot:
+def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) -> ControlPlot:
     """Draw the boundary of a law over gain and delay as contours, and a limit as one of them.
 
     A flight with the limit survives where the boundary is below it.
 
     Parameters
     ----------
-    found : BoundaryMap
+    boundary_map : BoundaryMap
         Map of two or more gains and two or more delays.
     limit : float, optional
         Deflection limit [rad].
@@ -96,28 +97,33 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    instance("found", found, BoundaryMap, "see boundary_map")
-    if min(found.limit.shape) < 2:
-        raise InputError(f"a map needs two or more gains and delays; got {found.limit.shape}")
-    if not np.any(np.isfinite(found.limit)):
+    instance("boundary_map", boundary_map, BoundaryMap, "see boundary_map")
+    if min(boundary_map.limit.shape) < 2:
+        raise InputError(
+            f"a map needs two or more gains and delays; got {boundary_map.limit.shape}"
+        )
+    if not np.any(np.isfinite(boundary_map.limit)):
         raise InputError("a map needs a finite boundary somewhere; got none")
     level = (
         None
         if limit is None
-        else number("limit", limit, small_angle("a deflection", positive), "rad") / found.full_trim
+        else number("limit", limit, small_angle("a deflection", positive), "rad")
+        / boundary_map.full_trim
     )
-    axes, coordinates = new_axes(), (found.gains, found.delays)
-    values = np.ma.masked_invalid(found.limit.T)
+    axes, coordinates = new_axes(), (boundary_map.gains, boundary_map.delays)
+    values = np.ma.masked_invalid(boundary_map.limit.T)
     lines = axes.contour(*coordinates, values, levels=12, colors=COLOURS[0], linewidths=0.9)
     handles: list[Line2D | Patch] = [Line2D([], [], label="boundary, of full trim", **_BOUNDARY)]
     if level is not None:
         handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT))
         if values.min() < level < values.max():
             axes.contour(*coordinates, values, levels=[level], colors=WARM, linewidths=2.4)
-    if found.growth.max() > 0.0:
+    if boundary_map.growth.max() > 0.0:
         handles.append(Patch(label="grows near rest", **_GROWS))
-        ends = [0.0, 2.0 * found.growth.max()]
-        axes.contourf(*coordinates, found.growth.T, levels=ends, colors=_GROWS["color"], zorder=3)
+        ends = [0.0, 2.0 * boundary_map.growth.max()]
+        axes.contourf(
+            *coordinates, boundary_map.growth.T, levels=ends, colors=_GROWS["color"], zorder=3
+        )
     axes.set(xlabel="gain, over that of the law [-]", ylabel="delay [s]")
     axes.set_title("Boundary over gain and delay")
     fine_grid(axes)
@@ -128,19 +134,22 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
         box = label.get_window_extent()
         label.set_visible(frame.contains(*box.min) and frame.contains(*box.max))
     axes.figure.legend(handles=handles, loc="outside right center")
-    return control_plot([], axes, _numbers(found))
+    return control_plot([], axes, _numbers(boundary_map))
 
 
-def _numbers(found: BoundaryMap) -> Curves:
+def _numbers(boundary_map: BoundaryMap) -> Curves:
     """Return the numbers of the map, with a column for each delay."""
     columns = [
         Column(f"{name}, delay {delay:g} s", row, unit)
-        for name, table, unit in (("boundary", found.limit, "-"), ("growth", found.growth, "1/s"))
-        for delay, row in zip(found.delays.tolist(), table.T, strict=True)
+        for name, table, unit in (
+            ("boundary", boundary_map.limit, "-"),
+            ("growth", boundary_map.growth, "1/s"),
+        )
+        for delay, row in zip(boundary_map.delays.tolist(), table.T, strict=True)
     ]
     words = "boundary over the largest trim deflection, and growth near rest"
     label = "gain, over that of the law [-]"
-    return Curves("boundary-map", words, label, found.gains, tuple(columns))
+    return Curves("boundary-map", words, label, boundary_map.gains, tuple(columns))
 
 
 def _by_ratio(axes: Axes) -> None:

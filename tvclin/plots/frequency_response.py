@@ -99,8 +99,8 @@ def nichols_chart(
     _draw_box(axes, box, criteria.name)
     verdict = ""
     if samples.margins.stable and any(box):
-        met = satisfaction(criteria.are_satisfied(samples.judged))
-        verdict = f", criteria {criteria.name} {met}"
+        word = satisfaction(criteria.are_satisfied(samples.judged))
+        verdict = f", criteria {criteria.name} {word}"
     axes.set(
         title=title("Nichols chart of the loop", samples, verdict),
         xlabel="phase of L [deg]",
@@ -338,7 +338,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
         axes.set_aspect("equal", adjustable="datalim" if axes is panels[0] else "box")
     panels[0].set_title("the whole curve; dashed: negative frequencies", fontsize="medium")
     panels[1].set_title("near -1", fontsize="medium")
-    _frame_near(panels[1], samples, marks)
+    _frame_critical_point(panels[1], samples, marks)
     for axes in panels:
         fine_grid(axes)
         lines += draw_marks(axes, [*marks, Mark(-1.0, 0.0, shape="X", name="L = -1")])
@@ -376,11 +376,11 @@ def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
     )
 
 
-def _counted(found: Any, samples: LoopSamples) -> str:
+def _counted(response: Any, samples: LoopSamples) -> str:
     """Return encirclements, unstable open-loop poles and the Nyquist verdict in words."""
-    turns, open_loop = -found.count, unstable_poles(samples.loop)
-    way = "counterclockwise" if turns >= 0 else "clockwise"
-    times = f"{abs(turns)} {way} encirclement{'s' * (abs(turns) != 1)} of -1"
+    turns, open_loop = -response.count, unstable_poles(samples.loop)
+    direction = "counterclockwise" if turns >= 0 else "clockwise"
+    times = f"{abs(turns)} {direction} encirclement{'s' * (abs(turns) != 1)} of -1"
     poles = f"{open_loop} unstable open-loop pole{'s' * (open_loop != 1)}"
     return f"{times}, {poles}: {samples.verdict}"
 
@@ -396,7 +396,7 @@ def _max_magnitude(samples: LoopSamples) -> float:
     return 1.25 * largest if largest < 4.0 * scale else 2.0 * scale
 
 
-def _frame_near(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
+def _frame_critical_point(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
     """Set the frame around -1, with the unit circle and the disk of the disk margin."""
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Circle
@@ -416,12 +416,12 @@ def _frame_near(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
     axes.set_ylim(-0.5 * (width + 1.2), 0.5 * (width + 1.2))
 
 
-def _nyquist_curves(found: Any, samples: LoopSamples) -> Curves:
+def _nyquist_curves(response: Any, samples: LoopSamples) -> Curves:
     """Return real and imaginary part of L over the frequency."""
     columns = (
-        Column("real part", np.asarray(found.response.real), "-"),
-        Column("imaginary part", np.asarray(found.response.imag), "-"),
+        Column("real part", np.asarray(response.response.real), "-"),
+        Column("imaginary part", np.asarray(response.response.imag), "-"),
     )
-    omega = np.asarray(found.contour.imag)
+    omega = np.asarray(response.contour.imag)
     words = f"{samples.words}; {samples.verdict}"
     return Curves("nyquist", words, "frequency [rad/s]", omega, columns)

@@ -47,7 +47,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     if sizing.times.size < 2:
         raise InputError("a figure over the flight needs two or more flight times; got 1")
     order = np.argsort(sizing.times)
-    rows = {one.label: np.degrees(sizing.at_times(one))[order] for one in sizing.required}
+    rows = {r.label: np.degrees(sizing.at_times(r))[order] for r in sizing.required}
     columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
@@ -63,19 +63,24 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
 
 
 def _styles(sizing: Sizing) -> dict[str, Style]:
-    """A colour for each requirement, the same for frozen and varying parameters."""
+    """Return the line style of each requirement, of one colour for all parameters and winds."""
     bands = [Requirement(dead_band=K) for K in sizing.dead_bands]
     colours = dict(zip([TRIM, NO_FORECAST, MINIMUM, *bands], (INK, *cycle(_COLOURS)), strict=False))
     lines = dict(zip([TRIM, *bands, NO_FORECAST, MINIMUM], cycle(LINES), strict=False))
     styles: dict[str, Style] = {}
-    for one in sizing.required:
-        kind = replace(one, varying=False, direction="")
+    for requirement in sizing.required:
+        kind = replace(requirement, varying=False, direction="")
         style: Style = {"color": colours[kind], "lw": 1.8, "ls": lines[kind]}
-        if one.direction:
-            style = {"ls": "", "marker": _MARKS[one.direction], "ms": 4.5, "color": colours[kind]}
-        elif one.varying:
+        if requirement.direction:
+            style = {
+                "ls": "",
+                "marker": _MARKS[requirement.direction],
+                "ms": 4.5,
+                "color": colours[kind],
+            }
+        elif requirement.varying:
             style |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
-        styles[one.label] = style
+        styles[requirement.label] = style
     return styles
 
 
@@ -85,7 +90,7 @@ _FLOWN, _LOWER, _UPPER = "flown", "interval, lower end", "interval, upper end"
 _STEPS: Style = {"drawstyle": "steps-post"}
 
 
-def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
+def availability_chart(availability: Availability, name: str = "") -> "ControlPlot":
     """Draw the fraction of an archive's soundings with which the vehicle flies, over the limit.
 
     One azimuth is drawn with its confidence interval, several with a line each. A vertical line is
@@ -93,7 +98,7 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
 
     Parameters
     ----------
-    found : Availability
+    availability : Availability
         Availability with one judged sounding or more.
     name : str
         Name of a vehicle without one.
@@ -103,14 +108,14 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
     InputError
         Where no sounding is judged, or none needs a deflection.
     """
-    instance("found", found, Availability, "see availability")
-    most = np.nanmax(found.most, initial=0.0)
+    instance("availability", availability, Availability, "see availability")
+    most = np.nanmax(availability.most, initial=0.0)
     if not most > 0.0:
-        raise InputError("found must hold a sounding that asks for deflection, to be drawn")
-    limits = np.linspace(0.0, _WIDER * max(float(most), found.limit), _LIMITS)
-    azimuths = np.degrees(np.atleast_1d(found.azimuth)).tolist()
+        raise InputError("availability must hold a sounding that asks for deflection, to be drawn")
+    limits = np.linspace(0.0, _WIDER * max(float(most), availability.limit), _LIMITS)
+    azimuths = np.degrees(np.atleast_1d(availability.azimuth)).tolist()
     multiple = len(azimuths) > 1
-    parts = [part if isinstance(part, tuple) else (part,) for part in found.curve(limits)]
+    parts = [part if isinstance(part, tuple) else (part,) for part in availability.curve(limits)]
     if multiple:
         values = {
             f"{azimuth:.4g} deg": [part[a].part for part in parts]
@@ -123,13 +128,13 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
             _LOWER: [part[0].lower for part in parts],
         }
     columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())
-    station = found.soundings.station or "an archive"
-    planes = PLANE_TEXTS[found.plane]
+    station = availability.soundings.station or "an archive"
+    planes = PLANE_TEXTS[availability.plane]
     if not multiple:
         planes += f", towards {azimuths[0]:.4g} deg"
-    words = f"{plural(len(found.soundings), 'sounding')} of {station}, {planes}"
+    words = f"{plural(len(availability.soundings), 'sounding')} of {station}, {planes}"
     curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
-    title = called(found.judge.flight.vehicle.name or name, f"launch availability: {words}")
+    title = called(availability.judge.flight.vehicle.name or name, f"launch availability: {words}")
     heading = "flown, towards" if multiple else ""
     look = Look(
         title,
@@ -140,10 +145,10 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
     )
     plot = draw(curves, look)
     axes = plot.axes[0, 0]
-    axes.axvline(np.degrees(found.limit), color=WARM, lw=1.4)
+    axes.axvline(np.degrees(availability.limit), color=WARM, lw=1.4)
     axes.annotate(
         "limit",
-        (np.degrees(found.limit), 2.0),
+        (np.degrees(availability.limit), 2.0),
         xytext=(4, 0),
         textcoords="offset points",
         color=WARM,

@@ -371,7 +371,7 @@ def figure_7(
     Parameters
     ----------
     vehicle, dead_band, **options
-        As of `figure_6`.
+        Same as in `figure_6`.
     """
     return _with_drift(7, vehicle, dead_band, **options)
 
@@ -384,7 +384,7 @@ def figure_8(
     Parameters
     ----------
     vehicle, dead_band, **options
-        As of `figure_6`.
+        Same as in `figure_6`.
     """
     return _with_drift(8, vehicle, dead_band, **options)
 
@@ -397,7 +397,7 @@ def figure_9(
     Parameters
     ----------
     vehicle, dead_band, **options
-        As of `figure_6`.
+        Same as in `figure_6`.
     """
     return _with_drift(9, vehicle, dead_band, **options)
 
@@ -454,7 +454,7 @@ def _attitudes(
     boundary = boundary_limit(plant, wind, dead_band)
     limits = boundary.deflection * np.array(factors)
     control = trim_then_hold(plant, wind, limits, dead_band)
-    found = attitude_responses(plant, control, wind, x * duration)["attitude"] / -PEAK
+    attitudes = attitude_responses(plant, control, wind, x * duration)["attitude"] / -PEAK
     panel = f"tau*{plant.coefficients.pole_symbol} = {tau_beta:g}"
     columns = [
         Column(
@@ -463,7 +463,7 @@ def _attitudes(
             panel=panel,
             note=_NEVER if factor * boundary.limit * dead_band > 1.0 else "",
         )
-        for factor, row in zip(factors, found, strict=True)
+        for factor, row in zip(factors, attitudes, strict=True)
     ]
     if flights is None:
         return columns
@@ -481,7 +481,7 @@ def _name(factor: float, flown: bool = False) -> str:
 
 
 def _styles(factors: Sequence[float], points: int) -> dict[str, Style]:
-    """Solid ink on the boundary; the others broken, each in its own way; marks where flown."""
+    """Return line styles: solid on the boundary, broken elsewhere, and marks of flights."""
     others = [factor for factor in factors if factor != 1.0]
     broken = zip(others, cycle(_COLOURS), cycle(LINES[1:]), cycle(MARKS), strict=False)
     looks = [*broken, (1.0, INK, "-", "x")]
@@ -501,7 +501,7 @@ def _styles(factors: Sequence[float], points: int) -> dict[str, Style]:
 
 
 def _frame(boundary: FloatArray) -> tuple[float, float]:
-    """Ends of the ordinate: the whole curve on the boundary, and a part of that below zero."""
+    """Return ends of the ordinate, around the curve on the boundary and a part of it below zero."""
     size = float(np.abs(boundary).max()) or 1.0
     return min(-0.35 * size, 1.2 * float(boundary.min())), max(
         0.35 * size, 1.3 * float(boundary.max())

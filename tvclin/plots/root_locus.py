@@ -327,7 +327,7 @@ def root_locus_chart(
     locus = LocusPoles.of(samples.loop, samples.pade_order)
     poles = locus.closed(np.ones(1))[0]
     radii = _radii(samples, poles)
-    factors = _default_factors(locus, samples, radii) if gains is None else _given(gains)
+    factors = _default_factors(locus, samples, radii) if gains is None else _checked_factors(gains)
     branches = locus.branches(factors)
     count = len(radii) + bool(samples.modes)
     rows: Any = [[0, 0]] if count == 1 else [[0, 1], [2, 2]][: count - 1]
@@ -379,7 +379,7 @@ def _within(branches: AnyArray, loop: Loop) -> AnyArray:
     return np.where(steps > float(loop.max_frequency()[0, 0]), np.nan, branches)
 
 
-def _given(gains: ArrayLike) -> FloatArray:
+def _checked_factors(gains: ArrayLike) -> FloatArray:
     """Return the rising factors of the user; `InputError` unless they are a row from zero on."""
     factors = nonnegative("gains", gains)
     if factors.ndim != 1 or factors.size < 2:

@@ -188,7 +188,7 @@ def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> No
 
 
 def _times_with_jumps(*histories: History) -> FloatArray:
-    """Times from before the wind to after it, with both sides of every breakpoint."""
+    """Return times from before the wind to after it, with both sides of every breakpoint."""
     knots = np.concatenate([history.knots.ravel() for history in histories])
     knots = knots[(knots >= 0.0) & (knots <= 1.5)]
     even = np.linspace(-0.25, 1.5, 351)
@@ -303,8 +303,8 @@ def _body(attitude: float, path: float, wind: float, turned: float) -> dict[str,
     nozzle = [gimbal + s * w * across - d * aft for s, w, d in _NOZZLE]
     reach = np.array([9.6, 0.0])
     return {
-        "body": _Line(_polyline(outline), _BODY),
-        "nozzle": _Line(_polyline(nozzle), _BODY),
+        "body": _Line(_polyline(outline, _ALONG.size), _BODY),
+        "nozzle": _Line(_polyline(nozzle, _ALONG.size), _BODY),
         "axis": _Line(_straight((_TAIL - 4.4) * u, (_NOSE + 2.9) * u), _THIN),
         "local horizontal": _Line(
             _straight(0.0 * reach, reach), _THIN, "local horizontal", 0.8, (0.0, -0.35)
@@ -402,7 +402,7 @@ def _arms(attitude: float, path: float, wind: float, turned: float) -> dict[str,
 
 
 def _axes_of(angle: float) -> tuple[FloatArray, FloatArray]:
-    """The unit vector at an angle from the horizontal, and the one to its left."""
+    """Return the unit vectors at an angle [rad] from the horizontal, and to its left."""
     along = np.array([np.cos(angle), np.sin(angle)])
     return along, np.array([-along[1], along[0]])
 
@@ -418,14 +418,12 @@ def _arc(radius: float, start: float, end: float) -> FloatArray:
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def _polyline(corners: list[FloatArray]) -> FloatArray:
-    """Straight lines from corner to corner, with every corner among the points."""
-    points = np.array(corners)
-    sides = len(points) - 1
-    place = np.clip(_ALONG * sides, 0.0, sides)
-    return np.stack(
-        [np.interp(place, np.arange(sides + 1), column) for column in points.T], axis=-1
-    )
+def _polyline(corners: list[Any], count: int) -> FloatArray:
+    """Return points on straight lines from corner to corner, all of these included, ``(n, 2)``."""
+    sides = len(corners) - 1
+    position = np.minimum(np.arange(count) / (count // sides), sides)
+    columns = np.array(corners).T
+    return np.stack([np.interp(position, np.arange(sides + 1), xs) for xs in columns], axis=-1)
 
 
 _OUTLINE_PARAMETER = np.linspace(0.0, 1.0, 21)
@@ -505,15 +503,17 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
 
 def _stations(vehicle: Vehicle) -> dict[str, float]:
     """Return the stations [m] of gimbal, pressure and tanks, forward of the centre of gravity."""
-    found = {"gimbal" if vehicle.control_force_slope is None else "control": -vehicle.control_arm}
-    found |= {"c.g.": 0.0, "c.p.": vehicle.aerodynamic_arm}
+    stations = {
+        "gimbal" if vehicle.control_force_slope is None else "control": -vehicle.control_arm
+    }
+    stations |= {"c.g.": 0.0, "c.p.": vehicle.aerodynamic_arm}
     tanks = () if vehicle.structure is None else vehicle.structure.slosh
-    found |= {f"tank {k}": one.station for k, one in enumerate(tanks, start=1)}
-    return {name: float(at) for name, at in found.items()}
+    stations |= {f"tank {k}": tank.station for k, tank in enumerate(tanks, start=1)}
+    return {name: float(at) for name, at in stations.items()}
 
 
 def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
-    """The outline of the body, and of the nozzle to both sides of its axis."""
+    """Return the outlines of the body, and of the nozzle to both sides of its axis."""
     stations = _stations(vehicle)
     aft, fore = min(stations.values()), max(stations.values())
     length = fore - aft
@@ -531,18 +531,8 @@ def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
     columns = tuple(
         Column(f"{name} {axis}", values, "m")
         for name, corners in drawn.items()
-        for axis, values in zip("xy", _outline(corners), strict=True)
+        for axis, values in zip("xy", _polyline(corners, _OUTLINE_PARAMETER.size).T, strict=True)
     )
     turned = "" if limit is None else f", nozzle at its stops of {np.degrees(limit):.3f} deg"
     words = f"{vehicle.name or 'vehicle'}, lengths to scale{turned}"
     return Curves("vehicle", words, "part of the line [-]", _OUTLINE_PARAMETER, columns)
-
-
-def _outline(corners: list[Any]) -> Any:
-    """Points along straight lines from corner to corner, ``(2, 21)``; each corner among them."""
-    points, sides = np.array(corners), len(corners) - 1
-    place = np.linspace(0.0, sides, sides * (_OUTLINE_PARAMETER.size // sides) + 1)
-    place = np.append(place, np.full(max(_OUTLINE_PARAMETER.size - place.size, 0), float(sides)))[
-        : _OUTLINE_PARAMETER.size
-    ]
-    return np.array([np.interp(place, np.arange(sides + 1), column) for column in points.T])
