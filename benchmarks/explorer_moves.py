@@ -8,8 +8,7 @@ import asyncio
 from statistics import median
 from time import process_time
 
-from tvclin.show.explorer.choices import CONTROLS
-from tvclin.show.explorer.controls import OWN
+from tvclin.show.explorer.choices import CONTROLS, OWN
 from tvclin.show.explorer.panel import Panel
 
 MOVES = {

@@ -3,20 +3,20 @@
 from typing import Any
 
 import tvclin as tv
-from tvclin.show.explorer import controls
+from tvclin.show.explorer import choices
 from tvclin.show.explorer.choices import Choices
 
 
 def values(plan: tv.studyfile.StudyPlan) -> dict[str, Any]:
     """Return where the controls begin for a plan."""
     return {
-        **{field: one[2] for field, one in controls.lists(plan, ["vehicle"]).items()},
-        **{field: one[1] for field, one in controls.switches(plan).items()},
-        **{field: one.value for field, one in controls.sliders(plan, [plan.vehicle]).items()},
+        **{field: one[2] for field, one in choices.lists(plan, ["vehicle"]).items()},
+        **{field: one[1] for field, one in choices.switches(plan).items()},
+        **{field: one.value for field, one in choices.sliders(plan, [plan.vehicle]).items()},
     }
 
 
 def moved(source: Any = "configuration-i", **changes: Any) -> Choices:
     """Return the choices of a panel on a source, with controls moved, in the units of labels."""
-    plan = controls.settled(tv.load_study(source))
-    return controls.choices_of(plan, plan.vehicle, values(plan) | changes)
+    plan = choices.with_numerical_gains(tv.load_study(source))
+    return choices.choices_of(plan, plan.vehicle, values(plan) | changes)

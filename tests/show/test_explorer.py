@@ -25,12 +25,19 @@ from tvclin.case.parts import COMPUTED, OPTIONS, TOLD, entry
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.kernels.choice import pinned
-from tvclin.show.explorer import parts
+from tvclin.show.explorer import answer as parts
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import CONTROLS, REPORT, Choices
-from tvclin.show.explorer.controls import OWN, choices_of, idle
+from tvclin.show.explorer.choices import (
+    CONTROLS,
+    OWN,
+    REPORT,
+    Choices,
+    choices_of,
+    idle_controls,
+    round_up,
+)
 from tvclin.show.explorer.lab import notebook_text
-from tvclin.show.explorer.picture import new_picture, round_up
+from tvclin.show.explorer.picture import new_picture
 from tvclin.vehicle.coefficients import BOTH
 
 
@@ -80,12 +87,12 @@ def test_the_report_s_control_has_its_exact_response() -> None:
 def test_what_did_not_change_is_not_computed_again(few: None) -> None:
     start = {"peak": 1.776, "model": "fixed-path", "dead_band": 0.5, "design": OWN}
     answer(moved(**start))
-    computed = [parts.need, parts.loop_margins, parts.motion, parts.fate]
+    computed = [parts.requirement, parts.loop_margins, parts.motion, parts.outcome]
 
     def grown(**changes: Any) -> list[int]:
-        before = [len(one.kept) for one in computed]
+        before = [len(one.cache) for one in computed]
         answer(moved(**start | changes))
-        return [len(one.kept) - b for one, b in zip(computed, before, strict=True)]
+        return [len(one.cache) - b for one, b in zip(computed, before, strict=True)]
 
     assert grown(duration=8.2501) == [1, 0, 1, 1]
     assert grown(limit=0.3501) == [0, 0, 1, 1]
@@ -100,7 +107,7 @@ def test_an_answer_in_steps_is_the_whole_one(few: None) -> None:
     c = moved(model="fixed-path", dead_band=0.5)
     whole, some, none = answer(c), answer(c, 5), answer(c, 0)
 
-    assert (len(whole.rest), len(some.rest), len(none.rest)) == (0, 2, 7)
+    assert (len(whole.remaining), len(some.remaining), len(none.remaining)) == (0, 2, 7)
     assert some.required == whole.required
     np.testing.assert_array_equal(some.boundary, whole.boundary[:1])
     assert none.verdict == "What this wind requires is computed ..."
@@ -108,9 +115,9 @@ def test_an_answer_in_steps_is_the_whole_one(few: None) -> None:
 
 
 def test_what_takes_long_is_not_waited_for() -> None:
-    assert not any(answer(moved(), 0).rest)
-    assert answer(moved(gust_peak=1.0), 0).rest[:4] == (False, True, True, True)
-    assert answer(moved(plane=BOTH), 0).rest[:4] == (False, False, False, True)
+    assert not any(answer(moved(), 0).remaining)
+    assert answer(moved(gust_peak=1.0), 0).remaining[:4] == (False, True, True, True)
+    assert answer(moved(plane=BOTH), 0).remaining[:4] == (False, False, False, True)
 
 
 FIELDS = {
@@ -131,10 +138,10 @@ def test_idle_is_what_changes_nothing(others: dict[str, Any]) -> None:
 
     def asks(v: dict[str, Any]) -> Any:
         c = choices_of(plan, plan.vehicle, v)
-        flown = c.of_motion if c.law != REPORT else replace(c.of_motion, nozzle=tv.Nozzle())
-        return c.of_margins, c.of_need, flown, c.limit
+        flown = c.motion_inputs if c.law != REPORT else replace(c.motion_inputs, nozzle=tv.Nozzle())
+        return c.margin_inputs, c.requirement_inputs, flown, c.limit
 
-    resting = idle(plan, plan.vehicle, start)
+    resting = idle_controls(plan, plan.vehicle, start)
     for field, value in FIELDS.items():
         assert (asks(start) == asks(start | {field: value})) is (field in resting), field
 
@@ -156,13 +163,13 @@ MOVED: dict[str, dict[str, Any]] = {
 
 def test_each_part_that_the_table_calls_computed_is_asked() -> None:
     def asks(c: Choices) -> Any:
-        return c.of_margins, c.of_need, c.of_motion
+        return c.margin_inputs, c.requirement_inputs, c.motion_inputs
 
     assert all(asks(moved(**one)) != asks(moved()) for one in MOVED.values())
     bent = moved("made-up-launcher"), moved("made-up-launcher", structure=False)
-    assert bent[0].of_need == bent[1].of_need
-    assert bent[0].of_margins != bent[1].of_margins
-    assert bent[0].of_motion != bent[1].of_motion
+    assert bent[0].requirement_inputs == bent[1].requirement_inputs
+    assert bent[0].margin_inputs != bent[1].margin_inputs
+    assert bent[0].motion_inputs != bent[1].motion_inputs
     by_file = {"structure", "damping", "filters"}
     computed = {part for part in OPTIONS if entry("explore", part) == COMPUTED}
     assert computed | {"structure"} == MOVED.keys() | by_file
@@ -375,7 +382,7 @@ def test_a_study_that_cannot_be_written_is_one_sentence(
     def refused(path: Path, text: str) -> None:
         raise tv.InputError(f"{path} cannot be written: disk full")
 
-    monkeypatch.setattr("tvclin.show.explorer.study.write_new", refused)
+    monkeypatch.setattr("tvclin.show.explorer.choices.write_new", refused)
     panel.study.click()
     assert "cannot be written: disk full" in panel.said.value
 

@@ -15,9 +15,7 @@ from tvclin.cli.app import app
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.kernels.choice import pinned
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import CONTROLS
-from tvclin.show.explorer.controls import IN_PLANE, OWN
-from tvclin.show.explorer.study import study_text, write_study
+from tvclin.show.explorer.choices import CONTROLS, IN_PLANE, OWN, study_text, write_study
 
 NOTCHED = """
 [study]
@@ -134,7 +132,7 @@ def test_fly_says_of_the_file_what_the_panel_says(written: tuple[Answer, Path]) 
         *("--until", until, "--points", motion.time.size),
     )
 
-    assert there["status"]["flown"] == here.fate
+    assert there["status"]["flown"] == here.outcome
     blowing = np.abs(motion.deflection[motion.time <= float(wind.end)])
     peaks = there["peaks_over_the_wind_deg"]["deflection"]
     assert float(np.degrees(blowing.max())) == pytest.approx(peaks["flown"], rel=1e-9)

@@ -1,51 +1,188 @@
-"""All numbers for the choices, and the verdict, after any number of steps: pure."""
+"""Answer of the panel to its choices: numbers and verdict, in steps, each cached by its inputs.
+
+Margins do not depend on the wind, nor a flight on the sign that counts: only parts whose inputs
+changed are computed again.
+"""
 
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, one_of
 from tvclin.base.quantities import NOMINAL, sufficiency
+from tvclin.base.warned import warned
+from tvclin.case.flexible_autopilot import law_asked
 from tvclin.case.parts import told
+from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.margins import Margins
-from tvclin.flights.theory_comparison import OUTCOME_WORDS
+from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.closed_loop.fly_many import fly_many
+from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
 from tvclin.kernels.choice import compiling_nothing
-from tvclin.requirement.case_requirement import CaseRequirement
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
+from tvclin.requirement.case_requirement import CaseRequirement, case_requirement
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.requirement.plane_requirement import direction_notes
 from tvclin.requirement.study import along_the_path, doubts, gust_placed
-from tvclin.show.explorer import parts
-from tvclin.show.explorer.choices import REPORT, Choices
+from tvclin.show.explorer.choices import CONTROLS, LONGEST, REPORT, Choices
 from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.winds.wind_angles import linear_notes
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
+DURATIONS = LONGEST * np.linspace(0.05, 1.0, 30) ** 1.5
+"""Durations of the wind [s] of the curve."""
+_FOLLOWED_TIME_CONSTANTS, _MAX_FOLLOWED_S = 6.0, 20.0
+"""Time of a response shown after the wind, in time constants 1/beta, and its maximum [s]."""
+_TIME_POINTS = 401
+"""Number of times of a response."""
+_MAX_CACHED = 1024
+"""Largest number of answers in the cache of a part."""
 _HELD = (
     "the report's control holds the limit for ever, and a limit above the boundary then turns"
     " the vehicle over to the other side; a law lets go of it"
 )
 _NOMINAL = f"response and flight are {NOMINAL}, as those of tvclin fly"
 _BOTH = "what is needed is of both planes with one stop, and the flight of the {} plane alone"
-_UNKNOWN = parts.Part(None, ())
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """The value of a part, None where there is no answer, and its notes."""
+
+    value: Any
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A response or a flight over time [s], angles in rad, ``(n,)``."""
+
+    time: FloatArray
+    wind: FloatArray
+    attitude: FloatArray
+    deflection: FloatArray
+
+
+class Cached:
+    """A function with a cache of its answers, whose warnings and input errors become notes."""
+
+    def __init__(self, compute: Callable[..., Any]) -> None:
+        self._compute = compute
+        self.cache: dict[tuple[Any, ...], Part] = {}
+
+    def __call__(self, *plain: Any) -> Part:
+        """Return the part for these arguments, from the cache or computed now."""
+        if plain not in self.cache:
+            self.cache[plain] = self._computed(plain)
+            while len(self.cache) > _MAX_CACHED:
+                del self.cache[next(iter(self.cache))]
+        return self.cache[plain]
+
+    def _computed(self, plain: tuple[Any, ...]) -> Part:
+        said: list[str] = []
+        with warned(said.append):
+            try:
+                value = self._compute(*plain)
+            except InputError as error:
+                return Part(None, (str(error),))
+        return Part(value, tuple(said))
+
+
+@Cached
+def requirement(plan: StudyPlan) -> CaseRequirement:
+    """Return the requirement of the case, the one that `tvclin study` prints."""
+    return case_requirement(plan, plan.dead_band)
+
+
+@Cached
+def loop_margins(plan: StudyPlan) -> Margins:
+    """Return the margins of the autopilot, those that `tvclin margins` prints."""
+    return plan.autopilot.margins(plan.plant)
+
+
+@Cached
+def placed(plan: StudyPlan) -> ShapedWind:
+    """Return the wind with its gust at its time, or at the worst one."""
+    return plan.wind_at(plan.dead_band)
+
+
+@Cached
+def motion(plan: StudyPlan, law: str) -> Motion:
+    """Return the motion of the vehicle in a wind whose gust has its time.
+
+    The response to the report's control is exact, that of `tvclin respond`; a law is flown by the
+    engine of `tvclin fly --engine linear`.
+    """
+    wind = plan.history
+    times = _times(plan, wind)
+    if one_of("law", law, CONTROLS) == REPORT:
+        plant = Plant.from_vehicle(plan.vehicle, plan.model, plan.plane)
+        against = -float(np.sign(plant.coefficients.B)) * float(np.sign(wind.peak))
+        if not against:
+            raise InputError(
+                "the report's control turns the nozzle against the moment of the wind, and this"
+                " vehicle feels none: mu_alpha is 0"
+            )
+        assert plan.nozzle.limit is not None
+        deflection = trim_then_hold(plant, wind, against * plan.nozzle.limit, plan.dead_band)
+        response = attitude_responses(plant, deflection, wind, times)
+        return Motion(times, wind(times), response["attitude"], deflection(times))
+    flown = fly(plan.plant, _law(plan, law), wind, times, **_nozzle(plan))
+    return Motion(times, wind(times), flown.outputs["attitude"], flown.outputs["deflection"])
+
+
+@Cached
+def outcome(plan: StudyPlan, law: str) -> str | None:
+    """Return the outcome of the flight of a law, a status of `FlownCases`; None for `REPORT`."""
+    if law == REPORT:
+        return None
+    if beyond_linear(float(plan.history.peak)):
+        return NOT_KNOWN
+    return str(fly_many(plan.plant, _law(plan, law), plan.history, **_nozzle(plan)).status)
+
+
+def _law(plan: StudyPlan, name: str) -> Any:
+    parameters = {"dead_band": plan.dead_band} if name == DEAD_BAND else {}
+    return law_asked(plan, name, plan.hardware["rate_limit"], **parameters)
+
+
+def _nozzle(plan: StudyPlan) -> dict[str, Any]:
+    return {"deflection_limit": plan.nozzle.limit, **plan.hardware}
+
+
+def _times(plan: StudyPlan, wind: History) -> FloatArray:
+    """Return times [s] from the onset of a wind until some time after it, ``(401,)``."""
+    beta = float(np.sqrt(np.abs(np.asarray(plan.plant.rigid.coefficients.mu_alpha))))
+    after = min(_FOLLOWED_TIME_CONSTANTS / beta, _MAX_FOLLOWED_S) if beta else _MAX_FOLLOWED_S
+    return np.linspace(float(wind.onset), float(wind.end) + after, _TIME_POINTS)
+
+
+_UNKNOWN = Part(None, ())
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Numbers that the panel shows; one without an answer, or without one yet, is None.
+    """Numbers that the panel shows; None for a number that is not computed or has no answer.
 
-    `boundary`: required deflection [rad] over the durations of the wind [s], and `need` at the
-    chosen one. `rest`: for each remaining step, whether it is slow. `fate`: outcome of a law's
-    flight, a status of `FlownCases`. `notes`: reasons, omissions and warnings.
+    `boundary`: required deflection [rad] over the durations of the wind [s]; `requirement`: that of
+    the chosen duration. `remaining`: for each remaining step, whether it is slow. `outcome`: status
+    of the flight of a law, as of `FlownCases`. `notes`: reasons, omissions and warnings.
     """
 
     choices: Choices
     durations: FloatArray
     boundary: FloatArray | None
-    rest: tuple[bool, ...]
-    need: CaseRequirement | None
-    motion: parts.Motion | None
-    fate: str | None
+    remaining: tuple[bool, ...]
+    requirement: CaseRequirement | None
+    motion: Motion | None
+    outcome: str | None
     margins: Margins | None
     verdict: str
     notes: tuple[str, ...]
@@ -53,7 +190,7 @@ class Answer:
     @property
     def required(self) -> float | None:
         """The deflection that is required at the chosen duration [rad]."""
-        return None if self.need is None else self.need.required_deflection
+        return None if self.requirement is None else self.requirement.required_deflection
 
 
 def answer(choices: Choices, max_steps: int | None = None) -> Answer:
@@ -62,53 +199,55 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
     A part that cannot be answered, such as a law for a stable vehicle, is None and has its reason
     among the notes. A slider waits for no kernel to be compiled; slow steps may compile theirs.
     """
-    steps, parts_done = _steps(choices), []
+    steps, done = _steps(choices), []
     for run, slow in steps[:max_steps]:
         with nullcontext() if slow else compiling_nothing():
-            parts_done.append(run())
-    first = [*parts_done[:4], *[_UNKNOWN] * (4 - len(parts_done))]
-    (margins, motion, fate, need), curve = first, parts_done[4:]
+            done.append(run())
+    first = [*done[:4], *[_UNKNOWN] * (4 - len(done))]
+    (margins, motion, outcome, requirement), curve = first, done[4:]
     values = [None if point.value is None else point.value.required_deflection for point in curve]
-    notes = [note for item in (need, *curve, motion, fate, margins) for note in item.notes]
-    if need.value is not None:
-        notes += _notes(choices, need.value)
-        if choices.law == REPORT and choices.limit > need.value.nominal_deflection > 0.0:
+    notes = [
+        note for item in (requirement, *curve, motion, outcome, margins) for note in item.notes
+    ]
+    if requirement.value is not None:
+        notes += _notes(choices, requirement.value)
+        if choices.law == REPORT and choices.limit > requirement.value.nominal_deflection > 0.0:
             notes.append(_HELD)
     return Answer(
         choices=choices,
         durations=_durations(choices)[: len(curve)],
         boundary=None if None in values else np.array(values, dtype=float),
-        rest=tuple(slow for _, slow in steps[len(parts_done) :]),
-        need=need.value,
+        remaining=tuple(slow for _, slow in steps[len(done) :]),
+        requirement=requirement.value,
         motion=motion.value,
-        fate=fate.value,
+        outcome=outcome.value,
         margins=margins.value,
-        verdict=_verdict(choices, need.value, fate.value, len(parts_done) > 3),
+        verdict=_verdict(choices, requirement.value, outcome.value, len(done) > 3),
         notes=(*dict.fromkeys(notes), *_neglected(choices)),
     )
 
 
-def _steps(choices: Choices) -> list[tuple[Callable[[], parts.Part], bool]]:
+def _steps(choices: Choices) -> list[tuple[Callable[[], Part], bool]]:
     """Return the steps to an answer, and whether each takes longer than a slider may wait."""
-    plan_of_need, wind, gust = choices.of_need, choices.wind, choices.of_gust
-    sought = wind.gust is not None and wind.gust_at is None and (gust,) not in parts.placed.kept
+    inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
+    sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
-    def of_flight(cache: parts.Kept) -> parts.Part:
-        at = parts.placed(gust)
+    def in_placed_wind(part: Cached) -> Part:
+        at = placed(gust)
         if at.value is None:
             return at
-        return cache(replace(choices.of_motion, wind=at.value), choices.law)
+        return part(replace(choices.motion_inputs, wind=at.value), choices.law)
 
-    def of_need(plan: StudyPlan) -> tuple[Callable[[], parts.Part], bool]:
-        return (lambda: parts.need(plan)), _slow(choices) and (plan,) not in parts.need.kept
+    def requirement_step(plan: StudyPlan) -> tuple[Callable[[], Part], bool]:
+        return (lambda: requirement(plan)), _slow(choices) and (plan,) not in requirement.cache
 
     lasting = (replace(wind, duration=duration) for duration in _durations(choices).tolist())
     return [
-        (lambda: parts.loop_margins(choices.of_margins), False),
-        (lambda: of_flight(parts.motion), sought),
-        (lambda: of_flight(parts.fate), sought),
-        of_need(plan_of_need),
-        *(of_need(replace(plan_of_need, wind=duration)) for duration in lasting),
+        (lambda: loop_margins(choices.margin_inputs), False),
+        (lambda: in_placed_wind(motion), sought),
+        (lambda: in_placed_wind(outcome), sought),
+        requirement_step(inputs),
+        *(requirement_step(replace(inputs, wind=duration)) for duration in lasting),
     ]
 
 
@@ -119,19 +258,19 @@ def _slow(choices: Choices) -> bool:
 
 def _durations(choices: Choices) -> FloatArray:
     """Return the durations of the curve [s], fewer where each takes long."""
-    return parts.DURATIONS[:: 3 if _slow(choices) else 1]
+    return DURATIONS[:: 3 if _slow(choices) else 1]
 
 
-def _notes(choices: Choices, need: CaseRequirement) -> list[str]:
+def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
     """Return the notes of a study on its vehicle, its gust, its direction and its wind's sign."""
-    plan, calm = choices.plan, need.at_nominal_pressure
-    plane_notes = [_BOTH.format(plan.plane)] if need.in_both else []
+    plan, calm = choices.plan, requirement.at_nominal_pressure
+    plane_notes = [_BOTH.format(plan.plane)] if requirement.in_both else []
     return [
-        *linear_notes(need.wind_angle),
+        *linear_notes(requirement.wind_angle),
         *doubts(plan.vehicle),
-        *gust_placed(choices.wind, need.wind_in_plane),
-        *along_the_path(need),
-        *(plane_notes or direction_notes(need.planes, plan.plane, False, calm)),
+        *gust_placed(choices.wind, requirement.wind_in_plane),
+        *along_the_path(requirement),
+        *(plane_notes or direction_notes(requirement.planes, plan.plane, False, calm)),
         *(() if calm else [_NOMINAL]),
     ]
 
@@ -141,24 +280,29 @@ def _neglected(choices: Choices) -> list[str]:
     return [f"{sentence[0].upper()}{sentence[1:]}." for sentence in told(choices.plan, "explore")]
 
 
-def _verdict(c: Choices, need: CaseRequirement | None, fate: str | None, computed: bool) -> str:
+def _verdict(
+    c: Choices, requirement: CaseRequirement | None, outcome: str | None, computed: bool
+) -> str:
     flown = (
-        "" if fate is None else f" Flown with the law {c.law}, the vehicle {OUTCOME_WORDS[fate]}."
+        ""
+        if outcome is None
+        else f" Flown with the law {c.law}, the vehicle {OUTCOME_WORDS[outcome]}."
     )
-    if need is None:
+    if requirement is None:
         said = (
             "No answer for these choices."
             if computed
             else "What this wind requires is computed ..."
         )
         return f"{said}{flown}"
-    if need.beyond:
-        return f"{sufficiency(None)}: {need.beyond}.{flown}"
-    have, required = float(np.degrees(c.limit)), need.required_deflection
+    if requirement.beyond:
+        return f"{sufficiency(None)}: {requirement.beyond}.{flown}"
+    have, required = float(np.degrees(c.limit)), requirement.required_deflection
     if not required:
         return f"No deflection is needed: no unstable pole that a wind could excite.{flown}"
     word = sufficiency(bool(covers(c.limit, required)))
     return (
-        f"{word}: with K = {need.dead_band:g} this wind requires {np.degrees(required):.3f} deg"
-        f" ({need.governs}), and the limit is {have:.3f} deg.{flown}"
+        f"{word}: with K = {requirement.dead_band:g} this wind requires"
+        f" {np.degrees(required):.3f} deg ({requirement.governs}), and the limit is"
+        f" {have:.3f} deg.{flown}"
     )

@@ -1,17 +1,58 @@
-"""Choices of the panel: a case, and the law that is flown."""
+"""Choices of the panel: a case with its control, the controls that specify it, its study file.
 
+Values of controls are by field, as a list or a slider shows them: in the units of its label, zero
+for an absent part.
+"""
+
+import json
+import re
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import lru_cache
+from itertools import count
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from tvclin.case.nozzle import Nozzle
-from tvclin.control.autopilot.design_rules import AutopilotDesign
+import numpy as np
+
+from tvclin.base.errors import InputError
+from tvclin.base.files import exists, write_new
+from tvclin.boundary.limit_shapes import LIMIT_SHAPES
+from tvclin.case.case import FROZEN, SIGNS
+from tvclin.case.nozzle import USUAL_ACTUATOR, Nozzle
+from tvclin.control.autopilot.design_rules import (
+    CHAIN_OF_POSITION,
+    GIVEN_GAINS,
+    LEAST_NOZZLE,
+    AutopilotDesign,
+)
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
+from tvclin.design.gain_designs import specified_autopilot
+from tvclin.linear.plant import MODELS
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.winds.shaped import ShapedWind
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle_file import vehicle_table
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import SHAPES, ShapedWind
+from tvclin.winds.wind_file import gust_of
 
 REPORT, TRIM = "report (open loop)", "trim"
 CONTROLS = (REPORT, *LAWS)
+IN_PLANE, FROM_SIDE = "in the plane", "from a direction"
+OWN, CANONICAL = "own gains", "canonical"
+WORST = "worst"
+_RULES = (OWN, CANONICAL, "half-relief", "lqr")
+_DEG = np.pi / 180.0
+_PEAK = 5.0
+LONGEST = 30.0
+"""Longest wind [s] of the curve."""
+_ROUND_MANTISSAS = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
+"""Mantissas of round numbers."""
+
+Values = dict[str, Any]
+Table = dict[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,27 +74,27 @@ class Choices:
         return self.plan.nozzle.limit
 
     @property
-    def of_margins(self) -> StudyPlan:
+    def margin_inputs(self) -> StudyPlan:
         """Plan of the values on which the margins of the autopilot depend."""
         p = self.plan
         return _bare(p, vehicle=p.vehicle, nozzle=Nozzle(actuator=p.nozzle.actuator))
 
     @property
-    def of_need(self) -> StudyPlan:
+    def requirement_inputs(self) -> StudyPlan:
         """Plan of the values on which the required deflection depends."""
         p = self.plan
         inputs = {"wind": p.wind, "nozzle": Nozzle(stop=p.nozzle.stop), "design": None}
         return _bare(p, dead_band=p.dead_band, sign=p.sign, **inputs)
 
     @property
-    def of_gust(self) -> StudyPlan:
+    def gust_inputs(self) -> StudyPlan:
         """Plan of the values on which the time of a gust in the response depends."""
         p = self.plan
         K = p.dead_band if self.law == REPORT else 1.0
         return _bare(p, wind=p.wind, dead_band=K, design=None)
 
     @property
-    def of_motion(self) -> StudyPlan:
+    def motion_inputs(self) -> StudyPlan:
         """Plan of the values on which response or flight depend, except the time of the gust."""
         p, flown = self.plan, self.law != REPORT
         hardware = replace(p.nozzle, stop=None) if flown else Nozzle(limit=p.nozzle.limit)
@@ -78,3 +119,362 @@ def loop_of(design: AutopilotDesign) -> AutopilotDesign:
     """Return the delay, the samples and the filters of an autopilot, without its gains."""
     chains: Any = design.chains
     return AutopilotDesign(delay=design.delay, sample_rate=design.sample_rate, **chains)
+
+
+class Slider(NamedTuple):
+    """A slider: label, start value, minimum, maximum and step."""
+
+    label: str
+    value: float
+    least: float
+    most: float
+    step: float
+
+
+def with_numerical_gains(plan: StudyPlan) -> StudyPlan:
+    """Return a plan with numerical gains, also where its design searches for them."""
+    design = plan.design
+    if plan.asked.design == LEAST_NOZZLE:
+        autopilot = specified_autopilot(plan, plan.history, plan.held_to)
+        gains: Any = {name: float(getattr(autopilot, name)) for name in GIVEN_GAINS}
+        design = replace(loop_of(plan.asked), **gains)
+    return replace(plan, design=design)
+
+
+def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str], str]]:
+    """Return the lists, by field: label, options, and start value for a plan."""
+    wind, design, stop = plan.wind, plan.asked, plan.nozzle.stop
+    rule = _rule(design)
+    further_rules = [] if rule in _RULES else [rule]
+    law = TRIM if plan.design is None else AUTOPILOT
+    direction = IN_PLANE if plan.heading is None else FROM_SIDE
+    offered = {
+        "vehicle": ("vehicle", vehicles, vehicles[0]),
+        "plane": ("plane", [*PLANES, BOTH], plan.planes),
+        "stop": (
+            "stop of both",
+            list(LIMIT_SHAPES),
+            stop if isinstance(stop, str) else next(iter(LIMIT_SHAPES)),
+        ),
+        "model": ("model", list(MODELS), plan.model),
+        "shape": ("wind shape", list(SHAPES), plan.shape),
+        "direction": ("wind blows", [IN_PLANE, FROM_SIDE], direction),
+        "sign": ("sign that counts", [WORST, *SIGNS, FROZEN], plan.sign or WORST),
+        "law": ("law", list(CONTROLS), law),
+        "design": ("gains", [*_RULES, *further_rules], rule),
+    }
+    assert isinstance(wind, ShapedWind)
+    return offered
+
+
+def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
+    """Return the switches, by field: label and start value."""
+    return {
+        "structure": ("bending and slosh", plan.vehicle.structure is not None),
+        "filters": ("filters of the file", any(plan.asked.chains.values())),
+    }
+
+
+def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
+    """Return the sliders, by field, with start values of a plan and ranges for all vehicles."""
+    start, *others = (_sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles))
+    B, per_rate = (max(pair) for pair in zip(*others, strict=True))
+    wind, nozzle, design = plan.wind, plan.nozzle, plan.asked
+    assert isinstance(wind, ShapedWind)
+    gust, rate = wind.gust, nozzle.rate_limit or 0.0
+    servo = 0.0 if nozzle.actuator is None else float(nozzle.actuator.natural_frequency)
+    gust_peak = 0.0 if gust is None else float(gust.peak) / _DEG
+    lasts = 1.0 if gust is None else float(gust.end - gust.onset)
+    heading = 45.0 if wind.heading is None else wind.heading / _DEG
+    limit = None if nozzle.limit is None else nozzle.limit / _DEG
+    all_sliders = {
+        "duration": Slider("wind duration [s]", wind.duration, 0.5, LONGEST, 0.1),
+        "peak": Slider("wind peak [deg]", wind.peak / _DEG, -4.0 * _PEAK, 4.0 * _PEAK, 0.1),
+        "heading": Slider("wind from [deg]", heading, -180.0, 360.0, 1.0),
+        "gust_peak": Slider("gust peak [deg]", gust_peak, -10.0, 10.0, 0.1),
+        "gust_duration": Slider("gust length [s]", lasts, 0.1, 10.0, 0.1),
+        "dead_band": Slider("dead band K [-]", plan.dead_band, 0.0, 1.0, 0.01),
+        "limit": _fitted("limit [deg]", 0.75 * start[0] * _PEAK, 3.0 * B * _PEAK, 1, limit),
+        "rate_limit": Slider("rate limit [deg/s]", rate / _DEG, 0.0, 20.0, 0.1),
+        "actuator": Slider("actuator [rad/s]", servo, 0.0, 100.0, 0.1),
+        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start[0], 15.0 * B, 0, design.attitude_gain),
+        "rate_gain": _fitted("gain a1 [s]", 3.0 * start[1], 15.0 * per_rate, 0, design.rate_gain),
+        "alpha_gain": _signed("gain b0 [-]", 5.0 * B, design.alpha_gain),
+        "delay": Slider("delay [ms]", 1e3 * design.delay, 0.0, 200.0, 1.0),
+        "sample_rate": Slider("samples [Hz]", design.sample_rate or 0.0, 0.0, 200.0, 1.0),
+    }
+    return {field: _with_room(vehicle) for field, vehicle in all_sliders.items()}
+
+
+def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
+    """Return the choices that the controls specify; all else comes from the plan of the file.
+
+    Same exceptions as `StudyPlan` and the records in it.
+    """
+    both_planes = v["plane"] == BOTH
+    slanting = both_planes or v["direction"] == FROM_SIDE
+    file_wind, servo = base.wind, base.nozzle.actuator or USUAL_ACTUATOR
+    assert isinstance(file_wind, ShapedWind)
+    actuator = replace(servo, natural_frequency=v["actuator"]) if v["actuator"] else None
+    wind = ShapedWind(
+        v["shape"],
+        v["peak"] * _DEG,
+        v["duration"],
+        v["heading"] * _DEG if slanting else None,
+        _gust(v["gust_peak"], v["gust_duration"], plateau_of(file_wind.gust)),
+        file_wind.gust_at if v["gust_peak"] else None,
+        **_speeds(base, vehicle, v),
+    )
+    plan = replace(
+        base,
+        vehicle=vehicle if v["structure"] else vehicle.rigid,
+        model=v["model"],
+        plane=_shown_plane(base.plane, vehicle, wind) if both_planes else v["plane"],
+        wind=wind,
+        nozzle=Nozzle(
+            limit=v["limit"] * _DEG,
+            stop=v["stop"] if both_planes else None,
+            rate_limit=v["rate_limit"] * _DEG or None,
+            actuator=actuator,
+        ),
+        design=_design(base.asked, v),
+        dead_band=v["dead_band"],
+        criteria=None,
+        sign=None if v["sign"] == WORST or "sign" in idle_controls(base, vehicle, v) else v["sign"],
+    )
+    return Choices(plan=plan, law=v["law"])
+
+
+def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float | None]:
+    """Return the speeds [m/s] of the wind and its gust in the file, while their angles stay."""
+    start: Values = {k: slider.value for k, slider in sliders(base, [base.vehicle]).items()}
+    start |= {k: choice[2] for k, choice in lists(base, [""]).items()}
+    wind = base.wind
+    assert isinstance(wind, ShapedWind)
+    stays = vehicle is base.vehicle and all(
+        v[field] == start[field] for field in ("plane", "direction", "heading")
+    )
+    speeds = {"speed": ("peak", wind.speed), "gust_speed": ("gust_peak", wind.gust_speed)}
+    return {
+        field: speed if stays and v[angle] == start[angle] else None
+        for field, (angle, speed) in speeds.items()
+    }
+
+
+def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
+    """Return the plane whose flight is shown: `plane`, or the other without wind in that."""
+    complete = complete_vehicle(vehicle, "a wind with a direction")
+    excited = [
+        name for name, peak in wind.peaks(float(np.asarray(complete.attitude))).items() if peak
+    ]
+    return plane if plane in excited else excited[0]
+
+
+def idle_controls(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:
+    """Return the controls without effect at the values of the others, each with the reason."""
+    both_planes = v["plane"] == BOTH
+    slanting = both_planes or v["direction"] == FROM_SIDE
+    ruled = f"the rule {v['design']} sets it: take {OWN}"
+    reasons = {
+        "structure": vehicle.structure is None and "the file of this vehicle has no structure",
+        "filters": not any(base.asked.chains.values()) and "the file has no filters",
+        "stop": not both_planes and f"counts only in the plane {BOTH}",
+        "direction": both_planes and "both planes need a direction",
+        "heading": not slanting and "counts only with a wind from a direction",
+        "sign": v["sign"] != FROZEN
+        and (
+            (slanting and "the wind's direction says it")
+            or (v["plane"] == "yaw" and "a wind in yaw blows across the path")
+        ),
+        "gust_duration": not v["gust_peak"] and "there is no gust: its peak is 0",
+        "rate_limit": v["law"] == REPORT and f"counts only in flights of a law, not with {REPORT}",
+        **dict.fromkeys(GIVEN_GAINS, v["design"] != OWN and ruled),
+    }
+    return {field: why for field, why in reasons.items() if why}
+
+
+def plateau_of(gust: History | None) -> float:
+    """Return the time of a gust at its peak [s]; zero unless it has the four knots of `gust_of`."""
+    if gust is None or gust.knots.size < 4:
+        return 0.0
+    return float(gust.knots[2] - gust.knots[1])
+
+
+@lru_cache(maxsize=256)
+def _gust(peak: float, duration: float, plateau: float) -> History | None:
+    """Return a gust, the same object for the same numbers, so that cached results stay valid."""
+    return gust_of(peak * _DEG, duration, plateau if plateau < duration else 0.0) if peak else None
+
+
+def _rule(design: AutopilotDesign) -> str:
+    if design.attitude_gain is not None:
+        return OWN
+    return design.design or (CANONICAL if design.natural_frequency is None else "poles")
+
+
+def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
+    rule, chains = v["design"], design.chains if v["filters"] else {}
+    gains: Any = {"design": rule}
+    if rule == OWN:
+        gains = {name: v[name] for name in GIVEN_GAINS}
+    elif rule == _rule(design):
+        gains |= {name: getattr(design, name) for name in ("natural_frequency", "damping")}
+    return AutopilotDesign(
+        integral_gain=design.integral_gain,
+        delay=1e-3 * v["delay"],
+        sample_rate=v["sample_rate"] or None,
+        **gains | chains,
+    )
+
+
+def _fitted(
+    label: str, start: float, upper: float, min_steps: int, start_value: float | None
+) -> Slider:
+    """Return a slider from `min_steps` steps to a round number, of some hundred steps."""
+    upper = round_up(upper)
+    step = 10.0 ** (np.floor(np.log10(upper)) - 2.0)
+    value = step * round(start / step) if start_value is None else start_value
+    return Slider(label, value, min_steps * step, upper, step)
+
+
+def _signed(label: str, upper: float, start_value: float | None) -> Slider:
+    slider = _fitted(label, 0.0, upper, 0, start_value or 0.0)
+    return slider._replace(least=-slider.most)
+
+
+def _with_room(slider: Slider) -> Slider:
+    """Return a slider whose range includes its start value."""
+    upper = slider.most if slider.value <= slider.most else round_up(slider.value)
+    return slider._replace(least=min(slider.least, slider.value), most=upper)
+
+
+def _sizes(vehicle: AnyVehicle, plane: str) -> tuple[float, float]:
+    """Return ``|B|`` and ``|B|/beta`` [s], the scales of canonical gains; 1 without a moment."""
+    c = coefficients_of(vehicle, plane)
+    B, beta = float(np.abs(c.B)) or 1.0, float(np.sqrt(np.abs(np.asarray(c.mu_alpha)))) or 1.0
+    return B, B / beta
+
+
+def round_up(size: float) -> float:
+    """Return the smallest round number that is not below `size`."""
+    ten = 10.0 ** np.floor(np.log10(size))
+    return float(
+        ten * _ROUND_MANTISSAS[np.searchsorted(_ROUND_MANTISSAS, size / ten * (1.0 - 1e-12))]
+    )
+
+
+def study_text(choices: Choices, source: str | None = None) -> str:
+    """Return the text of a study file with all choices but the law.
+
+    A rigid vehicle is written with all its numbers; a flexible one, or one defined by its
+    coefficients, is named by its source: `InputError` where it has none.
+    """
+    plan = choices.plan
+    vehicle = plan.vehicle
+    rigid = vehicle if isinstance(vehicle, Vehicle) and vehicle.structure is None else None
+    named = rigid is None
+    if named and source is None:
+        raise InputError(
+            "a vehicle that was made in Python stands in a study file without its structure:"
+            " switch bending and slosh off, or explore a vehicle file"
+        )
+    question = {"model": plan.model, "plane": plan.plane, "dead_band": plan.dead_band}
+    head = ({"vehicle": source} if named else {}) | question
+    tables: list[tuple[str, Table]] = [
+        ("[study]", head | ({"sign": plan.sign} if plan.sign else {})),
+        *([] if rigid is None else [("[study.vehicle]", vehicle_table(rigid))]),
+        *_wind(plan.wind),
+        ("[nozzle]", _nozzle(choices)),
+        *_autopilot(choices),
+    ]
+    return f"# Written by tvclin explore, where the law {choices.law} was flown.\n" + "".join(
+        f"\n{heading}\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+        for heading, table in tables
+    )
+
+
+def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
+    """Write ``study-NAME.toml``, numbered where that exists, and return its path."""
+    text = study_text(choices, source)
+    stem = re.sub(r"[^\w.-]+", "-", f"study-{Path(name).stem.removeprefix('study-')}")
+    numbered = (f"{stem}{f'-{k}' if k > 1 else ''}.toml" for k in count(1))
+    path = next(path for path in map(Path, numbered) if not exists(path))
+    write_new(path, text)
+    return path.resolve()
+
+
+def _wind(wind: Any) -> list[tuple[str, Table]]:
+    assert isinstance(wind, ShapedWind)
+    peak = _peak(float(wind.peak), wind.speed)
+    table: Table = {"shape": wind.shape, **peak, "duration_s": wind.duration}
+    if wind.heading is not None:
+        table |= {"direction_deg": _deg(wind.heading), "azimuth_deg": 0.0}
+    gust = wind.gust
+    if gust is None:
+        return [("[wind]", table)]
+    gust_table = {
+        **_peak(float(gust.peak), wind.gust_speed),
+        "duration_s": _short(float(gust.end - gust.onset)),
+        "plateau_s": _short(plateau_of(gust)),
+        "peak_time_s": wind.gust_at,
+    }
+    return [("[wind]", table), ("[gust]", _without_none(gust_table))]
+
+
+def _peak(angle: float, speed: float | None) -> Table:
+    """Return the peak of a wind or gust, by its speed [m/s] where it is known by that."""
+    return {"peak_deg": _deg(angle)} if speed is None else {"peak_speed_m_per_s": speed}
+
+
+def _nozzle(choices: Choices) -> Table:
+    nozzle = choices.plan.nozzle
+    servo = nozzle.actuator
+    return _without_none(
+        {
+            "limit_deg": _deg(nozzle.limit),
+            "stop": nozzle.stop,
+            "rate_limit_deg_per_s": _deg(nozzle.rate_limit),
+            "actuator_frequency_rad_per_s": servo.natural_frequency if servo else 0.0,
+            "actuator_damping": servo.damping if servo else None,
+        }
+    )
+
+
+def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
+    design = choices.plan.asked
+    table = {
+        "design": design.design,
+        "natural_frequency_rad_per_s": design.natural_frequency,
+        "damping": design.damping,
+        "attitude_gain": design.attitude_gain,
+        "rate_gain_s": design.rate_gain,
+        "alpha_gain": design.alpha_gain,
+        "integral_gain_per_s": design.integral_gain or None,
+        "delay_ms": _short(1e3 * design.delay),
+        "sample_rate_Hz": design.sample_rate,
+    }
+    filters = [
+        {
+            "kind": "rational",
+            "numerator": filter_table.numerator.tolist(),
+            "denominator": filter_table.denominator.tolist(),
+            "on": position,
+        }
+        for position, chain in CHAIN_OF_POSITION.items()
+        for filter_table in design.chains[chain]
+    ]
+    named = [("[[autopilot.filter]]", filter_table) for filter_table in filters]
+    return [("[autopilot]", _without_none(table)), *named]
+
+
+def _without_none(table: Table) -> Table:
+    return {key: value for key, value in table.items() if value is not None}
+
+
+def _deg(angle: float | None) -> float | None:
+    return None if angle is None else _short(float(np.degrees(angle)))
+
+
+def _short(value: float) -> float:
+    """Return a number to twelve digits, as the panel shows it, without the rounding of its unit."""
+    return float(f"{value:.12g}")

@@ -12,12 +12,20 @@ from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.requirement.case_requirement import pulse_of
-from tvclin.show.explorer import controls as asked
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import Choices
+from tvclin.show.explorer.choices import (
+    Choices,
+    Values,
+    choices_of,
+    idle_controls,
+    lists,
+    sliders,
+    switches,
+    with_numerical_gains,
+    write_study,
+)
 from tvclin.show.explorer.lab import end, is_open
 from tvclin.show.explorer.picture import new_picture
-from tvclin.show.explorer.study import write_study
 from tvclin.studyfile.read import load_study, vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import Coefficients
@@ -54,7 +62,7 @@ class Panel:
     def __init__(self, source: str | Vehicle) -> None:
         widgets = _widgets()
         first, plan, named = _opened(source)
-        self._base = asked.settled(plan)
+        self._base = with_numerical_gains(plan)
         self._vehicles: dict[str, AnyVehicle] = {first: plan.vehicle} | {
             name: load_vehicle(name) for name in list_vehicles() if name != first
         }
@@ -75,8 +83,8 @@ class Panel:
             control.observe(self._show, "value")
         self.study.on_click(self._write_study)
         self.end.on_click(self._end)
-        self._rest: asyncio.TimerHandle | None = None
-        self._ruled = False
+        self._timer: asyncio.TimerHandle | None = None
+        self._setting_gains = False
         self._show()
 
     @property
@@ -87,18 +95,18 @@ class Panel:
     @property
     def choices(self) -> Choices:
         """Choices that the widgets specify; raises `InputError` for contradictory values."""
-        return asked.choices_of(self._base, self.vehicle, self._values)
+        return choices_of(self._base, self.vehicle, self._values)
 
     @property
-    def _values(self) -> asked.Values:
+    def _values(self) -> Values:
         return {field: control.value for field, control in self.controls.items()}
 
     def _show(self, _change: Any = None) -> None:
-        if self._ruled:
+        if self._setting_gains:
             return
-        if self._rest is not None:
-            self._rest.cancel()
-        reasons = asked.idle(self._base, self.vehicle, self._values)
+        if self._timer is not None:
+            self._timer.cancel()
+        reasons = idle_controls(self._base, self.vehicle, self._values)
         for field, control in self.controls.items():
             control.disabled, control.tooltip = field in reasons, reasons.get(field)
         try:
@@ -116,10 +124,10 @@ class Panel:
         if design is None or design.attitude_gain is not None:
             return
         with suppress(InputError):
-            autopilot, self._ruled = choices.plan.autopilot, True
+            autopilot, self._setting_gains = choices.plan.autopilot, True
             for field in GIVEN_GAINS:
                 self.controls[field].value = float(getattr(autopilot, field))
-        self._ruled = False
+        self._setting_gains = False
 
     def _complete(self, choices: Choices, steps: int) -> None:
         """Show the answer after some steps, and continue where steps remain.
@@ -128,18 +136,18 @@ class Panel:
         is shown.
         """
         begun, result = perf_counter(), answer(choices, steps)
-        while result.rest and perf_counter() - begun < _WAIT and not result.rest[0]:
+        while result.remaining and perf_counter() - begun < _WAIT and not result.remaining[0]:
             steps += 1
             result = answer(choices, steps)
         self._draw(result)
-        if not result.rest:
+        if not result.remaining:
             return
         try:
             loop = asyncio.get_running_loop()
         except RuntimeError:  # not in a notebook
             self._draw(answer(choices))
         else:
-            self._rest = loop.call_later(_EVENT_TIME, self._next, choices, steps + 1)
+            self._timer = loop.call_later(_EVENT_TIME, self._next, choices, steps + 1)
 
     def _next(self, choices: Choices, steps: int) -> None:
         answer(choices, steps)
@@ -221,11 +229,11 @@ def _controls(widgets: Any, plan: StudyPlan, vehicles: dict[str, AnyVehicle]) ->
     """Return the lists, switches and sliders, by field."""
     controls: dict[str, Any] = {
         field: widgets.Dropdown(description=label, options=options, value=value, style=_WIDE)
-        for field, (label, options, value) in asked.lists(plan, list(vehicles)).items()
+        for field, (label, options, value) in lists(plan, list(vehicles)).items()
     }
-    for field, (label, value) in asked.switches(plan).items():
+    for field, (label, value) in switches(plan).items():
         controls[field] = widgets.Checkbox(description=label, value=value, style=_WIDE)
-    for field, slider in asked.sliders(plan, list(vehicles.values())).items():
+    for field, slider in sliders(plan, list(vehicles.values())).items():
         controls[field] = widgets.FloatSlider(
             description=slider.label,
             value=slider.value,

@@ -1,4 +1,4 @@
-"""The picture: axes and ticks are drawn once, and then only the lines that moved."""
+"""Picture of an answer: axes and ticks are drawn once, and then only the lines that moved."""
 
 import io
 from dataclasses import dataclass, field
@@ -8,13 +8,11 @@ import numpy as np
 
 from tvclin.plots.style import COLOURS, INK, WARM
 from tvclin.show.explorer.answer import Answer
-from tvclin.show.explorer.parts import LONGEST
+from tvclin.show.explorer.choices import LONGEST, round_up
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_ROUND_MANTISSAS = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
-"""Mantissas of round numbers."""
 _FRAME_OVER_ATTITUDE = 1.1
 """Ordinate of a frame over the largest attitude shown, before rounding."""
 _MAX_OVER_FRAME = 20.0
@@ -190,11 +188,3 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
         "attitude": (long, (-tall, tall)),
         "deflection": (long, (-deflection, deflection)),
     }
-
-
-def round_up(size: float) -> float:
-    """Return the smallest round number that is not below `size`."""
-    ten = 10.0 ** np.floor(np.log10(size))
-    return float(
-        ten * _ROUND_MANTISSAS[np.searchsorted(_ROUND_MANTISSAS, size / ten * (1.0 - 1e-12))]
-    )
