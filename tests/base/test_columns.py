@@ -6,7 +6,8 @@ import io
 import numpy as np
 import pytest
 
-from tvclin.base.columns import Column, Columns
+import tvclin as tv
+from tvclin.base.columns import Column, Columns, columns_of
 
 NEEDS = np.radians([[1.0, 2.0, np.nan], [4.0, 5.0, 6.0]])
 TABLE = Columns(
@@ -40,6 +41,19 @@ def test_a_dataset_has_the_same_numbers_in_si_units() -> None:
     assert data["thrust"].attrs == {"units": "N/rad"}
     assert float(data["thrust"].sel(time=1.0)) == 8.0
     assert data.attrs == {"plane": "pitch"}
+
+
+def test_fields_of_a_record_are_columns_in_si_units() -> None:
+    sizing = tv.size(
+        tv.load_schedule("configuration-i"),
+        {"gust": tv.TriangularWind(peak=0.05, duration=7.5)},
+        times=[60.0],
+        dead_bands=1.0,
+    )
+    begins, known = columns_of(sizing, "begins", "known")
+    assert (begins.heading, begins.attributes) == ("begins_s", {"units": "s"})
+    assert (known.heading, known.attributes) == ("known", {"units": "1"})
+    np.testing.assert_array_equal(begins.values, sizing.begins)
 
 
 def test_dates_and_directions_are_written_as_they_are_read() -> None:

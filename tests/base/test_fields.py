@@ -16,6 +16,7 @@ from tvclin.base.fields import (
     checked,
     completed,
     derived,
+    document,
     file_table,
     help_line,
     parameters,
@@ -226,4 +227,4 @@ def test_a_row_of_a_table_has_label_digits_unit_and_the_full_number() -> None:
 
 def test_a_field_of_nothing_is_a_fault_of_the_package() -> None:
     with pytest.raises(AttributeError, match="height"):
-        Field("height", "length").value(Flown())
+        document(Flown(), "height")

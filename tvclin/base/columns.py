@@ -12,7 +12,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import imported
-from tvclin.base.fields import fields_of
+from tvclin.base.fields import chosen
 from tvclin.base.files import write_rows
 
 if TYPE_CHECKING:
@@ -104,8 +104,7 @@ def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) ->
     """Return fields of a record, by their names, as columns."""
     return tuple(
         Column(item.name, np.asarray(item.si_value(record)), item.si_unit or "1", axes)
-        for item in fields_of(record)
-        if item.name in names
+        for item in chosen(record, *names)
     )
 
 

@@ -179,16 +179,20 @@ class Field:
         return factor * one_number(name, value, self.check, unit)
 
 
+def chosen(record: Any, *names: str) -> list[Field]:
+    """Return the fields of a record with some names; without names, all that documents show."""
+    specified = fields_of(record)
+    if missing := set(names) - {item.name for item in specified}:
+        raise AttributeError(f"{type(record).__name__} has no field {', '.join(sorted(missing))}")
+    return [item for item in specified if (item.name in names if names else item.document)]
+
+
 def document(record: Any, *names: str) -> dict[str, Any]:
     """Return the fields of a record by their keys in a document, in the units of these.
 
     `names`: names of the fields; without, all that documents show.
     """
-    values = {
-        item.document_key: item.value(record)
-        for item in fields_of(record)
-        if (item.name in names if names else item.document)
-    }
+    values = {item.document_key: item.value(record) for item in chosen(record, *names)}
     return {
         key: {str(name): entry for name, entry in value.items()}
         if isinstance(value, dict)
@@ -204,8 +208,8 @@ def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
     """
     return [
         (item.title, item.line(record, prefix))
-        for item in fields_of(record)
-        if (item.name in names if names else item.document) and item.value(record) is not None
+        for item in chosen(record, *names)
+        if item.value(record) is not None
     ]
 
 

@@ -91,6 +91,8 @@ _IN_DEGREES = {
 }
 _OPTION_UNITS = {**_IN_DEGREES, "delay": "ms"}
 """Units of options that are not SI units, by kind of quantity."""
+_NO_UNIT = ("", "text", "flag", "count")
+"""Kinds of fields that are no quantity."""
 _DOCUMENT_UNITS = {**_IN_DEGREES, "gain": "dB", "degrees": "deg", "decibels": "dB"}
 """Units of documents that are not SI units, by kind of quantity; in the last two it is given."""
 _OPTION_SUFFIXES = {
@@ -113,7 +115,7 @@ def optional_unit(kind: str) -> tuple[str, str, float]:
 
 def document_unit(kind: str) -> str:
     """Return the unit at the end of a key of a document; "" for what has no unit."""
-    return _DOCUMENT_UNITS.get(kind) or next(iter(UNITS.get(kind, ("",))))
+    return "" if kind in _NO_UNIT else _DOCUMENT_UNITS.get(kind) or next(iter(UNITS[kind]))
 
 
 _INCH = FOOT / 12

@@ -132,7 +132,7 @@ def autopilot(
     least: LeastOptions = GROUP,
     rigid: Rigid = False,
     motion: Given = MOTION,
-    sign: Given = Given(STUDY, "sign"),
+    sign: Given = Given(STUDY, ("sign",)),
     shown: Shown = GROUP,
 ) -> None:
     """Print what an autopilot requires in a wind, compared with trim and the boundaries.

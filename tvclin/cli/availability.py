@@ -139,7 +139,7 @@ def availability(
     sign: Given = replace(SIGN, shown={"sign": "that of each sounding"}),
     question: Given = Given(
         "ensembles.availability.availability_request.AvailabilityRequest",
-        "plane known_to confidence",
+        ("plane", "known_to", "confidence"),
     ),
     only: ArchiveOptions = GROUP,
     begin: float | None = asked(

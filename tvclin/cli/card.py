@@ -18,7 +18,7 @@ from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.data_sheet import FlightCard
 from tvclin.nozzle.flight_duty import flight_card
 
-_SIZING_FIELDS = "start stop every window"
+_SIZING_FIELDS = ("start", "stop", "every", "window")
 """Fields of `SizingRequest` that a card takes as options too."""
 
 
@@ -40,7 +40,7 @@ def card(
     question: Given = Given("requirement.flight.request.SizingRequest", _SIZING_FIELDS, "sizing"),
     model: Given = MODEL,
     planes: PlaneOptions = GROUP,
-    sign: Given = Given(STUDY, "sign"),
+    sign: Given = Given(STUDY, ("sign",)),
     own: FlownLaw = GROUP,
     as_json: AsJson = False,
     csv: Path | None = asked("Also write every flight into this CSV file.", callback=to_write),

@@ -34,7 +34,7 @@ def loads(
     time: At = None,
     winds: WindOptions = GROUP,
     limits: Given = BOTH_LIMITS,
-    bound: Given = Given("case.load.LoadBound", "load", "load"),
+    bound: Given = Given("case.load.LoadBound", ("load",), "load"),
     law: list[str] | None = asked(
         f"Also fly this law with the limit, and tell its load: {listed(LAWS, 'or')}; gains below"
         f" are of {AUTOPILOT}. May be given several times.",

@@ -109,7 +109,7 @@ class Given:
     """
 
     kind: str
-    names: str = ""
+    names: tuple[str, ...] = ()
     at: str = ""
     shown: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, Any] = field(default_factory=dict)
@@ -118,7 +118,7 @@ class Given:
     def fields(self) -> dict[str, Field]:
         """The fields by the names of parameters."""
         all_fields = parameters(self._kind)
-        chosen = [all_fields[name] for name in self.names.split()]
+        chosen = [all_fields[name] for name in self.names]
         return {
             _parameter(item): item
             for item in chosen or all_fields.values()
@@ -210,12 +210,12 @@ DESIGN = "control.autopilot.design_rules.AutopilotDesign"
 NOZZLE = "case.nozzle.Nozzle"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
 """Panels of the help, by the record whose options they group."""
-MOTION = Given(STUDY, "model plane")
-MODEL, PLANE, SIGN = (Given(STUDY, name) for name in ("model", "plane", "sign"))
-LIMIT = Given(NOZZLE, "limit", "nozzle")
-RATE_LIMIT = Given(NOZZLE, "rate_limit", "nozzle")
-BOTH_LIMITS = Given(NOZZLE, "limit rate_limit", "nozzle")
-SAMPLE_RATE = Given(DESIGN, "sample_rate", "design")
+MOTION = Given(STUDY, ("model", "plane"))
+MODEL, PLANE, SIGN = (Given(STUDY, (name,)) for name in ("model", "plane", "sign"))
+LIMIT = Given(NOZZLE, ("limit",), "nozzle")
+RATE_LIMIT = Given(NOZZLE, ("rate_limit",), "nozzle")
+BOTH_LIMITS = Given(NOZZLE, ("limit", "rate_limit"), "nozzle")
+SAMPLE_RATE = Given(DESIGN, ("sample_rate",), "design")
 
 
 @dataclass(frozen=True)

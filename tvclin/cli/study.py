@@ -62,7 +62,7 @@ def study(
     source: Source = "configuration-i",
     time: At = None,
     winds: ShapedOptions = GROUP,
-    question: Given = Given(STUDY, "dead_band switch sign model plane"),
+    question: Given = Given(STUDY, ("dead_band", "switch", "sign", "model", "plane")),
     limit: Given = LIMIT,
     stop: str | None = asked(
         f"Judge both planes with one stop of the nozzle: {LIMIT_SHAPES_HELP} The peak that the"
@@ -75,7 +75,7 @@ def study(
         "Also find the deflection that covers dispersed vehicles and winds, with assumed"
         " dispersions where no study file gives them.",
     ),
-    drawn: DisperseOptions = DisperseOptions(STUDY, "cases seed"),
+    drawn: DisperseOptions = DisperseOptions(STUDY, ("cases", "seed")),
     explain: bool = switch("--explain", "Explain each symbol and each quantity in one line."),
     as_json: AsJson = False,
     plot: Plot = None,

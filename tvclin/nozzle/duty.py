@@ -24,8 +24,8 @@ from tvclin.base.errors import (
     small_angle,
     times_row,
 )
-from tvclin.base.fields import Field, derived, spec, specs
-from tvclin.base.lines import Line, Row, Table, degrees, quantities, significant
+from tvclin.base.fields import Field, derived, rows, spec, specs
+from tvclin.base.lines import Line, Table, quantities, significant
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import satisfaction, survival
 from tvclin.case.nozzle import Nozzle, NozzleData
@@ -41,6 +41,13 @@ WITHOUT_DATA = (
     "torque, power and energy need the engine and its hinge: mass_kg, arm_m and more in [nozzle]"
 )
 """Note on a card without nozzle data."""
+
+
+_WORK = (
+    *("torque", "holding_torque", "rms_torque", "power", "corner_power"),
+    *("energy", "returned_energy"),
+)
+"""Fields of torque, power and energy in the table of a motion."""
 
 
 @dataclass(frozen=True)
@@ -90,48 +97,25 @@ class NozzleCard(Shown):
     )
     rms_rate: float = field(metadata=spec("angular rate", card=False))
     steady_rate: float = field(metadata=spec("angular rate", card=False))
-    window: float = field(metadata=spec("time", card=False))
+    window: float = field(metadata=spec("time", "window of the steady rate", card=False))
     travel: float = field(metadata=spec("angle"))
-    reversals: int = field(metadata=spec())
-    time_at_stop: float | None = field(metadata=spec("time"))
+    reversals: int = field(metadata=spec(digits=0))
+    time_at_stop: float | None = field(metadata=spec("time", "time at the stop", digits=3))
     work: Work | None = field(metadata=spec())
     notes: tuple[str, ...] = field(metadata=spec())
 
     def tables(self) -> tuple[Table, ...]:
         """Return the card as a table of names and values."""
-
-        def peak(point: Point, key: str, unit: str) -> Row:
-            time = figure(f"card.{key}_s", point.time, 2)
-            return key, (*degrees(f"card.{key}", point.value, unit=unit), " at ", *time, " s")
-
-        rows = [
-            peak(self.angle, "angle", "deg"),
-            peak(self.rate, "rate", "deg/s"),
-            peak(self.acceleration, "acceleration", "deg/s2"),
-            ("rms rate", degrees("card.rms_rate", self.rms_rate, unit="deg/s")),
-            (
-                f"steady rate over {self.window:g} s",
-                degrees("card.steady_rate", self.steady_rate, unit="deg/s"),
-            ),
-            ("travel", degrees("card.travel", self.travel, unit="deg")),
-            ("reversals", (str(self.reversals),)),
+        peaks = {"angle": self.angle, "rate": self.rate, "acceleration": self.acceleration}
+        shown = [
+            (name, (*line, " at ", *figure(f"card.{name}_s", peaks[name].time, 2), " s"))
+            for name, line in rows(self, "card", *peaks)
         ]
-        if self.time_at_stop is not None:
-            rows.append(
-                ("time at the stop", figure("card.time_at_stop_s", self.time_at_stop, unit="s"))
-            )
+        names = ("rms_rate", "steady_rate", "window", "travel", "reversals", "time_at_stop")
+        shown += rows(self, "card", *names)
         if self.work is not None:
-            for name, value, unit in (
-                ("torque, turning", self.work.torque.value, "N m"),
-                ("torque, holding", self.work.holding, "N m"),
-                ("rms torque", self.work.rms_torque, "N m"),
-                ("power", self.work.power.value, "W"),
-                ("corner power", self.work.corner_power, "W"),
-                ("energy", self.work.energy, "J"),
-                ("energy given back", self.work.returned, "J"),
-            ):
-                rows.append((name, significant(f"card.{name}", value, unit=unit)))
-        return (quantities("What the motion asks of the nozzle", rows),)
+            shown += rows(self.work, "card", *_WORK)
+        return (quantities("What the motion asks of the nozzle", shown),)
 
 
 def nozzle_card(
