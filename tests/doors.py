@@ -1203,8 +1203,8 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "open_campaign": Door(tv.ensembles.open_campaign, {"folder": done}),
-        "flown_fronts": Door(
-            tv.nozzle.flown_fronts,
+        "flown_trade_offs": Door(
+            tv.nozzle.flown_trade_offs,
             {
                 "cases": {"one": tv.Case(vehicle=booster)},
                 "rates": [0.02],
@@ -1240,7 +1240,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "SimulatedFlight.write_wind": Door(
             tv.ascent.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
         ),
-        "LoadBound.front": Door(tv.case.LoadBound(load=0.05).front, {"case": carded, "part": 0.9}),
+        "LoadBound.trade_off": Door(
+            tv.case.LoadBound(load=0.05).trade_off, {"case": carded, "part": 0.9}
+        ),
         "FlownLoad.of": Door(
             tv.case.FlownLoad.of,
             {

@@ -142,7 +142,7 @@ def figures(folder: Path) -> dict[str, Door]:
                 "sample_rate": 20.0,
             },
         ),
-        "gain_trade_off_chart": Door(plots.gain_trade_off_chart, {"fronts": [least]}),
+        "gain_trade_off_chart": Door(plots.gain_trade_off_chart, {"trade_offs": [least]}),
         "load_chart": Door(plots.load_chart, {"trade_off": load, "flown": (), "title": "a"}),
         "load_curves": Door(plots.load_curves, {"trade_off": load, "flown": ()}),
         "nichols_chart": Door(plots.nichols_chart, {**loop, "criteria": tv.CRITERIA["classic"]}),

@@ -201,7 +201,7 @@ def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     needed = json.loads(result.stdout)["laws"]
     case = tv.load_study(file)
-    expected = tv.nozzle.flown_fronts({"": case}, laws=("trim",))[""]
-    assert needed["limits_deg"]["trim"][-1] == pytest.approx(np.degrees(expected.needed["trim"]))
+    expected = tv.nozzle.flown_trade_offs({"": case}, laws=("trim",))[""]
+    assert needed["limits_deg"]["trim"][-1] == pytest.approx(np.degrees(expected.required["trim"]))
     assert needed["survives"] == {"trim": True}
     assert figure.stat().st_size > 5000

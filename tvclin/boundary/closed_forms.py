@@ -184,7 +184,7 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
 def triangular_limit_with_drift(
     tau_beta: ArrayLike, dead_band: ArrayLike, beta: ArrayLike, b1: ArrayLike, b2: ArrayLike
 ) -> Any:
-    """Return y_BR of a triangular wind with drift, eq (18); NaN where it was not found.
+    """Return y_BR of a triangular wind with drift, eq (18); NaN without convergence.
 
     `solve_triangular_with_drift` gives the same with a status for each element.
 

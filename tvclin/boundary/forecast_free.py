@@ -17,8 +17,8 @@ if the wind stops at any instant requires
 
     y* = max{ W(onset), sup W / 2 }
 
-and a law that leans into the felt wind as far as it can still return from attains it. A wind that
-may turn by an angle phi instead, with the discounted impulse R, leaves less to lean on: where W is
+and a law that moves the state into the measured wind as far as it is still recoverable attains it.
+A wind that may turn by an angle phi instead, with the discounted impulse R, allows less: where W is
 largest, a state must lie within y of zero, of W, and of R e^(j phi) and R e^(-j phi).
 """
 
@@ -155,8 +155,8 @@ class ForecastFreeLimit(Shown):
     deflection : float or ndarray
         Bound as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     kind : str
-        "exact", or for models with drift "bound of the fast mode": no law needs less. With a turn
-        of less than about a right angle it is a bound as well, and says so.
+        "exact", or for models with drift "bound of the fast mode": no law requires less. With a
+        turn of less than about a right angle it is a bound as well, and says so.
     wind_known : float or ndarray
         W(onset), normalised by the peak: the requirement when the whole wind is known.
     worst_stop_time : float or ndarray
@@ -217,11 +217,11 @@ def forecast_free_limit(
     Notes
     -----
     Without drift it is exact: the law that deflects fully until z = D and then holds z = D keeps
-    the largest z that a stop allows, needs no forecast, and survives exactly above y*. With drift
-    it is a bound, of the fast mode alone; the slow mode adds a little. With a turn it is a bound
-    of every law; for cos(turn) <= -R/(2 y) a law attains it that knows, after the turn, how the
-    wind goes on. A smaller turn may come when all is used up, at the end of the wind, and then a
-    little more is needed: the page on two planes has the proof.
+    the largest z that a stop allows, requires no forecast, and survives exactly above y*. With
+    drift it is a bound, of the fast mode alone; the slow mode adds a little. With a turn it is a
+    bound of every law; for cos(turn) <= -R/(2 y) a law attains it that knows, after the turn, how
+    the wind goes on. A smaller turn may come when all is used up, at the end of the wind, and then
+    a little more is required: the page on two planes has the proof.
 
     Examples
     --------

@@ -346,7 +346,7 @@ def rate_trade_off(
         raise InputError(
             "rate_limit is too small for any deflection to survive this wind; got"
             f" {np.degrees(nozzle_rate):.4g} deg/s, and more than"
-            f" {np.degrees(minimum_rate):.6g} deg/s ({minimum_rate:.6g} rad/s) is needed"
+            f" {np.degrees(minimum_rate):.6g} deg/s ({minimum_rate:.6g} rad/s) is required"
         )
     no_forecast = case.no_forecast
     usual = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)

@@ -158,7 +158,7 @@ class LimitShape(ABC):
 
 @dataclass(frozen=True)
 class CircularShape(LimitShape):
-    """A stop that is the same in all directions: the limit is its radius."""
+    """A limit shape that is the same in all directions: the limit is its radius."""
 
     @property
     def symmetric(self) -> bool:
@@ -182,7 +182,7 @@ class CircularShape(LimitShape):
 
 @dataclass(frozen=True)
 class EllipticShape(LimitShape):
-    """A stop of two half axes, over the limit.
+    """A limit shape of two half axes, normalised by the limit.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class EllipticShape(LimitShape):
 
 @dataclass(frozen=True, eq=False)
 class PolygonShape(LimitShape):
-    """A stop of straight edges.
+    """A limit shape of straight edges.
 
     Parameters
     ----------

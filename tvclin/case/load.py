@@ -79,7 +79,7 @@ class LoadBound:
         """Ratio of moment slopes M_delta/M_alpha."""
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
-    def front(self, case: Case, part: float = 1.0) -> LoadTradeOff:
+    def trade_off(self, case: Case, part: float = 1.0) -> LoadTradeOff:
         """Return the trade-off curve of limit over load, with the fraction `part` of the limit."""
         instance("case", case, Case, "of a wind and a nozzle")
         part = number("part", part, between(1e-9, 1.0))

@@ -45,7 +45,7 @@ def loads(
     motion: Given = MOTION,
     shown: ShownCurves = GROUP,
 ) -> None:
-    """Print the least deflection over the largest angle of attack, or bending moment.
+    """Print the minimum deflection over the largest angle of attack, or bending moment.
 
     With --law also the load in the flight of the law, with the limit as a stop.
 
@@ -86,7 +86,7 @@ def loads(
 def _front(case: StudyPlan) -> LoadTradeOff:
     """Return the front of the load of a file, or of the angle of attack."""
     if case.load is not None:
-        return case.load.front(case)
+        return case.load.trade_off(case)
     limit, rate = case.nozzle.limit, case.nozzle.rate_limit
     fastest = np.inf if rate is None else rate
     return load_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)

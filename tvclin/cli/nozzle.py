@@ -24,7 +24,7 @@ from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.flight_duty import FlownCard
-from tvclin.nozzle.flown_trade_off import FlownFront, flown_fronts
+from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.studyfile.study_plan import StudyPlan
 
@@ -52,7 +52,7 @@ def nozzle(
     motion: Given = MOTION,
     shown: ShownCurves = GROUP,
 ) -> None:
-    """Print the least deflection over the deflection rate, and what a nozzle has left of both.
+    """Print the minimum deflection over the deflection rate, and what remains of both.
 
     With --law also what the flight of the law asks of the nozzle: rate, travel, time at the stop.
     With --laws also the limit that each law needs flown, in the whole wind and with a sudden stop.
@@ -109,17 +109,17 @@ def _flown(case: StudyPlan, law: str | None) -> FlownCard | None:
         return FlownCard.of(case, law, law_with_a_stop(case, law))
 
 
-def _needed(case: StudyPlan) -> FlownFront:
+def _needed(case: StudyPlan) -> FlownTradeOff:
     """Return the required deflection of each law at each rate limit."""
     names = tuple(LAWS) if case.laws is None else case.laws.names
     with bar("boundaries") as progress:
-        return flown_fronts({"": case}, laws=names, progress=progress)[""]
+        return flown_trade_offs({"": case}, laws=names, progress=progress)[""]
 
 
 def _print(
     title: str,
     front: RateTradeOff,
-    needed: FlownFront | None,
+    needed: FlownTradeOff | None,
     flown: FlownCard | None,
     required: CaseRequirement | None,
 ) -> None:

@@ -47,17 +47,17 @@ _RATES_OVER_MINIMUM = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
 
 
 @dataclass(frozen=True, eq=False)
-class FlownFront(Shown):
+class FlownTradeOff(Shown):
     """Required limits of laws in one case over the rate limit, flown with `cuts` sudden stops.
 
-    `front` is the minimum of theory at the same rates, with the nozzle's point. `limits` are the
+    `minimum` is that of theory at the same rates, with the nozzle's point. `limits` are the
     minimum deflection limits [rad] of each law at each rate limit, ``(n,)``, infinite where none
     survives up to three times the largest trim deflection; `monotone` is whether every limit that
     was tried above one that survives survives as well.
     """
 
-    front: RateTradeOff = field(
-        metadata=spec("angular rate", name="rates", of="front.rates", card=False)
+    minimum: RateTradeOff = field(
+        metadata=spec("angular rate", name="rates", of="minimum.rates", card=False)
     )
     limits: dict[str, FloatArray] = field(metadata=spec("angle", card=False))
     monotone: dict[str, BoolArray] = field(metadata=spec(card=False))
@@ -65,9 +65,9 @@ class FlownFront(Shown):
 
     @property
     @derived("angle")
-    def needed(self) -> dict[str, float] | None:
+    def required(self) -> dict[str, float] | None:
         """Limit [rad] of each law at the rate limit of the nozzle; None if not among `rates`."""
-        at_rate = np.flatnonzero(self.front.rates == self.front.rate_limit)
+        at_rate = np.flatnonzero(self.minimum.rates == self.minimum.rate_limit)
         if not at_rate.size:
             return None
         return {name: float(values[at_rate[0]]) for name, values in self.limits.items()}
@@ -76,14 +76,14 @@ class FlownFront(Shown):
     @derived()
     def survives(self) -> dict[str, bool] | None:
         """Whether each law survives with the nozzle; None without its limits, or not known."""
-        needed, limit = self.needed, self.front.limit
-        if needed is None or limit is None or self.front.beyond:
+        required, limit = self.required, self.minimum.limit
+        if required is None or limit is None or self.minimum.beyond:
             return None
-        return {name: limit >= value for name, value in needed.items()}
+        return {name: limit >= value for name, value in required.items()}
 
     def tables(self) -> tuple[Table, ...]:
         """Return the limit of each law at each rate, with the bound without a forecast."""
-        bounds, rates = self.front.no_forecast_bounds, self.front.rates
+        bounds, rates = self.minimum.no_forecast_bounds, self.minimum.rates
         lower = {} if bounds is None else {"any law, at least": bounds}
 
         def cells(k: int) -> Iterator[Line]:
@@ -111,14 +111,14 @@ class FlownFront(Shown):
             yield "*: some lower limits survive as well; above this one all that were tried survive"
 
 
-def flown_fronts(
+def flown_trade_offs(
     cases: Mapping[str, Case],
     rates: ArrayLike | None = None,
     *,
     laws: tuple[str, ...] = tuple(LAWS),
     cuts: int = 1,
     progress: Callable[[float, float], None] | None = None,
-) -> dict[str, FlownFront]:
+) -> dict[str, FlownTradeOff]:
     """Return the limit that each law needs at each rate limit, in many cases.
 
     Parameters
@@ -149,7 +149,7 @@ def flown_fronts(
     >>> nozzle = tv.Nozzle(limit=np.radians(0.36), rate_limit=np.radians(0.5))
     >>> case = tv.Case(vehicle=tv.load_vehicle("configuration-i"), nozzle=nozzle)
     >>> laws = ("half-relief", "trim", "recoverable-attitude")
-    >>> found = tv.nozzle.flown_fronts({"a triangle": case}, [nozzle.rate_limit], laws=laws)
+    >>> found = tv.nozzle.flown_trade_offs({"a triangle": case}, [nozzle.rate_limit], laws=laws)
     >>> found["a triangle"].survives
     {'half-relief': False, 'trim': True, 'recoverable-attitude': True}
     """
@@ -159,9 +159,9 @@ def flown_fronts(
     each("cases", tuple(cases.values()), Case, "by name")
     names = tuple(one_of("laws", name, LAWS) for name in different("laws", laws))
     within("cuts", whole_number("cuts", cuts), 0, 1000)
-    fronts = {key: _front(case, rates) for key, case in cases.items()}
-    total = len(names) * sum(front.rates.size for front in fronts.values())
-    _check_samples(cases, fronts, len(names) * (cuts + 1))
+    minima = {key: _minimum(case, rates) for key, case in cases.items()}
+    total = len(names) * sum(minimum.rates.size for minimum in minima.values())
+    _check_samples(cases, minima, len(names) * (cuts + 1))
     done = 0
 
     def advanced(winds: int, most: int) -> None:
@@ -182,10 +182,10 @@ def flown_fronts(
         advanced(0, 1)
         return boundary
 
-    def answer(case: Case, front: RateTradeOff) -> FlownFront:
-        boundaries = {name: [flown(case, name, float(r)) for r in front.rates] for name in names}
-        return FlownFront(
-            front=front,
+    def answer(case: Case, minimum: RateTradeOff) -> FlownTradeOff:
+        boundaries = {name: [flown(case, name, float(r)) for r in minimum.rates] for name in names}
+        return FlownTradeOff(
+            minimum=minimum,
             limits={name: np.abs([x.deflection for x in row]) for name, row in boundaries.items()},
             monotone={
                 name: np.array([x.monotone for x in row]) for name, row in boundaries.items()
@@ -193,18 +193,18 @@ def flown_fronts(
             cuts=cuts,
         )
 
-    return {key: answer(case, fronts[key]) for key, case in cases.items()}
+    return {key: answer(case, minima[key]) for key, case in cases.items()}
 
 
 def _check_samples(
-    cases: Mapping[str, Case], fronts: Mapping[str, RateTradeOff], winds: int
+    cases: Mapping[str, Case], minima: Mapping[str, RateTradeOff], winds: int
 ) -> None:
     """Raise `InputError` for more samples in so many winds with each rate than can be flown."""
     limits = STEPS + 1 + LEVELS * ABOVE * PARTS
     samples = 0.0
     for key, case in cases.items():
         span = float(case.history.end) - float(case.history.onset)
-        samples += winds * fronts[key].rates.size * limits * span * case.hardware["sample_rate"]
+        samples += winds * minima[key].rates.size * limits * span * case.hardware["sample_rate"]
     if samples > _MAX_SAMPLES:
         raise InputError(
             f"flights of laws may have at most {_MAX_SAMPLES:.3g} samples in all, and these may"
@@ -213,7 +213,7 @@ def _check_samples(
         )
 
 
-def _front(case: Case, rates: ArrayLike | None) -> RateTradeOff:
+def _minimum(case: Case, rates: ArrayLike | None) -> RateTradeOff:
     """Return the trade-off curve of theory at the rates, or multiples of its minimum rate."""
     nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
     theory = partial(rate_trade_off, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)

@@ -37,7 +37,7 @@ from tvclin.design.gain_designs import GainTradeOff
 from tvclin.design.standard_trials import law_curve
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
-from tvclin.nozzle.flown_trade_off import FlownFront
+from tvclin.nozzle.flown_trade_off import FlownTradeOff
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, called, draw, law_styles
 from tvclin.requirement.nominal_requirement import required_deflection
@@ -76,10 +76,10 @@ _MARGINS: dict[str, Style] = {
 _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 
 
-def rate_curves(trade_off: RateTradeOff | FlownFront) -> Curves:
+def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
     """Return the curves of `rate_chart`; NaN where no deflection is sufficient."""
-    flown = trade_off.limits if isinstance(trade_off, FlownFront) else {}
-    trade_off = trade_off.front if isinstance(trade_off, FlownFront) else trade_off
+    flown = trade_off.limits if isinstance(trade_off, FlownTradeOff) else {}
+    trade_off = trade_off.minimum if isinstance(trade_off, FlownTradeOff) else trade_off
     instance("trade_off", trade_off, RateTradeOff, "see rate_trade_off")
     values = {**flown, WIND_KNOWN: trade_off.limits}
     if trade_off.no_forecast_bounds is not None:
@@ -87,19 +87,19 @@ def rate_curves(trade_off: RateTradeOff | FlownFront) -> Curves:
     if trade_off.limit is not None and trade_off.rate_limit in trade_off.rates:
         values[_NOZZLE] = np.where(trade_off.rates == trade_off.rate_limit, trade_off.limit, np.nan)
     columns = [Column(name, np.degrees(_broken(angles)), "deg") for name, angles in values.items()]
-    words, rates = "least deflection over the rate limit", np.degrees(trade_off.rates)
+    words, rates = "minimum deflection over the rate limit", np.degrees(trade_off.rates)
     return Curves("rates", words, "rate limit [deg/s]", rates, tuple(columns))
 
 
 def rate_chart(
-    trade_off: RateTradeOff | FlownFront, title: str = "Least deflection over rate"
+    trade_off: RateTradeOff | FlownTradeOff, title: str = "Minimum deflection over rate"
 ) -> ControlPlot:
     """Draw the minimum deflection over the rate limit, and the nozzle if its rate is in the range.
 
     Parameters
     ----------
-    trade_off : RateTradeOff or FlownFront
-        Result of `rate_trade_off`, or of `flown_fronts` with a curve of each law.
+    trade_off : RateTradeOff or FlownTradeOff
+        Result of `rate_trade_off`, or of `flown_trade_offs` with a curve of each law.
     title : str
         Title of the figure.
     """
@@ -129,14 +129,14 @@ def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Cur
     for name, load in points.items():
         values[name] = np.where(loads == load, trade_off.limit or np.nan, np.nan)
     columns = [Column(name, np.degrees(angles), "deg") for name, angles in values.items()]
-    words = "least deflection over the largest load"
+    words = "minimum deflection over the largest load"
     return Curves("loads", words, "load [deg]", np.degrees(loads), tuple(columns))
 
 
 def load_chart(
     trade_off: LoadTradeOff,
     flown: Sequence[FlownLoad] = (),
-    title: str = "Least deflection over the largest load",
+    title: str = "Minimum deflection over the largest load",
 ) -> ControlPlot:
     """Draw the minimum deflection over the load, the nozzle if it has a load, and flights.
 
@@ -158,12 +158,12 @@ def load_chart(
     return plot
 
 
-def gain_trade_off_chart(fronts: Sequence[GainTradeOff]) -> ControlPlot:
+def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     """Draw the minimum deflection over the required disk margin.
 
     Parameters
     ----------
-    fronts : sequence of GainTradeOff
+    trade_offs : sequence of GainTradeOff
         Trade-off curves of one vehicle in one set of winds, over the same disk margins: for two
         gains or three, for linear peaks or flown limits.
 
@@ -172,29 +172,30 @@ def gain_trade_off_chart(fronts: Sequence[GainTradeOff]) -> ControlPlot:
     InputError
         For no curve, and for curves over different disk margins.
     """
-    fronts = each("fronts", fronts, GainTradeOff, "see gain_trade_off")
-    if not fronts:
-        raise InputError("fronts must be one or more; got none")
-    disk = fronts[0].disk_margin
-    if any(not np.array_equal(front.disk_margin, disk) for front in fronts):
-        raise InputError("fronts must be over the same disk margins")
+    trade_offs = each("trade_offs", trade_offs, GainTradeOff, "see gain_trade_off")
+    if not trade_offs:
+        raise InputError("trade_offs must be one or more; got none")
+    disk = trade_offs[0].disk_margin
+    if any(not np.array_equal(trade_off.disk_margin, disk) for trade_off in trade_offs):
+        raise InputError("trade_offs must be over the same disk margins")
     columns, styles = [], dict(_MARGINS)
-    for k, front in enumerate(fronts):
-        label = f"{plural(len(front.gains), 'gain')}, {_MEANS[front.meaning]}"
-        columns.append(Column(label, _broken(front.relative)))
+    for k, trade_off in enumerate(trade_offs):
+        label = f"{plural(len(trade_off.gains), 'gain')}, {_MEANS[trade_off.meaning]}"
+        columns.append(Column(label, _broken(trade_off.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
     columns += [
-        Column(name, np.full(disk.shape, value)) for name, value in fronts[0].limits.items()
+        Column(name, np.full(disk.shape, value)) for name, value in trade_offs[0].limits.items()
     ]
     curves = Curves(
         "least-gains",
-        "least deflection over the disk margin that is asked for",
+        "minimum deflection over the disk margin that is asked for",
         "disk margin asked for [-]",
         disk,
         tuple(columns),
     )
     plot = draw(
-        curves, Look("Least deflection over disk margin", "deflection over |B alpha_w,max|", styles)
+        curves,
+        Look("Minimum deflection over disk margin", "deflection over |B alpha_w,max|", styles),
     )
     plot.axes.flat[0].set_ylim(bottom=0.0)
     return plot

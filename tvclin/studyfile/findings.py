@@ -226,7 +226,9 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
                 "availability", lambda request, told: request.availability(plan, told)
             ),
             rates=result("rates", lambda limit, _: _rates(plan, study, limit)),
-            loads=result("loads", lambda request, _: request.front(plan, 1.0 / study.plane_ratio)),
+            loads=result(
+                "loads", lambda request, _: request.trade_off(plan, 1.0 / study.plane_ratio)
+            ),
             head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
             reasons=reasons,
             warnings=tuple(messages),

@@ -221,7 +221,7 @@ def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
     """Return the switch time [s] of eqs (C5), and multipliers whose sum changes its sign then."""
     poles, demands = np.real(c.poles), c.demands
     time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
-    # Without a switch before the end one constant meets both, and so their sum.
+    # Without a switch before the end one constant satisfies both, and so their sum.
     if np.isinf(time) or time >= c.horizon * (1.0 - _RELATIVE_ROUNDING):
         return np.zeros(0), np.sign(demands)
     growth = np.exp((poles - poles.max()) * time)
@@ -288,7 +288,7 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     shape of the batch; zero without an unstable pole, and infinite where the deflection does not
     reach one. `InputError` for a wind that is zero or never ends.
 
-    With z_i = p_i d_i, d_i of eq (C1): one pole needs ``|z|``, two real ones the reach on whose
+    With z_i = p_i d_i, d_i of eq (C1): one pole requires ``|z|``, two real ones the reach on whose
     edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
     lambda . e, over the directions of lambda.
     """

@@ -191,7 +191,7 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     -------
     float or ndarray
         tau [s] at which y = 1, with the actual poles of the third-order model and their K1_i;
-        longer winds need markedly more deflection than the fast pole alone requires. NaN for
+        longer winds require markedly more deflection than the fast pole alone requires. NaN for
         a vehicle without two real unstable poles.
 
     Examples

@@ -21,22 +21,22 @@ def found():
     }
     told = []
     rates = np.radians([0.3])
-    fronts = tv.nozzle.flown_fronts(
+    trade_offs = tv.nozzle.flown_trade_offs(
         cases, rates, laws=LAWS, progress=lambda done, total: told.append((done, total))
     )
-    return cases, fronts, told
+    return cases, trade_offs, told
 
 
 @pytest.mark.thorough
 def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
-    cases, fronts, told = found
+    cases, trade_offs, told = found
     done = [one for one, _ in told]
     assert done == sorted(done)
     assert {one for one in done if one.is_integer()} == set(range(1, 13))
     assert {total for _, total in told} == {12}
     for name, case in cases.items():
-        front = fronts[name]
-        rates = front.front.rates
+        trade_off = trade_offs[name]
+        rates = trade_off.minimum.rates
         assert np.degrees(rates) == pytest.approx([0.3, 0.5])
         peak = float(case.history.peak)
         for law in LAWS:
@@ -50,34 +50,36 @@ def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
                 cuts=1,
                 highest=3.0,
             )
-            assert front.limits[law][1] == abs(alone.deflection) == front.needed[law]
-            assert front.enough[law] == bool(NOZZLE.limit >= front.needed[law])
+            assert trade_off.limits[law][1] == abs(alone.deflection) == trade_off.required[law]
+            assert trade_off.survives[law] == bool(NOZZLE.limit >= trade_off.required[law])
 
 
 def test_no_law_needs_less_than_its_bound_and_more_rate_is_never_worse(found):
     """The law that knows its rate comes near the bound; a boundary is known to 1e-3 of trim."""
-    cases, fronts, _ = found
-    for name, front in fronts.items():
+    cases, trade_offs, _ = found
+    for name, trade_off in trade_offs.items():
         slack = 1e-3 * abs(float(cases[name].plant.coefficients.B * cases[name].history.peak))
-        for values in front.limits.values():
-            assert np.all(values >= front.front.no_forecast_bounds - slack)
+        for values in trade_off.limits.values():
+            assert np.all(values >= trade_off.minimum.no_forecast_bounds - slack)
             assert np.all(values[1:] <= values[:-1] + slack)
-        assert np.all(front.limits["recoverable-attitude"] < 1.35 * front.front.no_forecast_bounds)
+        assert np.all(
+            trade_off.limits["recoverable-attitude"] < 1.35 * trade_off.minimum.no_forecast_bounds
+        )
 
 
 def test_unknown_laws_and_what_is_no_case_are_refused():
     case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
     with pytest.raises(tv.InputError, match="laws must be one of"):
-        tv.nozzle.flown_fronts({"one": case}, laws=("trm",))
+        tv.nozzle.flown_trade_offs({"one": case}, laws=("trm",))
     with pytest.raises(tv.InputError, match="cases must"):
-        tv.nozzle.flown_fronts({"one": VEHICLE})
+        tv.nozzle.flown_trade_offs({"one": VEHICLE})
 
 
 def test_progress_advances_within_a_boundary():
     told = []
     case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
     options = {"laws": ("trim",), "progress": lambda done, total: told.append(done / total)}
-    tv.nozzle.flown_fronts({"now": case}, NOZZLE.rate_limit * np.ones(1), **options)
+    tv.nozzle.flown_trade_offs({"now": case}, NOZZLE.rate_limit * np.ones(1), **options)
     assert len(told) > 2
     assert 0.0 < told[0] < 0.3
     assert told[-1] == 1.0
@@ -90,4 +92,4 @@ def test_more_samples_than_can_be_flown_are_refused_at_once(given):
     design = tv.AutopilotDesign(sample_rate=given.get("sample_rate"))
     case = tv.Case(vehicle=VEHICLE, wind=wind, nozzle=NOZZLE, design=design)
     with pytest.raises(tv.InputError, match=r"at most 2e\+09 samples"):
-        tv.nozzle.flown_fronts({"one": case})
+        tv.nozzle.flown_trade_offs({"one": case})
