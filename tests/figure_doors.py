@@ -10,6 +10,7 @@ import numpy as np
 import tvclin as tv
 from tests.doors import Door, hasty
 from tvclin import plots
+from tvclin.requirement.study_response import study_response
 
 
 def figures(folder: Path) -> dict[str, Door]:
@@ -185,6 +186,9 @@ def figures(folder: Path) -> dict[str, Door]:
         "sketch_c": Door(plots.sketch_c, {"ratios": (0.1,), "highest": 5.0, "points": 11}),
         "step_chart": Door(plots.step_chart, loop),
         "study_chart": Door(plots.study_chart, {"study": study, "durations": [5.0, 7.5]}),
+        "study_response_chart": Door(
+            plots.study_response_chart, {"response": study_response(study)}
+        ),
         "study_planes_chart": Door(plots.study_planes_chart, {"study": slanting}),
         "vehicle_chart": Door(plots.vehicle_chart, {"vehicle": vehicle, "limit": 0.01}),
         "wind_chart": Door(plots.wind_chart, {**loop, "wind": wind}),

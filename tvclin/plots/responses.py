@@ -173,7 +173,14 @@ def response_chart(
 
 
 def study_response_chart(response: StudyResponse) -> "ControlPlot":
-    """Draw angles, deflection with its limit, and wind of the response of a study, in a column."""
+    """Draw angles, deflection with its limit, and wind of the response of a study, in a column.
+
+    Parameters
+    ----------
+    response : StudyResponse
+        Response of one study to its wind.
+    """
+    instance("response", response, StudyResponse, "see study_response")
     curves = response_curves(
         response.response,
         limit=response.limit,
