@@ -7,15 +7,15 @@ arms of the `Vehicle` include liquid and engine.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IndexArray
-from tvclin.base.cards import Row, card, lines
+from tvclin.base.cards import Row, card, card_rows, lines
 from tvclin.base.errors import (
     InputError,
     between,
@@ -26,31 +26,11 @@ from tvclin.base.errors import (
     plain,
     shown,
 )
+from tvclin.base.fields import fields_of, spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.vehicle.filters import Filter, filter_cells
 
-_BENDING = {
-    "frequency": " [rad/s]",
-    "damping": "",
-    "modal_mass": " [kg]",
-    "gimbal_displacement": "",
-    "gimbal_slope": " [1/m]",
-    "attitude_slope": " [1/m]",
-    "rate_slope": " [1/m]",
-    "pressure_displacement": "",
-}
-_SLOSH = {
-    "mass": " [kg]",
-    "station": " [m]",
-    "damping": "",
-    "pendulum_length": " [m]",
-    "frequency": " [rad/s]",
-}
-_ENGINE = {"mass": " [kg]", "arm": " [m]", "moment_of_inertia": " [kg m^2]"}
-"""Fields of a bending mode, a tank and the engine that tables show, with their units."""
-
 Number = float | FloatArray
-Check = Callable[..., FloatArray]
 
 _MAX_NUMBER = 1e12
 """Largest size of a number, in SI units."""
@@ -98,19 +78,21 @@ class BendingMode(_Batched):
         For a damping below zero, sizes beyond 1e-12 to 1e12, and shapes that do not broadcast.
     """
 
-    frequency: Number
-    damping: Number
-    modal_mass: Number
-    gimbal_displacement: Number
-    gimbal_slope: Number
-    attitude_slope: Number
-    rate_slope: Number
-    pressure_displacement: Number = 0.0
+    frequency: Number = field(metadata=spec("natural frequency", check=_positive_size))
+    damping: Number = field(metadata=spec("number", check=_damping))
+    modal_mass: Number = field(metadata=spec("mass", check=_positive_size, card=False))
+    gimbal_displacement: Number = field(metadata=spec("number", check=_bounded, card=False))
+    gimbal_slope: Number = field(metadata=spec("per length", check=_bounded, card=False))
+    attitude_slope: Number = field(metadata=spec("per length", check=_bounded, card=False))
+    rate_slope: Number = field(metadata=spec("per length", check=_bounded, card=False))
+    pressure_displacement: Number = field(
+        default=0.0, metadata=spec("number", check=_bounded, card=False)
+    )
     tank_displacements: tuple[Number, ...] = ()
     tank_slopes: tuple[Number, ...] = ()
 
     def __post_init__(self) -> None:
-        _set_checked(self, _BENDING_CHECKS)
+        _set_checked(self)
         for name, unit in (("tank_displacements", ""), ("tank_slopes", "1/m")):
             sequence = getattr(self, name)
             if not isinstance(sequence, tuple | list):
@@ -148,17 +130,20 @@ class SloshTank(_Batched):
         As `BendingMode`, and unless either length or frequency is given.
     """
 
-    mass: Number
-    station: Number
-    damping: Number
-    pendulum_length: Number | None = None
-    frequency: Number | None = None
+    mass: Number = field(metadata=spec("mass", check=_positive_size))
+    station: Number = field(metadata=spec("length", check=_bounded))
+    damping: Number = field(metadata=spec("number", check=_damping, card=False))
+    pendulum_length: Number | None = field(
+        default=None, metadata=spec("length", check=_positive_size, card=False)
+    )
+    frequency: Number | None = field(
+        default=None, metadata=spec("natural frequency", check=_positive_size, card=False)
+    )
 
     def __post_init__(self) -> None:
         if (self.pendulum_length is None) == (self.frequency is None):
             raise InputError("a slosh tank needs a pendulum_length or a frequency, and not both")
-        unknown = "frequency" if self.frequency is None else "pendulum_length"
-        _set_checked(self, tuple(check for check in _SLOSH_CHECKS if check[0] != unknown))
+        _set_checked(self)
         _ = self.batch  # refuses shapes that do not broadcast
 
 
@@ -182,12 +167,14 @@ class Engine(_Batched):
         As `BendingMode`.
     """
 
-    mass: Number
-    arm: Number
-    moment_of_inertia: Number = 0.0
+    mass: Number = field(metadata=spec("mass", check=_positive_size))
+    arm: Number = field(metadata=spec("length", check=_bounded, card=False))
+    moment_of_inertia: Number = field(
+        default=0.0, metadata=spec("inertia", check=_inertia, card=False)
+    )
 
     def __post_init__(self) -> None:
-        _set_checked(self, _ENGINE_CHECKS)
+        _set_checked(self)
         _ = self.batch  # refuses shapes that do not broadcast
         if np.any(np.asarray(self.inertia_about_gimbal) == 0.0):
             raise InputError("an engine needs an arm or a moment_of_inertia other than zero")
@@ -257,9 +244,9 @@ class Structure(_Batched):
         """Return the tables of bending modes, tanks, engine and sensors that exist, in SI units."""
         engine = () if self.engine is None else (self.engine,)
         tables = [
-            *_element_tables("Bending", "bending", self.bending, _BENDING),
-            *_element_tables("Slosh", "slosh", self.slosh, _SLOSH),
-            *_element_tables("Engine", "engine", engine, _ENGINE),
+            *_element_tables("Bending", "bending", self.bending),
+            *_element_tables("Slosh", "slosh", self.slosh),
+            *_element_tables("Engine", "engine", engine),
         ]
         lags = {"attitude": self.attitude_sensor, "rate gyro": self.rate_gyro}
         sensors = tuple(
@@ -272,15 +259,16 @@ class Structure(_Batched):
 
     def _rows(self) -> list[Row]:
         """Return names, values and units of the structure for a card."""
-        rows: list[Row] = []
-        for k, mode in enumerate(self.bending, start=1):
-            rows += [(f"bending {k}, frequency", mode.frequency, "rad/s")]
-            rows += [(f"bending {k}, damping", mode.damping, "-")]
-        for k, tank in enumerate(self.slosh, start=1):
-            rows += [(f"slosh {k}, mass", tank.mass, "kg"), (f"slosh {k}, at", tank.station, "m")]
-        if self.engine is not None:
-            rows += [("engine, mass", self.engine.mass, "kg")]
-        return rows
+        elements: dict[str, Any] = {
+            f"bending {k}": mode for k, mode in enumerate(self.bending, start=1)
+        }
+        elements |= {f"slosh {k}": tank for k, tank in enumerate(self.slosh, start=1)}
+        elements |= {} if self.engine is None else {"engine": self.engine}
+        return [
+            (f"{name}, {label}", value, unit)
+            for name, element in elements.items()
+            for label, value, unit in card_rows(element)
+        ]
 
     @property
     def parts(self) -> str:
@@ -329,11 +317,12 @@ def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) ->
     return np.broadcast_to(value, shape).ravel()[cases]
 
 
-def _set_checked(value: Any, checks: tuple[tuple[str, Check, str], ...]) -> None:
-    """Replace the numbers of a frozen value by checked arrays."""
-    for name, check, unit in checks:
-        array = check(name, getattr(value, name), unit)
-        object.__setattr__(value, name, plain(array))
+def _set_checked(value: Any) -> None:
+    """Replace the numbers of a frozen value by checked arrays; None stays None."""
+    for item in fields_of(value):
+        given = item.si_value(value)
+        if given is not None:
+            object.__setattr__(value, item.name, plain(item.check(item.name, given, item.si_unit)))
 
 
 def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
@@ -350,46 +339,23 @@ def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
         yield name, np.shape(value)
 
 
-_BENDING_CHECKS = (
-    ("frequency", _positive_size, "rad/s"),
-    ("damping", _damping, ""),
-    ("modal_mass", _positive_size, "kg"),
-    ("gimbal_displacement", _bounded, ""),
-    ("gimbal_slope", _bounded, "1/m"),
-    ("attitude_slope", _bounded, "1/m"),
-    ("rate_slope", _bounded, "1/m"),
-    ("pressure_displacement", _bounded, ""),
-)
-_SLOSH_CHECKS = (
-    ("mass", _positive_size, "kg"),
-    ("station", _bounded, "m"),
-    ("damping", _damping, ""),
-    ("pendulum_length", _positive_size, "m"),
-    ("frequency", _positive_size, "rad/s"),
-)
-_ENGINE_CHECKS = (
-    ("mass", _positive_size, "kg"),
-    ("arm", _bounded, "m"),
-    ("moment_of_inertia", _inertia, "kg m^2"),
-)
-
-
-def _element_tables(
-    caption: str, name: str, elements: Sequence[Any], units: dict[str, str]
-) -> Iterator[Table]:
+def _element_tables(caption: str, name: str, elements: Sequence[Any]) -> Iterator[Table]:
     """Yield the table of elements of one kind, a column each; nothing without elements.
 
-    `name`: that of an element. `units`: fields that are shown, with their units.
+    `name`: that of an element.
     """
+    if not elements:
+        return
     rows: list[tuple[Line, ...]] = []
-    for field, unit in units.items():
-        values = [getattr(element, field) for element in elements]
+    for item in fields_of(elements[0]):
+        values = [item.value(element) for element in elements]
         if any(value is not None for value in values):
             cells = (
-                ("-",) if value is None else significant(f"structure.{name}.{k}.{field}", value, 6)
+                ("-",)
+                if value is None
+                else significant(f"structure.{name}.{k}.{item.name}", value, 6)
                 for k, value in enumerate(values)
             )
-            rows.append(((f"{field.replace('_', ' ')}{unit}",), *cells))
-    if elements:
-        head = ("quantity", *(f"{name} {k}" for k in range(1, len(elements) + 1)))
-        yield Table(caption, head, tuple(rows))
+            rows.append(((item.heading,), *cells))
+    head = ("quantity", *(f"{name} {k}" for k in range(1, len(elements) + 1)))
+    yield Table(caption, head, tuple(rows))

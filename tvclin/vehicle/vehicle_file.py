@@ -18,7 +18,7 @@ import numpy as np
 from tvclin.base.edits import EditedSource
 from tvclin.base.errors import Faults, InputError, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
-from tvclin.base.fields import parameters
+from tvclin.base.fields import file_table, parameters
 from tvclin.base.files import ENCODINGS, UTF_8, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
@@ -56,42 +56,19 @@ _DISPLACEMENTS = "tank_displacements"
 _TANK_SLOPES = {f"tank_slopes_{unit}": factor for unit, factor in UNITS["per length"].items()}
 
 STRUCTURE_TABLE = FileTable("[structure]", words=("thrust_follows",))
-ENGINE_TABLE = FileTable(
-    "[engine]",
-    {"mass": "mass", "arm": "length", "moment_of_inertia": "inertia"},
-    required=("mass", "arm"),
-)
+ENGINE_TABLE = file_table("[engine]", Engine, required=("mass", "arm"))
 SENSORS_TABLE = FileTable(
     "[sensors]",
     {f"{name}_frequency": "natural frequency" for name in _SENSORS}
     | {f"{name}_damping": "number" for name in _SENSORS},
 )
-_BENDING = {
-    "frequency": "natural frequency",
-    "damping": "number",
-    "modal_mass": "mass",
-    "gimbal_displacement": "number",
-    "gimbal_slope": "per length",
-    "attitude_slope": "per length",
-    "rate_slope": "per length",
-}
-BENDING_TABLE = FileTable(
+BENDING_TABLE = file_table(
     "[[bending]]",
-    _BENDING | {"pressure_displacement": "number"},
+    BendingMode,
     lists=(_DISPLACEMENTS, *_TANK_SLOPES),
-    required=tuple(_BENDING),
+    required=tuple(name for name in parameters(BendingMode) if name != "pressure_displacement"),
 )
-SLOSH_TABLE = FileTable(
-    "[[slosh]]",
-    {
-        "mass": "mass",
-        "station": "length",
-        "damping": "number",
-        "pendulum_length": "length",
-        "frequency": "natural frequency",
-    },
-    required=("mass", "station", "damping"),
-)
+SLOSH_TABLE = file_table("[[slosh]]", SloshTank, required=("mass", "station", "damping"))
 
 
 def list_vehicles() -> list[str]:
