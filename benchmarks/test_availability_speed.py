@@ -61,7 +61,7 @@ def test_soundings_to_availability_10000_both_planes(benchmark, station):
     )
     ours = (process_time() - between) / SOUNDINGS
     march = march_alone(flight)
-    assert found.part().judged > 0.9 * SOUNDINGS
+    assert found.fraction().judged > 0.9 * SOUNDINGS
     benchmark.extra_info.update(
         peer="`size` with varying parameters",
         ours_seconds=ours,

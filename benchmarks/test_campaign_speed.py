@@ -29,7 +29,7 @@ def plan(model: str) -> tv.Campaign:
 
 def one_by_one(campaign: tv.Campaign) -> Any:
     """What a user would write: draw, and ask for each case."""
-    drawn = draw(campaign.seed, 0, FEW, len(campaign.dispersions.each))
+    drawn = draw(campaign.seed, 0, FEW, len(campaign.dispersions.distributions))
     every = campaign.dispersions.apply(campaign.nominal, drawn).values
     found = []
     for k in range(FEW):

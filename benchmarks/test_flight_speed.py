@@ -171,5 +171,5 @@ def test_the_card_of_a_flight(benchmark: Any) -> None:
         stop=98.0,
         every=2.0,
     )
-    found = benchmark(lambda: tv.nozzle.flight_card(case, asked))
+    found = benchmark(lambda: tv.nozzle.flight_duty(case, asked))
     assert len(found.points) == 150

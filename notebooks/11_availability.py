@@ -104,9 +104,9 @@ later = tv.availability(
     persistence=tv.ensembles.PairGrowth(hours=3.5),
 )
 print(*later.notes, sep="\n")
-print(later.part())
+print(later.fraction())
 today = later.today(soundings[3])
-print(f"today: {np.degrees(today.most):.3f} deg of {np.degrees(today.limit):.3f}, go: {today.go}")
+print(f"today: {np.degrees(today.upper):.3f} deg of {np.degrees(today.limit):.3f}, go: {today.go}")
 
 # %% [markdown]
 # **Try:** other azimuths, several at once (`azimuth=np.radians([60, 90, 110])`); a square stop,
@@ -114,11 +114,11 @@ print(f"today: {np.degrees(today.most):.3f} deg of {np.degrees(today.limit):.3f}
 # shell: `tvclin availability configuration-i STATION.zip --azimuth-deg 90 --limit-deg 0.45`.
 
 # %%
-part, less = february.part(), later.part()
+part, less = february.fraction(), later.fraction()
 answer = (
-    f"On {100 * part.part:.0f} percent of February's days, and between "
+    f"On {100 * part.fraction:.0f} percent of February's days, and between "
     f"{100 * part.lower:.0f} and {100 * part.upper:.0f} percent as far as eight years can say; "
     f"{part.unknown} of {part.judged + part.unknown} balloons do not tell. With 3.5 hours from the "
-    f"balloon to the launch it is {100 * less.part:.0f} percent."
+    f"balloon to the launch it is {100 * less.fraction:.0f} percent."
 )
 print(answer)

@@ -84,7 +84,7 @@ flown = tv.fly(
     sample_rate=100.0,
 ).outputs
 moves = {name: flown[name] for name in ("angle_of_attack", "attitude")}
-tv.nozzle.nozzle_card(
+tv.nozzle.nozzle_duty(
     times, flown["deflection"], limit=limit, nozzle=hinge, vehicle=vehicle, **moves
 )
 
@@ -103,7 +103,7 @@ case = tv.Case(
 flight = tv.requirement.SizingRequest(
     schedule=tv.load_schedule("made-up-launcher"), start=40.0, stop=90.0, every=10.0
 )
-card = tv.nozzle.flight_card(case, flight)
+card = tv.nozzle.flight_duty(case, flight)
 card
 
 # %% [markdown]
@@ -113,7 +113,7 @@ card
 # It takes far more travel than the wind does.
 
 # %%
-loud = tv.nozzle.flight_card(case, flight, noise=np.radians(0.05))
+loud = tv.nozzle.flight_duty(case, flight, noise=np.radians(0.05))
 for name, one in (("quiet", card), ("with noise", loud)):
     duty = max(one.duties, key=lambda each: each.travel)
     print(f"{name}: travel {np.degrees(duty.travel):.1f} deg, energy {duty.energy:.1f} J")

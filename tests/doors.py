@@ -25,7 +25,7 @@ from tvclin.requirement.flight.total import Line
 SOUNDINGS = Path(__file__).parent / "soundings"
 
 ANSWERS = {
-    "Part",
+    "SurvivalFraction",
     "Today",
     "BoundaryLimit",
     "BoundaryMap",
@@ -50,7 +50,7 @@ ANSWERS = {
     "Margins",
     "ModeBand",
     "Modes",
-    "NozzleCard",
+    "NozzleDuty",
     "Optimum",
     "PlaneLimit",
     "PlaneOptimum",
@@ -85,7 +85,7 @@ INSIDE = {
     "ControllabilityRatio",
     "Detuned",
     "FlightComparison",
-    "FlightCard",
+    "FlightDuty",
     "Loads",
     "RangeReference",
     "Responses",
@@ -353,7 +353,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Autopilot.respond": Door(autopilot.respond, {**history, "timepts": times}),
         "Availability.curve": Door(available.curve, {"limits": [0.01, 0.02]}),
         "Availability.placard": Door(available.placard, {"parts": [0.5]}),
-        "Availability.reaches": Door(available.reaches, {"part": 0.5}),
+        "Availability.reaches": Door(available.reaches, {"fraction": 0.5}),
         "Availability.to_csv": Door(available.to_csv, {"path": folder / "available.csv"}),
         "Availability.today": Door(available.today, {"profile": west}),
         "Availability.with_limit": Door(available.with_limit, {"limit": 0.01}),
@@ -507,7 +507,9 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Dispersion,
             {"parameter": "thrust", "shape": "normal", "spread": 0.1, "relative": True},
         ),
-        "Dispersions": Door(tv.Dispersions, {"each": dispersions.each, "correlation": ((1.0,),)}),
+        "Dispersions": Door(
+            tv.Dispersions, {"distributions": dispersions.distributions, "correlation": ((1.0,),)}
+        ),
         "Dispersions.apply": Door(
             dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
         ),
@@ -1213,8 +1215,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "progress": lambda done, total: None,
             },
         ),
-        "FlightCard.to_csv": Door(
-            tv.nozzle.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
+        "FlightDuty.to_csv": Door(
+            tv.nozzle.flight_duty(carded, once).to_csv, {"path": folder / "card.csv"}
         ),
         "SizingRequest.ratio": Door(asked.ratio, {"case": carded, "found": sizing}),
         "controllability_ratio": Door(
@@ -1252,8 +1254,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "bound": tv.case.LoadBound(load=0.05),
             },
         ),
-        "flight_card": Door(
-            tv.nozzle.flight_card,
+        "flight_duty": Door(
+            tv.nozzle.flight_duty,
             {
                 "case": carded,
                 "asked": once,
@@ -1264,8 +1266,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "progress": None,
             },
         ),
-        "nozzle_card": Door(
-            tv.nozzle.nozzle_card,
+        "nozzle_duty": Door(
+            tv.nozzle.nozzle_duty,
             {
                 "times": np.linspace(0.0, 1.0, 5),
                 "deflection": 0.01 * np.arange(5),

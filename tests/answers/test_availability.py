@@ -12,7 +12,7 @@ from tests.answers.test_sizing_varying import trim_law_is_lost
 from tests.archives import Balloon, days, jet, write
 from tests.turns import usual
 from tvclin.ascent.measured_wind import gust_of_speed
-from tvclin.ensembles.statistics import effective_number, part_of
+from tvclin.ensembles.statistics import effective_number, survival_fraction
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
 from tvclin.requirement.flight.flight_requirement import FlightMode, FlightWind
 from tvclin.requirement.time_varying import curves, over_steps
@@ -71,7 +71,7 @@ def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST, pressure=Fal
 def test_each_sounding_needs_what_size_says(flight, archive) -> None:
     found = tv.availability(flight, archive, limit=0.01, **PITCH)
     for i in (2, 14):
-        assert found.need[i] == pytest.approx(size_says(flight, archive[i]), rel=JETS)
+        assert found.required[i] == pytest.approx(size_says(flight, archive[i]), rel=JETS)
 
 
 @pytest.mark.parametrize("azimuth", [EAST, -EAST], ids=["tail", "head"])
@@ -83,8 +83,8 @@ def test_the_dynamic_pressure_met_counts_as_in_size(flight, archive, azimuth, pl
     calm = tv.availability(flight, archive, limit=0.01, sign="frozen", **where)
     for i in (2, 14):
         said = size_says(flight, archive[i], pressure=True, **where)
-        assert found.need[i] == pytest.approx(said, rel=1e-3)
-    assert np.all((found.need > calm.need) == (azimuth < 0.0))
+        assert found.required[i] == pytest.approx(said, rel=1e-3)
+    assert np.all((found.required > calm.required) == (azimuth < 0.0))
     with pytest.raises(tv.InputError, match="have their own sign"):
         tv.availability(flight, archive, limit=0.01, sign="head", **where)
 
@@ -147,7 +147,7 @@ def test_a_wind_that_turns_where_the_path_is_quick_is_lost_as_its_flights_are() 
         asked = {"limit": float(limit), "azimuth": EAST, "plane": "yaw"}
         found = tv.availability(booster, one(wind), **asked)
         assert found.flies[0] == flies
-        edge = found.need[0] if not flies else found.most[0]
+        edge = found.required[0] if not flies else found.upper[0]
         assert edge == pytest.approx(np.radians(0.08815), rel=3e-3)
     # with gaps above two kilometres it is not known, and never said to fly
     gaps = tv.WindProfile(height=given, east=0.0 * given, north=-np.interp(given, height, cross))
@@ -163,7 +163,7 @@ def test_a_narrow_window_of_losses_above_a_limit_that_survives_is_seen(flight) -
     height = np.unique(np.append(given, np.arange(0.0, 42e3, 500.0)))
     wind = tv.WindProfile(height=height, east=0.0 * height, north=-np.interp(height, given, cross))
     asked = {"azimuth": EAST, "plane": "yaw"}
-    bound = tv.availability(flight, one(wind), limit=1e-4, **asked).least[0]
+    bound = tv.availability(flight, one(wind), limit=1e-4, **asked).lower[0]
     limits = bound * np.array([1.002, 1.006, 1.01])
     assert lost_flown(flight, wind, EAST, "yaw", limits).tolist() == [False, True, False]
     for limit, flies in zip(limits.tolist(), (0.0, 0.0, 1.0), strict=True):
@@ -215,13 +215,13 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     rough = tv.winds.Soundings.from_profiles(winds, days("2023-02-01T00", 5))
     needed = np.array([size_says(flight, wind) for wind in winds])
     found = tv.availability(flight, rough, limit=1e-4, **PITCH)
-    doubted = found.most > found.least
+    doubted = found.upper > found.lower
     assert np.any(doubted)
     assert not np.all(doubted)
-    assert found.least[~doubted] == pytest.approx(needed[~doubted], rel=ROUGH)
-    assert np.all(needed <= found.most)
+    assert found.lower[~doubted] == pytest.approx(needed[~doubted], rel=ROUGH)
+    assert np.all(needed <= found.upper)
     # what flights need less than trim and demand say is seen where it is asked about
-    fewer = np.flatnonzero(needed < found.least * (1.0 - ROUGH))
+    fewer = np.flatnonzero(needed < found.lower * (1.0 - ROUGH))
     assert fewer.size == 1
     for limit, flies in ((1.01 * needed[fewer[0]], 1.0), (0.99 * needed[fewer[0]], 0.0)):
         assert tv.availability(flight, rough, limit=limit, **PITCH).flies[fewer[0]] == flies
@@ -229,18 +229,18 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     # near the limit the others are flown
     limit = 1.001 * needed[doubted][0]
     near = tv.availability(flight, rough, limit=limit, **PITCH)
-    assert near.need[doubted][0] == pytest.approx(needed[doubted][0], rel=EDGE)
+    assert near.required[doubted][0] == pytest.approx(needed[doubted][0], rel=EDGE)
     assert any("were flown with trim" in note for note in near.notes)
-    between = found.with_limit(1.001 * found.least[doubted][0])
+    between = found.with_limit(1.001 * found.lower[doubted][0])
     assert "was not flown" in np.array(between.why)[doubted][0]
     # so what one sounding asks for depends on the limit
-    assert found.need[doubted][0] == found.least[doubted][0]
-    assert np.isnan(between.need[doubted][0])
-    assert found.least[doubted][0] <= near.need[doubted][0] * (1.0 + EDGE)
-    assert near.need[doubted][0] <= found.most[doubted][0]
+    assert found.required[doubted][0] == found.lower[doubted][0]
+    assert np.isnan(between.required[doubted][0])
+    assert found.lower[doubted][0] <= near.required[doubted][0] * (1.0 + EDGE)
+    assert near.required[doubted][0] <= found.upper[doubted][0]
     assert near.today(winds[int(np.argmax(needed))]).go is bool(limit > needed.max())
     fixed = tv.availability(flight, rough, limit=1e-4, model="fixed-path", **PITCH)
-    assert np.array_equal(fixed.least, fixed.most)  # there nothing needs to be flown
+    assert np.array_equal(fixed.lower, fixed.upper)  # there nothing needs to be flown
 
 
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
@@ -252,7 +252,7 @@ def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     east[(height > 10e3) & (height < 10.8e3)] = 50.0
     wind = tv.WindProfile(height=height, east=east, north=0.0 * height)
     asked = PITCH | {"model": model}
-    bound = tv.availability(booster, one(wind), limit=1e-4, **asked).least[0]
+    bound = tv.availability(booster, one(wind), limit=1e-4, **asked).lower[0]
     met = tv.fly_through(wind, booster, azimuth=EAST).wind
     parts = np.array([0.55, 0.9, 0.95, 1.0])
     lost = trim_law_is_lost(booster, met, model, parts * bound)
@@ -260,14 +260,14 @@ def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     for part, flies in ((0.9, True), (0.55, False), (0.4, False)):
         found = tv.availability(booster, one(wind), limit=part * bound, **asked)
         assert found.flies[0] == flies
-        assert found.need[0] == pytest.approx(bound * (part if flies else 1.0), rel=CLOSE)
+        assert found.required[0] == pytest.approx(bound * (part if flies else 1.0), rel=CLOSE)
         assert any("a flight of the trim law survives" in note for note in found.notes) == flies
         assert found.today(wind).go is flies
     for stop in ("square", "round"):
         turned = tv.WindProfile(height=height, east=east / 2**0.5, north=east / 2**0.5)
         found = tv.availability(
             booster, one(turned), limit=0.0, azimuth=EAST, stop=stop, model=model
-        ).least[0]
+        ).lower[0]
         again = tv.availability(
             booster, one(turned), limit=0.9 * found, azimuth=EAST, stop=stop, model=model
         )
@@ -282,7 +282,7 @@ def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None
     fine = tv.FlightSchedule(coarse.clamped_at(times), altitude=height)
     found = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)
 
-    assert found.need[0] == pytest.approx(size_says(fine, archive[6]), rel=JETS)
+    assert found.required[0] == pytest.approx(size_says(fine, archive[6]), rel=JETS)
 
 
 def test_of_the_two_sides_of_a_wind_the_one_counts_that_needs_more(flight) -> None:
@@ -294,7 +294,7 @@ def test_of_the_two_sides_of_a_wind_the_one_counts_that_needs_more(flight) -> No
         tv.availability(
             flight, one(tv.WindProfile(height=height, east=east, north=0.0 * east)),
             limit=1.0, **PITCH,
-        ).need[0]
+        ).required[0]
         for east in (-hump, jet_, jet_ - hump)
     )  # fmt: skip
     assert low > high
@@ -306,7 +306,7 @@ def test_the_part_of_a_known_archive_is_known(flight, archive) -> None:
     for flown in (0, 7):
         weak, strong = archive[max(flown - 1, 0)], archive[flown]
         limit = 0.5 * size_says(flight, weak) + 0.5 * size_says(flight, strong) if flown else 1e-4
-        part = tv.availability(flight, archive, limit=limit, **PITCH).part()
+        part = tv.availability(flight, archive, limit=limit, **PITCH).fraction()
 
         assert (part.flown, part.judged, part.unknown) == (flown, 20, 0)
         assert part.bounds == (flown / 20, flown / 20)
@@ -316,9 +316,9 @@ def test_a_placard_is_the_limit_with_which_so_many_fly(flight, archive) -> None:
     found = tv.availability(flight, archive, limit=0.01, **PITCH)
     parts = np.array([0.05, 0.5, 0.9, 1.0])
     for part, limit in zip(parts, found.placard(parts), strict=True):
-        assert found.with_limit(limit).part().part >= part
-        assert found.with_limit(limit * (1 - 1e-9)).part().part < part
-    assert [p.part for p in found.curve(found.placard(parts))] == parts.tolist()
+        assert found.with_limit(limit).fraction().fraction >= part
+        assert found.with_limit(limit * (1 - 1e-9)).fraction().fraction < part
+    assert [p.fraction for p in found.curve(found.placard(parts))] == parts.tolist()
 
 
 def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, archive) -> None:
@@ -326,15 +326,15 @@ def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, arch
     both = tv.winds.Soundings.from_profiles([*archive, burst], days("2023-02-01T00", 21))
     found = tv.availability(flight, both, limit=np.radians(0.3), **PITCH)
 
-    assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < found.need[11]
-    assert np.isnan(found.need[20])
+    assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < found.required[11]
+    assert np.isnan(found.required[20])
     assert found.why[20] == "its wind is not known far enough"
-    assert found.part().unknown == 1
-    below, above = found.part().bounds
-    assert below < found.part().part < above
+    assert found.fraction().unknown == 1
+    below, above = found.fraction().bounds
+    assert below < found.fraction().fraction < above
     assert found.today(burst).go is None
     # where even a wind as strong as that of others does not matter, it is known again
-    assert found.with_limit(np.radians(20.0)).part().unknown == 0
+    assert found.with_limit(np.radians(20.0)).fraction().unknown == 0
 
 
 def test_what_ends_below_the_largest_dynamic_pressure_is_never_judged(archive) -> None:
@@ -346,8 +346,8 @@ def test_what_ends_below_the_largest_dynamic_pressure_is_never_judged(archive) -
     high = archive[3].between(14e3, 30e3)
     found = tv.availability(flight, one(high), limit=1.0, **PITCH)
     assert found.why == ("it begins above the height of the largest dynamic pressure",)
-    assert np.isnan(found.part().part)
-    assert str(found.part()) == "none judged, 1 unknown"
+    assert np.isnan(found.fraction().fraction)
+    assert str(found.fraction()) == "none judged, 1 unknown"
     assert np.all(np.isnan(found.placard()))
 
 
@@ -360,9 +360,9 @@ def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(
         tv.availability(flight, some, limit=np.radians(0.3), **PITCH) for some in (archive, old)
     )
 
-    assert np.all(found.least <= found.most)
-    assert np.all((found.least - CLOSE <= whole.need) & (whole.need <= found.most + CLOSE))
-    assert found.part().unknown <= 2
+    assert np.all(found.lower <= found.upper)
+    assert np.all((found.lower - CLOSE <= whole.required) & (whole.required <= found.upper + CLOSE))
+    assert found.fraction().unknown <= 2
     further = tv.availability(flight, old, limit=np.radians(0.3), known_to=20e3, **PITCH)
     assert set(further.why) == {"it ends below known_to"}
 
@@ -375,17 +375,17 @@ def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archi
             height=wind.height[keep], east=wind.east[keep], north=wind.north[keep]
         )
         found = tv.availability(flight, one(gappy), limit=1.0, **PITCH)
-        assert (found.least[0] == pytest.approx(found.most[0], rel=1e-3)) == known
-        found = found.with_limit(0.5 * (found.least[0] + found.most[0]) + 1e-6 * known)
-        assert known == (found.part().unknown == 0)
+        assert (found.lower[0] == pytest.approx(found.upper[0], rel=1e-3)) == known
+        found = found.with_limit(0.5 * (found.lower[0] + found.upper[0]) + 1e-6 * known)
+        assert known == (found.fraction().unknown == 0)
 
 
 def test_a_calm_flies_with_no_limit_at_all(flight) -> None:
     calm = tv.WindProfile(height=[0.0, 40e3], east=[0, 0], north=[0, 0])
     found = tv.availability(flight, one(calm), limit=0.0, azimuth=EAST)
 
-    assert found.need == [0.0]
-    assert found.part().flown == 1
+    assert found.required == [0.0]
+    assert found.fraction().flown == 1
 
 
 @pytest.mark.parametrize("ground", [5.0, 300.0, 1400.0])
@@ -395,18 +395,20 @@ def test_ground_above_the_start_of_the_flight_changes_little(flight, archive, gr
     whole = tv.availability(flight, one(wind), limit=0.01, **PITCH)
     found = tv.availability(flight, one(wind.between(ground, 31e3)), limit=0.01, **PITCH)
 
-    assert found.part().unknown == 0
-    assert found.need[0] == pytest.approx(whole.need[0], rel=1e-3)
+    assert found.fraction().unknown == 0
+    assert found.required[0] == pytest.approx(whole.required[0], rel=1e-3)
 
 
 def test_both_planes_go_together_as_the_stop_is_round_or_square(flight, archive) -> None:
     wind = one(archive[8])
     pitch, yaw = (
-        tv.availability(flight, wind, limit=1.0, azimuth=0.7, plane=plane, sign="frozen").need[0]
+        tv.availability(flight, wind, limit=1.0, azimuth=0.7, plane=plane, sign="frozen").required[
+            0
+        ]
         for plane in ("pitch", "yaw")
     )
     round_, square = (
-        tv.availability(flight, wind, limit=1.0, azimuth=0.7, stop=stop, sign="frozen").need[0]
+        tv.availability(flight, wind, limit=1.0, azimuth=0.7, stop=stop, sign="frozen").required[0]
         for stop in ("round", "square")
     )
 
@@ -420,8 +422,8 @@ def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
     found = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuths)
     for a, azimuth in enumerate(azimuths):
         alone = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuth)
-        assert np.array_equal(found.need[a], alone.need)
-        assert found.part()[a] == alone.part()
+        assert np.array_equal(found.required[a], alone.required)
+        assert found.fraction()[a] == alone.fraction()
         assert found.by_month()[2][a] == alone.by_month()[2]
         assert np.array_equal(found.placard()[a], alone.placard())
 
@@ -429,8 +431,8 @@ def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
 def test_a_gust_costs_what_it_costs_at_the_peak_of_the_wind_or_more(flight, archive) -> None:
     gust = tv.OneMinusCosineGust(peak=np.radians(0.5), duration=3.0)
     wind = archive[9]
-    need = tv.availability(flight, one(wind), limit=1.0, gust=gust, **PITCH).need[0]
-    bare = tv.availability(flight, one(wind), limit=1.0, **PITCH).need[0]
+    need = tv.availability(flight, one(wind), limit=1.0, gust=gust, **PITCH).required[0]
+    bare = tv.availability(flight, one(wind), limit=1.0, **PITCH).required[0]
     # sixty-four straight lines are off by a part of (pi/64)^2/6 = 4e-4 of what the gust adds
     assert need >= size_says(flight, wind, gust) - 4e-4 * (need - bare)
     assert need > bare
@@ -442,8 +444,8 @@ def test_a_gust_by_its_speed_is_met_at_the_angle_of_its_time(flight, archive) ->
     for plane in ("pitch", "yaw"):
         towards = EAST if plane == "pitch" else EAST + np.pi / 2
         where = {"plane": plane, "azimuth": towards, "sign": "frozen"}
-        need = tv.availability(flight, one(wind), **asked, **where).need[0]
-        bare = tv.availability(flight, one(wind), limit=1.0, **where).need[0]
+        need = tv.availability(flight, one(wind), **asked, **where).required[0]
+        bare = tv.availability(flight, one(wind), limit=1.0, **where).required[0]
         each = size_says(flight, wind, gust_of_speed(gust, speed, plane), plane, towards)
         assert need >= each - 4e-4 * (need - bare)
         assert need > bare
@@ -459,7 +461,7 @@ def test_a_gust_by_its_speed_costs_what_a_sounding_with_it_costs_where_it_is_wor
     where = {"limit": 1.0, "azimuth": EAST, "plane": "pitch"}
     gust = tv.OneMinusCosineGust(peak=0.01, duration=3.0)
     wind = tv.WindProfile(height=height, east=east, north=0.0 * height)
-    need = tv.availability(flight, one(wind), gust=gust, gust_speed=9.0, **where).need[0]
+    need = tv.availability(flight, one(wind), gust=gust, gust_speed=9.0, **where).required[0]
     needs = []
     for middle in np.arange(55.0, 65.0):
         own = np.interp(middle + np.linspace(-1.5, 1.5, 65), flight.times, flight.height)
@@ -468,7 +470,7 @@ def test_a_gust_by_its_speed_costs_what_a_sounding_with_it_costs_where_it_is_wor
         more = sign * 9.0 * gust(times - middle + 1.5) / 0.01
         gusty = np.interp(levels, height, east) + more
         with_it = tv.WindProfile(height=levels, east=gusty, north=0.0 * levels)
-        needs.append(tv.availability(flight, one(with_it), **where).need[0])
+        needs.append(tv.availability(flight, one(with_it), **where).required[0])
     # it is placed where trim reaches the need of the wind alone, not where it costs most
     assert 0.995 * max(needs) <= need <= max(needs) * (1.0 + 2e-3)
 
@@ -481,12 +483,12 @@ def test_where_the_speed_stays_a_gust_of_it_is_one_of_an_angle(archive) -> None:
     for plane, across in (("pitch", np.sin(1.0)), ("yaw", 1.0)):
         gust = tv.OneMinusCosineGust(peak=np.arcsin(9.0 / 500.0 * across), duration=3.0)
         asked = {"limit": 1.0, "azimuth": 0.7, "plane": plane, "sign": "frozen"}
-        by_angle = tv.availability(even, archive, gust=gust, **asked).need
+        by_angle = tv.availability(even, archive, gust=gust, **asked).required
         other = gust * 0.3
-        by_speed = tv.availability(even, archive, gust=other, gust_speed=9.0, **asked).need
+        by_speed = tv.availability(even, archive, gust=other, gust_speed=9.0, **asked).required
         # an angle and its sine are not proportional: by a part of angle^2/6 of the gust
         assert by_speed == pytest.approx(by_angle, rel=(9.0 / 500.0) ** 2 / 6.0)
-    with pytest.raises(tv.InputError, match="speed of a gust needs the gust"):
+    with pytest.raises(tv.InputError, match="gust_speed is the speed of a gust"):
         tv.availability(even, archive, gust_speed=9.0, **asked)
     for speed in (0.0, -1000.1):
         with pytest.raises(tv.InputError, match="gust_speed must be"):
@@ -505,7 +507,7 @@ def test_a_gust_that_no_horizontal_wind_makes_is_not_judged() -> None:
     for east, known in ((-20.0, False), (20.0, True)):
         wind = tv.WindProfile(height=height, east=0.0 * height + east, north=0.0 * height)
         found = tv.availability(flat, one(wind), **asked)
-        assert np.isfinite(found.need[0]) == known
+        assert np.isfinite(found.required[0]) == known
         assert (found.why[0] == "") == known
         assert known or "no horizontal wind turns the flight so far" in found.why[0]
 
@@ -529,12 +531,12 @@ def test_persistence_is_an_angle_or_a_wind_against_the_vehicle(flight, archive) 
         tv.availability(flight, archive, limit=np.radians(0.3), persistence=one_, **PITCH)
         for one_ in (None, 0.001, tv.ensembles.WindGrowth(speed=[5.0, 5.0], height=[0.0, 40e3]))
     )
-    assert np.allclose(angle.least, bare.least + 0.001, rtol=1e-14, atol=0.0)
+    assert np.allclose(angle.lower, bare.lower + 0.001, rtol=1e-14, atol=0.0)
     for i in (3, 9):
         wind = archive[i]
         more = tv.WindProfile(height=wind.height, east=wind.east + 5.0, north=wind.north)
-        assert speed.least[i] == pytest.approx(size_says(flight, more), rel=JETS)
-    assert angle.today(archive[3]).most == pytest.approx(angle.most[3], rel=1e-12)
+        assert speed.lower[i] == pytest.approx(size_says(flight, more), rel=JETS)
+    assert angle.today(archive[3]).upper == pytest.approx(angle.upper[3], rel=1e-12)
 
 
 def test_pairs_of_the_archive_say_how_needs_grow(flight, archive) -> None:
@@ -547,7 +549,7 @@ def test_pairs_of_the_archive_say_how_needs_grow(flight, archive) -> None:
         persistence=tv.ensembles.PairGrowth(1.5, 0.5),
         **PITCH,
     )
-    expected = 0.5 * np.median(np.diff(bare.least))  # (1.5/12)^(1/3) is a half
+    expected = 0.5 * np.median(np.diff(bare.lower))  # (1.5/12)^(1/3) is a half
 
     assert grown.persistence[0] == pytest.approx(expected, rel=1e-12)
     assert any("19 pairs 12 h apart" in note for note in grown.notes)
@@ -575,7 +577,7 @@ def test_what_cannot_be_used_is_unknown_with_its_reason(flight, tmp_path) -> Non
     soundings = tv.read_soundings(write(tmp_path / "a-data.txt", [good, bad]))
     found = tv.availability(flight, soundings, limit=1.0, **PITCH)
 
-    assert (found.part().flown, found.part().unknown) == (1, 1)
+    assert (found.fraction().flown, found.fraction().unknown) == (1, 1)
     assert "above 130" in found.why[1]
 
 
@@ -612,7 +614,7 @@ def test_where_a_wind_is_too_steep_the_rest_of_the_flight_is_judged(archive) -> 
     (note,) = [one for one in found.notes if "30 deg" in one]
     assert "2 of 3 soundings" in note
     later = tv.availability(slow.between(first), some, limit=1.0, **PITCH)
-    assert found.need[1:] == pytest.approx(later.need[1:], rel=STRAIGHT)
+    assert found.required[1:] == pytest.approx(later.required[1:], rel=STRAIGHT)
     assert found.today(winds[2]).judged == tuple(found.judged[2])
 
 
@@ -632,7 +634,7 @@ def test_the_interval_of_independent_days_is_that_of_clopper_and_pearson(
     flies = np.ones(judged)
     flies[2 * np.arange(judged - flown) + 1] = 0.0  # no two that are lost follow each other
     times = np.array(days("2024-01-01T00", judged), dtype="datetime64[m]")
-    part = part_of(flies, flies, times, np.ones(judged, dtype=int), 0.95)
+    part = survival_fraction(flies, flies, times, np.ones(judged, dtype=int), 0.95)
 
     assert part.effective == judged
     assert [100 * part.lower, 100 * part.upper] == pytest.approx([lower, upper], abs=0.05)
@@ -670,9 +672,9 @@ def test_the_interval_holds_the_truth_where_days_are_alike() -> None:
         for i in range(1, 56):
             x[:, i] = r * x[:, i - 1] + noise[:, i]
         flies = (x < ndtri(truth)).astype(float).ravel()
-        part = part_of(flies, x.ravel(), times, season, 0.95)
+        part = survival_fraction(flies, x.ravel(), times, season, 0.95)
         held += part.lower <= truth <= part.upper
-        apart = part_of(flies, x.ravel(), times, np.arange(560), 0.95)
+        apart = survival_fraction(flies, x.ravel(), times, np.arange(560), 0.95)
         alone += apart.lower <= truth <= apart.upper
     assert held >= 170
     assert alone < held  # counted as independent
@@ -683,7 +685,7 @@ def test_no_flight_lost_and_none_flown_still_have_an_interval() -> None:
     need = np.sin(np.arange(50) / 5.0)
     ones = np.ones(50)
     for flies, ends in ((ones, (None, 1.0)), (0.0 * ones, (0.0, None))):
-        part = part_of(flies, need, times, ones.astype(int), 0.95)
+        part = survival_fraction(flies, need, times, ones.astype(int), 0.95)
         assert part.effective < 25
         assert ends[0] is None or part.lower == ends[0]
         assert ends[1] is None or part.upper == ends[1]
@@ -701,8 +703,8 @@ def test_a_csv_and_a_dataset_hold_every_number(flight, archive, tmp_path) -> Non
     data = found.to_xarray()
 
     assert (tmp_path / "all.csv").read_text() == found.to_csv()
-    needs = np.radians([float(row["need_deg"]) for row in rows]).reshape(2, 20)
-    assert np.allclose(needs, found.need, rtol=1e-15, atol=0.0)
+    needs = np.radians([float(row["required_deg"]) for row in rows]).reshape(2, 20)
+    assert np.allclose(needs, found.required, rtol=1e-15, atol=0.0)
     assert np.array_equal(data["flies"], found.flies)
     assert np.array_equal(data["time"].values.astype("datetime64[m]"), archive.times)
     assert "Launch availability" in found._repr_html_()
@@ -735,5 +737,5 @@ def test_even_steps_require_what_steps_between_all_levels_do(flight, plane) -> N
         equations = motion.over(steps[0])
         paired = np.broadcast_to(equations.paired, steps[1].shape)
         between_levels = curves(equations, *steps).limit_of_trim_law(paired)[0]
-        even = tv.availability(flight, one(wind), limit=1e-4, **where).least
+        even = tv.availability(flight, one(wind), limit=1e-4, **where).lower
         assert even == pytest.approx(between_levels, rel=1e-3)

@@ -14,7 +14,7 @@ from tvclin.case.case import Case
 from tvclin.cli.app import app
 from tvclin.ensembles import dispersed_study as quick
 from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.dispersed_study import part_in_a_wind, raise_to_vectors
+from tvclin.ensembles.dispersed_study import raise_to_vectors, relative_increase_in_wind
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.ensembles.random_numbers import METHODS, draw
 from tvclin.ensembles.statistics import (
@@ -176,9 +176,11 @@ def test_what_dispersions_add_in_any_wind_is_that_of_a_loop_over_vehicles(
         model="fixed-path",
         nozzle=tv.Nozzle(stop="square" if both else None),
     )
-    own = Dispersions(tuple(one for one in DEFAULT_DISPERSIONS.each if "wind" not in one.parameter))
+    own = Dispersions(
+        tuple(one for one in DEFAULT_DISPERSIONS.distributions if "wind" not in one.parameter)
+    )
     held = {name: getattr(nominal.vehicle, name) for name in own.parameters}
-    cases = own.apply(held, draw(0, 0, 40, len(own.each)))
+    cases = own.apply(held, draw(0, 0, 40, len(own.distributions)))
 
     def need(vehicle):
         plants = [tv.Plant.from_vehicle(vehicle, "fixed-path", plane) for plane in ("pitch", "yaw")]
@@ -196,7 +198,9 @@ def test_what_dispersions_add_in_any_wind_is_that_of_a_loop_over_vehicles(
     vehicles = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
     needs = [need(nominal.vehicle.replace(**one)) for one in vehicles]
     part = quantile_bound(needs, 0.9).upper / need(nominal.vehicle) - 1.0
-    assert part_in_a_wind(nominal.vehicle, wind, case, 1.0) == pytest.approx(part, rel=1e-9)
+    assert relative_increase_in_wind(nominal.vehicle, wind, case, 1.0) == pytest.approx(
+        part, rel=1e-9
+    )
 
 
 def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):
@@ -262,13 +266,13 @@ def test_the_command_line_says_the_same(nominal):
         (lambda: tv.Dispersion("thurst", "normal", 0.1), r"did you mean 'thrust'"),
         (lambda: tv.Dispersion("thrust", "gauss", 0.1), "shape must be one of normal"),
         (lambda: tv.Dispersion("thrust", "normal", -0.1), "spread must be positive"),
-        (lambda: tv.Dispersions((DEFAULT_DISPERSIONS.each[0],) * 2), "dispersed twice"),
+        (lambda: tv.Dispersions((DEFAULT_DISPERSIONS.distributions[0],) * 2), "dispersed twice"),
         (
-            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((1.0, 1.2), (1.2, 1.0))),
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.distributions[:2], ((1.0, 1.2), (1.2, 1.0))),
             "must be positive definite",
         ),
         (
-            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((2.0, 0.0), (0.0, 1.0))),
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.distributions[:2], ((2.0, 0.0), (0.0, 1.0))),
             "correlation must have ones on its diagonal",
         ),
         (
@@ -276,15 +280,17 @@ def test_the_command_line_says_the_same(nominal):
             r"angle must hold one wind in each row; got an array of shape \(2,\)",
         ),
         (
-            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((1.0,),)),
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.distributions[:2], ((1.0,),)),
             "symmetric matrix of 2 rows",
         ),
         (
-            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:1]).apply({"thrust": 0.0}, [[0.5]]),
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.distributions[:1]).apply(
+                {"thrust": 0.0}, [[0.5]]
+            ),
             "no part of zero can be its spread",
         ),
         (
-            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:1]).apply({}, [[0.5]]),
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.distributions[:1]).apply({}, [[0.5]]),
             "thrust is dispersed, but has no nominal value",
         ),
         (lambda: draw(0.5, 0, 1, 1), "seed must be an integer"),

@@ -39,9 +39,9 @@ def test_the_template_is_a_campaign(tmp_path):
     assert plan.vehicle == tv.load_vehicle("configuration-i")
     assert plan.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
     assert plan.nozzle.limit == pytest.approx(np.radians(0.42), rel=1e-15)
-    assert plan.dispersions.each[0] == tv.Dispersion("thrust", "truncated", 0.01)
+    assert plan.dispersions.distributions[0] == tv.Dispersion("thrust", "truncated", 0.01)
     arm = tv.Dispersion("aerodynamic_arm", "truncated", 0.47, relative=False)
-    assert plan.dispersions.each[3] == arm
+    assert plan.dispersions.distributions[3] == arm
     correlation = np.array(plan.dispersions.correlation)
     assert correlation[2, 3] == correlation[3, 2] == -0.3
     assert np.count_nonzero(correlation) == 5 + 2
@@ -53,7 +53,9 @@ def test_the_page_shows_a_campaign():
     plan = parse_campaign(tomllib.loads(text))
     assert plan.outputs == ("required", "forecast-free", "minimum")
     assert plan.until == 0.01
-    assert plan.dispersions.each[1] == tv.Dispersion("wind_duration", "uniform", 2.0, False)
+    assert plan.dispersions.distributions[1] == tv.Dispersion(
+        "wind_duration", "uniform", 2.0, False
+    )
 
 
 def test_a_record_makes_the_same_campaign():
@@ -70,7 +72,7 @@ def test_spreads_carry_their_units():
         {"parameter": "velocity", "percent": 3.0},
         {"parameter": "pitch_damping", "spread_lbf_ft_s_per_rad": 1e5},
     ]
-    each = campaign(dispersion=rows).dispersions.each
+    each = campaign(dispersion=rows).dispersions.distributions
     assert [one.spread for one in each] == pytest.approx(
         [2e4, np.radians(0.5), 0.03, 1e5 * 4.4482216152605 * 0.3048], rel=1e-14
     )

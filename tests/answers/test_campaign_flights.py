@@ -199,9 +199,9 @@ def test_what_drives_loss_is_asked_of_all_flights(flown_only):
         rng = np.random.default_rng(1)
         means = [ranks[rng.permutation(lost)].mean() for _ in range(4000)]
         chance = 2 * np.mean(np.abs(np.subtract(means, 29.5)) >= abs(ranks[lost].mean() - 29.5))
-        assert one.sure == pytest.approx(max(1.0 - chance, 0.0), abs=0.05)
+        assert one.confidence == pytest.approx(max(1.0 - chance, 0.0), abs=0.05)
     assert found["wind_duration"].rank > 0.5
-    assert found["velocity"].sure < 0.9
+    assert found["velocity"].confidence < 0.9
     peaks = flown_only.drivers()
     assert abs(peaks["wind_duration"]) > abs(peaks["velocity"])
 
@@ -229,7 +229,7 @@ def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflect
     assert document["flights"] == {"survived": 60 - lost, "lost": lost}
     assert document["loss"] == pytest.approx(vars(flown_only.loss()))
     assert document["success"] is None
-    assert document["loss_drivers"]["wind_duration"]["sure"] > 0.99
+    assert document["loss_drivers"]["wind_duration"]["confidence"] > 0.99
     case = int(np.argmin(flown_only.column("flight_survived")))
     replayed = CliRunner().invoke(app, ["campaign", "replay", folder, str(case)])
     assert "inf" not in replayed.output

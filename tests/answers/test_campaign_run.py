@@ -91,7 +91,7 @@ def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
     nozzle = tv.Nozzle(limit=0.01, rate_limit=0.5, actuator=tv.Actuator(natural_frequency=20.0))
     outputs = ("required", "forecast-free", "minimum", "flight")
     for wind in (plan.wind, tv.winds.WindEnsemble(time, winds)):
-        spread = SPREAD if wind is plan.wind else tv.Dispersions(SPREAD.each[:2], FEW)
+        spread = SPREAD if wind is plan.wind else tv.Dispersions(SPREAD.distributions[:2], FEW)
         given = {"wind": wind, "dispersions": spread, "nozzle": nozzle, "cases": 48}
         asked = replace(plan, model=model, outputs=outputs, **given)
         with pinned(available()):  # as campaigns are

@@ -12,7 +12,7 @@ from tvclin.control.laws.law import NoisyLaw
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.nozzle.data_sheet import flight_reason
 from tvclin.nozzle.duty import NozzleVerdict
-from tvclin.nozzle.flight_duty import FlownCard
+from tvclin.nozzle.duty_over_flight import FlownDuty
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.questions import questions
 from tvclin.studyfile.study_verdict import sentence
@@ -41,16 +41,16 @@ def plan(**given):
 
 
 def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
-    card = tv.nozzle.flight_card(plan(), asked())
+    card = tv.nozzle.flight_duty(plan(), asked())
     assert [one.time for one in card.points] == [60.0, 65.0, 70.0]
     for one in card.points:
         case = tv.Case(vehicle=SCHEDULE.at(one.time), nozzle=NOZZLE)
         law = tv.control.design_law("trim", case.plant, float(case.history.peak))
-        alone = FlownCard.of(case, "trim", law).card
+        alone = FlownDuty.of(case, "trim", law).card
         least = tv.optimum_deflection(case.plant, case.history, 0.0).peak
         pole = float(np.real(tv.unstable_modes(case.plant).poles[0]))
-        assert one.least == pytest.approx(least, rel=1e-9)
-        assert one.least_rate == pytest.approx(pole * least, rel=1e-9)
+        assert one.minimum == pytest.approx(least, rel=1e-9)
+        assert one.minimum_rate == pytest.approx(pole * least, rel=1e-9)
         assert one.least_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
         # the same flight but for its time, and the time of rest before it
         assert one.card.travel == pytest.approx(alone.travel, rel=1e-6)
@@ -60,10 +60,10 @@ def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
 
 
 def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_of_calm_air():
-    card = tv.nozzle.flight_card(plan(sign=None), asked(stop=60.0))
-    calm = tv.nozzle.flight_card(plan(), asked(stop=60.0)).points[0]
+    card = tv.nozzle.flight_duty(plan(sign=None), asked(stop=60.0))
+    calm = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0]
     head, tail = card.points
-    assert tail.least == calm.least
+    assert tail.minimum == calm.minimum
     assert abs(tail.card.angle.value) == pytest.approx(abs(calm.card.angle.value), rel=1e-9)
     vehicle = SCHEDULE.at(60.0)
     angle = np.radians(-5.0)  # tan of the angle of the air: the law of sines, backwards
@@ -78,7 +78,7 @@ def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_o
     )
     plant = tv.Plant.from_vehicle(met)
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
-    assert head.least == pytest.approx(tv.optimum_deflection(plant, wind, 0.0).peak, rel=1e-9)
+    assert head.minimum == pytest.approx(tv.optimum_deflection(plant, wind, 0.0).peak, rel=1e-9)
 
 
 HELD = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
@@ -94,7 +94,7 @@ def in_the_jet(azimuth, **told):
 
 @pytest.mark.parametrize("azimuth", [90.0, 270.0])
 def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(azimuth):
-    card = tv.nozzle.flight_card(
+    card = tv.nozzle.flight_duty(
         plan(sign=None), in_the_jet(azimuth, start=60.0, stop=80.0, every=20.0)
     )
     wind = tv.fly_through(JET, HELD, azimuth=np.radians(azimuth)).wind
@@ -112,14 +112,14 @@ def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(az
         expected = tv.optimum_deflection(tv.Plant.from_vehicle(met), wind, float(wind.onset)).peak
         # the pressure is a chord of its parabola between the samples, 20 m/s apart
         within = 2.0 * (10.0 / float(vehicle.velocity)) ** 2
-        assert one.least == pytest.approx(expected, rel=within)
+        assert one.minimum == pytest.approx(expected, rel=within)
 
 
 def test_a_measured_wind_is_counted_once_over_the_flight():
     """On a flight that does not change, the parts are those of one flight from end to end."""
     case = plan()
     found = [
-        tv.nozzle.flight_card(case, in_the_jet(90.0, start=50.0, stop=90.0, every=every)).duties[0]
+        tv.nozzle.flight_duty(case, in_the_jet(90.0, start=50.0, stop=90.0, every=every)).duties[0]
         for every in (5.0, 10.0, 20.0)
     ]
     whole = tv.fly_through(JET, HELD, azimuth=np.radians(90.0)).wind
@@ -135,14 +135,14 @@ def test_a_measured_wind_is_counted_once_over_the_flight():
 def test_noise_makes_travel_as_its_rms_rate_says():
     """Of a rate that is normal the mean size is sqrt(2/pi) of its rms; in 15 s within 4 percent."""
     noise = np.radians(0.05)
-    quiet = tv.nozzle.flight_card(plan(), asked(stop=60.0)).points[0].card
-    card = tv.nozzle.flight_card(plan(), asked(stop=60.0), noise=noise, seed=3)
+    quiet = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0].card
+    card = tv.nozzle.flight_duty(plan(), asked(stop=60.0), noise=noise, seed=3)
     loud = card.points[0].card
     span = 7.5 + 15.0 / float(tv.Plant.from_vehicle(SCHEDULE.at(60.0)).coefficients.pole)
     assert loud.travel > 5.0 * quiet.travel
     assert loud.travel == pytest.approx(span * np.sqrt(2.0 / np.pi) * loud.rms_rate, rel=0.04)
     # the whole flight of one time is that wind alone; of ten seconds, noise goes on between
-    longer = tv.nozzle.flight_card(plan(), asked(), noise=noise, seed=3)
+    longer = tv.nozzle.flight_duty(plan(), asked(), noise=noise, seed=3)
     case = tv.Case(vehicle=SCHEDULE.at(65.0), nozzle=NOZZLE)
     law = NoisyLaw(tv.control.design_law("trim", case.plant, 0.09), noise=noise, seed=3)
     flown = fly_nozzle(case.plant, law, case.history, deflection_limit=DEG, **case.hardware)
@@ -160,12 +160,12 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.nozzle.flight_card(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
-    assert found.met is None
+    found = tv.nozzle.flight_duty(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
+    assert found.satisfied is None
     assert found.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
     assert "NOT KNOWN" in found.words
     offered = tv.requirement.SizingRequest(schedule=held, **told | {"start": 46.0})
-    assert tv.nozzle.flight_card(case, offered).verdict.met is True
+    assert tv.nozzle.flight_duty(case, offered).verdict.satisfied is True
 
 
 def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
@@ -175,10 +175,10 @@ def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.nozzle.flight_card(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
+    found = tv.nozzle.flight_duty(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
     assert found.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
     offered = tv.requirement.SizingRequest(schedule=held, stop=64.02, **told)
-    assert tv.nozzle.flight_card(case, offered).verdict.met is True
+    assert tv.nozzle.flight_duty(case, offered).verdict.satisfied is True
 
 
 def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_is_named(tmp_path):
@@ -194,20 +194,20 @@ def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_
 
     def card(start, model="drift-exact"):
         flown = tv.requirement.SizingRequest(schedule=flight, start=start, stop=20.0, every=10.0)
-        return tv.nozzle.flight_card(replace(case, model=model), flown)
+        return tv.nozzle.flight_duty(replace(case, model=model), flown)
 
     found = card(10.0)
-    assert found.verdict.met is None
-    assert found.verdict.lost == ()
+    assert found.verdict.satisfied is None
+    assert found.verdict.diverged == ()
     (reason,) = found.verdict.unknown
     assert reason.startswith("the flight of trim at 10 s in triangular wind of 5 deg, 7.5 s: two")
-    assert "--from 20 leaves these times out, --model fixed-path judges" in reason
+    assert "--from 20 omits these times, --model fixed-path judges" in reason
     first, second = (line.split(",") for line in found.to_csv().splitlines()[1:])
     angle = found.to_csv().splitlines()[0].split(",").index("angle_deg") + 1  # a name has a comma
     assert (first[angle], first[4]) == ("nan", "no flight")
     assert float(second[angle]) > 0.0
-    assert card(20.0).verdict.met is True
-    assert card(10.0, "fixed-path").verdict.met is True
+    assert card(20.0).verdict.satisfied is True
+    assert card(10.0, "fixed-path").verdict.satisfied is True
 
 
 def test_a_flight_that_ends_undecided_is_not_known():
@@ -215,7 +215,7 @@ def test_a_flight_that_ends_undecided_is_not_known():
     assert "neither lost nor settled" in flight_reason(plant, "undecided")
     assert flight_reason(plant, "lost") == flight_reason(plant, "survived") == ""
     verdict = NozzleVerdict.of(NOZZLE, {"limit": 0.5 * DEG}, unknown=["the flight: it is open"])
-    assert verdict.met is None
+    assert verdict.satisfied is None
     assert verdict.words == "NOT KNOWN: the flight: it is open"
     short = NozzleVerdict.of(NOZZLE, {"limit": 1.5 * DEG}, unknown=["the flight: it is open"])
     assert short.words.startswith("NOT MET: the limit needed")
@@ -230,13 +230,13 @@ def test_noise_is_that_of_the_gyro_for_each_sample():
 def test_both_planes_have_their_part_of_the_stop():
     wind = tv.ShapedWind("triangular", 5.0 * DEG, 7.5, heading=np.radians(200.0))
     nozzle = replace(NOZZLE, stop="round")
-    card = tv.nozzle.flight_card(plan(wind=wind, nozzle=nozzle, sign=None), asked(stop=60.0))
+    card = tv.nozzle.flight_duty(plan(wind=wind, nozzle=nozzle, sign=None), asked(stop=60.0))
     pitch, yaw = card.points
     assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)
     assert {pitch.plane, yaw.plane} == {"pitch", "yaw"}
     turned = np.hypot(abs(pitch.card.angle.value), abs(yaw.card.angle.value))
-    limit = next(one for one in card.verdict.needs if one.name == "limit")
-    assert np.degrees(turned) == pytest.approx(limit.needed, rel=0.05)  # both peak together
+    limit = next(one for one in card.verdict.lines if one.name == "limit")
+    assert np.degrees(turned) == pytest.approx(limit.required, rel=0.05)  # both peak together
 
 
 @pytest.mark.parametrize(
@@ -251,48 +251,48 @@ def test_both_planes_have_their_part_of_the_stop():
     ],
 )
 def test_the_worst_line_heads_the_verdict(sheet, worst, met):
-    found = tv.nozzle.flight_card(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
-    assert found.needs[0].name == worst
-    assert found.met is met
+    found = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
+    assert found.lines[0].name == worst
+    assert found.satisfied is met
     assert worst in found.words
-    for one in found.needs:
-        assert one.left is None or one.left == pytest.approx(one.there - one.needed)
+    for one in found.lines:
+        assert one.remaining is None or one.remaining == pytest.approx(one.available - one.required)
 
 
 def test_of_a_limit_that_is_reached_nothing_is_left():
     reached, beyond = (
-        NozzleVerdict.of(NOZZLE, {"limit": DEG * (1.0 + over)}).needs[0] for over in (1e-15, 1e-9)
+        NozzleVerdict.of(NOZZLE, {"limit": DEG * (1.0 + over)}).lines[0] for over in (1e-15, 1e-9)
     )
-    assert (reached.met, reached.left) == (True, 0.0)
-    assert not beyond.met
-    assert beyond.left < 0.0
+    assert (reached.satisfied, reached.remaining) == (True, 0.0)
+    assert not beyond.satisfied
+    assert beyond.remaining < 0.0
 
 
 def test_what_a_lost_flight_needs_is_not_known_to_be_there():
     needed = {"limit": 0.9 * DEG, "rate_limit": 11.0 * DEG, "acceleration_limit": 0.0}
     lost = NozzleVerdict.of(NOZZLE, needed, ["trim is lost"])
-    found = {one.name: (one.needed, one.met, one.left) for one in lost.needs}
+    found = {one.name: (one.required, one.satisfied, one.remaining) for one in lost.lines}
     assert np.isnan(found["limit"][0])
     assert found["limit"][1] is None
     assert np.isnan(found["acceleration"][0])
     assert found["rate limit"][1] is False
-    assert lost.met is False
+    assert lost.satisfied is False
 
 
 def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
-    card = tv.nozzle.flight_card(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
-    assert card.verdict.met is False
+    card = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
+    assert card.verdict.satisfied is False
     assert "trim is lost at 60 s" in card.verdict.words
-    (rate,) = (one for one in card.verdict.needs if one.name == "rate limit")
-    assert rate.needed > max(one.least_rate for one in card.points) / DEG
+    (rate,) = (one for one in card.verdict.lines if one.name == "rate limit")
+    assert rate.required > max(one.minimum_rate for one in card.points) / DEG
 
 
 def test_what_is_missing_is_named():
     with pytest.raises(tv.InputError, match="--limit-deg, limit_deg in"):
-        tv.nozzle.flight_card(plan(nozzle=tv.Nozzle()), asked())
+        tv.nozzle.flight_duty(plan(nozzle=tv.Nozzle()), asked())
     with pytest.raises(tv.InputError, match="mass_kg and arm_m"):
         tv.Nozzle(limit=DEG, torque_limit=1e4)
-    card = tv.nozzle.flight_card(plan(nozzle=tv.Nozzle(limit=DEG)), asked(stop=60.0))
+    card = tv.nozzle.flight_duty(plan(nozzle=tv.Nozzle(limit=DEG)), asked(stop=60.0))
     assert any("torque, power and energy need" in note for note in card.notes)
 
 

@@ -137,7 +137,7 @@ def test_each_sounding_is_judged_from_where_its_wind_is_not_too_steep(flight) ->
     met = tv.fly_through(sounding(), flight, azimuth=EAST)
     assert met.known[0] == pytest.approx(found.judged[0, 0], abs=0.51)  # a row of the schedule
     alone = tv.size(flight, met, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
-    assert found.need[0] == pytest.approx(alone, rel=1e-3)
+    assert found.required[0] == pytest.approx(alone, rel=1e-3)
 
 
 ARMS = {
@@ -153,25 +153,25 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     arm = np.interp(flight.times, *ARMS[name])
     turned = tv.FlightSchedule(flight.vehicle.replace(aerodynamic_arm=arm), altitude=flight.height)
     found = tv.availability(turned, archive(1.0), **PITCH)
-    each = [tv.availability(part, archive(1.0), **PITCH).need[0] for part in turned.parts]
+    each = [tv.availability(part, archive(1.0), **PITCH).required[0] for part in turned.parts]
     assert [np.all(np.diff(np.sign(p.vehicle.aerodynamic_arm[1:-1])) == 0) for p in turned.parts]
-    assert found.need[0] == pytest.approx(max(each), rel=1e-9)
-    assert "turns the vehicle to the other side" in " ".join(found.notes)
+    assert found.required[0] == pytest.approx(max(each), rel=1e-9)
+    assert "aerodynamic moment changes its sign" in " ".join(found.notes)
     met = tv.fly_through(sounding(), turned, azimuth=EAST)
     sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
-    assert sized == pytest.approx(found.need[0], rel=1e-3)
+    assert sized == pytest.approx(found.required[0], rel=1e-3)
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
     motion, wind = mode, FlightWind(met.wind, "pitch", met.speeds)
     steps = over_steps(motion, wind, FLIGHT_PARTS)
     flights = LimitedFlights(motion.over(steps[0]), *steps)
-    assert not flights.diverge(found.need[0] * np.array([[1.02, 1.2, 2.0]])).any()
+    assert not flights.diverge(found.required[0] * np.array([[1.02, 1.2, 2.0]])).any()
 
 
 def test_a_flight_in_which_nothing_grows_needs_nothing(flight) -> None:
     stable = tv.FlightSchedule(flight.vehicle.replace(aerodynamic_arm=-1.0), altitude=flight.height)
     found = tv.availability(stable, archive(1.0), model="fixed-path", **PITCH)
-    assert found.need.tolist() == [0.0]
-    assert "nothing grows" in found.notes[0]
+    assert found.required.tolist() == [0.0]
+    assert "no mode is unstable" in found.notes[0]
 
 
 @pytest.mark.thorough
@@ -189,7 +189,7 @@ def test_a_flight_without_any_moment_for_a_while_is_followed(flight) -> None:
         needs.append(
             [
                 sized.required["K = 1, varying"][1, 0],
-                tv.availability(some, archive(1.0), **PITCH).need[0],
+                tv.availability(some, archive(1.0), **PITCH).required[0],
             ]
         )
     assert needs[0] == pytest.approx(needs[1], rel=1e-4)

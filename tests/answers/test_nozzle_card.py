@@ -8,10 +8,10 @@ import sympy as sp
 from scipy.integrate import quad, simpson, solve_ivp
 
 import tvclin as tv
-from tvclin.case.flexible_autopilot import law_asked
+from tvclin.case.flexible_autopilot import specified_law
 from tvclin.flights.closed_loop.fly import fly_nozzle
-from tvclin.nozzle.duty import card_of
-from tvclin.nozzle.flight_duty import FlownCard
+from tvclin.nozzle.duty import duty_of_motion
+from tvclin.nozzle.duty_over_flight import FlownDuty
 from tvclin.nozzle.motion import Motion
 from tvclin.studyfile.study_plan import StudyPlan
 
@@ -25,7 +25,7 @@ BENCH = tv.case.NozzleData(
 
 def test_a_sine_asks_for_what_its_phasor_says():
     times = np.linspace(0.0, 1.0, 60_001)
-    card = tv.nozzle.nozzle_card(times, np.radians(np.sin(6.0 * np.pi * times)), nozzle=BENCH)
+    card = tv.nozzle.nozzle_duty(times, np.radians(np.sin(6.0 * np.pi * times)), nozzle=BENCH)
     work = card.work
     X, w = np.radians(1.0), 6.0 * np.pi
     torque = X * np.hypot(BENCH.stiffness - 1400.0 * w**2, BENCH.damping * w)
@@ -55,7 +55,7 @@ def ramp(t):
 def test_a_ramp_asks_for_what_is_integrated_of_its_parts(friction, expected):
     nozzle = tv.case.NozzleData(**vars(BENCH) | {"friction": friction})
     times = np.linspace(0.0, 0.6, 30_001)
-    work = tv.nozzle.nozzle_card(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
+    work = tv.nozzle.nozzle_duty(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
     found = [work.torque.value, work.power.value, work.energy]
     assert found == pytest.approx(expected, rel=1e-4)  # a corner lies between two times
 
@@ -102,7 +102,7 @@ def test_a_flight_s_torque_has_every_term():
     nozzle = tv.case.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **data)
     times = np.linspace(0.0, 2.0, 2001)
     delta, theta, alpha = 0.01 * times**2, 0.003 * times**2, 0.02 * times
-    found = tv.nozzle.nozzle_card(
+    found = tv.nozzle.nozzle_duty(
         times, delta, nozzle=nozzle, vehicle=vehicle, angle_of_attack=alpha, attitude=theta
     ).work.torque
     T, m, F = vehicle.thrust, vehicle.mass, vehicle.axial_force
@@ -118,7 +118,7 @@ def test_a_flight_s_torque_has_every_term():
 def test_time_at_the_stop_and_the_steady_rate():
     times = np.linspace(0.0, 4.0, 4001)
     delta = np.clip(0.01 * times, 0.0, 0.02) - np.clip(0.01 * (times - 3.0), 0.0, 1.0)
-    card = tv.nozzle.nozzle_card(times, delta, limit=0.02, window=1.5)
+    card = tv.nozzle.nozzle_duty(times, delta, limit=0.02, window=1.5)
     assert card.time_at_stop == pytest.approx(1.0, abs=0.005)
     assert card.steady_rate == pytest.approx(0.01, rel=1e-9)
     assert card.reversals == 1
@@ -137,7 +137,7 @@ def test_time_at_the_stop_and_the_steady_rate():
 )
 def test_what_is_no_motion_is_refused(given, words):
     with pytest.raises(tv.InputError, match=words):
-        tv.nozzle.nozzle_card(**{"times": [0.0, 0.5, 1.0], "deflection": [0.0, 0.01, 0.0]} | given)
+        tv.nozzle.nozzle_duty(**{"times": [0.0, 0.5, 1.0], "deflection": [0.0, 0.01, 0.0]} | given)
 
 
 STEPS = 10
@@ -187,7 +187,7 @@ def test_the_card_of_a_flight_is_that_of_an_integration_by_small_steps(rate):
     v = tv.load_vehicle("configuration-i")
     case = tv.Case(vehicle=v, nozzle=nozzle)
     law = tv.control.design_law("trim", case.plant, float(case.history.peak))
-    card = FlownCard.of(case, "trim", law).card
+    card = FlownDuty.of(case, "trim", law).card
     t, delta, turns, bend, alpha, swing = by_small_steps(case, law)
     h = t[1]
 
@@ -231,7 +231,7 @@ def test_travel_is_that_of_a_simulation_of_its_own(name):
     told["actuator"] = tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7)
     law = tv.TrimLaw(plant) if name == "trim" else tv.control.design_law(name, plant, A)
     flown = fly_nozzle(plant, law, wind, **told)
-    travel = card_of(Motion.of_flight(flown), limit, 0.5, None, None).travel
+    travel = duty_of_motion(Motion.of_flight(flown), limit, 0.5, None, None).travel
     assert travel / BA == pytest.approx(QUIET[name], rel=5e-3)
 
     if name == "recoverable-attitude":
@@ -239,7 +239,7 @@ def test_travel_is_that_of_a_simulation_of_its_own(name):
     noisy = tv.control.WindEstimator(bandwidth=5.0, rate_noise=np.radians(0.1), seed=1)
     law = tv.control.EstimatedLaw(law, noisy, tv.Plant(c, "fixed-path"))
     flown = fly_nozzle(plant, law, wind, **told)
-    travel = card_of(Motion.of_flight(flown), limit, 0.5, None, None).travel
+    travel = duty_of_motion(Motion.of_flight(flown), limit, 0.5, None, None).travel
     assert travel / BA == pytest.approx(LOUD[name], rel=0.1)
 
 
@@ -287,8 +287,8 @@ def test_between_slow_samples_the_card_follows_a_quick_actuator():
         nozzle=tv.Nozzle(limit=np.radians(1.0), actuator=quick, data=data),
         design=tv.AutopilotDesign(attitude_gain=0.3, rate_gain=0.3, sample_rate=12.5),
     )
-    law = law_asked(case, "autopilot", np.inf)
-    card = FlownCard.of(case, "autopilot", law).card
+    law = specified_law(case, "autopilot", np.inf)
+    card = FlownDuty.of(case, "autopilot", law).card
     gains = np.array([0.3, 0.3])
     t, delta, turns, bend, alpha, swing = between_samples(case, gains, 12.5)
     a_x = (v.thrust - v.axial_force) / v.mass
@@ -317,7 +317,7 @@ def test_a_load_between_slow_samples_is_that_of_the_finely_shown_flight():
     nozzle = tv.Nozzle(limit=rad(2.0), actuator=None)
     design = tv.AutopilotDesign(attitude_gain=0.4, rate_gain=0.5, sample_rate=2.0)
     case = StudyPlan(vehicle=v, wind=wind, nozzle=nozzle, design=design)
-    law = law_asked(case, "autopilot", np.inf)
+    law = specified_law(case, "autopilot", np.inf)
     found = tv.case.FlownLoad.of(case, "autopilot", law)
     times = np.linspace(0.0, 30.0, 6001)
     told = {"deflection_limit": rad(2.0), "sample_rate": 2.0}

@@ -48,7 +48,7 @@ def test_the_example_says_what_its_keys_say() -> None:
     assert found.nozzle.limit == pytest.approx(np.radians(0.4), rel=1e-15)
     assert found.criteria is tv.CRITERIA["classic"]
     assert (found.laws.sample_rate, found.design.design) == (50.0, "canonical")
-    assert len(found.dispersions.each) == 5
+    assert len(found.dispersions.distributions) == 5
     sizing = found.sizing
     assert sizing.schedule.at(66.0) == tv.load_schedule("configuration-i").at(66.0)
     assert (sizing.pulses(found), sizing.every) == ((found.wind,), 10.0)

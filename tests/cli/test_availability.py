@@ -36,7 +36,7 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
         tv.load_schedule("configuration-i"), tv.read_soundings(station),
         limit=np.radians(0.35), azimuth=np.radians([90.0]), plane="pitch",
     )  # fmt: skip
-    towards, part = document["towards"][0], found.part()[0]
+    towards, part = document["towards"][0], found.fraction()[0]
 
     assert result.exit_code == 0
     assert (towards["flown"], towards["judged"]) == (part.flown, part.judged)
@@ -48,7 +48,7 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     assert document["judged_s"] == [41.0, 116.0]
     assert "from 41 to 116 s of the flight" in said
     assert "With 95 % confidence the part of all such days lies in the interval" in said
-    assert "only if that decides about 0.35 deg. Else least_deg and most_deg" in said
+    assert "only if that decides about 0.35 deg. Else lower_deg and upper_deg" in said
 
 
 def test_a_gust_by_its_speed_is_that_of_the_library(station) -> None:
@@ -129,6 +129,6 @@ def test_the_figure_is_what_the_library_says(station, tmp_path) -> None:
             column = next(one for one in curves.columns if one.label == name)
             own = [part[names.index(name)] if isinstance(part, tuple) else part for part in parts]
             # a limit in degrees and back may fall to the other side of a need, for one sounding
-            off = np.abs(column.values - [100 * part.part for part in own])
+            off = np.abs(column.values - [100 * part.fraction for part in own])
             assert np.sum(off > 1e-9) <= 2
     plt.close("all")

@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.nozzle.flight_duty import FlownCard
+from tvclin.nozzle.duty_over_flight import FlownDuty
 
 
 def run(*arguments: str) -> Result:
@@ -145,7 +145,7 @@ def test_the_torque_of_a_flight_is_that_of_its_motion_and_the_hinge_of_the_file(
     assert vars(plan.nozzle.data) == pytest.approx(vars(nozzle))
 
     law = tv.control.design_law("trim", plan.plant, float(plan.history.peak))
-    expected = FlownCard.of(plan, "trim", law).card.work.as_dict()
+    expected = FlownDuty.of(plan, "trim", law).card.work.as_dict()
     assert work == pytest.approx(expected)
 
 

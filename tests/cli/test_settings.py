@@ -88,7 +88,7 @@ def test_another_spelling_of_the_quantity_is_replaced_and_none_takes_it_out(tmp_
 def test_rows_of_lists_have_numbers_and_names(tmp_path):
     text = example().replace("# [[wind]]                   # measured", "# ", 1)
     file = study_of(tmp_path, text=text)
-    before = {d.parameter: d for d in tv.load_study(file).dispersions.each}
+    before = {d.parameter: d for d in tv.load_study(file).dispersions.distributions}
     plan = tv.load_study(
         with_settings(
             file,
@@ -102,7 +102,7 @@ def test_rows_of_lists_have_numbers_and_names(tmp_path):
             ],
         )
     )
-    after = {d.parameter: d for d in plan.dispersions.each}
+    after = {d.parameter: d for d in plan.dispersions.distributions}
     assert (after["thrust"].spread, after["moment_of_inertia"].spread) == (0.03, 0.07)
     assert before.keys() - after.keys() == {"wind_duration"}
     assert plan.wind.shape == "rectangular"

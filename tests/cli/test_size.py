@@ -13,7 +13,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.case.case import Case
 from tvclin.cli.app import app
-from tvclin.ensembles.dispersed_study import part_in_a_wind
+from tvclin.ensembles.dispersed_study import relative_increase_in_wind
 from tvclin.plots import curves_of, sizing_chart
 from tvclin.requirement.flight.request import SizingRequest
 
@@ -280,7 +280,7 @@ def test_dispersions_are_found_in_a_sounding(plane) -> None:
     vehicle = schedule.at(time)
     stop = "round" if plane == "both" else None
     case = Case(vehicle=vehicle, model="fixed-path", nozzle=tv.Nozzle(stop=stop))
-    part = part_in_a_wind(vehicle, met(vehicle), case, 1.0)
+    part = relative_increase_in_wind(vehicle, met(vehicle), case, 1.0)
 
     assert 0.1 < part < 0.6
     assert lines["dispersions"] == pytest.approx(part * lines["wind"], rel=1e-12)

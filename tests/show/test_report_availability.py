@@ -61,14 +61,14 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     pytest.importorskip("latex2mathml")
     html = tv.report_html(parse_study(document(), folder))
     shown, found = values(html), the_library(folder)
-    part = found.part()
+    part = found.fraction()
     assert (part.unknown, shown["availability.unknown"]) == (1, 1)
     assert 0 < part.flown < part.judged
     expected = {
         "flown": part.flown,
         "judged": part.judged,
         "effective": part.effective,
-        "part_percent": 100 * part.part,
+        "part_percent": 100 * part.fraction,
         "lower_percent": 100 * part.lower,
         "upper_percent": 100 * part.upper,
         "least_percent": 100 * part.bounds[0],
@@ -107,14 +107,14 @@ def test_a_part_is_asked_for_only_where_it_is_given(folder) -> None:
         found = find(parse_study(document(**changes), folder))
         return [(one.name, one.yes) for one in questions(found)]
 
-    part = the_library(folder).part()
+    part = the_library(folder).fraction()
     assert answer() == [("wind", True)]
-    shown = 0.9 * part.lower, part.part, min(1.1 * part.upper, 1.0)
+    shown = 0.9 * part.lower, part.fraction, min(1.1 * part.upper, 1.0)
     said = [answer(least_part=one)[1] for one in shown]
     assert said == [("availability", yes) for yes in (True, None, False)]
     (_, why) = questions(find(parse_study(document(least_part=0.5), folder)))
     assert why.text == str(part)
-    assert (why.measure.required, why.measure.available) == (50.0, 100.0 * part.part)
+    assert (why.measure.required, why.measure.available) == (50.0, 100.0 * part.fraction)
 
 
 def test_what_is_not_known_is_lost_for_a_yes_and_flown_for_a_no(folder) -> None:
@@ -125,7 +125,7 @@ def test_what_is_not_known_is_lost_for_a_yes_and_flown_for_a_no(folder) -> None:
     some = tv.winds.Soundings.from_profiles(winds, days("2023-01-01T00", 60))
     for limit, sure, not_shown in ((1.0, 0.3, 0.6), (1e-4, 0.7, 0.4)):
         found = tv.availability(flight, some, limit=limit, azimuth=1.57)
-        assert (found.part().judged, found.part().unknown) == (30, 30)
+        assert (found.fraction().judged, found.fraction().unknown) == (30, 30)
         assert found.reaches(sure) is (limit == 1.0)
         assert found.reaches(not_shown) is None
 
@@ -243,7 +243,7 @@ def test_a_gust_by_its_speed_is_that_of_the_study(folder) -> None:
     found = plan.availability.availability(plan)
     gust = tv.OneMinusCosineGust(peak=0.02, duration=2.0)
     alone = the_library(folder, gust=gust, gust_speed=9.0)
-    assert found.need == pytest.approx(alone.need, rel=1e-12, nan_ok=True)
+    assert found.required == pytest.approx(alone.required, rel=1e-12, nan_ok=True)
 
 
 def test_the_table_of_the_page_is_read(folder) -> None:

@@ -100,7 +100,7 @@ def vector_requirement(pair: PlanePair, stop: LimitShape, K: float, separate: fl
     return _requirement_after_trim(pair, stop.inside, K, True, limit)
 
 
-def plane_requirements(
+def two_plane_requirement(
     pair: PlanePair, stop: LimitShape, bands: Sequence[float], literal: bool
 ) -> list[PlaneRequirement]:
     """Return the requirement of one wind in two planes, for each dead band K."""
@@ -425,13 +425,13 @@ def plane_limit(
 def _case_limit(pair: PlanePair, stop: LimitShape, K: float, switch: str) -> PlaneLimit:
     """Return the limit of one case at dead band K."""
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
-    requirement = plane_requirements(pair, stop, (K,), literal)[0]
+    requirement = two_plane_requirement(pair, stop, (K,), literal)[0]
     pitch_only = requirement.limit
     if np.isfinite(pair.wind.yaw.onset):
         pitch_only = 0.0
         if np.isfinite(pair.wind.pitch.onset):
             flat = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
-            pitch_only = plane_requirements(PlanePair(pair.plants, flat), stop, (K,), literal)[
+            pitch_only = two_plane_requirement(PlanePair(pair.plants, flat), stop, (K,), literal)[
                 0
             ].limit
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)

@@ -101,22 +101,22 @@ def stop_boundary(
     return closed_loop_boundary(plant, law, wind, lowest=scanned, highest=highest, **hardware)
 
 
-def law_asked(case: Case, name: str, rate_limit: float, **own: Any) -> Law:
+def specified_law(case: Case, name: str, rate_limit: float, **parameters: Any) -> Law:
     """Return a law by its name for a case, with the filters of its autopilot.
 
     It is designed on the rigid vehicle of the case, for its wind, as by `design_law`; "autopilot"
     has the gains of the case. `InputError` as `design_law` and `Case.autopilot`.
     """
     if name == AUTOPILOT:
-        own = {AUTOPILOT: case.autopilot} | own
+        parameters = {AUTOPILOT: case.autopilot} | parameters
     peak = float(case.history.peak)
-    law = design_law(name, case.plant.rigid, peak, rate_limit=rate_limit, **own)
+    law = design_law(name, case.plant.rigid, peak, rate_limit=rate_limit, **parameters)
     return with_filters(law, case.asked)
 
 
-def with_filters(law: Law, asked: AutopilotDesign) -> Law:
+def with_filters(law: Law, design: AutopilotDesign) -> Law:
     """Return a law with the filters of an autopilot."""
-    return FilteredLaw(law, **asked.chains) if any(asked.chains.values()) else law
+    return FilteredLaw(law, **design.chains) if any(design.chains.values()) else law
 
 
 def shift_of(plant: AnyPlant) -> Shift | None:

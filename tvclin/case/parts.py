@@ -189,7 +189,7 @@ def _given(case: Case, omitted: set[str]) -> list[str]:
         "gains": lambda: (
             replace(case.asked.without_filters_and_delay, sample_rate=None) != type(case.asked)()
         ),
-        "dispersion": lambda: dispersions is not None and dispersions.each,
+        "dispersion": lambda: dispersions is not None and dispersions.distributions,
         "limit": lambda: nozzle.limit is not None,
         _WORK: lambda: any(vars(nozzle)[name] is not None for name in _LIMITS_OF_WORK),
     }

@@ -150,8 +150,8 @@ def availability(
     winds: GustOptions = GROUP,
     as_json: AsJson = False,
     csv: Path | None = asked(
-        "Also write what every sounding needs into this file: need_deg (empty where"
-        " --limit-deg is not judged), and its bounds, least_deg and most_deg.",
+        "Also write what every sounding needs into this file: required_deg (empty where"
+        " --limit-deg is not judged), and its bounds, lower_deg and upper_deg.",
         callback=to_write,
     ),
     plot: Plot = None,
@@ -191,7 +191,9 @@ def availability(
     if csv is not None:
         result.to_csv(csv)
     draw(plot, lambda: plots.availability_chart(result, source))
-    yes = all(day.go for day in today) if today else any(share.judged for share in result.part())
+    yes = (
+        all(day.go for day in today) if today else any(share.judged for share in result.fraction())
+    )
     answer(as_json, lambda: _document(result, today), lambda: _print(result, today, source), yes)
 
 
@@ -209,15 +211,16 @@ def _print(result: Availability, launch: tuple[Today, ...], source: str) -> None
     azimuths = [f"{angle:.4g}" for angle in np.degrees(np.atleast_1d(result.azimuth)).tolist()]
     begin, end = result.judged_in_all
     say(f"Limit {np.degrees(result.limit):.3f} deg, from {begin:.4g} to {end:.4g} s of the flight")
-    for azimuth, fraction in zip(azimuths, result.part(), strict=True):
+    for azimuth, fraction in zip(azimuths, result.fraction(), strict=True):
         say(f"towards {azimuth} deg: {fraction}")
     say(answer_tables.interval(result))
     typer.echo()
     print_tables(answer_tables.by_month(result), answer_tables.placard(result))
     say(
         "A sounding that meets its limit more than once is flown only if that decides about"
-        f" {np.degrees(result.limit):.4g} deg. Else least_deg and most_deg of the CSV bracket what"
-        " it asks for; need_deg is the lower of them, and empty where this limit is not judged. Ask"
+        f" {np.degrees(result.limit):.4g} deg. Else lower_deg and upper_deg of the CSV bracket what"
+        " it asks for; required_deg is the lower of them, and empty where this limit is not"
+        " judged. Ask"
         " again for another limit."
     )
     for azimuth, answer_today in zip(azimuths, launch, strict=False):
@@ -233,11 +236,13 @@ def _said(balloon: Today) -> str:
     """Return the verdict on a balloon, in words."""
     if balloon.go is None:
         between = (
-            f", between {np.degrees(balloon.least):.3f} and {np.degrees(balloon.most):.3f} deg"
+            f", between {np.degrees(balloon.lower):.3f} and {np.degrees(balloon.upper):.3f} deg"
         )
         return f"NOT KNOWN{f', {balloon.why}' if balloon.why else between}"
-    need = np.degrees(balloon.most if balloon.go else balloon.least)
+    need = np.degrees(balloon.upper if balloon.go else balloon.lower)
     archive_text = (
-        "" if np.isnan(balloon.part) else f", more than {100 * balloon.part:.0f} % of the archive"
+        ""
+        if np.isnan(balloon.archive_fraction)
+        else f", more than {100 * balloon.archive_fraction:.0f} % of the archive"
     )
     return f"{'GO' if balloon.go else 'NO GO'}, it asks for {need:.3f} deg{archive_text}"

@@ -15,8 +15,8 @@ from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, PlaneOptions, flight_asked
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
-from tvclin.nozzle.data_sheet import FlightCard
-from tvclin.nozzle.flight_duty import flight_card
+from tvclin.nozzle.data_sheet import FlightDuty
+from tvclin.nozzle.duty_over_flight import flight_duty
 
 _SIZING_FIELDS = ("start", "stop", "every", "window")
 """Fields of `SizingRequest` that a card takes as options too."""
@@ -64,7 +64,7 @@ def card(
     if not noise:
         only_with("--noise-deg", seed=seed)
     with bar("flight times and winds") as progress:
-        result = flight_card(
+        result = flight_duty(
             case,
             case.sizing,
             flies,
@@ -80,11 +80,11 @@ def card(
         as_json,
         lambda: result.as_dict() | {"notes": notes},
         lambda: _print(result, notes),
-        bool(result.verdict.met),
+        bool(result.verdict.satisfied),
     )
 
 
-def _print(result: FlightCard, notes: list[str]) -> None:
+def _print(result: FlightDuty, notes: list[str]) -> None:
     print_tables(*result.tables())
     say_notes(notes)
     say(f"Verdict: {result.verdict.words}.")

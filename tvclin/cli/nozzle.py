@@ -23,7 +23,7 @@ from tvclin.cli.output import answer, print_tables, say, say_bound, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
-from tvclin.nozzle.flight_duty import FlownCard
+from tvclin.nozzle.duty_over_flight import FlownDuty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.studyfile.study_plan import StudyPlan
@@ -92,7 +92,7 @@ def nozzle(
         shown.as_json,
         lambda: winds.document(case, required) | {"trade_off": front, "flown": flown} | more,
         lambda: _print(title, front, needed, flown, required),
-        not (limited and front.verdict) and (flown is None or bool(flown.verdict.met)),
+        not (limited and front.verdict) and (flown is None or bool(flown.verdict.satisfied)),
     )
 
 
@@ -101,12 +101,12 @@ def _front(case: StudyPlan) -> RateTradeOff:
     return rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
 
 
-def _flown(case: StudyPlan, law: str | None) -> FlownCard | None:
+def _flown(case: StudyPlan, law: str | None) -> FlownDuty | None:
     """Return the duty of the nozzle in the flight of a law; None without a law."""
     if law is None:
         return None
     with waiting("flying"):
-        return FlownCard.of(case, law, law_with_a_stop(case, law))
+        return FlownDuty.of(case, law, law_with_a_stop(case, law))
 
 
 def _needed(case: StudyPlan) -> FlownTradeOff:
@@ -120,7 +120,7 @@ def _print(
     title: str,
     front: RateTradeOff,
     needed: FlownTradeOff | None,
-    flown: FlownCard | None,
+    flown: FlownDuty | None,
     required: CaseRequirement | None,
 ) -> None:
     said = [result for result in (front, needed, flown) if result is not None]

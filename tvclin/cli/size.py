@@ -35,7 +35,7 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
-from tvclin.ensembles.dispersed_study import disperse_study, part_in_a_wind
+from tvclin.ensembles.dispersed_study import disperse_study, relative_increase_in_wind
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
 from tvclin.requirement.flight.request import SizingRequest, SoundingRequest
@@ -308,6 +308,6 @@ def _dispersed(case: StudyPlan, request: SizingRequest, sizing: Sizing) -> float
     if at >= len(pulses):
         wind, vehicle = request.winds(case)[worst.wind], request.schedule.at(worst.time)
         assert isinstance(wind, MeasuredWind | MeasuredPlanes)
-        return part_in_a_wind(vehicle, wind(vehicle), case, counted.dead_band)
+        return relative_increase_in_wind(vehicle, wind(vehicle), case, counted.dead_band)
     nominal = Study.of(request.at(case, worst.time, pulses[at]), counted.dead_band)
-    return disperse_study(nominal).part
+    return disperse_study(nominal).relative_increase

@@ -12,4 +12,4 @@ from .dispersed_study import DispersedStudy as DispersedStudy
 from .dispersed_study import disperse_study as disperse_study
 from .dispersions import Dispersion as Dispersion
 from .dispersions import Dispersions as Dispersions
-from .statistics import Part as Part
+from .statistics import SurvivalFraction as SurvivalFraction

@@ -43,7 +43,7 @@ from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.wind_angles import within_linear
 
 _QUICK_CASES = 2000
-"""Number of cases of `part_in_a_wind`."""
+"""Number of cases of `relative_increase_in_wind`."""
 _VECTOR_CASES = 32
 """Number of cases whose vectors are solved between two checks of `raise_to_vectors`."""
 _MAX_CASES = 10_000_000
@@ -80,7 +80,7 @@ class DispersedStudy(Shown):
     """
 
     nominal: Study
-    dispersions: Dispersions = field(metadata=spec(of="dispersions.each", card=False))
+    dispersions: Dispersions = field(metadata=spec(of="dispersions.distributions", card=False))
     seed: int = field(metadata=spec())
     values: dict[str, FloatArray]
     deflection: FloatArray
@@ -123,7 +123,7 @@ class DispersedStudy(Shown):
         )
         return (
             quantities("Deflection that covers the dispersions", rows),
-            Table("What drives it", ("parameter", "rank correlation"), drivers),
+            Table("Drivers", ("parameter", "rank correlation"), drivers),
         )
 
     @property
@@ -148,7 +148,7 @@ class DispersedStudy(Shown):
         return float(np.nanmedian(self.deflection))
 
     @property
-    def part(self) -> float:
+    def relative_increase(self) -> float:
         """Relative increase of the requirement by dispersions; infinite if not known."""
         nominal = self.nominal.required_deflection
         if nominal == 0.0:
@@ -175,13 +175,13 @@ def disperse_study(
     dispersions : Dispersions
         Uncertain parameters; the default dispersions are assumed, not any programme's.
     cases : int
-        How many.
+        Number of cases.
     seed : int
-        Of the random numbers.
+        Seed of the random numbers.
     probability, confidence : float
-        Of the deflection asked for, as of `quantile_bound`.
+        Probability and confidence of the covering deflection; see `quantile_bound`.
     method : {"plain", "sobol", "latin"}
-        As of `draw`. Order statistics hold for plain numbers; the others converge faster, and
+        Method of `draw`. Order statistics hold for plain numbers; the others converge faster, and
         their bounds are on the safe side.
 
     Raises
@@ -204,17 +204,17 @@ def disperse_study(
         fraction(name, value)
     columns = evaluate(campaign, 0, cases)
     deflection = columns[required_name(study.dead_band)] * study.plane_ratio
-    answered = ~np.isnan(deflection)
-    if not np.any(answered):
+    has_answer = ~np.isnan(deflection)
+    if not np.any(has_answer):
         raise InputError(f"no case has an answer; the first is: {columns['status'][0]}")
     values = {name: columns[name] for name in dispersions.parameters}
     if study.case.heading is not None:
         peaks = columns.get("wind_peak", np.full(cases, study.placed.peak))
-        vectors = answered & ~within_linear(
+        vectors = has_answer & ~within_linear(
             np.abs(peaks / pulse_of(study.case).peak) * study.wind_angle
         )
         deflection[vectors], columns["status"][vectors] = np.inf, BEYOND
-    counted, limit = deflection[answered], study.limit
+    counted, limit = deflection[has_answer], study.limit
     sufficient = 0 if limit is None else int(np.sum(covers(limit, counted)))
     return DispersedStudy(
         nominal=study,
@@ -227,7 +227,7 @@ def disperse_study(
         success=None
         if limit is None
         else success_probability(sufficient, counted.size, confidence),
-        drivers=sensitivities({k: v[answered] for k, v in values.items()}, counted),
+        drivers=sensitivities({k: v[has_answer] for k, v in values.items()}, counted),
     )
 
 
@@ -252,67 +252,72 @@ def _campaign(
     )
 
 
-def part_in_a_wind(
+def relative_increase_in_wind(
     vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
 ) -> float:
     """Return the relative increase of the required deflection by default dispersions of a vehicle.
 
     `wind` is of any shape, and not dispersed. Of 2000 cases, relative to the nominal requirement,
-    as `DispersedStudy.part`: in the plane of the case, or of the vector in both with its stop.
+    as `DispersedStudy.relative_increase`: in the plane of the case, or of the vector in both with
+    its stop.
     """
-    dispersions = Dispersions(tuple(x for x in DEFAULT_DISPERSIONS.each if x.parameter not in WIND))
+    dispersions = Dispersions(
+        tuple(x for x in DEFAULT_DISPERSIONS.distributions if x.parameter not in WIND)
+    )
     nominal_values = {name: getattr(vehicle, name) for name in dispersions.parameters}
-    numbers = draw(0, 0, _QUICK_CASES, len(dispersions.each))
+    numbers = draw(0, 0, _QUICK_CASES, len(dispersions.distributions))
     cases = dispersions.apply(nominal_values, numbers)
-    needs = np.full(_QUICK_CASES, np.nan)
+    required = np.full(_QUICK_CASES, np.nan)
 
     def vehicles(which: IndexArray) -> Vehicle:
         return vehicle.replace(**{name: values[which] for name, values in cases.values.items()})
 
     def answer(which: IndexArray) -> None:
-        needs[which] = _needed(vehicles(which), wind, case, dead_band)
+        required[which] = _required_deflections(vehicles(which), wind, case, dead_band)
 
     divide(answer, lambda *_: None, np.flatnonzero(cases.possible))
     if isinstance(wind, PlaneWind):
         vector = wind
-        raise_to_vectors(needs, lambda which: _of_vectors(vehicles(which), vector, case, dead_band))
-    answers = needs[~np.isnan(needs)]
+        raise_to_vectors(
+            required, lambda which: _vector_deflections(vehicles(which), vector, case, dead_band)
+        )
+    answers = required[~np.isnan(required)]
     if not answers.size:
         raise InputError("no dispersed case of this flight time has an answer in this wind")
     nominal = (
-        _of_vectors(vehicle, wind, case, dead_band)
+        _vector_deflections(vehicle, wind, case, dead_band)
         if isinstance(wind, PlaneWind)
-        else _needed(vehicle, wind, case, dead_band)
+        else _required_deflections(vehicle, wind, case, dead_band)
     )
     return _upper(answers) / float(nominal) - 1.0
 
 
-def _upper(needs: FloatArray) -> float:
+def _upper(required: FloatArray) -> float:
     """Return the upper bound [rad] of the quantile that covers a campaign by default."""
-    return quantile_bound(needs, Campaign.probability, Campaign.confidence).upper
+    return quantile_bound(required, Campaign.probability, Campaign.confidence).upper
 
 
-def raise_to_vectors(needs: FloatArray, vectors: Callable[[IndexArray], FloatArray]) -> None:
-    """Raise the largest requirements [rad] of the planes by themselves to those of the vector.
+def raise_to_vectors(required: FloatArray, vectors: Callable[[IndexArray], FloatArray]) -> None:
+    """Raise the largest requirements [rad] of separate planes to the requirements of the vector.
 
-    `needs`: ``(n,)``, changed in place. `vectors`: from indices of cases to the requirements of the
-    vector [rad]. Vectors are solved from the largest requirement downwards, until even twice the
-    largest relative excess so far does not raise the next case to the quantile.
+    `required`: ``(n,)``, changed in place. `vectors`: from indices of cases to the requirements of
+    the vector [rad]. Vectors are solved from the largest requirement downwards, until even twice
+    the largest relative excess so far does not raise the next case to the quantile.
     """
-    order = np.argsort(-needs)[: int(np.sum(~np.isnan(needs)))]
+    order = np.argsort(-required)[: int(np.sum(~np.isnan(required)))]
     excess = 0.0
     for first in range(0, order.size, _VECTOR_CASES):
         which = order[first : first + _VECTOR_CASES]
-        if first and needs[which[0]] * (1.0 + 2.0 * excess) <= _upper(needs[order]):
+        if first and required[which[0]] * (1.0 + 2.0 * excess) <= _upper(required[order]):
             return
-        alone, needs[which] = needs[which], vectors(which)
-        excess = max(excess, float(np.max(needs[which] / alone)) - 1.0)
+        separate, required[which] = required[which], vectors(which)
+        excess = max(excess, float(np.max(required[which] / separate)) - 1.0)
 
 
-def _needed(
+def _required_deflections(
     vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
 ) -> FloatArray:
-    """Return required deflections [rad] in a wind, of both planes with each by itself, ``(n,)``."""
+    """Return required deflections [rad] in a wind, both planes computed separately, ``(n,)``."""
     if isinstance(wind, PlaneWind):
         separate = separate_requirements(_plants(vehicle, case), wind, dead_band)
         return rectangle(limit_shape_of(case.nozzle.stop or ""), separate["pitch"], separate["yaw"])
@@ -320,7 +325,9 @@ def _needed(
     return np.abs(required_deflection(plant, wind, dead_band).deflection)
 
 
-def _of_vectors(vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float) -> FloatArray:
+def _vector_deflections(
+    vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float
+) -> FloatArray:
     """Return required deflections [rad] of both planes in a wind with its vectors, ``(n,)``."""
     stop = limit_shape_of(case.nozzle.stop or "")
     return np.asarray(

@@ -34,7 +34,7 @@ _MAX_NORMAL_DEVIATE = 3.0
 
 @dataclass(frozen=True)
 class Dispersion:
-    """The uncertainty of one number.
+    """Distribution of an uncertain parameter.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Dispersion:
     relative: bool = True
 
     def __post_init__(self) -> None:
-        known_parameter("parameter", self.parameter)
+        checked_parameter("parameter", self.parameter)
         one_of("shape", self.shape, SHAPES)
         object.__setattr__(self, "spread", number("spread", self.spread, positive))
         flag("relative", self.relative)
@@ -95,8 +95,8 @@ class Dispersions:
 
     Attributes
     ----------
-    each : tuple of Dispersion
-        One for each parameter.
+    distributions : tuple of Dispersion
+        Distributions, one for each parameter.
     correlation : tuple of tuple of float, optional
         Correlation of the underlying normal numbers, symmetric and positive definite.
 
@@ -106,12 +106,14 @@ class Dispersions:
         For a parameter that is dispersed twice, and a matrix that is no correlation.
     """
 
-    each: tuple[Dispersion, ...]
+    distributions: tuple[Dispersion, ...]
     correlation: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
-        dispersions = each("each", self.each, Dispersion, "one for each parameter")
-        object.__setattr__(self, "each", dispersions)
+        dispersions = each(
+            "distributions", self.distributions, Dispersion, "one for each parameter"
+        )
+        object.__setattr__(self, "distributions", dispersions)
         names = list(self.parameters)
         if len(set(names)) < len(names):
             raise InputError(f"a parameter is dispersed twice: {', '.join(sorted(names))}")
@@ -128,13 +130,13 @@ class Dispersions:
                 if dispersion.relative
                 else f"{dispersion.spread:.4g} in its SI unit)"
             )
-            for dispersion in self.each
+            for dispersion in self.distributions
         )
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the dispersed parameters."""
-        return tuple(dispersion.parameter for dispersion in self.each)
+        return tuple(dispersion.parameter for dispersion in self.distributions)
 
     def apply(self, nominal: Mapping[str, Any], numbers: ArrayLike) -> Dispersed:
         """Return the dispersed values of cases [SI], ``(n,)`` by parameter.
@@ -155,9 +157,10 @@ class Dispersions:
 
         instance("nominal", nominal, Mapping, "of parameters to numbers")
         drawn = finite("numbers", numbers)
-        if drawn.ndim != 2 or drawn.shape[-1] != len(self.each):
+        if drawn.ndim != 2 or drawn.shape[-1] != len(self.distributions):
             raise InputError(
-                f"numbers must have a row of {len(self.each)} for each case; got an array of shape"
+                f"numbers must have a row of {len(self.distributions)} for each case; got an"
+                " array of shape"
                 f" {drawn.shape}"
             )
         if np.any((drawn <= 0.0) | (drawn >= 1.0)):
@@ -168,7 +171,7 @@ class Dispersions:
             columns = zip(normal.T, self._factor.T, strict=True)
             normal = sum((column[:, np.newaxis] * row for column, row in columns), 0.0 * drawn)
         values, possible = {}, np.ones(len(normal), dtype=bool)
-        for column, dispersion in zip(normal.T, self.each, strict=True):
+        for column, dispersion in zip(normal.T, self.distributions, strict=True):
             centre = self._centre(nominal, dispersion)
             scale = dispersion.spread * (abs(centre) if dispersion.relative else 1.0)
             value = centre + scale * dispersion.deviates(column)
@@ -176,7 +179,7 @@ class Dispersions:
             for names, rule in _RULES:
                 if dispersion.parameter in names:
                     possible &= rule(value, centre)
-            if is_of_modes(dispersion.parameter):
+            if is_mode_factor(dispersion.parameter):
                 possible &= value > 0.0
         return Dispersed(values, possible)
 
@@ -195,8 +198,11 @@ class Dispersions:
 
     @property
     def _factor(self) -> FloatArray:
+        """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
+        """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
+        """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
         matrix = finite("correlation", () if self.correlation is None else self.correlation)
-        size = len(self.each)
+        size = len(self.distributions)
         if matrix.shape != (size, size) or not np.allclose(matrix, matrix.T):
             raise InputError(f"correlation must be a symmetric matrix of {size} rows")
         if not np.allclose(np.diag(matrix), 1.0):
@@ -223,24 +229,24 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], BoolArray]], 
 )
 MODES = ("bending_frequency", "bending_damping", "slosh_frequency", "slosh_damping")
 """Factors on all modes of a flexible vehicle; on a single mode as in bending_2_frequency."""
-_ONE_MODE = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
+_SINGLE_MODE_FACTOR = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
 PARAMETERS = (*(name for name in NUMBERS if name != "time"), *WIND, *GAINS, *MODES)
 """Parameters that can be dispersed; a factor on a single mode can be as well."""
 
 
-def known_parameter(what: str, name: Any) -> str:
+def checked_parameter(what: str, name: Any) -> str:
     """Return the name of a parameter that can be dispersed; `InputError` for another name."""
-    if isinstance(name, str) and _ONE_MODE.fullmatch(name):
+    if isinstance(name, str) and _SINGLE_MODE_FACTOR.fullmatch(name):
         return name
     return one_of(what, name, PARAMETERS)
 
 
-def is_of_modes(name: str) -> bool:
+def is_mode_factor(name: str) -> bool:
     """Return whether a parameter is a factor on modes."""
-    return name in MODES or _ONE_MODE.fullmatch(name) is not None
+    return name in MODES or _SINGLE_MODE_FACTOR.fullmatch(name) is not None
 
 
-def names_of_modes(structure: Structure | None) -> dict[str, list[str]]:
+def mode_names(structure: Structure | None) -> dict[str, list[str]]:
     """Return names of modes, as in "bending_1", by kind, in the order of their bands."""
     kinds = {} if structure is None else {"bending": structure.bending, "slosh": structure.slosh}
     return {
@@ -255,7 +261,7 @@ def modes_nominal(structure: Structure | None) -> dict[str, float]:
 
     "bending_frequency" is a factor on all bending modes, "bending_2_frequency" on the second one.
     """
-    names = names_of_modes(structure)
+    names = mode_names(structure)
     bodies = [*names, *(name for modes in names.values() for name in modes)]
     return {f"{body}_{number}": 1.0 for body in bodies for number in ("frequency", "damping")}
 
@@ -277,7 +283,7 @@ CORRELATION_TABLE = FileTable("[[correlation]]", words=("between", "coefficient"
 
 def spread_table(parameter: Any) -> FileTable:
     """Return the table of the keys of a dispersion; `InputError` for an unknown parameter."""
-    name = known_parameter("parameter in [[dispersion]]", parameter)
+    name = checked_parameter("parameter in [[dispersion]]", parameter)
     kinds = DISPERSION_TABLE.quantities | {"spread": KINDS.get(name, "number")}
     return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)
 

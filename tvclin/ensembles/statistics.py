@@ -23,7 +23,7 @@ _PROBABILITY_TOLERANCE = 1e-12
 
 
 def shares(probability: float, confidence: float) -> tuple[str, str]:
-    """Return the labels, in tables, of a quantile of a sample and of its upper bound."""
+    """Return the labels in tables of the quantile of a sample and of its upper bound."""
     percent = f"{100 * probability:g} %"
     return f"{percent} of the cases", f"{percent} of flights, {100 * confidence:g} % sure"
 
@@ -55,11 +55,11 @@ class Quantile(Shown):
         """Whether both bounds lie within one percent of the estimate: more cases change little."""
         return self.within(0.01)
 
-    def within(self, part: float) -> bool:
-        """Return whether the bounds differ by at most a fraction `part` of the estimate."""
+    def within(self, tolerance: float) -> bool:
+        """Return whether the bounds differ by at most `tolerance` times the estimate."""
         if not np.isfinite(self.estimate):  # with too many lost flights
             return False
-        return bool(self.upper - self.lower <= part * abs(self.estimate))
+        return bool(self.upper - self.lower <= tolerance * abs(self.estimate))
 
 
 @dataclass(frozen=True)
@@ -90,11 +90,12 @@ class Driver:
     """The correlation of an input with the loss of flights.
 
     `rank`: rank correlation with the loss: positive where larger values are lost more often.
-    `sure`: one minus the probability that any of as many inputs without effect correlates as much.
+    `confidence`: one minus the probability that any of as many inputs without effect correlates as
+    much.
     """
 
     rank: float
-    sure: float
+    confidence: float
 
 
 def quantile_bound(
@@ -171,12 +172,12 @@ def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str,
     return dict(sorted(ranks.items(), key=lambda item: -abs(item[1])))
 
 
-def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Driver]:
+def loss_drivers(inputs: dict[str, FloatArray], losses: ArrayLike) -> dict[str, Driver]:
     """Return the correlation of each input with the loss of flights, the strongest first.
 
     `inputs`: dispersed values, ``(n,)`` each. Empty where no flight or every flight is lost.
 
-    `Driver.sure` comes from the test of Mann and Whitney, exact for few flights without ties,
+    `Driver.confidence` comes from the test of Mann and Whitney, exact for few flights without ties,
     times the number of inputs (Bonferroni).
 
     Examples
@@ -190,7 +191,7 @@ def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Dr
     """
     from scipy.stats import mannwhitneyu
 
-    which = np.asarray(lost, dtype=bool)
+    which = np.asarray(losses, dtype=bool)
     if not np.any(which) or np.all(which):
         return {}
 
@@ -211,7 +212,7 @@ _LAG_TOLERANCE = 0.25
 
 
 @dataclass(frozen=True)
-class Part(Shown):
+class SurvivalFraction(Shown):
     """Fraction of soundings with which a limit is sufficient, with its confidence interval.
 
     Attributes
@@ -236,7 +237,7 @@ class Part(Shown):
 
     @property
     @derived()
-    def part(self) -> float:
+    def fraction(self) -> float:
         """Ratio of the soundings that fly to those that are judged; NaN where none is judged."""
         return self.flown / self.judged if self.judged else float("nan")
 
@@ -255,7 +256,7 @@ class Part(Shown):
         unknown = (*number("availability.unknown", self.unknown, 0), " unknown")
         if not self.judged:
             return ("none judged, ", *unknown)
-        shares = {"part": self.part, "lower": self.lower, "upper": self.upper}
+        shares = {"part": self.fraction, "lower": self.lower, "upper": self.upper}
         shares |= dict(zip(("least", "most"), self.bounds, strict=True))
         percent = {k: number(f"availability.{k}_percent", 100.0 * x, 1) for k, x in shares.items()}
         bounds: Line = (" (", *percent["least"], " to ", *percent["most"], " % whatever they were)")
@@ -279,20 +280,20 @@ class Part(Shown):
         return text(self.line)
 
 
-def part_of(
+def survival_fraction(
     flies: FloatArray,
-    need: FloatArray,
+    required: FloatArray,
     times: NDArray[np.datetime64],
     season: IntArray,
     confidence: float,
-) -> Part:
+) -> SurvivalFraction:
     """Return the fraction of soundings that fly, with its confidence interval.
 
-    `flies`: 1 for a sounding that flies, 0 for one that does not, NaN for unknown. `need`: required
-    deflections [rad], whose autocorrelation counts if all soundings fly, or none. `season`: the
-    month of a year; only soundings of the same season are compared. ``(n,)`` each. The interval is
-    that of Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up to the first
-    that is not positive.
+    `flies`: 1 for a sounding that flies, 0 for one that does not, NaN for unknown. `required`:
+    required deflections [rad], whose autocorrelation counts if all soundings fly, or none.
+    `season`: the month of a year; only soundings of the same season are compared. ``(n,)`` each.
+    The interval is that of Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up
+    to the first that is not positive.
     """
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import
 
@@ -300,15 +301,15 @@ def part_of(
     judged, flown = int(judged_rows.sum()), int(np.nansum(flies))
     unknown = flies.size - judged
     if not judged:
-        return Part(0, 0, unknown, 0.0, np.nan, np.nan, confidence)
+        return SurvivalFraction(0, 0, unknown, 0.0, np.nan, np.nan, confidence)
     varying = 0 < flown < judged
     n = effective_number(
-        (flies if varying else need)[judged_rows], times[judged_rows], season[judged_rows]
+        (flies if varying else required)[judged_rows], times[judged_rows], season[judged_rows]
     )
     k, tail = flown / judged * n, (1.0 - confidence) / 2.0
     lower = float(betaincinv(k, n - k + 1.0, tail)) if flown else 0.0
     upper = float(betaincinv(k + 1.0, n - k, 1.0 - tail)) if flown < judged else 1.0
-    return Part(flown, judged, unknown, n, lower, upper, confidence)
+    return SurvivalFraction(flown, judged, unknown, n, lower, upper, confidence)
 
 
 def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: IntArray) -> float:

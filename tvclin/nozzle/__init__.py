@@ -1,7 +1,7 @@
-"""Duty of a nozzle: in a motion, in flights, over a whole flight, and its trade-offs as flown.
+"""Duty of a nozzle in a motion and over a flight, and flown trade-off curves.
 
-`nozzle_card` is the duty of a motion, `flight_card` that of a whole flight; `flown_trade_offs` are
-the limits that laws require over the rate limit.
+`nozzle_duty` is the duty of a motion, `flight_duty` the duty over an entire flight;
+`flown_trade_offs` are the limits that laws require over the rate limit.
 """
 
 from tvclin.base.doors import door

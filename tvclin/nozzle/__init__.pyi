@@ -1,5 +1,5 @@
-from .data_sheet import FlightCard as FlightCard
-from .duty import NozzleCard as NozzleCard
-from .duty import nozzle_card as nozzle_card
-from .flight_duty import flight_card as flight_card
+from .data_sheet import FlightDuty as FlightDuty
+from .duty import NozzleDuty as NozzleDuty
+from .duty import nozzle_duty as nozzle_duty
+from .duty_over_flight import flight_duty as flight_duty
 from .flown_trade_off import flown_trade_offs as flown_trade_offs

@@ -1,4 +1,4 @@
-"""Data sheet of a nozzle over a flight: duty by flight time and wind, and what is not known."""
+"""Duty of a nozzle over a flight: by flight time and wind, its tables, and unknown winds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tvclin.flights.closed_loop.fly_many import NO_FLIGHT, SURVIVED, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import select_unstable
-from tvclin.nozzle.duty import NozzleCard, NozzleVerdict
+from tvclin.nozzle.duty import NozzleDuty, NozzleVerdict
 from tvclin.nozzle.motion import Work
 from tvclin.requirement.flight.sizing import flight_times, hundredths
 
@@ -32,56 +32,57 @@ _DUTY = ("angle", "rate", "steady_rate", "acceleration", "travel", "reversals", 
 _WORK = ("torque", "holding_torque", "rms_torque", "power", "energy")
 """Fields of torque, power and energy."""
 _COLUMN_KEYS = (
-    *("least_angle_deg", "least_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
+    *("minimum_angle_deg", "minimum_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
     "acceleration_deg_per_s2",
 )
 """Columns of the table by flight time."""
 
 
 @dataclass(frozen=True, eq=False)
-class CardPoint(Shown):
+class DutyPoint(Shown):
     """Duty of a nozzle at a flight time [s] in a wind, in a plane.
 
-    `wind`: its name, with its direction along the path where that matters. `limit`: the share of
-    the deflection limit [rad] that this plane has. `least`: minimum angle [rad] at any rate in a
+    `wind`: its name, with its direction along the path where that matters. `limit`: the deflection
+    limit of this plane [rad]. `minimum`: minimum angle [rad] at any rate in a
     known wind. `pole`: the fast unstable pole [1/s]; zero without an unstable pole, NaN for a
-    complex pair. `status`: outcome of the flight, as of `fly_many`; empty where nothing is flown.
-    `why`: the reason where the flight cannot be judged. `card`: duty in the flight; None where it
-    is lost or cannot be judged. `said`: notes on the design of the law. `alone`: travel [rad] and
-    energy [J] of the flight without the share of noise. `quiet`: travel and energy of noise per
-    time [rad/s, W]. `direction`: head or tail, for a pulse whose dynamic pressure depends on it.
+    complex pair. `status`: outcome of the flight, see `fly_many`; empty where nothing is flown.
+    `reason`: the reason where the flight cannot be judged. `card`: duty in the flight; None where
+    it is lost or cannot be judged. `law_notes`: notes on the design of the law. `without_noise`:
+    travel [rad] and energy [J] of the flight without the share of noise. `noise_rate`: travel and
+    energy of noise per time [rad/s, W]. `direction`: head or tail, for a pulse whose dynamic
+    pressure depends on it.
     """
 
     time: float = field(metadata=spec("time"))
     wind: str = field(metadata=spec())
     plane: str = field(metadata=spec())
     limit: float
-    least: float = field(default=0.0, metadata=spec("angle", name="least_angle"))
+    minimum: float = field(default=0.0, metadata=spec("angle", name="minimum_angle"))
     pole: float = 0.0
     status: str = field(default="", metadata=spec())
-    why: str = field(default="", metadata=spec())
-    card: NozzleCard | None = None
-    said: tuple[str, ...] = ()
-    alone: FloatArray = field(default_factory=lambda: np.zeros(2))
-    quiet: FloatArray = field(default_factory=lambda: np.zeros(2))
+    reason: str = field(default="", metadata=spec())
+    card: NozzleDuty | None = None
+    law_notes: tuple[str, ...] = ()
+    without_noise: FloatArray = field(default_factory=lambda: np.zeros(2))
+    noise_rate: FloatArray = field(default_factory=lambda: np.zeros(2))
     direction: str = ""
 
     @property
     @derived("angular rate")
-    def least_rate(self) -> float:
+    def minimum_rate(self) -> float:
         """The deflection rate p d0 [rad/s] that must be exceeded at any angle."""
-        return self.pole * self.least
+        return self.pole * self.minimum
 
     @property
     @derived("angular acceleration")
-    def least_acceleration(self) -> float:
+    def minimum_acceleration(self) -> float:
         """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle."""
-        return self.pole**2 * self.least
+        return self.pole**2 * self.minimum
 
     @property
-    def lost(self) -> bool:
+    def diverged(self) -> bool:
         """Whether a flight is known not to survive."""
-        return self.status not in ("", SURVIVED) and not self.why
+        return self.status not in ("", SURVIVED) and not self.reason
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -93,18 +94,18 @@ class CardPoint(Shown):
         return {key: abs(float(value)) for key, value in numbers.items()}
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the point as the command line prints it as JSON, angles in degrees."""
+        """Return the point for JSON, angles in degrees."""
         return document(self) | self.numbers
 
 
 _FIELDS = {
-    item.document_key: item for kind in (Work, NozzleCard, CardPoint) for item in fields_of(kind)
+    item.document_key: item for kind in (Work, NozzleDuty, DutyPoint) for item in fields_of(kind)
 }
 """Fields of all numbers, by key."""
 
 
 @dataclass(frozen=True)
-class Duty(Shown):
+class WindDuty(Shown):
     """Travel and energy of a nozzle in a whole flight in a wind.
 
     `travel`: integral of ``|delta'|`` [rad]; NaN where a flight is lost or cannot be judged.
@@ -118,16 +119,16 @@ class Duty(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class FlightCard(Shown):
-    """Duty of a nozzle over a whole flight; make it with `flight_card`.
+class FlightDuty(Shown):
+    """Duty of a nozzle over a whole flight; make it with `flight_duty`.
 
     Attributes
     ----------
     vehicle, law : str
         Names of vehicle and law.
-    points : tuple of CardPoint
+    points : tuple of DutyPoint
         Duty by flight time and wind.
-    duties : tuple of Duty
+    duties : tuple of WindDuty
         Travel and energy of the whole flight by wind; a flight has one of these winds.
     verdict : NozzleVerdict
         Requirements, what the data sheet offers, and what remains.
@@ -137,8 +138,8 @@ class FlightCard(Shown):
 
     vehicle: str = field(metadata=spec())
     law: str = field(metadata=spec())
-    points: tuple[CardPoint, ...] = field(metadata=spec(card=False))
-    duties: tuple[Duty, ...] = field(metadata=spec(card=False))
+    points: tuple[DutyPoint, ...] = field(metadata=spec(card=False))
+    duties: tuple[WindDuty, ...] = field(metadata=spec(card=False))
     verdict: NozzleVerdict = field(
         metadata=specs(Field(card=False), Field(of="verdict.words", document=False))
     )
@@ -156,7 +157,7 @@ class FlightCard(Shown):
 
     def tables(self) -> tuple[Table, ...]:
         """Return the verdict, the largest of each quantity, and the largest at each time."""
-        return (*self.verdict.tables(), self._whole(), *self._over_time())
+        return (*self.verdict.tables(), self._flight_table(), *self._time_tables())
 
     def to_csv(self, path: Path | None = None) -> str:
         """Return a line for each flight as CSV, and write it where a path is given.
@@ -170,12 +171,12 @@ class FlightCard(Shown):
         rows = [
             [point.time, point.wind, point.plane, point.status]
             + [float(point.numbers.get(key, np.nan)) for key in keys]
-            + [point.why]
+            + [point.reason]
             for point in self.points
         ]
-        return write_rows([["time_s", "wind", "plane", "status", *keys, "why"], *rows], path)
+        return write_rows([["time_s", "wind", "plane", "status", *keys, "reason"], *rows], path)
 
-    def _worst(self) -> dict[str, CardPoint]:
+    def _worst(self) -> dict[str, DutyPoint]:
         """Return the point with the largest value of each number, by key."""
         numbers = [point.numbers for point in self.points]
         worst = {}
@@ -184,11 +185,11 @@ class FlightCard(Shown):
             worst[key] = self.points[int(np.argmax(values))]
         return worst
 
-    def _whole(self) -> Table:
+    def _flight_table(self) -> Table:
         """Return the table of the largest numbers, with their times and winds."""
         planes = len({point.plane for point in self.points}) > 1
 
-        def where(item: CardPoint | Duty) -> Line:
+        def where(item: DutyPoint | WindDuty) -> Line:
             return (f"{item.wind}, {item.plane}" if planes else item.wind,)
 
         rows: list[tuple[Line, ...]] = []
@@ -207,7 +208,7 @@ class FlightCard(Shown):
         head = ("", "largest", "at [s]", "in the wind")
         return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
 
-    def _over_time(self) -> Iterator[Table]:
+    def _time_tables(self) -> Iterator[Table]:
         """Yield tables of the largest numbers of all winds, a row for each flight time."""
         times = sorted({point.time for point in self.points})
         for caption, keys in (
@@ -237,9 +238,9 @@ _FIXED_PATH = "fixed-path"
 
 
 def flight_reason(plant: AnyPlant, status: str) -> str:
-    """Return why the flight of a plant cannot be judged; empty where it can."""
+    """Return the reason why the flight of a plant cannot be judged; empty if it can."""
     if status == UNDECIDED:
-        return "it is neither lost nor settled when it ends"
+        return "it has neither diverged nor settled when it ends"
     if status != NO_FLIGHT:
         return ""
     if decidable(plant):
@@ -253,21 +254,21 @@ def flight_reason(plant: AnyPlant, status: str) -> str:
     )
 
 
-def unjudged_flights(law: str, points: Iterable[CardPoint], model: str) -> Iterator[str]:
+def unjudged_flights(law: str, points: Iterable[DutyPoint], model: str) -> Iterator[str]:
     """Yield notes on flights of a law that cannot be judged: times, winds, reason and options."""
     rows = list(points)
-    reasons: dict[str, list[CardPoint]] = {}
+    reasons: dict[str, list[DutyPoint]] = {}
     for point in rows:
-        if point.why:
-            reasons.setdefault(point.why, []).append(point)
+        if point.reason:
+            reasons.setdefault(point.reason, []).append(point)
     unjudged = {point.time for affected in reasons.values() for point in affected}
     judged = {point.time for point in rows} - unjudged
     for reason, affected in reasons.items():
         remedies = []
         if judged and max(unjudged) < min(judged):
-            remedies.append(f"--from {min(judged):.6g} leaves these times out")
+            remedies.append(f"--from {min(judged):.6g} omits these times")
         elif judged and min(unjudged) > max(judged):
-            remedies.append(f"--to {max(judged):.6g} leaves these times out")
+            remedies.append(f"--to {max(judged):.6g} omits these times")
         if reason == _PAIR and model != _FIXED_PATH:
             remedies.append(f"--model {_FIXED_PATH} judges them without drift")
         winds = list(dict.fromkeys(point.wind for point in affected))
@@ -300,6 +301,6 @@ def unknown_winds(
                     f"{name} is not known above {schedule.altitude_text(last)}:"
                     f" --to {hundredths(last, up=False)} ends there"
                 )
-        reasons = {time: why for time, why in times.items() if why}
+        reasons = {time: reason for time, reason in times.items() if reason}
         if reasons:
             yield f"{name} at {flight_times(reasons)}: {reasons[min(reasons)]}"

@@ -40,7 +40,7 @@ WINDOW = 0.5
 WITHOUT_DATA = (
     "torque, power and energy need the engine and its hinge: mass_kg, arm_m and more in [nozzle]"
 )
-"""Note on a card without nozzle data."""
+"""Note on a duty without nozzle data."""
 
 
 _WORK = (
@@ -51,7 +51,7 @@ _WORK = (
 
 
 @dataclass(frozen=True)
-class NozzleCard(Shown):
+class NozzleDuty(Shown):
     """Duty of a nozzle in a motion; peaks with their signs and times.
 
     Attributes
@@ -105,7 +105,7 @@ class NozzleCard(Shown):
     notes: tuple[str, ...] = field(metadata=spec())
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the card as a table of names and values."""
+        """Return the table of the duty, names and values."""
         peaks = {"angle": self.angle, "rate": self.rate, "acceleration": self.acceleration}
         shown = [
             (name, (*line, " at ", *figure(f"card.{name}_s", peaks[name].time, 2), " s"))
@@ -115,10 +115,10 @@ class NozzleCard(Shown):
         shown += rows(self, "card", *names)
         if self.work is not None:
             shown += rows(self.work, "card", *_WORK)
-        return (quantities("What the motion asks of the nozzle", shown),)
+        return (quantities("Duty of the nozzle in the motion", shown),)
 
 
-def nozzle_card(
+def nozzle_duty(
     times: ArrayLike,
     deflection: ArrayLike,
     *,
@@ -128,7 +128,7 @@ def nozzle_card(
     vehicle: Vehicle | None = None,
     angle_of_attack: ArrayLike | None = None,
     attitude: ArrayLike | None = None,
-) -> NozzleCard:
+) -> NozzleDuty:
     """Return the duty of a nozzle in a motion, flown or given.
 
     Parameters
@@ -172,7 +172,7 @@ def nozzle_card(
     --------
     >>> import numpy as np, tvclin as tv
     >>> times = np.linspace(0.0, 1.0, 2001)
-    >>> card = tv.nozzle.nozzle_card(times, np.radians(1.0) * np.sin(2 * np.pi * 3 * times))
+    >>> card = tv.nozzle.nozzle_duty(times, np.radians(1.0) * np.sin(2 * np.pi * 3 * times))
     >>> round(float(np.degrees(card.rate.value)), 2), round(float(np.degrees(card.travel)), 2)
     (18.85, 12.0)
     """
@@ -196,18 +196,18 @@ def nozzle_card(
     zero = np.zeros(t.size)
     alpha = zero if angle_of_attack is None else _row("angle_of_attack", angle_of_attack, t)
     theta = zero if attitude is None else _row("attitude", attitude, t)
-    card = card_of(Motion.of_samples(t, delta, alpha, theta), limit, window, nozzle, vehicle)
+    card = duty_of_motion(Motion.of_samples(t, delta, alpha, theta), limit, window, nozzle, vehicle)
     return card if nozzle is None else replace(card, notes=(*notes, *card.notes))
 
 
-def card_of(
+def duty_of_motion(
     motion: Motion,
     limit: float | None,
     window: float,
     nozzle: NozzleData | None,
     vehicle: Vehicle | None,
-) -> NozzleCard:
-    """Return the duty of a nozzle in a motion; same parameters as of `nozzle_card`."""
+) -> NozzleDuty:
+    """Return the duty of a nozzle in a motion; same parameters as in `nozzle_duty`."""
     t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
     width = min(window, float(t[-1] - t[0]))
     turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]
@@ -219,12 +219,12 @@ def card_of(
         work, notes = work_of(motion, nozzle, vehicle)
     at_stop = None
     if limit is not None:
-        near = np.abs(delta) >= limit * (1.0 - _STOP_TOLERANCE)
-        at_stop = float(steps[near[1:] & near[:-1]].sum())
-    return NozzleCard(
+        at_limit = np.abs(delta) >= limit * (1.0 - _STOP_TOLERANCE)
+        at_stop = float(steps[at_limit[1:] & at_limit[:-1]].sum())
+    return NozzleDuty(
         angle=largest(delta, t),
         rate=largest(rate, motion.at),
-        acceleration=motion.sharpest,
+        acceleration=motion.peak_acceleration,
         rms_rate=rms(rate, motion.weights),
         steady_rate=float(np.abs(steady).max()),
         window=width,
@@ -257,14 +257,16 @@ _RELATIVE_TOLERANCE = 1e-12
 """Excess of a requirement, relative to what is available, that counts as rounding."""
 
 
-def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dict[str, float]:
+def requirements_on_nozzle(
+    nozzle: Nozzle, cards: Sequence[NozzleDuty], travel: float
+) -> dict[str, float]:
     """Return the requirements of motions on a nozzle [SI], by the fields of `SHEET`.
 
     `travel`: travel of the whole flight [rad]. Flights keep to the rate limit, which an actuator of
     second order may exceed by a thousandth.
     """
     rate = max((abs(card.rate.value) for card in cards), default=0.0)
-    needed = {
+    required = {
         "limit": max((abs(card.angle.value) for card in cards), default=0.0),
         "rate_limit": min(rate, nozzle.rate_limit or np.inf),
         "acceleration_limit": max((abs(card.acceleration.value) for card in cards), default=0.0),
@@ -273,121 +275,127 @@ def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dic
     work = [card.work for card in cards if card.work is not None]
     if nozzle.data is not None:
         holding = (w.holding + nozzle.data.friction for w in work)
-        needed["torque_limit"] = max([0.0, *holding, *(abs(w.torque.value) for w in work)])
-        needed["power_limit"] = max((w.power.value for w in work), default=0.0)
-    return needed
+        required["torque_limit"] = max([0.0, *holding, *(abs(w.torque.value) for w in work)])
+        required["power_limit"] = max((w.power.value for w in work), default=0.0)
+    return required
 
 
 @dataclass(frozen=True)
-class Need(Shown):
+class DataSheetLine(Shown):
     """A line of a data sheet: the required value and the available value, in `unit`.
 
-    `needed`: infinite where no value is sufficient, NaN where it is not known. `there`: the value
-    that the nozzle offers; None where the data sheet has none.
+    `required`: infinite where no value is sufficient, NaN where it is not known. `available`: the
+    value that the nozzle offers; None where the data sheet has none.
     """
 
     name: str = field(metadata=spec())
     unit: str = field(metadata=spec())
-    needed: float = field(metadata=spec())
-    there: float | None = field(metadata=spec())
+    required: float = field(metadata=spec())
+    available: float | None = field(metadata=spec())
 
     @property
     @derived()
-    def left(self) -> float | None:
+    def remaining(self) -> float | None:
         """Remaining margin, available minus required; negative where the nozzle is insufficient."""
-        if self.there is None:
+        if self.available is None:
             return None
-        margin = self.there - self.needed
-        return max(margin, 0.0) if self.met else margin  # negative by rounding only
+        margin = self.available - self.required
+        return max(margin, 0.0) if self.satisfied else margin  # negative by rounding only
 
     @property
     @derived()
-    def met(self) -> bool | None:
+    def satisfied(self) -> bool | None:
         """Whether the available value is sufficient; None where either value is not known."""
-        if self.there is None or np.isnan(self.needed):
+        if self.available is None or np.isnan(self.required):
             return None
-        return bool(self.needed <= self.there * (1.0 + _RELATIVE_TOLERANCE))
+        return bool(self.required <= self.available * (1.0 + _RELATIVE_TOLERANCE))
 
     @property
-    def part(self) -> float:
+    def ratio(self) -> float:
         """Ratio of the required to the available value; -1 without an available value."""
-        return -1.0 if self.there is None else float(np.nan_to_num(self.needed / self.there))
+        return (
+            -1.0 if self.available is None else float(np.nan_to_num(self.required / self.available))
+        )
 
 
 @dataclass(frozen=True)
 class NozzleVerdict(Shown):
     """Verdict on a nozzle by the lines of its data sheet, the largest required fraction first.
 
-    `lost`: flights that are not survived, in words. `unknown`: flights and winds that cannot be
+    `diverged`: flights that are not survived, in words. `unknown`: flights and winds that cannot be
     judged, with the reason and a remedy, in words.
     """
 
-    needs: tuple[Need, ...] = field(metadata=spec(card=False))
-    lost: tuple[str, ...] = field(default=(), metadata=spec())
+    lines: tuple[DataSheetLine, ...] = field(metadata=spec(card=False))
+    diverged: tuple[str, ...] = field(default=(), metadata=spec())
     unknown: tuple[str, ...] = field(default=(), metadata=spec())
 
     @classmethod
     def of(
         cls,
         nozzle: Nozzle,
-        needed: dict[str, float],
-        lost: Iterable[str] = (),
+        required: dict[str, float],
+        diverged: Iterable[str] = (),
         unknown: Iterable[str] = (),
     ) -> Self:
         """Return the verdict on a nozzle with requirements [SI] by the fields of `SHEET`.
 
-        Where a flight is lost with the available values, the required values are not known.
+        Where a flight diverges with the available values, the required values are not known.
         """
-        needs, lost = [], tuple(lost)
-        for name, (words, unit) in SHEET.items():
-            if name in needed:
+        lines, diverged = [], tuple(diverged)
+        for name, (label, unit) in SHEET.items():
+            if name in required:
                 scale = float(np.degrees(1.0)) if unit.startswith("deg") else 1.0
                 value: Any = getattr(nozzle, name)
                 available = None if value is None else scale * value
-                need = scale * needed[name]
-                if lost and need <= (available or 0.0):
-                    need = np.nan
-                needs.append(Need(words, unit, need, available))
-        return cls(tuple(sorted(needs, key=lambda need: -need.part)), lost, tuple(unknown))
+                minimum = scale * required[name]
+                if diverged and minimum <= (available or 0.0):
+                    minimum = np.nan
+                lines.append(DataSheetLine(label, unit, minimum, available))
+        return cls(tuple(sorted(lines, key=lambda line: -line.ratio)), diverged, tuple(unknown))
 
     @classmethod
     def unknown_of(cls, nozzle: Nozzle, unknown: Iterable[str]) -> Self:
         """Return the verdict on a nozzle with unknown requirements, for reasons in words."""
-        return cls.of(nozzle, dict.fromkeys(needed_of(nozzle, (), np.nan), np.nan), (), unknown)
+        return cls.of(
+            nozzle, dict.fromkeys(requirements_on_nozzle(nozzle, (), np.nan), np.nan), (), unknown
+        )
 
     @property
     @derived(card=False)
-    def met(self) -> bool | None:
+    def satisfied(self) -> bool | None:
         """Whether all flights are survived and all lines satisfied; None where not known."""
-        answers = [need.met for need in self.needs if need.there is not None]
-        if self.lost or False in answers:
+        answers = [line.satisfied for line in self.lines if line.available is not None]
+        if self.diverged or False in answers:
             return False
         return None if not answers or None in answers or self.unknown else True
 
     @property
     def reason(self) -> str:
         """The reason of the verdict, in words: a flight, a wind, or the worst line."""
-        if self.lost:
-            others = len(self.lost) - 1
-            return f"{self.lost[0]}{f', and {others} more' if others else ''}"
-        if self.unknown and self.met is None:
+        if self.diverged:
+            others = len(self.diverged) - 1
+            return f"{self.diverged[0]}{f', and {others} more' if others else ''}"
+        if self.unknown and self.satisfied is None:
             return "; ".join(self.unknown)
-        worst = next((need for need in self.needs if need.there is not None), None)
-        if worst is None or self.met is None:
+        worst = next((line for line in self.lines if line.available is not None), None)
+        if worst is None or self.satisfied is None:
             return ""
-        if np.isinf(worst.needed):
+        if np.isinf(worst.required):
             return f"no {worst.name} is sufficient"
-        needed, available = (f"{x:.4g} {worst.unit}" for x in (worst.needed, worst.there or 0.0))
-        return f"the {worst.name} needed is {needed}, and {available} is available"
+        required, available = (
+            f"{x:.4g} {worst.unit}" for x in (worst.required, worst.available or 0.0)
+        )
+        return f"the required {worst.name} is {required}, and {available} is available"
 
     @property
     @derived(label="verdict")
     def words(self) -> str:
         """The verdict in a sentence, with its reason."""
-        specified = any(need.there is not None for need in self.needs)
-        if not (specified or self.lost or self.unknown):
+        specified = any(line.available is not None for line in self.lines)
+        if not (specified or self.diverged or self.unknown):
             return "nothing is judged; give a limit and a rate limit"
-        word = survival(False) if self.lost else satisfaction(self.met)
+        word = survival(False) if self.diverged else satisfaction(self.satisfied)
         return f"{word}: {self.reason}" if self.reason else word
 
     def _repr_html_(self) -> str:
@@ -401,17 +409,17 @@ class NozzleVerdict(Shown):
 
         rows = tuple(
             (
-                (f"{need.name} [{need.unit}]",),
-                cell(f"sheet.{need.name}.needed", need.needed),
-                cell(f"sheet.{need.name}.there", need.there),
-                cell(f"sheet.{need.name}.left", need.left),
+                (f"{line.name} [{line.unit}]",),
+                cell(f"sheet.{line.name}.required", line.required),
+                cell(f"sheet.{line.name}.available", line.available),
+                cell(f"sheet.{line.name}.remaining", line.remaining),
             )
-            for need in self.needs
+            for line in self.lines
         )
         scope = ", where that is known" if self.unknown else ""
         return (
             Table(
-                f"What is asked of the nozzle{scope}",
+                f"Requirements on the nozzle{scope}",
                 ("", "required", "available", "remaining"),
                 rows,
             ),

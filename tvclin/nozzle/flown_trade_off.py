@@ -25,7 +25,7 @@ from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.case.case import Case
-from tvclin.case.flexible_autopilot import law_asked
+from tvclin.case.flexible_autopilot import specified_law
 from tvclin.control.laws.registry import LAWS
 from tvclin.flights.closed_loop.survival_limit import (
     ABOVE,
@@ -38,11 +38,11 @@ from tvclin.flights.closed_loop.survival_limit import (
 
 _STOP_WORDS = ("no sudden stop of it", "a sudden stop in its middle")
 """Words for the sudden stops of a wind, for none and one."""
-_MAX_LIMIT_OVER_TRIM = 3.0
+_MAX_LIMIT_TRIM_RATIO = 3.0
 """Largest limit that is tried, over the largest trim deflection."""
 _MAX_SAMPLES = 2e9
 """Largest number of samples of all flights of a call; some minutes as machine code."""
-_RATES_OVER_MINIMUM = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
+_MINIMUM_RATE_RATIOS = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
 """Default rate limits over the minimum rate of theory."""
 
 
@@ -94,7 +94,7 @@ class FlownTradeOff(Shown):
                 more = ("*",) if odd else ()
                 yield (*shown, *more) if np.isfinite(values[k]) else ("none",)
 
-        caption = "Deflection limit that each law needs flown [deg]"
+        caption = "Required deflection limit of each law in flight [deg]"
         head = ("rate limit [deg/s]", *self.limits, *lower)
         return (Table(caption, head, tuple(tuple(cells(k)) for k in range(rates.size))),)
 
@@ -119,29 +119,29 @@ def flown_trade_offs(
     cuts: int = 1,
     progress: Callable[[float, float], None] | None = None,
 ) -> dict[str, FlownTradeOff]:
-    """Return the limit that each law needs at each rate limit, in many cases.
+    """Return the required deflection limit of laws over the rate limit, by case.
 
     Parameters
     ----------
     cases : mapping of str to Case
-        By name, such as a vehicle at several times of its flight, or in several winds. Actuator,
-        sample rate, delay, gains and filters are those of each; its nozzle's rate limit is tried
-        too.
+        Cases by name, such as a vehicle at several times of its flight, or in several winds.
+        Actuator, sample rate, delay, gains and filters are those of the case; the rate limit of its
+        nozzle is flown as well.
     rates : array_like, optional
-        Rate limits [rad/s], ``(n,)``; unless given 1.25 to 20 times the least one of each case.
+        Rate limits [rad/s], ``(n,)``; by default 1.25 to 20 times the minimum rate of each case.
     laws : tuple of str
         Names of the registry, all by default. Each is designed for the rate limit.
     cuts : int
-        Sudden stops that are tried as well, as of `closed_loop_boundary`; one is at the peak of a
-        triangle.
+        Number of sudden ends of the wind that are flown as well, see `closed_loop_boundary`; a
+        single one is at the peak of a triangle.
     progress : callable, optional
-        Called with how many boundaries are flown, in fractions too, and how many there are.
+        Called with the number of finished boundaries, in fractions too, and of all boundaries.
 
     Raises
     ------
     InputError
-        As `rate_trade_off` and `closed_loop_boundary`, for unknown names, and for flights of more
-        than 2e9 samples in all.
+        For unknown names, and flights of more than 2e9 samples in all; also the exceptions of
+        `rate_trade_off` and `closed_loop_boundary`.
 
     Examples
     --------
@@ -174,9 +174,9 @@ def flown_trade_offs(
             **case.hardware,
             "rate_limit": rate,
             "cuts": cuts,
-            "highest": _MAX_LIMIT_OVER_TRIM,
+            "highest": _MAX_LIMIT_TRIM_RATIO,
         }
-        law = law_asked(case, name, rate)
+        law = specified_law(case, name, rate)
         boundary = closed_loop_boundary(case.plant, law, case.history, **options, progress=advanced)
         done += 1
         advanced(0, 1)
@@ -199,7 +199,7 @@ def flown_trade_offs(
 def _check_samples(
     cases: Mapping[str, Case], minima: Mapping[str, RateTradeOff], winds: int
 ) -> None:
-    """Raise `InputError` for more samples in so many winds with each rate than can be flown."""
+    """Raise `InputError` for too many samples; `winds`: number of flights at each rate limit."""
     limits = STEPS + 1 + LEVELS * ABOVE * PARTS
     samples = 0.0
     for key, case in cases.items():
@@ -219,8 +219,8 @@ def _minimum(case: Case, rates: ArrayLike | None) -> RateTradeOff:
     theory = partial(rate_trade_off, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
     if rates is None:
         usual = theory()
-        least_rate = usual.minimum_rate or usual.required_rate
-        rates = _RATES_OVER_MINIMUM * least_rate if least_rate > 0.0 else usual.rates
+        minimum_rate = usual.minimum_rate or usual.required_rate
+        rates = _MINIMUM_RATE_RATIOS * minimum_rate if minimum_rate > 0.0 else usual.rates
     if nozzle.rate_limit is not None:
         rates = np.unique(np.append(rates, nozzle.rate_limit))
     return theory(rates)

@@ -22,9 +22,9 @@ class Motion:
 
     `times` [s], `deflection` [rad]: ``(n + 1,)``, with straight lines between. `at` [s]: a time in
     each step, ``(n,)``, and at these times: `angle`, `rate`, `acceleration`: the deflection and its
-    derivatives [rad, rad/s, rad/s2]; `angle_of_attack` [rad]; `swing`: the angular acceleration of
-    the vehicle [rad/s2]. `weights` [s]: of an integral over time, ``(n,)``. `sharpest`: the largest
-    acceleration [rad/s2].
+    derivatives [rad, rad/s, rad/s2]; `angle_of_attack` [rad]; `vehicle_acceleration`: the angular
+    acceleration of the vehicle [rad/s2]. `weights` [s]: of an integral over time, ``(n,)``.
+    `peak_acceleration`: the largest acceleration [rad/s2].
     """
 
     times: FloatArray
@@ -33,9 +33,9 @@ class Motion:
     angle: FloatArray
     rate: FloatArray
     acceleration: FloatArray
-    sharpest: Point
+    peak_acceleration: Point
     angle_of_attack: FloatArray
-    swing: FloatArray
+    angular_acceleration: FloatArray
     weights: FloatArray
 
     @classmethod
@@ -51,9 +51,9 @@ class Motion:
             angle=_middle(delta),
             rate=np.diff(delta) / np.diff(t),
             acceleration=_middle(np.pad(acceleration, 1, mode="edge")),
-            sharpest=largest(acceleration, t[1:-1]),
+            peak_acceleration=largest(acceleration, t[1:-1]),
             angle_of_attack=_middle(alpha),
-            swing=_middle(np.pad(_second_derivative(t, attitude), 1, mode="edge")),
+            angular_acceleration=_middle(np.pad(_second_derivative(t, attitude), 1, mode="edge")),
             weights=np.diff(t),
         )
 
@@ -76,9 +76,11 @@ class Motion:
             angle=f.deflection[:-1],
             rate=f.rate[:-1],
             acceleration=f.acceleration[:-1],
-            sharpest=largest(f.acceleration, f.times),
+            peak_acceleration=largest(f.acceleration, f.times),
             angle_of_attack=f.angle_of_attack[:-1],
-            swing=np.pad(_second_derivative(f.times, f.attitude), (1, 0), mode="edge"),
+            angular_acceleration=np.pad(
+                _second_derivative(f.times, f.attitude), (1, 0), mode="edge"
+            ),
             weights=weights,
         )
 
@@ -99,9 +101,9 @@ class Motion:
             times=self.times[ends],
             deflection=self.deflection[ends],
             **rows,
-            sharpest=largest(rows["acceleration"], rows["at"]),
+            peak_acceleration=largest(rows["acceleration"], rows["at"]),
             angle_of_attack=self.angle_of_attack[steps],
-            swing=self.swing[steps],
+            angular_acceleration=self.angular_acceleration[steps],
             weights=self.weights[steps],
         )
 
@@ -167,7 +169,7 @@ class Work(Shown):
 def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:
     """Return torque, power and energy of a motion, and notes on omitted terms.
 
-    See `nozzle_card` for the equation; without a vehicle the nozzle is on a bench.
+    See `nozzle_duty` for the equation; without a vehicle the nozzle is on a bench.
     """
     engine, weights, rate = nozzle.engine, motion.weights, motion.rate
     inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)
@@ -180,8 +182,8 @@ def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tupl
         a_x = (thrust - float(vehicle.axial_force)) / mass
         force = float(vehicle.normal_force_slope) * motion.angle_of_attack
         force = force + float(vehicle.control_force) * motion.angle
-        a_n = force / mass - float(vehicle.control_arm) * motion.swing
-        inertial = inertia * motion.swing - moment * a_n
+        a_n = force / mass - float(vehicle.control_arm) * motion.angular_acceleration
+        inertial = inertia * motion.angular_acceleration - moment * a_n
         stiffness += moment * a_x
         constant = float(engine.mass) * a_x * nozzle.offset + thrust * nozzle.thrust_offset
         if stiffness < 0.0:

@@ -109,7 +109,7 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
         Where no sounding is judged, or none needs a deflection.
     """
     instance("availability", availability, Availability, "see availability")
-    most = np.nanmax(availability.most, initial=0.0)
+    most = np.nanmax(availability.upper, initial=0.0)
     if not most > 0.0:
         raise InputError("availability must hold a sounding that asks for deflection, to be drawn")
     limits = np.linspace(0.0, _WIDER * max(float(most), availability.limit), _LIMITS)
@@ -118,13 +118,13 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
     parts = [part if isinstance(part, tuple) else (part,) for part in availability.curve(limits)]
     if multiple:
         values = {
-            f"{azimuth:.4g} deg": [part[a].part for part in parts]
+            f"{azimuth:.4g} deg": [part[a].fraction for part in parts]
             for a, azimuth in enumerate(azimuths)
         }
     else:
         values = {
             _UPPER: [part[0].upper for part in parts],
-            _FLOWN: [part[0].part for part in parts],
+            _FLOWN: [part[0].fraction for part in parts],
             _LOWER: [part[0].lower for part in parts],
         }
     columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())

@@ -52,12 +52,12 @@ def vector_requirements(
 ) -> VectorRequirement:
     """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
-    from tvclin.boundary.plane_limits import plane_requirements
+    from tvclin.boundary.plane_limits import two_plane_requirement
 
     pair = PlanePair((pitch, yaw), wind)
     try:
         checked_batch(pitch, wind, stop, yaw)
-        limits = plane_requirements(pair, stop, dead_bands.tolist(), literal=True)
+        limits = two_plane_requirement(pair, stop, dead_bands.tolist(), literal=True)
     except InputError as error:
         return VectorRequirement(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
     if isinstance(stop, CircularShape):

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from tvclin.flights.closed_loop.flown_margins import FlownMargins
     from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
     from tvclin.linear.flexible import AnyPlant
-    from tvclin.nozzle.data_sheet import FlightCard
+    from tvclin.nozzle.data_sheet import FlightDuty
     from tvclin.requirement.autopilot_requirement import AutopilotRequirement
     from tvclin.requirement.flight.request import SizingRequest
     from tvclin.requirement.flight.sizing import Sizing
@@ -93,7 +93,7 @@ class Findings:
     flown: FlownMargins | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
-    card: FlightCard | None
+    card: FlightDuty | None
     availability: Availability | None
     rates: RateTradeOff | None
     loads: LoadTradeOff | None
@@ -344,10 +344,10 @@ def _flight(plan: StudyPlan, request: SizingRequest, told: Told) -> tuple[Sizing
     return sizing, request.total(plan, sizing)
 
 
-def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightCard:
-    from tvclin.nozzle.flight_duty import flight_card
+def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightDuty:
+    from tvclin.nozzle.duty_over_flight import flight_duty
 
-    return flight_card(plan, request, str(request.card), progress=told)
+    return flight_duty(plan, request, str(request.card), progress=told)
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:

@@ -265,20 +265,22 @@ def _card(findings: Findings) -> Iterator[Question]:
             yield Question(name, None, (_reason(findings, "card"),))
         return
     verdict = findings.card.verdict
-    worst = verdict.needs[0]
-    measure = None if worst.there is None else Measure(worst.needed, worst.there, worst.unit)
+    worst = verdict.lines[0]
+    measure = (
+        None if worst.available is None else Measure(worst.required, worst.available, worst.unit)
+    )
     line: Line = (f"the {worst.name} that {findings.card.law} takes along the flight",)
-    if verdict.lost or verdict.unknown:
+    if verdict.diverged or verdict.unknown:
         line = (verdict.reason,)
-    yield Question(name, verdict.met, line, measure=measure)
+    yield Question(name, verdict.satisfied, line, measure=measure)
 
 
 def _availability(findings: Findings, minimum: float) -> Question:
     """Return the question whether at least this fraction of the soundings fly."""
     if findings.availability is None:
         return Question("availability", None, (_reason(findings, "availability"),))
-    fraction = findings.availability.part()
-    measure = Measure(100.0 * minimum, 100.0 * fraction.part, "%", 1)
+    fraction = findings.availability.fraction()
+    measure = Measure(100.0 * minimum, 100.0 * fraction.fraction, "%", 1)
     yes, line = findings.availability.reaches(minimum), str(fraction)
     if yes is None:
         line = f"too few soundings to tell whether {100.0 * minimum:g} % of days fly; {line}"
@@ -481,7 +483,7 @@ def beside(found: Findings) -> Iterator[Question]:
     if found.availability is not None and found.availability.limit is not None:
         request = found.plan.availability
         if request is not None and request.least_part is None:
-            words = f"{found.availability.part()}; no least_part is asked in [availability]"
+            words = f"{found.availability.fraction()}; no least_part is asked in [availability]"
             yield Question("availability", None, (words,))
 
 

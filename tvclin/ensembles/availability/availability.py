@@ -22,7 +22,7 @@ from tvclin.base.errors import (
     one_of,
     small_angle,
 )
-from tvclin.ensembles.availability.availability_record import Availability, one_row_or_one
+from tvclin.ensembles.availability.availability_record import Availability, scalar_or_row
 from tvclin.ensembles.availability.judge import STOPS, Judge
 from tvclin.ensembles.availability.sounding_winds import (
     HALF_DAY,
@@ -66,7 +66,7 @@ def availability(
     """Return the fraction of soundings of an archive with which a deflection limit is sufficient.
 
     A flight with varying parameters goes through each sounding; the requirement is for the dead
-    band K = 1, which needs no forecast, as of `size` with ``varying=True``.
+    band K = 1, which needs no forecast; it is that of `size` with ``varying=True``.
 
     Parameters
     ----------
@@ -94,8 +94,8 @@ def availability(
         trim reaches what the wind alone requires; the larger counts. By its angle it is the wind
         that turns the flight path by that angle.
     gust_speed : float, optional
-        Wind speed [m/s] at the gust's peak, up to 1,000, in place of its angle: it adds to the wind
-        at each time, in each plane as if it blew in that plane alone.
+        Wind speed [m/s] at the gust's peak, up to 1,000, in place of its angle; it adds to the wind
+        at each time, in each plane as if the wind were in that plane alone.
     known_to : float, optional
         Height [m] to which a sounding must go to be judged.
     utc_offset : float, optional
@@ -127,7 +127,7 @@ def availability(
     >>> soundings = tv.winds.Soundings.from_profiles(winds, ["2024-02-01T00", "2024-02-01T12"])
     >>> limit, azimuth = np.radians(0.4), np.radians(90)
     >>> available = tv.availability(flight, soundings, limit=limit, azimuth=azimuth)
-    >>> print(available.part())
+    >>> print(available.fraction())
     1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
     """
     instance("flight", flight, FlightSchedule, "see load_schedule")
@@ -143,10 +143,10 @@ def availability(
     checked_gust(gust)
     if gust_speed is not None:
         if gust is None:
-            raise InputError("the speed of a gust needs the gust that it is of")
+            raise InputError("gust_speed is the speed of a gust: give the gust as well")
         nonzero("gust_speed", gust_speed, "m/s")
         gust_speed = number("gust_speed", gust_speed, between(-1e3, 1e3), "m/s")
-    azimuths = one_row_or_one("azimuth", azimuth)
+    azimuths = scalar_or_row("azimuth", azimuth)
     directions("azimuth", azimuths)
     growth = growth_of(persistence)
     capability = number("limit", limit, small_angle("a deflection", nonnegative), "rad")
@@ -169,7 +169,7 @@ def availability(
     bounds = judge.requirements(soundings, progress)
     added, growth_notes = _added(growth, bounds.lower, bounds.upper, soundings)
     required, flight_notes = judge.decided(soundings, bounds, capability - added)
-    least, most = (x + added[:, np.newaxis] for x in (required.lower, required.upper))
+    lower, upper = (x + added[:, np.newaxis] for x in (required.lower, required.upper))
     single = np.ndim(azimuth) == 0
     return Availability(
         soundings=soundings,
@@ -177,9 +177,9 @@ def availability(
         azimuth=float(azimuths[0]) if single else azimuths,
         plane=plane,
         model=model,
-        least=least[0] if single else least,
-        most=most[0] if single else most,
-        known=required.known[0] if single else required.known,
+        lower=lower[0] if single else lower,
+        upper=upper[0] if single else upper,
+        wind_known=required.wind_known[0] if single else required.wind_known,
         persistence=added,
         confidence=confidence,
         notes=(
@@ -195,38 +195,44 @@ def availability(
 
 def _added(
     growth: float | WindGrowth | PairGrowth,
-    least: FloatArray,
-    most: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
     soundings: Soundings,
 ) -> tuple[FloatArray, list[str]]:
-    """Return the angle [rad] that persistence adds, ``(a,)`` for azimuths, and its notes."""
+    """Return the increase of requirements by persistence [rad], ``(a,)``, and its notes."""
     if isinstance(growth, WindGrowth):
-        return np.zeros(least.shape[0]), ["each need includes the wind that may still come"]
+        note = "each required deflection includes the growth of the wind until launch"
+        return np.zeros(lower.shape[0]), [note]
     if isinstance(growth, PairGrowth):
-        usable = most - least <= _MAX_BOUND_SPREAD * most
-        added, pairs = grown_by(growth, np.where(usable, least, np.nan), soundings.times)
+        usable = upper - lower <= _MAX_BOUND_SPREAD * upper
+        added, pairs = grown_by(growth, np.where(usable, lower, np.nan), soundings.times)
         added = np.maximum(added, 0.0)
-        words = ", ".join(f"{angle:.4f}" for angle in np.degrees(added).tolist())
+        angles = ", ".join(f"{angle:.4f}" for angle in np.degrees(added).tolist())
         return added, [
-            f"persistence adds {words} deg; the needs of {100 * growth.quantile:g} % of"
-            f" {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
+            f"persistence adds {angles} deg; the required deflections of"
+            f" {100 * growth.quantile:g} %"
+            f" of {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
         ]
     notes = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
-    return np.full(least.shape[0], growth), notes
+    return np.full(lower.shape[0], growth), notes
 
 
 def _judged(judge: Judge, times: FloatArray) -> list[str]:
-    """Return notes on the intervals of the flight that are not judged, or judged by themselves."""
+    """Return notes on intervals of the flight that are not judged, or judged separately."""
     flight, (first, last) = judge.flight, judge.flight.span
     notes = []
-    if len(judge.parts) > 1:
-        turns = ", ".join(f"{part.path.time[0]:.4g}" for part in judge.parts[1:])
+    if len(judge.intervals) > 1:
+        turns = ", ".join(f"{interval.path.time[0]:.4g}" for interval in judge.intervals[1:])
         notes.append(
-            f"the air turns the vehicle to the other side from {turns} s on: what is before and"
-            " what is after is judged by itself, each from trim on, and the larger need counts"
+            f"the aerodynamic moment changes its sign at {turns} s: the intervals before and after"
+            " are judged separately, each from trim on, and the larger requirement counts"
         )
-    calm = [part.path.time[[0, -1]].tolist() for part in judge.parts if not part.marches]
-    notes += [f"from {a:.4g} to {b:.4g} s nothing grows: no deflection is needed" for a, b in calm]
+    calm = [
+        interval.path.time[[0, -1]].tolist() for interval in judge.intervals if not interval.marches
+    ]
+    notes += [
+        f"from {a:.4g} to {b:.4g} s no mode is unstable: no deflection is required" for a, b in calm
+    ]
     late, early = times[:, 0] > first, times[:, 1] < last
     where = []
     if np.any(late):
@@ -236,9 +242,9 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     if where:
         count, limit = int(np.sum(late | early)), np.degrees(MAX_LINEAR_ANGLE)
         notes.append(
-            f"{' and '.join(where)} the wind of {count} of {len(times)} soundings meets the flight"
-            f" at more than {limit:.3g} deg, somewhere there, of which linear aerodynamics says"
-            " nothing: in each of them the rest is judged"
+            f"{' and '.join(where)} the wind angle of {count} of {len(times)} soundings exceeds"
+            f" {limit:.3g} deg, beyond linear aerodynamics: the remaining interval of the flight"
+            " is judged"
         )
     return notes
 

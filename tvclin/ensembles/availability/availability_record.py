@@ -26,7 +26,7 @@ from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Line, Table, degrees, minimum_limit, text
 from tvclin.base.lines import number as number_cell
 from tvclin.ensembles.availability.judge import Judge
-from tvclin.ensembles.statistics import part_of
+from tvclin.ensembles.statistics import survival_fraction
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
@@ -45,12 +45,12 @@ class Today(Shown):
 
     Attributes
     ----------
-    least, most : float
+    lower, upper : float
         Bounds of its required deflection [rad], with persistence: with a calm and with a strong
         wind where the wind is not known. NaN where nothing can be said.
     limit : float
         Deflection capability [rad].
-    part : float
+    archive_fraction : float
         Fraction of the archive's known soundings that require less.
     judged : tuple of float
         First and last time [s] of the judged interval of the flight.
@@ -58,10 +58,10 @@ class Today(Shown):
         Reason why nothing can be said; empty for a judged sounding.
     """
 
-    least: float = field(metadata=spec("angle"))
-    most: float = field(metadata=spec("angle"))
+    lower: float = field(metadata=spec("angle"))
+    upper: float = field(metadata=spec("angle"))
     limit: float
-    part: float = field(metadata=spec(name="part_of_archive_below"))
+    archive_fraction: float = field(metadata=spec(name="archive_fraction_below"))
     judged: tuple[float, float] = field(metadata=spec("time"))
     why: str = field(default="", metadata=spec())
 
@@ -69,9 +69,9 @@ class Today(Shown):
     @derived()
     def go(self) -> bool | None:
         """Whether the limit is sufficient; None where that is not known."""
-        if not np.isnan(self.most) and covers(self.limit, self.most):
+        if not np.isnan(self.upper) and covers(self.limit, self.upper):
             return True
-        return None if np.isnan(self.least) or covers(self.limit, self.least) else False
+        return None if np.isnan(self.lower) or covers(self.limit, self.lower) else False
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,15 +90,15 @@ class Availability(Tabled):
         Direction of flight [rad], or several of them.
     plane, model : str
         Plane of the motion that counts, and model of the plant.
-    least, most : ndarray
+    lower, upper : ndarray
         Bounds of the required deflections [rad], with persistence, ``(n,)``: with a calm and with a
         strong wind where the wind is not known. NaN where nothing can be said. Where trim reaches
-        the limit more than once, or the path is quick, `most` includes what a flight may require
+        the limit more than once, or the path is quick, `upper` includes what a flight may require
         more, up to the largest trim; it is the limit where a flight survived with it.
-    known : ndarray of bool
+    wind_known : ndarray of bool
         Whether the requirement is the same with calm and with a strong wind, ``(n,)``.
     persistence : ndarray
-        The angle [rad] that `least` and `most` include for it, by azimuth, ``(a,)``.
+        The angle [rad] that `lower` and `upper` include for it, by azimuth, ``(a,)``.
     confidence : float
         Confidence of the intervals.
     notes : tuple of str
@@ -117,9 +117,9 @@ class Availability(Tabled):
     azimuth: float | FloatArray
     plane: str = field(metadata=spec())
     model: str = field(metadata=spec())
-    least: FloatArray
-    most: FloatArray
-    known: BoolArray
+    lower: FloatArray
+    upper: FloatArray
+    wind_known: BoolArray
     persistence: FloatArray
     confidence: float
     notes: tuple[str, ...] = field(metadata=spec())
@@ -133,48 +133,52 @@ class Availability(Tabled):
         return self._flies(self.limit)
 
     @property
-    def need(self) -> FloatArray:
+    def required(self) -> FloatArray:
         """Lower bounds of required deflections [rad], ``(n,)``; NaN where this limit is not judged.
 
-        They depend on the limit of `availability`: a sounding whose trim reaches it more than once
-        is flown if it requires about this limit, and else `least` and `most` are its bounds.
+        The bounds depend on the limit of `availability`: a sounding whose trim reaches it more than
+        once is flown if it requires about this limit, and else `lower` and `upper` are its bounds.
         """
-        return np.where(np.isnan(self.flies), np.nan, self.least)
+        return np.where(np.isnan(self.flies), np.nan, self.lower)
 
     @property
     def why(self) -> tuple[str, ...]:
         """Reason why a sounding is not judged, ``(n,)``; empty for a judged one."""
         undecided: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
-        both = zip(self.reasons, undecided, strict=True)
-        known = np.all(np.atleast_2d(self.known), axis=0).tolist()
-        words = [_UNDECIDED if wind else "its wind is not known far enough" for wind in known]
+        reasons = zip(self.reasons, undecided, strict=True)
+        wind_known = np.all(np.atleast_2d(self.wind_known), axis=0).tolist()
+        words = [_UNDECIDED if wind else "its wind is not known far enough" for wind in wind_known]
         return tuple(
-            reason or word * open_ for (reason, open_), word in zip(both, words, strict=True)
+            reason or word * open_ for (reason, open_), word in zip(reasons, words, strict=True)
         )
 
     @property
     def judged_in_all(self) -> tuple[float, float]:
-        """First and last time [s] of the part of the flight that is judged in every sounding."""
+        """First and last time [s] of the flight interval that is judged in every sounding."""
         begins, ends = self.judged[~np.isnan(self.judged[:, 0])].T
         first, last = self.judge.flight.span
         return float(begins.max(initial=first)), float(ends.min(initial=last))
 
-    def part(self) -> Any:
-        """Return the fraction that flies, a `Part`; a tuple of them for several azimuths."""
-        return self._for_each(self.limit, np.ones(len(self.soundings), dtype=bool))
+    def fraction(self) -> Any:
+        """Return the fraction of soundings that fly, a `SurvivalFraction`; a tuple by azimuth."""
+        return self._fractions(self.limit, np.ones(len(self.soundings), dtype=bool))
 
-    def reaches(self, part: float) -> Any:
+    def reaches(self, fraction: float) -> Any:
         """Return whether at least a fraction of the days flies: True, False, or None if not proven.
 
-        `part`: the fraction, in [0, 1]. Proven is what holds for the whole confidence interval,
-        with unknown soundings counted as lost for True, and as flown for False.
+        `fraction`: the fraction, in [0, 1]. An answer is proven if it holds for the whole
+        confidence interval, with unknown soundings counted as lost for True, and as flown for
+        False.
         """
-        part = number("part", part, between(0.0, 1.0))
-        every = np.ones(len(self.soundings), dtype=bool)
-        ends = [self._rows(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
+        fraction = number("fraction", fraction, between(0.0, 1.0))
+        all_soundings = np.ones(len(self.soundings), dtype=bool)
+        ends = [
+            self._rows(self._fractions(self.limit, all_soundings, unknown))
+            for unknown in (0.0, 1.0)
+        ]
         return self._plain(
             [
-                True if low.lower >= part else False if high.upper < part else None
+                True if low.lower >= fraction else False if high.upper < fraction else None
                 for low, high in zip(*ends, strict=True)
             ]
         )
@@ -183,37 +187,37 @@ class Availability(Tabled):
         """Return the fraction that flies by month, in the hours of the archive."""
         months = self.soundings.months
         return {
-            month: self._for_each(self.limit, months == month)
+            month: self._fractions(self.limit, months == month)
             for month in np.unique(months[months > 0]).tolist()
         }
 
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
         """Return the fractions that fly with other limits [rad], ``(m,)``."""
-        every = np.ones(len(self.soundings), dtype=bool)
-        row = small_angle("a deflection", nonnegative)("limits", one_row_or_one("limits", limits))
-        return tuple(self._for_each(limit, every) for limit in row.tolist())
+        all_soundings = np.ones(len(self.soundings), dtype=bool)
+        row = small_angle("a deflection", nonnegative)("limits", scalar_or_row("limits", limits))
+        return tuple(self._fractions(limit, all_soundings) for limit in row.tolist())
 
-    def placard(self, parts: ArrayLike = PLACARD) -> FloatArray:
+    def placard(self, fractions: ArrayLike = PLACARD) -> FloatArray:
         """Return the minimum limits [rad] sufficient for fractions of the judged soundings.
 
         Infinite where no limit is sufficient, NaN where no sounding is known. Shape
         ``(p,)``, or ``(a, p)`` for several azimuths.
         """
-        fractions = within("parts", one_row_or_one("parts", parts), 0.0, 1.0)
+        fractions = within("fractions", scalar_or_row("fractions", fractions), 0.0, 1.0)
 
-        def limits(least: FloatArray, most: FloatArray) -> FloatArray:
-            known = ~np.isnan(most)
-            if not np.any(known):
+        def limits(lower: FloatArray, upper: FloatArray) -> FloatArray:
+            judged = ~np.isnan(upper)
+            if not np.any(judged):
                 return np.full(fractions.shape, np.nan)
-            high, low = np.sort(most[known]), np.sort(least[known])
+            high, low = np.sort(upper[judged]), np.sort(lower[judged])
             flown = np.searchsorted(high, high, side="right")
-            lost = low.size - np.searchsorted(low, high, side="right")
-            part = flown / np.maximum(flown + lost, 1)
-            place = np.searchsorted(part, fractions * (1.0 - 1e-12))
-            return np.append(high, np.inf)[np.minimum(place, high.size)]
+            insufficient = low.size - np.searchsorted(low, high, side="right")
+            part = flown / np.maximum(flown + insufficient, 1)
+            index = np.searchsorted(part, fractions * (1.0 - 1e-12))
+            return np.append(high, np.inf)[np.minimum(index, high.size)]
 
-        rows = zip(np.atleast_2d(self.least), np.atleast_2d(self.most), strict=True)
-        sufficient = np.stack([limits(least, most) for least, most in rows])
+        rows = zip(np.atleast_2d(self.lower), np.atleast_2d(self.upper), strict=True)
+        sufficient = np.stack([limits(lower, upper) for lower, upper in rows])
         return sufficient[0] if np.ndim(self.azimuth) == 0 else sufficient
 
     def today(self, profile: WindProfile) -> Any:
@@ -229,21 +233,25 @@ class Availability(Tabled):
         limits = self.limit - self.persistence
         required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
         verdicts = []
-        for a, most in enumerate(np.atleast_2d(self.most)):
-            least, high = (
+        for a, upper in enumerate(np.atleast_2d(self.upper)):
+            lower, upper_bound = (
                 float(x[a, 0] + self.persistence[a]) for x in (required.lower, required.upper)
             )
-            known = most[~np.isnan(most)]
-            part = float(np.mean(known < high * _LOWER_RATIO)) if known.size else float("nan")
+            judged = upper[~np.isnan(upper)]
+            part = (
+                float(np.mean(judged < upper_bound * _LOWER_RATIO)) if judged.size else float("nan")
+            )
             span = required.judged[0].tolist()
             verdicts.append(
-                Today(least, high, self.limit, part, (span[0], span[1]), required.reasons[0])
+                Today(lower, upper_bound, self.limit, part, (span[0], span[1]), required.reasons[0])
             )
         return self._plain(verdicts)
 
     def _columns(self) -> Columns:
-        """Return requirements and verdicts by azimuth and time, with what identifies them."""
-        angles = {name: np.atleast_2d(getattr(self, name)) for name in ("need", "least", "most")}
+        """Return the columns of requirements and verdicts, by azimuth and time."""
+        angles = {
+            name: np.atleast_2d(getattr(self, name)) for name in ("required", "lower", "upper")
+        }
         begins, ends = self.judged.T
         return Columns(
             (
@@ -272,20 +280,20 @@ class Availability(Tabled):
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON, angles in degrees."""
-        names = [f"{100 * part:g} %" for part in PLACARD]
-        months = {str(month): self._rows(each) for month, each in self.by_month().items()}
+        """Return the record for JSON, angles in degrees."""
+        names = [f"{100 * fraction:g} %" for fraction in PLACARD]
+        months = {str(month): self._rows(fractions) for month, fractions in self.by_month().items()}
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).round(12)
         placards = np.degrees(np.atleast_2d(self.placard()))
         towards = [
             {
                 "azimuth_deg": azimuths[a],
-                **part.as_dict(),
-                "months": {month: each[a] for month, each in months.items()},
+                **fraction.as_dict(),
+                "months": {month: fractions[a] for month, fractions in months.items()},
                 "placard_deg": dict(zip(names, placards[a], strict=True)),
                 "persistence_deg": np.degrees(self.persistence[a]),
             }
-            for a, part in enumerate(self._rows(self.part()))
+            for a, fraction in enumerate(self._rows(self.fraction()))
         ]
         return {
             "vehicle": self.judge.flight.vehicle.name,
@@ -299,7 +307,7 @@ class Availability(Tabled):
         }
 
     def _repr_html_(self) -> str:
-        parts = self._rows(self.part())
+        parts = self._rows(self.fraction())
         rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
         rows += [
@@ -319,29 +327,32 @@ class Availability(Tabled):
     @property
     def requires_deflection(self) -> bool:
         """Whether any judged sounding requires deflection."""
-        return bool(np.nanmax(self.most, initial=0.0) > 0.0)
+        return bool(np.nanmax(self.upper, initial=0.0) > 0.0)
 
     def _rows(self, value: Any) -> tuple[Any, ...]:
-        """Return values by azimuth as a tuple, also for a single azimuth."""
+        """Return values by azimuth as a tuple, of length one for a single azimuth."""
         return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:
         """Return 1 where a limit [rad] is sufficient, 0 where it is not, NaN if not known."""
         with np.errstate(invalid="ignore"):
-            sufficient = np.asarray(covers(limit, self.most))
-            lost = ~np.asarray(covers(limit, self.least))
-        known = ~np.isnan(self.least)
-        return np.where(known & sufficient, 1.0, np.where(known & lost, 0.0, np.nan))
+            sufficient = np.asarray(covers(limit, self.upper))
+            insufficient = ~np.asarray(covers(limit, self.lower))
+        decided = ~np.isnan(self.lower)
+        return np.where(decided & sufficient, 1.0, np.where(decided & insufficient, 0.0, np.nan))
 
-    def _for_each(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
-        """Return the fraction of selected soundings that fly, with `unknown` ones as that value."""
+    def _fractions(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
+        """Return the fraction of selected soundings that fly, by azimuth.
+
+        `which`: whether a sounding is selected, ``(n,)``. `unknown`: verdict of unknown soundings.
+        """
         times = self.soundings.times[which]
         season = (12 * self.soundings.years + self.soundings.months)[which]
         flown = np.nan_to_num(self._flies(limit), nan=unknown)
-        rows = zip(np.atleast_2d(flown), np.atleast_2d(self.least), strict=True)
+        rows = zip(np.atleast_2d(flown), np.atleast_2d(self.lower), strict=True)
         return self._plain(
             [
-                part_of(flies[which], need[which], times, season, self.confidence)
+                survival_fraction(flies[which], need[which], times, season, self.confidence)
                 for flies, need in rows
             ]
         )
@@ -351,7 +362,7 @@ class Availability(Tabled):
         return values[0] if np.ndim(self.azimuth) == 0 else tuple(values)
 
 
-def one_row_or_one(name: str, value: ArrayLike) -> FloatArray:
+def scalar_or_row(name: str, value: ArrayLike) -> FloatArray:
     """Return a number or a row of numbers as a row, ``(n,)``; `InputError` for other shapes."""
     array = finite(name, value)
     return one_row(name, array if array.ndim else array[np.newaxis])
@@ -365,7 +376,7 @@ _MONTHS = (
 
 def limit_line(a: Availability) -> Line:
     """Return the limit and the fraction of the soundings that fly with it."""
-    return ("Limit ", *degrees("availability.limit", a.limit, unit="deg"), ": ", *a.part().line)
+    return ("Limit ", *degrees("availability.limit", a.limit, unit="deg"), ": ", *a.fraction().line)
 
 
 def archive_words(a: Availability) -> str:
@@ -387,7 +398,7 @@ def by_month(a: Availability) -> Table:
         for towards, part in zip(_towards(a), by_azimuth, strict=True):
             key = f"availability.month.{month}{towards}"
             counts = {"flown": part.flown, "judged": part.judged, "unknown": part.unknown}
-            shares = {"part": part.part, "lower": part.lower, "upper": part.upper}
+            shares = {"part": part.fraction, "lower": part.lower, "upper": part.upper}
             cells = [number_cell(f"{key}.{name}", value, 0) for name, value in counts.items()]
             cells += [number_cell(f"{key}.{k}_percent", 100.0 * x, 1) for k, x in shares.items()]
             rows.append(((f"{_MONTHS[month - 1]}{towards}",), *cells))
@@ -396,9 +407,10 @@ def by_month(a: Availability) -> Table:
 
 
 def interval(a: Availability) -> str:
-    """Return the meaning of the confidence interval, in words."""
+    """Return the meaning of the confidence interval, in sentences."""
     return (
-        f"With {100 * a.confidence:g} % confidence the part of all such days lies in the interval;"
+        f"With {100 * a.confidence:g} % confidence the fraction of all such days lies in the"
+        " interval;"
         " days that are alike count as fewer independent ones."
     )
 
@@ -412,7 +424,7 @@ def placard(a: Availability) -> Table:
             minimum_limit(degrees(f"{key}{k}", x)) for k, x in zip(_towards(a), limits, strict=True)
         )
         rows.append(((f"{100.0 * part:g} %",), *cells))
-    head = ("part", *(f"limit [deg]{towards}" for towards in _towards(a)))
+    head = ("fraction", *(f"limit [deg]{towards}" for towards in _towards(a)))
     return Table("Limit that is sufficient in a fraction of the soundings", head, tuple(rows))
 
 
@@ -423,7 +435,7 @@ def unknown(a: Availability) -> Table:
         ((reason,), number_cell(f"availability.unknown.{i}", count, 0))
         for i, (reason, count) in enumerate(reasons.most_common())
     )
-    return Table("Unknown soundings", ("why", "number_cell"), rows)
+    return Table("Unknown soundings", ("why", "number"), rows)
 
 
 def _towards(a: Availability) -> list[str]:

@@ -34,7 +34,7 @@ class AvailabilityRequest:
     plane : str
         Plane that counts.
     persistence : float, WindGrowth, PairGrowth or "pairs", optional
-        Increase between balloon and launch, as of `availability`.
+        Increase between balloon and launch; see `availability`.
     known_to : float, optional
         Height that a sounding must reach to be judged [m].
     confidence : float
@@ -74,9 +74,10 @@ class AvailabilityRequest:
     def availability(
         self, case: Case, progress: Callable[[int, int], None] | None = None
     ) -> Availability:
-        """Return the availability of a case; `InputError` without a limit, and as `availability`.
+        """Return the availability of a case; `InputError` without a limit.
 
-        In both planes the stop is that of the nozzle, or round.
+        Same exceptions as `availability`. In both planes the limit shape is that of the nozzle, or
+        round.
         """
         from tvclin.ensembles.availability.availability import availability
 

@@ -1,8 +1,8 @@
 """Required deflections of the soundings of an archive: bounds, equal where all wind is known.
 
-Where the wind of a sounding is not known it is taken as calm; and as against the vehicle, as
-strong as where it was known last, or as 95 % of the archive have at that height, if that is more.
-What is required lies between what these two require.
+Where the wind of a sounding is not known, two winds are computed: a calm; and a wind against the
+vehicle, as strong as the last known one, or as the 95 % quantile of the archive at that height, if
+that is stronger. The required deflection lies between the requirements of both.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT, TOO_FLAT = (
     "it ends below known_to",
     "no horizontal wind turns the flight so far as the gust",
 )
-_LEVELS_TOGETHER = 60_000
+_MAX_LEVELS_PER_MARCH = 60_000
 """Levels of soundings that are marched together: their steps fill some megabytes."""
 _STRENGTH_HEIGHTS = 40
 """Heights of a flight at which the strength of winds in an archive is computed."""
@@ -54,31 +54,32 @@ class Requirements:
     ----------
     lower, upper : ndarray
         Bounds, with calm and with a strong wind where it is not known, ``(a, n)`` for azimuths and
-        soundings; NaN where nothing can be said. Where trim reaches a limit more than once, and no
-        flight decided, `upper` holds what a flight may require more, up to the largest trim.
+        soundings; NaN where the sounding is not judged. Where trim reaches a limit more than once,
+        and no flight decided, `upper` is the largest possible requirement of a flight, at most the
+        largest trim.
     lowest : ndarray
         Lowest limits with which flights may survive, ``(a, n)``.
-    known : ndarray of bool
+    wind_known : ndarray of bool
         Whether the wind is known wherever it may count, ``(a, n)``.
     reasons : list of str
-        Reason for which nothing can be said of a sounding, or empty.
+        Reason why a sounding is not judged, or empty.
     judged : ndarray
-        First and last time [s] of the judged part of the flight, ``(n, 2)``.
+        First and last time [s] of the judged interval of the flight, ``(n, 2)``.
     """
 
     lower: FloatArray
     upper: FloatArray
     lowest: FloatArray
-    known: BoolArray
+    wind_known: BoolArray
     reasons: list[str]
     judged: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class FlightPart:
-    """A part of a flight in which the air turns the vehicle to one side alone.
+class FlightInterval:
+    """Interval of a flight in which the aerodynamic moment has one sign.
 
-    `marches`: by the planes with an unstable mode.
+    `marches`: by plane, for planes with an unstable mode.
     """
 
     path: FlightPath
@@ -97,8 +98,8 @@ class Judge:
         Its arrays over height.
     additions : Additions
         Growth and gust on top of the winds.
-    parts : tuple of FlightPart
-        In each the vehicle is flown by itself, and the largest requirement counts.
+    intervals : tuple of FlightInterval
+        Intervals that are judged separately; the largest requirement counts.
     planes : tuple of str
         Planes of the motion.
     azimuths : ndarray
@@ -110,13 +111,13 @@ class Judge:
     heights : ndarray
         Heights [m] of `strength`.
     strength : dict
-        Speeds [m/s] below which 95 % of an archive stay there, by plane and azimuth.
+        Quantiles of 95 % of the wind speeds of an archive [m/s] at `heights`, by plane and azimuth.
     """
 
     flight: FlightSchedule
     path: FlightPath
     additions: Additions
-    parts: tuple[FlightPart, ...]
+    intervals: tuple[FlightInterval, ...]
     planes: tuple[str, ...]
     azimuths: FloatArray
     stop: str
@@ -141,7 +142,7 @@ class Judge:
     ) -> Judge:
         """Return the judge of a flight, for which an unknown wind is as strong as in the archive.
 
-        `InputError` as `FlightMode` and `FlightPath`.
+        Same exceptions as `FlightMode` and `FlightPath`.
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
         usable = SoundingWinds.of(soundings[soundings.usable], path)
@@ -151,7 +152,7 @@ class Judge:
             flight,
             path,
             Additions(growth, gust, gust_speed, pressure),
-            _parts(flight, model, planes),
+            _flight_intervals(flight, model, planes),
             planes,
             azimuths,
             heights=heights,
@@ -166,9 +167,9 @@ class Judge:
     def requirements(
         self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
     ) -> Requirements:
-        """Return bounds of what soundings require, from trim and demand; report progress."""
+        """Return bounds of the required deflections of soundings, from trim and demand."""
         lower, upper, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)
-        known = np.ones(lower.shape, dtype=bool)
+        wind_known = np.ones(lower.shape, dtype=bool)
         heights = np.full((len(soundings), 2), np.nan)
         reasons = [reason and f"{UNUSABLE}: {reason}" for reason in soundings.why]
         for reason, holds in self._unjudged(soundings):
@@ -182,7 +183,7 @@ class Judge:
             linear = np.flatnonzero(~np.isnan(within[:, 0]))
             if linear.size:
                 bounds = self._bounds_of_unknown(winds.select(linear), within[linear])
-                for values, bound in zip((lower, upper, lowest, known), bounds, strict=True):
+                for values, bound in zip((lower, upper, lowest, wind_known), bounds, strict=True):
                     values[:, cases[linear]] = bound
             if progress is not None:
                 progress(done, len(soundings))
@@ -192,49 +193,50 @@ class Judge:
             for reason, fast, flat in zip(reasons, steep, unknown, strict=True)
         ]
         times = np.interp(heights, self.path.height, self.path.time)
-        return Requirements(lower, upper, lowest, known, reasons, times)
+        return Requirements(lower, upper, lowest, wind_known, reasons, times)
 
     def decided(
         self, soundings: Soundings, bounds: Requirements, limits: FloatArray
     ) -> tuple[Requirements, list[str]]:
         """Return requirements with flights where these decide on limits [rad], ``(a,)``; and notes.
 
-        A sounding whose bounds lie to both sides of the limit, and that does not survive with it,
-        is flown for what it requires, if all its wind is known. One that survives with less than
-        its lower bound has the limit for its requirement.
+        `limits`: by azimuth. A sounding whose bounds lie to both sides of the limit, and that does
+        not survive with it, is flown for what it requires, if all its wind is known. One that
+        survives with less than its lower bound has the limit for its requirement.
         """
         limit = np.maximum(limits, 0.0)[:, np.newaxis]
         lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
         with np.errstate(invalid="ignore"):  # NaN where nothing can be said
             between = (lower <= limit) & (limit < upper)
-            below = bounds.known & (bounds.lowest <= limit) & (limit < lower)
+            below = bounds.wind_known & (bounds.lowest <= limit) & (limit < lower)
         survive, index = np.zeros(lower.shape, dtype=bool), np.any(between | below, axis=0)
         for batch, within, winds in self._together(soundings, np.flatnonzero(index)):
-            for a, known in product(range(limits.size), (True, False)):
-                places = np.flatnonzero(
-                    (between | below)[a, batch] & (bounds.known[a, batch] == known)
+            for a, wind_known in product(range(limits.size), (True, False)):
+                selected = np.flatnonzero(
+                    (between | below)[a, batch] & (bounds.wind_known[a, batch] == wind_known)
                 )
-                if not places.size:
+                if not selected.size:
                     continue
-                cases, part = batch[places], (winds.select(places), within[places], a)
-                marched = list(self._marched(*part))
-                if not known:
-                    marched += self._marched(*part, strong=True)
+                cases, selection = batch[selected], (winds.select(selected), within[selected], a)
+                marched = list(self._marched(*selection))
+                if not wind_known:
+                    marched += self._marched(*selection, strong=True)
                 survive[a, cases] = self._survive(marched, float(limit[a, 0]))
                 fail = np.flatnonzero(between[a, cases] & ~survive[a, cases])
-                if known and fail.size:
+                if wind_known and fail.size:
                     required = [(p, in_plane.requirement(fail)) for p, in_plane in marched]
                     lower[a, cases[fail]] = upper[a, cases[fail]] = self._in_planes(required)
         upper = np.where((between | below) & survive, limit, upper)
         lower = np.where(below & survive, limit, lower)
-        if flown := int(np.sum((between & (bounds.known | survive)).any(axis=0))):
+        if flown := int(np.sum((between & (bounds.wind_known | survive)).any(axis=0))):
             notes.append(
                 f"{flown} soundings whose trim reaches the limit more than once were flown with"
                 " trim"
             )
         if fewer := int(np.sum((below & survive).any(axis=0))):
             notes.append(
-                f"of the soundings that fly {fewer} have a bound of their needs above the limit: a"
+                f"of the soundings that fly {fewer} have a bound of their requirement above the"
+                " limit: a"
                 " flight of the trim law survives with it"
             )
         return replace(bounds, lower=lower, upper=upper), notes
@@ -244,18 +246,19 @@ class Judge:
     ) -> Iterator[tuple[IndexArray, FloatArray, SoundingWinds]]:
         """Iterate over usable soundings that are marched together.
 
-        Given are their places, the heights [m] between which they can be judged, and their winds.
+        Each item holds their indices, the heights [m] between which they can be judged, ``(n, 2)``,
+        and their winds.
         """
         index = index[np.argsort(soundings.counts[index], kind="stable")]
         together = SoundingWinds.of(soundings[index], self.path)
         ends = np.cumsum(np.diff(together.offsets) + self.path.height.size)
-        cuts = np.arange(_LEVELS_TOGETHER, ends.max(initial=0), _LEVELS_TOGETHER)
+        cuts = np.arange(_MAX_LEVELS_PER_MARCH, ends.max(initial=0), _MAX_LEVELS_PER_MARCH)
         for batch in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
             winds = together.select(batch)
             yield index[batch], winds.linear_heights(self.path, self.additions.strongest), winds
 
     def _unjudged(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
-        """Return reasons for which nothing can be said, and of which soundings each holds."""
+        """Return reasons why soundings are not judged, and whether each holds, ``(n,)``."""
         empty = soundings.counts == 0
         ends = np.minimum(soundings.offsets, max(soundings.height.size - 1, 0))
         level = np.append(soundings.height, np.nan)
@@ -271,17 +274,17 @@ class Judge:
     def _bounds_of_unknown(
         self, winds: SoundingWinds, within: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
-        """Return lower, upper, lowest and known of `Requirements`, ``(a, n)`` each."""
+        """Return lower, upper, lowest and wind_known of `Requirements`, ``(a, n)`` each."""
         lower, upper, lowest = self._bounds(winds, within)
-        known = np.ones(lower.shape, dtype=bool)
+        wind_known = np.ones(lower.shape, dtype=bool)
         partly = np.flatnonzero(winds.incomplete(self.path))
         if partly.size:
             calm = lower[:, partly]
             strong, higher, _ = self._bounds(winds.select(partly), within[partly], strong=True)
-            known[:, partly] = np.abs(strong - calm) <= _KNOWN_TOLERANCE * strong
+            wind_known[:, partly] = np.abs(strong - calm) <= _KNOWN_TOLERANCE * strong
             lower[:, partly] = np.minimum(calm, strong)
             upper[:, partly] = np.maximum(upper[:, partly], higher)
-        return lower, upper, lowest, known
+        return lower, upper, lowest, wind_known
 
     def _bounds(
         self, soundings: SoundingWinds, within: FloatArray, strong: bool = False
@@ -299,7 +302,7 @@ class Judge:
     def _in_planes(
         self, in_planes: list[tuple[int, FloatArray]], shape: tuple[int, ...] = ()
     ) -> FloatArray:
-        """Return the deflections [rad] that both planes require, from those of winds by plane."""
+        """Return required deflections of all planes [rad], from pairs of plane and deflections."""
         planes = np.zeros((len(self.planes), *(in_planes[0][1].shape if in_planes else shape)))
         for p, required in in_planes:
             np.maximum(planes[p], required, out=planes[p])
@@ -308,7 +311,8 @@ class Judge:
     def _survive(self, marched: list[tuple[int, MarchedWinds]], limit: float) -> BoolArray:
         """Return whether flights through all winds survive with a limit [rad] and all above.
 
-        With a round limit shape a plane has the fraction of the limit that it has of both bounds.
+        With a round limit shape the limit is divided between the planes in the ratio of their
+        bounds.
         """
         lower = np.zeros((len(self.planes), *marched[0][1].bounds.lower.shape))
         for p, winds in marched:
@@ -331,22 +335,22 @@ class Judge:
     def _marched(
         self, soundings: SoundingWinds, within: FloatArray, a: int, strong: bool = False
     ) -> Iterator[tuple[int, MarchedWinds]]:
-        """Iterate over places of planes, and all winds there that a flight must survive.
+        """Iterate over indices of planes, and all winds in the plane that a flight must survive.
 
-        `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: place of the
+        `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: index of the
         azimuth. `strong`: whether a wind that is not known is strong, or calm.
         """
         azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
-        for part in self.parts:
-            low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
-            height = np.clip(soundings.breakpoints(part.path, strong), low, high)
+        for interval in self.intervals:
+            low, high = np.clip(within, *interval.path.height[[0, -1]]).T[..., np.newaxis]
+            height = np.clip(soundings.breakpoints(interval.path, strong), low, high)
             speeds = {
                 plane: (low < high)
                 * soundings.interpolated(soundings.wind(azimuth, plane, strong), height)
                 for plane in PLANES
             }
-            along = LineWinds(np.interp(height, part.path.height, part.path.time), speeds)
-            for plane, march in part.marches.items():
+            along = LineWinds(np.interp(height, interval.path.height, interval.path.time), speeds)
+            for plane, march in interval.marches.items():
                 p = self.planes.index(plane)
                 for sign, winds in self._of_signs(along, plane, soundings, height, azimuth, strong):
                     for gusty in march.with_gusts(winds, sign, self.additions):
@@ -364,7 +368,7 @@ class Judge:
     ) -> Iterator[tuple[float, LineWinds]]:
         """Iterate over signs, and winds with a growth, and a strong unknown wind, of that sign.
 
-        One sign stands for both where nothing is added to the winds.
+        A single sign stands for both where nothing is added to the winds.
         """
         if not strong and self.additions.symmetric:
             yield 1.0, along
@@ -381,12 +385,14 @@ class Judge:
 
 
 @lru_cache(maxsize=8)
-def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple[FlightPart, ...]:
-    """Return the parts of a flight, kept for the next question about it."""
-    parts = []
-    for part in flight.one_sign_intervals:
-        path = FlightPath.of(part)
-        modes = [FlightMode(part, model, plane, part.span) for plane in planes]
+def _flight_intervals(
+    flight: FlightSchedule, model: str, planes: tuple[str, ...]
+) -> tuple[FlightInterval, ...]:
+    """Return the intervals of a flight, cached by flight, model and planes."""
+    intervals = []
+    for interval in flight.one_sign_intervals:
+        path = FlightPath.of(interval)
+        modes = [FlightMode(interval, model, plane, interval.span) for plane in planes]
         motions = {mode.plane: mode for mode in modes if mode.unstable}
         fastest = max(motions.values(), key=lambda motion: motion.fastest.max(), default=None)
         marches = {
@@ -394,5 +400,5 @@ def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple
             for plane, motion in motions.items()
             if fastest is not None
         }
-        parts.append(FlightPart(path, marches))
-    return tuple(parts)
+        intervals.append(FlightInterval(path, marches))
+    return tuple(intervals)

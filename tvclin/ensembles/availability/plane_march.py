@@ -1,8 +1,8 @@
-"""Deflections that winds of soundings require in one plane, along a part of a flight.
+"""Required deflections of soundings in a plane, along an interval of a flight.
 
-The equations of the vehicle are those of even steps of the part, computed once; all winds are
-marched along them at their own wind angle and dynamic pressure over time. The largest
-min(trim, demand) is what they require but where flights decide (`time_varying`).
+The equations of the vehicle are computed once, at even steps of the interval; all winds are marched
+along them at the wind angle and dynamic pressure encountered. The requirement is the largest
+min(trim, demand), except where flights decide (`time_varying`).
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from tvclin.requirement.varying_curves import Curves
 from tvclin.requirement.varying_equations import Equations
 from tvclin.winds.histories import History
 
-_UPPER_OVER_LOWER = 1.2
-"""Largest requirement of a flight over min(trim, demand), where trim meets that more than once
-while the path drifts, or the path is quick; docs/availability.md has measured ratios."""
+_MAX_UPPER_RATIO = 1.2
+"""Largest ratio of the requirement of a flight to min(trim, demand), where trim crosses that more
+than once while the path drifts, or the path is quick; docs/availability.md has measured ratios."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +57,12 @@ class Additions:
         return np.zeros(height.shape) if self.growth is None else self.growth.at(height)
 
     def strongest(self, height: FloatArray) -> FloatArray:
-        """Return growth and speed of the gust [m/s]."""
+        """Return the sum of growth and gust speed [m/s] at heights [m]."""
         return self.grown(height) + abs(self.gust_speed or 0.0)
 
     @property
     def symmetric(self) -> bool:
-        """Whether winds are the same, whichever of their directions requires more."""
+        """Whether nothing is added to the winds, so that both signs of them require the same."""
         return self.growth is None and self.gust is None
 
 
@@ -75,12 +75,12 @@ class Bounds:
     lower : ndarray
         The largest min(trim, demand).
     upper : ndarray
-        The most that a flight may require, no more than the largest trim.
+        Largest possible requirement of a flight, at most the largest trim.
     lowest : ndarray
-        The lowest limit with which a flight may survive: less than `lower` where trim reaches that
-        to both sides, or more than once while the path drifts.
+        Lowest limit with which a flight may survive: less than `lower` where trim reaches `lower`
+        with both signs, or more than once while the path drifts.
     highest : ndarray
-        A limit that the law never meets.
+        A limit that the law never reaches.
     """
 
     lower: FloatArray
@@ -91,18 +91,18 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class PlaneMarch:
-    """A part of a flight in one plane, ready for any winds.
+    """Equations of an interval of a flight in a plane, along which winds are marched.
 
     Attributes
     ----------
     path : FlightPath
-        The part of the flight.
+        The interval of the flight.
     plane : str
         Plane of the motion.
     motion : FlightMode
         The equations of the vehicle, with an unstable mode.
     fastest : FlightMode
-        Those of the plane whose rates set the steps of both.
+        Equations of the plane whose rates set the steps of both planes.
     """
 
     path: FlightPath
@@ -112,21 +112,21 @@ class PlaneMarch:
 
     @cached_property
     def _steps(self) -> tuple[FloatArray, Equations]:
-        """Times [s] of even steps, and the equations there."""
+        """Times [s] of even steps, and the equations at these times."""
         return self._equations_in(1)
 
     @cached_property
     def _flight_steps(self) -> tuple[FloatArray, Equations]:
-        """Times [s] of the steps of flights, and the equations there."""
+        """Times [s] of the steps of flights, and the equations at these times."""
         return self._equations_in(FLIGHT_PARTS)
 
     def _equations_in(self, parts: int) -> tuple[FloatArray, Equations]:
-        """Return times [s] of even steps in so many parts, and the equations there."""
+        """Return times [s] of even steps, each in `parts`, and the equations at these times."""
         steps = even_steps(self.fastest, (self.path.time[0], self.path.time[-1]), parts)
         return steps, self.motion.over(steps)
 
     def curves(self, winds: LineWinds, pressure: bool) -> Curves:
-        """Return trim and demand of winds."""
+        """Return the curves of trim and demand [rad] of winds over time."""
         steps, equations = self._steps
         return curves(equations, *self.path.encountered(steps, winds, self.plane, pressure))
 
@@ -136,19 +136,19 @@ class PlaneMarch:
         return march.limit_of_trim_law(paired, sign)
 
     def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
-        """Return bounds of the deflections that winds require."""
+        """Return bounds of the required deflections of winds."""
         march, equations = self.curves(winds, pressure), self._steps[1]
         limit, highest = self._limit(march)[0], march.highest_limit
         if np.any(equations.paired):
             return Bounds(limit, limit, limit, highest)
         flown, lowest = decided_by_flights(equations, march, limit)
-        upper = np.maximum(limit, np.minimum(_UPPER_OVER_LOWER * limit, highest))
+        upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
         return Bounds(limit, np.where(flown & equations.drifts, upper, limit), lowest, highest)
 
     def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
-        """Return winds with a gust of one sign: where they are largest, and at their limit.
+        """Return winds with a gust: at the time of the largest wind, and of the requirement.
 
-        `sign`: that of the wind; where no wind has it there is no gust.
+        `sign`: sign of wind and gust; a wind that never has this sign is without a gust.
         """
         gust, times = additions.gust, winds.times
         if gust is None:
@@ -185,12 +185,12 @@ class PlaneMarch:
 
 @dataclass(frozen=True, eq=False)
 class MarchedWinds:
-    """Winds of soundings in one plane of a part of a flight, with their bounds.
+    """Winds of soundings in a plane of an interval of a flight, with their bounds.
 
     Attributes
     ----------
     march : PlaneMarch
-        The part of the flight.
+        The equations of the flight in the plane.
     winds : LineWinds
         One wind of each sounding.
     bounds : Bounds
@@ -205,21 +205,21 @@ class MarchedWinds:
     pressure: bool
 
     def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
-        """Return with which limits [rad] flights must decide, and which are insufficient anyway."""
+        """Return whether limits [rad] must be flown, and whether they are insufficient."""
         insufficient = limit < self.bounds.lowest
         return (self.bounds.upper > limit) & ~insufficient, insufficient
 
     def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
         """Return whether flights of cases survive with limits [rad] and all above."""
-        flights = self.march.flights(self.winds.of(cases), self.pressure)
+        flights = self.march.flights(self.winds.select(cases), self.pressure)
         return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])
 
     def requirement(self, cases: IndexArray) -> FloatArray:
-        """Return the deflections [rad] that cases require, by flights where these decide."""
+        """Return the required deflections of cases [rad], by flights where these decide."""
         b, required = self.bounds, self.bounds.lower[cases]
-        places = np.flatnonzero((b.upper > b.lowest)[cases])
-        if places.size:
-            flown = cases[places]
-            flights = self.march.flights(self.winds.of(flown), self.pressure)
-            required[places] = flights.requirement(b.lowest[flown], b.highest[flown])
+        open_cases = np.flatnonzero((b.upper > b.lowest)[cases])
+        if open_cases.size:
+            flown = cases[open_cases]
+            flights = self.march.flights(self.winds.select(flown), self.pressure)
+            required[open_cases] = flights.requirement(b.lowest[flown], b.highest[flown])
         return required

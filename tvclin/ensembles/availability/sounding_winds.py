@@ -5,9 +5,9 @@ ends are not the levels, it is represented by its values at both ends of a step 
 
     w(middle) = (6 W/h - w(begin) - w(end))/4,    W = integral of w over the step of length h,
 
-so that the parabola through the three has the impulse of the wind itself. The step in which a wind
-begins is that from there on. With the vehicle's speed
-V and path angle Theta_n of each time, winds w along the path and c across it, both over V, make
+so that the parabola through the three values has the impulse of the wind. The step in which a wind
+begins starts at that onset. With the vehicle's speed V and path angle Theta_n of each time, winds w
+along the path and c across it, both over V, make
 
     q/q_n = (cos Theta_n - w)^2 + sin(Theta_n)^2 + c^2,
     sin(alpha_w) = w sin(Theta_n)/sqrt(q/q_n) in pitch,  c/sqrt(q/q_n) in yaw.
@@ -116,7 +116,7 @@ class PairGrowth:
 
 
 def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
-    """Return persistence as an angle [rad], zero for None, or as a growth of winds or pairs."""
+    """Return the growth until launch: an angle [rad], or the growth of winds or pairs."""
     if persistence is None:
         return 0.0
     if isinstance(persistence, WindGrowth | PairGrowth):
@@ -153,16 +153,16 @@ def grown_by(
     return scale * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]
 
 
-WIDEST = 2000.0
-"""Distance [m] of two levels above which the wind between them is not known."""
+MAX_LEVEL_DISTANCE = 2000.0
+"""Largest distance of two levels [m] between which the wind is known."""
 _EDGE_DISTANCE = 0.01
-"""Distance [m] from the edge of such a gap to where nothing is known."""
+"""Distance [m] of the additional levels from the edges of a gap."""
 _SOUNDING_OFFSET = 1e6
-"""Distance [m] of the heights of successive soundings, where all stand in one row."""
+"""Offset [m] between the heights of successive soundings, where all are in one array."""
 _STRENGTH_QUANTILE = 0.95
-"""Fraction of the soundings that know the wind at a height with no more of it."""
-_GUST_PARTS = 64
-"""Straight lines in place of a gust."""
+"""Quantile of known wind speeds at a height that a strong unknown wind has."""
+_GUST_SEGMENTS = 64
+"""Number of straight segments that approximate a gust."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,8 +204,8 @@ class FlightPath:
     ) -> FloatArray:
         """Return the winds [m/s] that turn the nominal path by angles [rad] at times [s].
 
-        With `pressure` that of the wind triangle, NaN where no horizontal wind turns it so far;
-        else that of eq (B1e).
+        With `pressure` the angle is that of the wind triangle, NaN where no horizontal wind turns
+        the path so far; else it is the angle of eq (B1e).
         """
         speed, climb = self.speed_and_climb(times)
         if pressure:
@@ -217,9 +217,9 @@ class FlightPath:
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
 
-        As `time_varying.curves` takes them. `steps`: times at begin, middle and end [s], ``(1, S,
-        3)``. Without `pressure` the angles are nominal, and q/q_n is one. Angles are at most
-        `MAX_LINEAR_ANGLE`.
+        They are the arguments of `time_varying.curves`. `steps`: times at begin, middle and end
+        [s], ``(1, S, 3)``. Without `pressure` the angles are nominal, and q/q_n is one. Angles are
+        at most `MAX_LINEAR_ANGLE`.
         """
         times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
         speed, climb = self.speed_and_climb(times)
@@ -239,16 +239,16 @@ def _angle(sine: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class SoundingWinds:
-    """Winds of soundings over height, with two levels more at the edges of each gap.
+    """Winds of soundings over height, with two additional levels at the edges of each gap.
 
     Attributes
     ----------
     height, east, north : ndarray
         Levels [m] and winds towards east and north [m/s], of all soundings one after the other.
     offsets : ndarray of int
-        Place of the first level of each sounding, and behind the last of all, ``(n + 1,)``.
+        Index of the first level of each sounding, and the number of all levels, ``(n + 1,)``.
     gaps : ndarray of int
-        Place of the first of both levels in each gap.
+        Index of the lower of both levels in each gap.
     """
 
     height: FloatArray
@@ -259,9 +259,9 @@ class SoundingWinds:
 
     @classmethod
     def of(cls, soundings: Soundings, path: FlightPath) -> SoundingWinds:
-        """Return the winds of soundings that can all be used, with the gaps along a flight."""
+        """Return the winds of usable soundings, with the gaps along a flight."""
         height, offsets = soundings.height, soundings.offsets
-        wide = np.diff(height) > WIDEST
+        wide = np.diff(height) > MAX_LEVEL_DISTANCE
         wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
         wide[offsets[1:-1] - 1] = False
         below = np.flatnonzero(wide)
@@ -281,7 +281,7 @@ class SoundingWinds:
         )
 
     def select(self, index: NDArray[np.intp]) -> SoundingWinds:
-        """Return the winds of some of the soundings."""
+        """Return the winds of the soundings with these indices."""
         offsets, levels = gather(self.offsets, index)
         marked = np.zeros(self.height.size, dtype=bool)
         marked[self.gaps] = True
@@ -299,15 +299,15 @@ class SoundingWinds:
         return np.asarray(self.height[self.offsets[1:] - 1])
 
     def incomplete(self, path: FlightPath) -> BoolArray:
-        """Return which soundings do not know the wind all along a flight."""
+        """Return whether a sounding lacks the wind anywhere along a flight, ``(n,)``."""
         gap = np.zeros(self.offsets.size - 1, dtype=bool)
         gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
         return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
 
     def wind(self, azimuth: float, plane: str, strong: bool) -> FloatArray:
-        """Return the wind [m/s] at the levels, as `WindProfile`.
+        """Return the wind in a plane [m/s] at the levels, with the sign of `WindProfile`.
 
-        Gaps are calm, or, `strong`, have the stronger wind of both edges.
+        Gaps are calm, or, with `strong`, have the stronger wind of both edges.
         """
         sine, cosine = np.sin(azimuth), np.cos(azimuth)
         wind = self.east * sine + self.north * cosine
@@ -322,9 +322,9 @@ class SoundingWinds:
     def linear_heights(self, path: FlightPath, more: Callable[[FloatArray], Any]) -> FloatArray:
         """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
 
-        That is the longest time in which the wind, with so many m/s more at a height, cannot meet
-        the flight at more than `MAX_LINEAR_ANGLE` from any side; NaN where that leaves out the
-        largest dynamic pressure.
+        They bound the longest interval in which the wind angle is at most `MAX_LINEAR_ANGLE`, from
+        any direction; NaN where the interval omits the largest dynamic pressure. `more`: function
+        from heights [m] to a wind speed that is added [m/s].
         """
         height = self.breakpoints(path, strong=False)
         wind = np.hypot(
@@ -343,16 +343,16 @@ class SoundingWinds:
         return np.where(inside, ends, np.nan)
 
     def unknown(self, height: FloatArray) -> BoolArray:
-        """Return where at heights ``(n, k)`` nothing was measured."""
+        """Return whether the wind at heights [m] is not measured, ``(n, k)``."""
         edge = np.zeros(self.height.size)
         edge[self.gaps] = edge[self.gaps + 1] = 1.0
         outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
         return np.asarray(outside | (self.interpolated(edge, height) > 0.5))
 
     def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
-        """Return the speed [m/s] that 95 % have no more of, at heights [m] in a row.
+        """Return the 95 % quantile of wind speeds [m/s] at heights [m], ``(h,)``.
 
-        Counted at each height by itself; zero where nobody has measured.
+        It is of the soundings that are known at a height; zero where none is.
         """
         height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
         speed = np.abs(self.interpolated(self.wind(azimuth, plane, strong=False), height))
@@ -364,10 +364,10 @@ class SoundingWinds:
         return np.where(count > 0, quantile, 0.0)
 
     def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
-        """Return the heights [m] at which the flight meets a level or has a row, ``(n, k)``.
+        """Return the heights [m] of levels and of rows of the flight, ascending, ``(n, k)``.
 
-        From the lowest to the highest level, or, `strong`, all along the flight; rows with fewer
-        levels repeat some.
+        They are from the lowest to the highest level, or, with `strong`, along the entire flight;
+        soundings with fewer levels repeat heights.
         """
         counts = np.diff(self.offsets)
         index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
@@ -396,29 +396,34 @@ class LineWinds:
     times : ndarray
         Times [s] that do not decrease, ``(n, k)``.
     speeds : dict of str to ndarray
-        By planes the winds along and across the path [m/s], there.
+        Winds at `times` [m/s] by plane, ``(n, k)``: along the path in pitch, across it in yaw.
     """
 
     times: FloatArray
     speeds: dict[str, FloatArray]
-    _kept: dict[int, tuple[FloatArray, ...]] = field(default_factory=dict, init=False, repr=False)
+    _samples_by_steps: dict[int, tuple[FloatArray, ...]] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
-    def of(self, cases: IndexArray) -> LineWinds:
-        """Return some of the winds."""
+    def select(self, cases: IndexArray) -> LineWinds:
+        """Return the winds with these indices."""
         return LineWinds(self.times[cases], {k: x[cases] for k, x in self.speeds.items()})
 
     def at_steps(self, ends: FloatArray) -> tuple[FloatArray, ...]:
         """Return times [s], winds along and across [m/s], and onsets, over even steps.
 
-        The first three at begin, middle and end of steps, ``(n, S, 3)``, or times ``(1, S, 3)``;
-        the onset of each wind is its position in steps, ``(n,)``. `ends`: times [s] of the steps,
-        ``(S + 1,)``. All are kept for the other plane.
+        Times and winds are at begin, middle and end of steps, ``(n, S, 3)``, or times
+        ``(1, S, 3)``; the onset of each wind is its position in steps, ``(n,)``. `ends`: times [s]
+        of the steps, ``(S + 1,)``. The result is cached for the second plane.
         """
-        if ends.size not in self._kept:
-            self._kept[ends.size] = self._samples(ends)
-        return self._kept[ends.size]
+        if ends.size not in self._samples_by_steps:
+            self._samples_by_steps[ends.size] = self._samples(ends)
+        return self._samples_by_steps[ends.size]
 
     def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
+        """Return the result of `at_steps`, computed."""
+        """Return the result of `at_steps`, computed."""
+        """Return the result of `at_steps`, computed."""
         knots, (n, k) = self.times, self.times.shape
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
         position = (knots - ends[0]) / length
@@ -463,13 +468,13 @@ class LineWinds:
         at: FloatArray,
         speed: Callable[[FloatArray, FloatArray], FloatArray],
     ) -> LineWinds:
-        """Return the winds with a gust in a plane, whose middle is at a time [s] of each.
+        """Return the winds with a gust in a plane, whose middle is at the times `at` [s], ``(n,)``.
 
         `speed`: from wind angles [rad] and times [s] of the gust to its speeds [m/s].
         """
         times = self.times
         middle = 0.5 * (gust.onset + gust.end)
-        parts = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
+        parts = np.linspace(gust.onset, gust.end, _GUST_SEGMENTS + 1)
         inside = np.clip(at[:, np.newaxis] + parts - middle, times[:, :1], times[:, -1:])
         finer = np.sort(np.concatenate([times, inside], axis=1), axis=1)
         angle = np.interp(finer - at[:, np.newaxis] + middle, parts, gust(parts), 0.0, 0.0)
@@ -478,7 +483,7 @@ class LineWinds:
 
 
 def _on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
-    """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
+    """Return values ``(n, k)``, interpolated linearly at times `at`, ``(n, j)``."""
     shifts = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
     return np.interp((at + shifts).ravel(), (times + shifts).ravel(), values.ravel()).reshape(
         at.shape

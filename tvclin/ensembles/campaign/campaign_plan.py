@@ -1,4 +1,4 @@
-"""The specification of a campaign: a frozen value of all that its numbers depend on."""
+"""Specification of a campaign: all parameters on which its results depend."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -49,7 +49,7 @@ def _case_count(name: str, value: object) -> int:
 
 @dataclass(frozen=True, kw_only=True)
 class Campaign(Case):
-    """Many dispersed cases of a vehicle, to be run chunk by chunk, around a nominal case.
+    """Campaign of dispersed cases around a nominal case, to be run chunk by chunk.
 
     The structure of the vehicle counts for "margins" and "flight"; all other outputs are of the
     rigid vehicle. Autopilot and law are designed on the nominal rigid vehicle; the filters of the
@@ -83,7 +83,7 @@ class Campaign(Case):
     dead_bands : tuple of float
         K of "required" and "flown", each in [0, 1].
     method : str
-        How cases are drawn: "plain", "sobol" or "latin", as of `draw`.
+        Method of drawing cases: "plain", "sobol" or "latin"; see `draw`.
     chunk : int
         Cases in one file.
     probability : float
@@ -99,8 +99,8 @@ class Campaign(Case):
     Raises
     ------
     InputError
-        As `Case`, for a stop of both planes without a wind with a direction, a wind without a
-        part in the plane, and for a parameter that is dispersed but has no nominal value.
+        Same exceptions as `Case`; also for a stop of both planes without a wind with a direction, a
+        wind without a component in the plane, and a dispersed parameter without a nominal value.
     """
 
     vehicle: Vehicle
@@ -132,7 +132,7 @@ class Campaign(Case):
         self._check_outputs()
         if self.method == "latin" and self.cases > _MAX_LATIN_CASES:
             raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
-        self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
+        self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.distributions))))
 
     def _check_planes(self) -> None:
         """Raise `InputError` for a wind, stop and outputs that do not fit together."""
@@ -152,10 +152,10 @@ class Campaign(Case):
             raise InputError(
                 'the output "flown" is of one plane: leave it out, or the stop of both planes'
             )
-        _ = self.parts  # refuses a wind without a part in the plane
+        _ = self.plane_campaigns  # refuses a wind without a part in the plane
 
     @cached_property
-    def parts(self) -> dict[str, Self]:
+    def plane_campaigns(self) -> dict[str, Self]:
         """The campaign by plane, for each plane with wind; this campaign without a stop of both.
 
         Raises
@@ -226,7 +226,7 @@ class Campaign(Case):
 def checkpoints(chunks: int) -> Iterator[int]:
     """Yield the numbers of finished chunks after which convergence is checked.
 
-    Each is a tenth larger than the number before, so that checks cost a fraction of the work.
+    Each number is a tenth larger than the one before, so that checks cost a fraction of the work.
     """
     end = 0
     while end < chunks:

@@ -70,7 +70,7 @@ class Replay:
     def required(self) -> float:
         """Required deflection [rad] at `dead_band`, at nominal dynamic pressure.
 
-        In the plane of the campaign; its sign opposes the wind.
+        It is in the plane of the campaign; its sign opposes the wind.
         """
         return self._required("")
 
@@ -94,7 +94,7 @@ class Replay:
         made = self._plane(plane).made
         required = self._required(plane) if plane else self.required
         if required == 0.0:
-            raise InputError(f"case {self.case} needs no deflection")
+            raise InputError(f"case {self.case} requires no deflection")
         deflection = trim_then_hold(
             made.plant, made.wind, capability * required, self.dead_band, "literal"
         )
@@ -110,13 +110,13 @@ class Replay:
         The requirement is at the dynamic pressure encountered in its wind. A case that is flown by
         a law is judged by its flight, and has the ratio 1.
         """
-        limit, needs = self.campaign.nozzle.limit, self._needs
-        if limit is None or "flight_survived" in self.outputs or not limit < needs < np.inf:
+        limit, required = self.campaign.nozzle.limit, self._required_encountered
+        if limit is None or "flight_survived" in self.outputs or not limit < required < np.inf:
             return 1.0
-        return limit / needs
+        return limit / required
 
     @property
-    def _needs(self) -> float:
+    def _required_encountered(self) -> float:
         """The required deflection [rad] at `dead_band`, of both planes where both are judged."""
         column = self.outputs.get(required_name(self.dead_band))
         if column is not None or self.campaign.planes != BOTH:
@@ -134,7 +134,7 @@ class Replay:
             words = {1.0: "survives", 0.0: "lost"}
             word = words.get(self.outputs["flight_survived"], "neither survives nor is lost")
         else:
-            word = "survives" if self._needs <= limit else "lost"
+            word = "survives" if self._required_encountered <= limit else "lost"
         return f"{word} with a limit of {np.degrees(limit):.4g} deg"
 
     @property
@@ -178,7 +178,7 @@ class Replay:
     def tables(self) -> tuple[Table, ...]:
         """Return the tables of inputs, required deflections, flight, margins and response."""
         angles = {k: v for k, v in self.outputs.items() if self.units[k] == "rad"}
-        needs = {k: v for k, v in angles.items() if not k.startswith("flight_")}
+        required = {k: v for k, v in angles.items() if not k.startswith("flight_")}
         margins = {k: v for k, v in self.outputs.items() if k.startswith("margin_")}
         drawn = (
             (k, significant(f"input.{k}", v, 7, self.units.get(k, "")))
@@ -186,10 +186,10 @@ class Replay:
         )
         reference = "on the boundary"
         if self.planes and self.capability < 1.0:
-            reference = f"with the limit, {100.0 * self.capability:.3g} percent of what it needs"
+            reference = f"with the limit, {100.0 * self.capability:.3g} percent of the requirement"
         tables = (
             quantities(f"Case {self.case}: {self.fate or self.status}", drawn),
-            quantities("It needs", _angles(needs)),
+            quantities("Required deflections", _angles(required)),
             quantities("Flown with the limit", _plain(self.extremes_flown)),
             quantities("Margins of the autopilot", _plain(margins)),
             quantities(f"Response {reference}, K = {self.dead_band:g}", _plain(self.extremes)),
@@ -229,8 +229,8 @@ class Replay:
 def _angles(angles: dict[str, float]) -> Iterator[Row]:
     """Yield a row for each angle [rad], in degrees."""
     for name, angle in angles.items():
-        lost = np.isinf(angle)
-        yield name, ("lost",) if lost else degrees(f"output.{name}", angle, unit="deg")
+        unbounded = np.isinf(angle)
+        yield name, ("lost",) if unbounded else degrees(f"output.{name}", angle, unit="deg")
 
 
 def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) -> dict[str, float]:
@@ -280,12 +280,12 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
 def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
     """Return the first case of a batch by plane."""
     flies = "flight" in campaign.outputs
-    shares = shares_of(campaign, made) if made.parts else {}
+    shares = shares_of(campaign, made) if made.plane_batches else {}
     return {
         plane: ReplayedPlane(
             in_plane.first,
-            law_of(campaign.parts[plane], in_plane) if flies else None,
+            law_of(campaign.plane_campaigns[plane], in_plane) if flies else None,
             float(np.ravel(shares.get(plane, 1.0))[0]),
         )
-        for plane, in_plane in (made.parts or {campaign.plane: made}).items()
+        for plane, in_plane in (made.plane_batches or {campaign.plane: made}).items()
     }

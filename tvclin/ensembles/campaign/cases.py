@@ -1,4 +1,4 @@
-"""From the index of a case to its numbers, vehicle and wind, and to the answers.
+"""Cases of a campaign: from an index to random numbers, vehicle, wind and outputs.
 
 A case has the same bits whichever cases are computed with it.
 """
@@ -15,7 +15,7 @@ from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.outputs import REGISTRY, Batch, columns, compute
-from tvclin.ensembles.dispersions import WIND, Dispersed, is_of_modes, names_of_modes
+from tvclin.ensembles.dispersions import WIND, Dispersed, is_mode_factor, mode_names
 from tvclin.ensembles.random_numbers import draw
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
@@ -37,13 +37,13 @@ UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
     """Return the random numbers in (0, 1) of cases from `first` on, ``(count, parameters)``."""
-    dimension = len(campaign.dispersions.each) + (1 if campaign.wind.count else 0)
+    dimension = len(campaign.dispersions.distributions) + (1 if campaign.wind.count else 0)
     return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
 
 
 def drawn(campaign: Campaign, rows: FloatArray) -> Dispersed:
     """Return the dispersed values [SI] of cases from their random numbers, a row for each case."""
-    parameters = len(campaign.dispersions.each)
+    parameters = len(campaign.dispersions.distributions)
     cases = campaign.dispersions.apply(campaign.nominal, rows[:, :parameters])
     if isinstance(campaign.wind, WindEnsemble):
         cases.values["wind"] = campaign.wind.chosen(rows[:, parameters])
@@ -73,7 +73,7 @@ def batch(campaign: Campaign, cases: Dispersed) -> Batch:
     changes = {
         k: v
         for k, v in cases.values.items()
-        if k not in (*WIND, *GAINS, "wind") and not is_of_modes(k)
+        if k not in (*WIND, *GAINS, "wind") and not is_mode_factor(k)
     }
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
     return _batch(campaign, vehicle, cases.values, cases.possible.size)
@@ -91,20 +91,20 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 
 def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
-    """Return the batch in the plane of a campaign, with `parts` where both planes are judged."""
+    """Return the batch in the plane of a campaign, with `plane_batches` if both are judged."""
     if isinstance(campaign.wind, WindEnsemble) or campaign.heading is None:
-        return _in_plane(campaign, vehicle, values, campaign.wind.history(values), count)
+        return _plane_batch(campaign, vehicle, values, campaign.wind.history(values), count)
     winds = campaign.wind.in_planes(values, vehicle.attitude)
     if campaign.nozzle.stop is None:
-        return _in_plane(campaign, vehicle, values, winds[campaign.plane], count)
+        return _plane_batch(campaign, vehicle, values, winds[campaign.plane], count)
     batches = {
-        plane: _in_plane(in_plane, vehicle, values, winds[plane], count)
-        for plane, in_plane in campaign.parts.items()
+        plane: _plane_batch(in_plane, vehicle, values, winds[plane], count)
+        for plane, in_plane in campaign.plane_campaigns.items()
     }
-    return replace(batches[campaign.plane], parts=batches)
+    return replace(batches[campaign.plane], plane_batches=batches)
 
 
-def _in_plane(
+def _plane_batch(
     campaign: Campaign,
     vehicle: Vehicle,
     values: dict[str, AnyArray],
@@ -126,17 +126,17 @@ def _flexible(
         return None
     model = flexible_model(vehicle, campaign.model)
     plant = FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, campaign.plane)
-    if not any(map(is_of_modes, values)):
+    if not any(map(is_mode_factor, values)):
         return plant
 
-    ones = np.ones(np.shape(next(v for k, v in values.items() if is_of_modes(k))))
+    ones = np.ones(np.shape(next(v for k, v in values.items() if is_mode_factor(k))))
 
     def factors(number: str) -> FloatArray:
         """Return the factors on the frequencies or dampings of the modes, ``(n, modes)``."""
         return np.stack(
             [
                 values.get(f"{kind}_{number}", 1.0) * values.get(f"{name}_{number}", ones)
-                for kind, names in names_of_modes(vehicle.structure).items()
+                for kind, names in mode_names(vehicle.structure).items()
                 for name in names
             ],
             axis=-1,
@@ -157,7 +157,7 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
         for name, values in compute(campaign, selected, case_by_case=case_by_case).items():
             answers[name][which] = values
         if not case_by_case:
-            plants = [in_plane.plant for in_plane in selected.each]
+            plants = [in_plane.plant for in_plane in selected.judged_batches]
             unstable = [unstable_modes(plant).poles for plant in plants]
             stable = np.all([np.isnan(poles).all(axis=-1) for poles in unstable], axis=0)
             paired = np.any([leading_pole(plant)[1] for plant in plants], axis=0)

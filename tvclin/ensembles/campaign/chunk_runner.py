@@ -202,7 +202,7 @@ def run_campaign(
     compiled: bool | None = None,
     progress: Progress | None = None,
 ) -> CampaignResults:
-    """Run a campaign into a folder, or continue it there.
+    """Run a campaign into a folder, or continue the campaign in the folder.
 
     Parameters
     ----------
@@ -224,14 +224,14 @@ def run_campaign(
     Returns
     -------
     CampaignResults
-        All finished chunks: those of the whole campaign, or with a shard perhaps fewer.
+        All finished chunks of the campaign; with a shard perhaps not all.
 
     Raises
     ------
     InputError
         When not even the nominal case can be answered, the folder holds another campaign or
-        cannot be written, and when a worker has another version or was killed. What was finished
-        is kept.
+        cannot be written, and when a worker has another version or was killed. Finished chunks
+        are kept.
 
     Examples
     --------
@@ -250,13 +250,13 @@ def run_campaign(
     ...     results.cases, results.complete, round(covered, 3)
     (300, True, 0.433)
     """
-    place = _checked(folder, executor, progress)
+    target = _checked(folder, executor, progress)
     instance("campaign", campaign, Campaign, "see load_campaign")
     if compiled is not None:
         flag("compiled", compiled)
     arrow()
     nominal(campaign)
-    return _work(begin(campaign, place, compiled), place, executor, shard, progress)
+    return _work(begin(campaign, target, compiled), target, executor, shard, progress)
 
 
 def resume_campaign(
@@ -271,15 +271,16 @@ def resume_campaign(
     Parameters
     ----------
     folder, executor, shard, progress
-        As of `run_campaign`.
+        Same parameters as in `run_campaign`.
 
     Raises
     ------
     InputError
-        As `run_campaign`, and when the folder holds no campaign or its manifest was changed.
+        Same exceptions as `run_campaign`; also when the folder holds no campaign or its manifest
+        was changed.
     """
-    place = _checked(folder, executor, progress)
-    return _work(read_manifest(place), place, executor, shard, progress)
+    target = _checked(folder, executor, progress)
+    return _work(read_manifest(target), target, executor, shard, progress)
 
 
 def open_campaign(folder: str | PathLike[str]) -> CampaignResults:
@@ -288,7 +289,7 @@ def open_campaign(folder: str | PathLike[str]) -> CampaignResults:
     Parameters
     ----------
     folder : str or path
-        As of `run_campaign`.
+        Folder of `run_campaign`.
 
     Raises
     ------
@@ -350,7 +351,7 @@ def _work(
 
 
 def _count_work(campaign: Campaign, cases: int) -> None:
-    """Count the work of workers without numba in this process, as `cases` times that of one case.
+    """Count the work of workers without numba in this process, as `cases` times a single case.
 
     The workers themselves print no warning.
     """

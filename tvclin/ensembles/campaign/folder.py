@@ -1,4 +1,4 @@
-"""Folder of a campaign: its manifest, and the chunks, each whole or not at all.
+"""Folder of a campaign: its manifest, and its chunks, each complete or absent.
 
 The manifest holds a campaign and the versions that compute it, with their hash. It is written
 before the first chunk, every value of the campaign by its kind and its fields, in SI units, and
@@ -271,7 +271,7 @@ def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
 def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyArray]:
     """Return the columns of a chunk by name, ``(n,)`` each.
 
-    The hash in the file is that of these very arrays, so that damage to values, types, names or
+    The hash in the file is that of the returned arrays, so that damage to values, types, names or
     order raises an exception and never changes a number.
 
     Raises

@@ -25,7 +25,7 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.margins import loop_margins
 from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.dispersions import names_of_modes
+from tvclin.ensembles.dispersions import mode_names
 from tvclin.flights.closed_loop.fly_many import fly_many
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
@@ -53,8 +53,8 @@ class Batch:
     `plant`, `wind`: batches of shape ``(n,)``, or a single plant or wind for all cases. `gains`:
     gains of the autopilot where an output depends on them, ``(n,)`` where they are dispersed.
     `vehicle`: the vehicles that the plant linearises. `flexible`: flexible plants of the vehicles
-    with their structure. `values`: dispersed values by name, ``(n,)``. `parts`: batches by plane,
-    for each plane with a component of the wind, where both planes are judged.
+    with their structure. `values`: dispersed values by name, ``(n,)``. `plane_batches`: batches by
+    plane, for each plane with a component of the wind, where both planes are judged.
     """
 
     plant: Plant
@@ -64,12 +64,12 @@ class Batch:
     vehicle: Vehicle
     flexible: FlexiblePlant | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
-    parts: Mapping[str, Batch] = field(default_factory=dict)
+    plane_batches: Mapping[str, Batch] = field(default_factory=dict)
 
     @property
-    def each(self) -> tuple[Batch, ...]:
+    def judged_batches(self) -> tuple[Batch, ...]:
         """The batches of all planes that are judged; this batch where only a single plane is."""
-        return tuple(self.parts.values()) or (self,)
+        return tuple(self.plane_batches.values()) or (self,)
 
     @property
     def plants(self) -> dict[str, Plant]:
@@ -80,13 +80,13 @@ class Batch:
     @property
     def vectors(self) -> PlaneWind:
         """The winds of both planes; zero in a plane without a component of the wind."""
-        winds = {plane: batch.wind for plane, batch in self.parts.items()}
+        winds = {plane: batch.wind for plane, batch in self.plane_batches.items()}
         return PlaneWind(**(dict.fromkeys(PLANES, 0.0 * self.wind) | winds))
 
     @property
     def wind_angle(self) -> FloatArray:
-        """Largest wind angle [rad], for both planes that of the vector, ``(n,)`` or a scalar."""
-        return np.abs(np.asarray((self.vectors if self.parts else self.wind).peak))
+        """Largest wind angle [rad], for both planes of the vector, ``(n,)`` or a scalar."""
+        return np.abs(np.asarray((self.vectors if self.plane_batches else self.wind).peak))
 
     @property
     def flying(self) -> AnyPlant:
@@ -108,7 +108,7 @@ class Batch:
         )
 
 
-def in_planes(name: str) -> dict[str, str]:
+def plane_columns(name: str) -> dict[str, str]:
     """Return the names of a column by plane, for a column that both planes have together."""
     return {plane: f"{name}_{plane}" for plane in PLANES}
 
@@ -128,7 +128,7 @@ COLUMNS = {
 """Units of the columns of the output "flight", by name."""
 _MOTIONS = ("flight_peak_attitude", "flight_peak_angle_of_attack")
 """Columns of the motion of the vehicle."""
-MOTIONS = (*_MOTIONS, *(column for name in _MOTIONS for column in in_planes(name).values()))
+MOTIONS = (*_MOTIONS, *(column for name in _MOTIONS for column in plane_columns(name).values()))
 """Columns of the motion, in a plane and in both: angles, but no deflections."""
 
 
@@ -146,34 +146,34 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     """Return `COLUMNS` of the flights of a batch, ``(n,)`` each; of both planes, and by plane."""
     limit = campaign.nozzle.limit
     assert limit is not None
-    if not batch.parts:
+    if not batch.plane_batches:
         return _flown(campaign, batch, limit)
     shares = shares_of(campaign, batch)
     flown = {
-        plane: _flown(in_plane, batch.parts[plane], limit * shares[plane])
-        for plane, in_plane in campaign.parts.items()
+        plane: _flown(in_plane, batch.plane_batches[plane], limit * shares[plane])
+        for plane, in_plane in campaign.plane_campaigns.items()
     }
     calm = {name: np.zeros(batch.count) for name in COLUMNS} | {"flight_survived": np.ones(1)}
     pitch, yaw = (flown.get(plane, calm) for plane in PLANES)
-    lost = (pitch["flight_survived"] == 0.0) | (yaw["flight_survived"] == 0.0)
-    both = {name: np.hypot(pitch[name], yaw[name]) for name in _MOTIONS}
-    both["flight_peak_deflection"] = rectangle(
+    diverged = (pitch["flight_survived"] == 0.0) | (yaw["flight_survived"] == 0.0)
+    combined = {name: np.hypot(pitch[name], yaw[name]) for name in _MOTIONS}
+    combined["flight_peak_deflection"] = rectangle(
         limit_shape_of(campaign.nozzle.stop or ""),
         pitch["flight_peak_deflection"],
         yaw["flight_peak_deflection"],
     )
-    columns = {name: np.where(lost, np.inf, peak) for name, peak in both.items()}
+    columns = {name: np.where(diverged, np.inf, peak) for name, peak in combined.items()}
     survived = pitch["flight_survived"] + yaw["flight_survived"] - 1.0
-    columns["flight_survived"] = np.where(lost, 0.0, survived)
+    columns["flight_survived"] = np.where(diverged, 0.0, survived)
     for name in COLUMNS:
-        by_plane = in_planes(name)
+        by_plane = plane_columns(name)
         columns |= {by_plane["pitch"]: pitch[name], by_plane["yaw"]: yaw[name]}
     return columns
 
 
 def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the fractions of the limit by plane, ``(n,)``, in the ratio of the peak winds."""
-    peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.parts.items()}
+    peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.plane_batches.items()}
     stop = limit_shape_of(campaign.nozzle.stop or "")
     total = rectangle(stop, *(peaks.get(plane, 0.0) for plane in PLANES))
     return {plane: peak / total for plane, peak in peaks.items()}
@@ -191,8 +191,8 @@ def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[
         deflection_limit=limit,
         **campaign.hardware,
     )
-    lost = (flown.status == "lost") | (flown.status == "rings")
-    fate = np.select([flown.status == "survived", lost], [1.0, 0.0], np.nan)
+    diverged = (flown.status == "lost") | (flown.status == "rings")
+    fate = np.select([flown.status == "survived", diverged], [1.0, 0.0], np.nan)
     return {"flight_survived": fate} | {
         f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(flown, f"peak_{name}"))
         for name in ("attitude", "angle_of_attack", "deflection")
@@ -201,7 +201,7 @@ def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[
 
 _BOUNDARY_TOLERANCE = 5e-4
 """Tolerance of a flown boundary, relative to the largest trim deflection."""
-_VALUES_BEYOND = dict.fromkeys(("flight_survived", *in_planes("flight_survived").values()), 0.0)
+_VALUES_BEYOND = dict.fromkeys(("flight_survived", *plane_columns("flight_survived").values()), 0.0)
 """Values of outputs that are no angles, in a wind beyond linear aerodynamics."""
 
 
@@ -250,11 +250,11 @@ def compute(campaign: Campaign, batch: Batch, *, case_by_case: bool) -> dict[str
     }
 
 
-def _of_planes(campaign: Campaign, columns: dict[str, str]) -> dict[str, str]:
+def _with_plane_columns(campaign: Campaign, columns: dict[str, str]) -> dict[str, str]:
     """Return units by column, with the columns of each plane where both planes are judged."""
     if campaign.planes != BOTH:
         return columns
-    by_plane = {k: unit for name, unit in columns.items() for k in in_planes(name).values()}
+    by_plane = {k: unit for name, unit in columns.items() for k in plane_columns(name).values()}
     return columns | by_plane
 
 
@@ -273,23 +273,26 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     """
     name, vehicles = required_name(dead_band), batch.vehicle.rigid
     at_encountered = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
-    if not batch.parts:
+    if not batch.plane_batches:
         nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
         return {name: at_encountered(campaign.plane, np.abs(nominal))}
     stop = limit_shape_of(campaign.nozzle.stop or "")
-    nominal_needs = two_plane_requirement(batch.plants, batch.vectors, stop, dead_band)
+    nominal = two_plane_requirement(batch.plants, batch.vectors, stop, dead_band)
     separate = {
-        plane: at_encountered(plane, np.abs(nominal_needs.separate[plane])) for plane in batch.parts
+        plane: at_encountered(plane, np.abs(nominal.separate[plane]))
+        for plane in batch.plane_batches
     }
-    both = rectangle(stop, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
+    combined = rectangle(stop, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = [np.nan_to_num(x / np.abs(nominal_needs.separate[k])) for k, x in separate.items()]
-    vector = nominal_needs.deflection > rectangle(stop, **nominal_needs.separate) * (1.0 + ROUNDING)
-    both = np.where(
-        vector, np.maximum(both, nominal_needs.deflection * np.max(ratios, axis=0)), both
+        ratios = [np.nan_to_num(x / np.abs(nominal.separate[k])) for k, x in separate.items()]
+    vector = nominal.deflection > rectangle(stop, **nominal.separate) * (1.0 + ROUNDING)
+    combined = np.where(
+        vector, np.maximum(combined, nominal.deflection * np.max(ratios, axis=0)), combined
     )
-    separate = {plane: separate.get(plane, nominal_needs.separate[plane]) for plane in PLANES}
-    return {name: both} | {column: separate[plane] for plane, column in in_planes(name).items()}
+    separate = {plane: separate.get(plane, nominal.separate[plane]) for plane in PLANES}
+    return {name: combined} | {
+        column: separate[plane] for plane, column in plane_columns(name).items()
+    }
 
 
 def _slow(campaign: Campaign) -> bool:
@@ -305,28 +308,31 @@ def _forecast_free(plant: Plant, wind: History) -> FloatArray:
 def _bound(
     name: str,
     scalar: Callable[[Plant, History], Any],
-    vector: Callable[[VectorRequirement], float],
+    vector_bound: Callable[[VectorRequirement], float],
     campaign: Campaign,
     batch: Batch,
 ) -> dict[str, Any]:
     """Return a lower bound of the deflection [rad] by column, by `scalar` in each plane by itself.
 
-    Where both planes are judged, of the first case only, and by `vector` in both planes together.
+    `plane_bound`: function from a plant and a wind in a plane to the bound. `vector_bound`: from
+    both planes together to their bound.
+
+    Where both planes are judged, the bound is of the first case only.
     """
-    if not batch.parts:
+    if not batch.plane_batches:
         return {name: scalar(batch.plant, batch.wind)}
     stop, shape = limit_shape_of(campaign.nozzle.stop or ""), (batch.count,)
     bounds = dict.fromkeys(PLANES, 0.0)
-    for plane, in_plane in batch.parts.items():
+    for plane, in_plane in batch.plane_batches.items():
         first = in_plane.first
         bounds[plane] = float(np.abs(scalar(first.plant, first.wind)))
     largest = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
-    both = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
-    if len(batch.parts) > 1:
+    bound = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
+    if len(batch.plane_batches) > 1:
         pitch, yaw = (plant.case(0, shape) for plant in batch.plants.values())
         needs = vector_requirements(pitch, yaw, batch.vectors.case(0, shape), stop, np.ones(1))
-        both = max(both, vector(needs))
-    return {name: both} | {k: bounds[plane] for plane, k in in_planes(name).items()}
+        bound = max(bound, vector_bound(needs))
+    return {name: bound} | {k: bounds[plane] for plane, k in plane_columns(name).items()}
 
 
 _MARGINS = {
@@ -346,7 +352,7 @@ def _margin_columns(campaign: Campaign) -> dict[str, str]:
 
 def _mode_names(campaign: Campaign) -> list[str]:
     """Return the names of all modes of the nominal vehicle, in the order of their bands."""
-    return [k for names in names_of_modes(campaign.vehicle.structure).values() for k in names]
+    return [k for names in mode_names(campaign.vehicle.structure).values() for k in names]
 
 
 def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
@@ -379,24 +385,24 @@ def _flown_limits(campaign: Campaign, batch: Batch) -> dict[str, float]:
 
 REGISTRY = {
     "required": Output(
-        lambda campaign: _of_planes(
+        lambda campaign: _with_plane_columns(
             campaign, {required_name(K): "rad" for K in campaign.dead_bands}
         ),
         _required,
         _slow,
     ),
     "forecast-free": Output(
-        lambda campaign: _of_planes(campaign, {"forecast_free": "rad"}),
+        lambda campaign: _with_plane_columns(campaign, {"forecast_free": "rad"}),
         partial(_bound, "forecast_free", _forecast_free, lambda need: need.no_forecast),
         lambda campaign: campaign.planes == BOTH,
     ),
     "minimum": Output(
-        lambda campaign: _of_planes(campaign, {"minimum": "rad"}),
+        lambda campaign: _with_plane_columns(campaign, {"minimum": "rad"}),
         partial(_bound, "minimum", minimum_peaks, lambda need: need.minimum),
         lambda campaign: _slow(campaign) or campaign.planes == BOTH,
     ),
     "margins": Output(_margin_columns, _margins),
-    "flight": Output(lambda campaign: _of_planes(campaign, COLUMNS), flights),
+    "flight": Output(lambda campaign: _with_plane_columns(campaign, COLUMNS), flights),
     "flown": Output(
         lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},
         _flown_limits,

@@ -156,7 +156,7 @@ class CampaignResults(Tabled):
         output : str, optional
             A name of `angles`; by default the first.
         probability, confidence : float, optional
-            By default those of the campaign.
+            Probability and confidence; by default those of the campaign.
 
         Raises
         ------
@@ -178,12 +178,12 @@ class CampaignResults(Tabled):
         limit : float, optional
             By default that of the campaign, for an output that is a deflection.
         output, confidence
-            Same parameters as of `quantile`.
+            Same parameters as in `quantile`.
 
         Raises
         ------
         InputError
-            As `quantile`, and for a limit with an output that is no deflection.
+            Same exceptions as `quantile`; also for a limit with an output that is no deflection.
         """
         name = self._output(output)
         if name not in self.deflections:
@@ -205,9 +205,9 @@ class CampaignResults(Tabled):
         Parameters
         ----------
         confidence : float, optional
-            As of `quantile`.
+            Confidence of the interval; by default that of the campaign.
         """
-        return self._part_of_flights(0, confidence)
+        return self._flight_probability(0, confidence)
 
     def loss(self, confidence: float | None = None) -> Success | None:
         """Return the probability that a flight is lost; None where nothing was flown.
@@ -215,11 +215,11 @@ class CampaignResults(Tabled):
         Parameters
         ----------
         confidence : float, optional
-            As of `quantile`.
+            Confidence of the interval; by default that of the campaign.
         """
-        return self._part_of_flights(1, confidence)
+        return self._flight_probability(1, confidence)
 
-    def _part_of_flights(self, which: int, confidence: float | None) -> Success | None:
+    def _flight_probability(self, which: int, confidence: float | None) -> Success | None:
         """Return the probability of survival (`which` is 0) or loss (1) of a flight."""
         counts = self.flights
         if counts is None or not sum(counts):
@@ -305,7 +305,7 @@ class CampaignResults(Tabled):
         return self.angles[0] if name is None else one_of("output", name, self.angles)
 
     def _level(self, probability: float | None, confidence: float | None) -> tuple[float, float]:
-        """Return probability and confidence, by default those of the campaign."""
+        """Return probability and confidence, if None the values of the campaign."""
         plan = self.campaign
         return (
             plan.probability if probability is None else probability,

@@ -12,7 +12,7 @@ from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency, survival
 from tvclin.case.case import FROZEN
-from tvclin.ensembles.campaign.outputs import in_planes, required_name
+from tvclin.ensembles.campaign.outputs import plane_columns, required_name
 from tvclin.ensembles.campaign.results import CampaignResults
 from tvclin.ensembles.statistics import Quantile, Success, shares
 from tvclin.vehicle.coefficients import BOTH
@@ -27,13 +27,13 @@ _MAX_SHOWN_CONFIDENCE = 0.999
 class CampaignSummary(Shown):
     """Statistics of an output of a campaign, over all finished cases; make it with `of`.
 
-    `found`: the results. `output`: name of the angle. `limit`: deflection limit [rad].
+    `results`: the results. `output`: name of the angle. `limit`: deflection limit [rad].
     `required`: quantile of the output [rad] at the specified probability. `answers`: the output of
     the cases that have an answer [rad], ``(n,)``. `success`, `survival`, `loss`: probabilities that
     the limit is sufficient, that a flight survives, and that it is lost.
     """
 
-    found: CampaignResults
+    results: CampaignResults
     output: str = field(metadata=spec())
     limit: float | None = field(metadata=spec("angle", card=False))
     required: Quantile = field(metadata=spec())
@@ -45,7 +45,7 @@ class CampaignSummary(Shown):
     @classmethod
     def of(
         cls,
-        found: CampaignResults,
+        results: CampaignResults,
         output: str | None = None,
         limit: float | None = None,
         probability: float | None = None,
@@ -53,32 +53,32 @@ class CampaignSummary(Shown):
     ) -> CampaignSummary:
         """Return the summary of an output; parameters and exceptions of `CampaignResults`."""
         return cls(
-            found=found,
-            required=found.quantile(output, probability, confidence),
-            success=found.success(limit, output, confidence),
-            survival=found.survival(confidence),
-            loss=found.loss(confidence),
-            output=output or found.angles[0],
-            limit=found.campaign.nozzle.limit if limit is None else limit,
-            answers=found.answers(output),
+            results=results,
+            required=results.quantile(output, probability, confidence),
+            success=results.success(limit, output, confidence),
+            survival=results.survival(confidence),
+            loss=results.loss(confidence),
+            output=output or results.angles[0],
+            limit=results.campaign.nozzle.limit if limit is None else limit,
+            answers=results.answers(output),
         )
 
     @property
     def trusts_a_forecast(self) -> bool:
         """Whether the output is a boundary with a dead band below one."""
-        bands = {required_name(K): K for K in self.found.campaign.dead_bands}
-        bands |= {k: K for name, K in bands.items() for k in in_planes(name).values()}
+        bands = {required_name(K): K for K in self.results.campaign.dead_bands}
+        bands |= {k: K for name, K in bands.items() for k in plane_columns(name).values()}
         return bands.get(self.output, 1.0) < 1.0
 
     @property
     def pressure(self) -> str:
         """The dynamic pressure of the output, in words."""
-        plan, required = self.found.campaign, self.output.startswith("required_")
-        both = plan.planes == BOTH
-        across = plan.plane != "pitch" and not both
+        plan, required = self.results.campaign, self.output.startswith("required_")
+        both_planes = plan.planes == BOTH
+        across = plan.plane != "pitch" and not both_planes
         if across or plan.sign == FROZEN or not required:
             return "nominal"
-        if both:
+        if both_planes:
             return "in each wind"
         if plan.sign is not None:
             return f"in a {plan.sign} wind"
@@ -93,36 +93,36 @@ class CampaignSummary(Shown):
     @property
     def worst(self) -> dict[int, float]:
         """The largest answers [rad] by index of the case, the worst first."""
-        cases = self.found.worst(_MAX_SHOWN, self.output).tolist()
+        cases = self.results.worst(_MAX_SHOWN, self.output).tolist()
         return dict(zip(cases, np.sort(self.answers)[::-1].tolist(), strict=False))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
-        found, flights = self.found, self.found.flights
-        nominal = found.nominal.get(self.output)
+        results, flights = self.results, self.results.flights
+        nominal = results.nominal.get(self.output)
         return {
-            **document(found, "vehicle", "model", "cases", "complete"),
-            "cases_planned": found.campaign.cases,
+            **document(results, "vehicle", "model", "cases", "complete"),
+            "cases_planned": results.campaign.cases,
             **document(self, "output", "limit", "success", "survival", "median"),
             "trusts_a_forecast": self.trusts_a_forecast,
-            "statuses": found.statuses(),
+            "statuses": results.statuses(),
             **document(self.required, "probability", "confidence"),
             "nominal_deg": None if nominal is None else np.degrees(nominal),
             **self.required.angles,
             "flights": flights and dict(zip(("survived", "lost"), flights, strict=True)),
             "loss": self.loss,
-            "loss_drivers": found.loss_drivers(),
-            "drivers": found.drivers(self.output),
+            "loss_drivers": results.loss_drivers(),
+            "drivers": results.drivers(self.output),
             "worst": [{"case": k, "deg": np.degrees(v)} for k, v in self.worst.items()],
             "convergence": [
                 {"cases": quantile.cases, **quantile.angles}
-                for quantile in found.convergence(self.output)
+                for quantile in results.convergence(self.output)
             ],
         }
 
     def tables(self) -> tuple[Table, Table]:
         """Return the tables of the answer with its drivers, and of its convergence."""
-        plan, r = self.found.campaign, self.required
+        plan, r = self.results.campaign, self.required
         planes = f", both planes, {plan.nozzle.stop} stop" if plan.planes == BOTH else ""
         caption = f"{plan.vehicle.name}, {plan.model}{planes}: {self.output}"
         rows = tuple(
@@ -130,7 +130,7 @@ class CampaignSummary(Shown):
                 significant(f"convergence.{q.cases}", q.cases, 9),
                 *(self._bound(f"convergence.{q.cases}.{k}", getattr(q, k)) for k in _BOUNDS),
             )
-            for q in self.found.convergence(self.output)
+            for q in self.results.convergence(self.output)
         )
         converges = (
             f"Convergence of {100 * r.probability:g} %, each bound {100 * r.confidence:g} % sure"
@@ -140,13 +140,13 @@ class CampaignSummary(Shown):
 
     def _rows(self) -> list[Row]:
         """Return the rows of the answer with its drivers."""
-        found, flights = self.found, self.found.flights
+        results, flights = self.results, self.results.flights
         of_cases, of_flights = shares(self.required.probability, self.required.confidence)
-        done = f"{found.cases} of {found.campaign.cases}"
-        rows: list[Row] = [("cases", (done if found.complete else f"{done}, unfinished",))]
-        rows += [(f"  {k.split(';')[0]}", (str(count),)) for k, count in found.statuses().items()]
-        if found.nominal:
-            rows.append(("nominal", _angle("nominal", found.nominal[self.output])))
+        done = f"{results.cases} of {results.campaign.cases}"
+        rows: list[Row] = [("cases", (done if results.complete else f"{done}, unfinished",))]
+        rows += [(f"  {k.split(';')[0]}", (str(count),)) for k, count in results.statuses().items()]
+        if results.nominal:
+            rows.append(("nominal", _angle("nominal", results.nominal[self.output])))
         rows += [
             ("median", _angle("median", self.median)),
             (of_cases, _angle("estimate", self.required.estimate)),
@@ -172,7 +172,7 @@ class CampaignSummary(Shown):
         if self.trusts_a_forecast:
             said = "trusts a forecast of the wind; K = 1 needs none"
             rows.append(("this dead band", (said,)))
-        drivers = list(found.drivers(self.output).items())[:_MAX_SHOWN]
+        drivers = list(results.drivers(self.output).items())[:_MAX_SHOWN]
         worst = [_with_name(str(k), _angle(f"worst.{k}", angle)) for k, angle in self.worst.items()]
         driven = [_with_name(k, (*number(f"driver.{k}", rank, 2),)) for k, rank in drivers]
         return [*rows, ("driven by", _joined(driven)), ("worst cases", _joined(worst))]
@@ -181,22 +181,22 @@ class CampaignSummary(Shown):
         """Return the text of a bound [rad], which may be infinite where flights are lost."""
         if not np.isinf(angle):
             return _angle(name, angle)
-        flights = self.found.flights
-        lost = self.output.startswith("flight_") and flights is not None and flights[1] > 0
+        flights = self.results.flights
+        diverged = self.output.startswith("flight_") and flights is not None and flights[1] > 0
         return (
             f"none, flights are {survival(False)}"
-            if lost and angle > 0.0
+            if diverged and angle > 0.0
             else "too few cases to say",
         )
 
-    def _driven(self, survived: int, lost: int) -> str:
+    def _driven(self, survived: int, losses: int) -> str:
         """Return the drivers of the loss of flights with the confidence of `required`, in words."""
-        if not lost or not survived:
-            return "nothing: every flight is lost" if lost else "nothing: no flight is lost"
+        if not losses or not survived:
+            return "nothing: every flight is lost" if losses else "nothing: no flight is lost"
         shown = [
-            f"{name} ({driver.rank:+.2f}, {_sure(driver.sure)} sure)"
-            for name, driver in self.found.loss_drivers().items()
-            if driver.sure >= self.required.confidence
+            f"{name} ({driver.rank:+.2f}, {_confidence_text(driver.confidence)} sure)"
+            for name, driver in self.results.loss_drivers().items()
+            if driver.confidence >= self.required.confidence
         ]
         return ", ".join(shown[:_MAX_SHOWN]) or "nothing that stands out from chance"
 
@@ -217,13 +217,13 @@ def _with_name(name: str, line: Line) -> Line:
 
 def _joined(lines: list[Line]) -> Line:
     """Return lines as a single line, separated by commas."""
-    return tuple(part for k, line in enumerate(lines) for part in ((", ",) if k else ()) + line)
+    return tuple(cell for k, line in enumerate(lines) for cell in ((", ",) if k else ()) + line)
 
 
-def _sure(sure: float) -> str:
+def _confidence_text(confidence: float) -> str:
     """Return a confidence in percent, as text."""
     return (
         f"above {100 * _MAX_SHOWN_CONFIDENCE:g} %"
-        if sure > _MAX_SHOWN_CONFIDENCE
-        else f"{100 * sure:.1f} %"
+        if confidence > _MAX_SHOWN_CONFIDENCE
+        else f"{100 * confidence:.1f} %"
     )

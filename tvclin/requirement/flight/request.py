@@ -230,7 +230,7 @@ class SizingRequest:
     reserve : float
         Fraction of the limit to keep unused, from 0 to 1.
     card : str, optional
-        The law that is flown for the card of the nozzle, see `flight_card`; on the page too.
+        The law that is flown for the card of the nozzle, see `flight_duty`; on the page too.
 
     Raises
     ------

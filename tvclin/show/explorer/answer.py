@@ -15,7 +15,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.base.warned import warned
-from tvclin.case.flexible_autopilot import law_asked
+from tvclin.case.flexible_autopilot import specified_law
 from tvclin.case.parts import told
 from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.margins import Margins
@@ -150,7 +150,7 @@ def outcome(plan: StudyPlan, law: str) -> str | None:
 
 def _law(plan: StudyPlan, name: str) -> Any:
     parameters = {"dead_band": plan.dead_band} if name == DEAD_BAND else {}
-    return law_asked(plan, name, plan.hardware["rate_limit"], **parameters)
+    return specified_law(plan, name, plan.hardware["rate_limit"], **parameters)
 
 
 def _nozzle(plan: StudyPlan) -> dict[str, Any]:

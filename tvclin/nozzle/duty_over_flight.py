@@ -1,8 +1,8 @@
-"""Duty of a nozzle in the flight of a law, and over a whole flight.
+"""Duty of a nozzle in the flight of a law in one wind, and over an entire flight.
 
 The vehicle is frozen at each flight time, as in a sizing. A pulse occurs once, at the worst flight
-time; a measured wind lasts the whole flight, and each flight time counts the interval around it, so
-that nothing is counted twice.
+time; a measured wind lasts the entire flight, and each flight time counts the interval around it,
+so that no interval is counted twice.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
 from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.case.case import FROZEN, SIGNS, Case
-from tvclin.case.flexible_autopilot import law_asked
+from tvclin.case.flexible_autopilot import specified_law
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
 from tvclin.control.laws.registry import LAWS, design_notes
@@ -44,14 +44,20 @@ from tvclin.kernels.choice import repeated
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.nozzle.data_sheet import (
-    CardPoint,
-    Duty,
-    FlightCard,
+    DutyPoint,
+    FlightDuty,
+    WindDuty,
     flight_reason,
     unjudged_flights,
     unknown_winds,
 )
-from tvclin.nozzle.duty import WINDOW, NozzleCard, NozzleVerdict, card_of, needed_of
+from tvclin.nozzle.duty import (
+    WINDOW,
+    NozzleDuty,
+    NozzleVerdict,
+    duty_of_motion,
+    requirements_on_nozzle,
+)
 from tvclin.nozzle.motion import Motion
 from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, angle_at, place_in
 from tvclin.requirement.flight.request import SizingRequest
@@ -67,23 +73,23 @@ from tvclin.winds.wind_angles import beyond_linear, pressure_ratio
 
 
 @dataclass(frozen=True)
-class FlownCard(Shown):
+class FlownDuty(Shown):
     """Duty of a nozzle in the flight of a law, and the verdict on its data sheet.
 
-    `status` is the outcome of the flight, as of `fly_many`. The card ends 15 time constants of the
-    fast mode after the wind; it is None for a lost flight. `notes` are on the design of the law,
-    and on terms that the card omits. In a wind beyond linear aerodynamics nothing is known.
+    `status`: outcome of the flight; see `fly_many`. `card`: the duty until 15 time constants of the
+    fast mode after the wind; None for a flight that does not survive, and in a wind beyond linear
+    aerodynamics. `notes`: on the design of the law, and on omitted terms.
     """
 
     law: str = field(metadata=spec())
     status: str = field(metadata=spec())
-    card: NozzleCard | None = field(metadata=spec())
+    card: NozzleDuty | None = field(metadata=spec())
     notes: tuple[str, ...]
     verdict: NozzleVerdict = field(metadata=spec())
 
     @classmethod
     def of(cls, case: Case, name: str, law: Law) -> Self:
-        """Return the card of a law in the wind of a case, with its nozzle, which has a limit."""
+        """Return the duty of a law in the wind of a case, whose nozzle has a deflection limit."""
         limit, data, vehicle = case.nozzle.limit, case.nozzle.data, None
         assert limit is not None
         if data is not None:
@@ -91,17 +97,17 @@ class FlownCard(Shown):
         if beyond := beyond_linear(float(case.history.peak)):
             return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
-        notes, cards, lost = tuple(design_notes(law)), [], []
+        notes, cards, diverged = tuple(design_notes(law)), [], []
         reason = flight_reason(case.plant, flight.status)
         if flight.times.size and not reason:
-            cards = [card_of(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
+            cards = [duty_of_motion(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
             notes = (*notes, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
         if flight.status != SURVIVED and not reason:
-            lost = [f"{name} {OUTCOME_WORDS[flight.status]}"]
+            diverged = [f"{name} {OUTCOME_WORDS[flight.status]}"]
         travel = cards[0].travel if cards else np.nan
         unknown = [f"the flight of {name}: {reason}"] if reason else []
-        needed = needed_of(case.nozzle, cards, travel) if cards or lost else {}
-        verdict = NozzleVerdict.of(case.nozzle, needed, lost, unknown)
+        required = requirements_on_nozzle(case.nozzle, cards, travel) if cards or diverged else {}
+        verdict = NozzleVerdict.of(case.nozzle, required, diverged, unknown)
         return cls(name, flight.status, cards[0] if cards else None, notes, verdict)
 
     @property
@@ -115,18 +121,18 @@ class FlownCard(Shown):
         return f"{self.law} {OUTCOME_WORDS[self.status]} with this limit and rate"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the tables of the card and of the data sheet; empty for a lost flight."""
+        """Return the tables of duty and data sheet; empty for a flight that does not survive."""
         return () if self.card is None else (*self.card.tables(), *self.verdict.tables())
 
 
 def actuator_notes(actuator: Actuator | None) -> Iterator[str]:
     """Yield notes on rates and accelerations that the model of the actuator omits."""
     if actuator is None:
-        yield "there is no actuator: rates and accelerations are from sample to sample"
+        yield "without an actuator, rates and accelerations are differences from sample to sample"
     elif actuator.damping is None:
         yield "the rate of an actuator of first order jumps, which counts as no acceleration"
     else:
-        yield "where the nozzle runs into its stop it is stopped short: no acceleration counts that"
+        yield "the acceleration of the nozzle as it runs into its stop is not counted"
 
 
 _MAX_NOISE = 0.1
@@ -135,23 +141,23 @@ _NOISE_START, _NOISE_END = 7.5, 15.0
 """Ends of the interval with noise alone after a wind, in time constants of the fast mode."""
 
 
-def flight_card(
+def flight_duty(
     case: Case,
-    asked: SizingRequest,
+    request: SizingRequest,
     law: str = "trim",
     *,
     noise: float = 0.0,
     seed: int = 0,
     window: float = WINDOW,
     progress: Callable[[int, int], None] | None = None,
-) -> FlightCard:
+) -> FlightDuty:
     """Return the duty of the nozzle of a case over a flight, with a law flown in each wind.
 
     Parameters
     ----------
     case : Case
         Nozzle with a limit, model and planes, first pulse, and the gains of the law "autopilot".
-    asked : SizingRequest
+    request : SizingRequest
         The flight, its times and its winds.
     law : str
         Name of `tvclin.control.LAWS`; the law is designed at each flight time.
@@ -166,7 +172,7 @@ def flight_card(
 
     Returns
     -------
-    FlightCard
+    FlightDuty
         Minimum angle d0, rate p d0 and acceleration p^2 d0 are for a known wind. All other numbers
         are of flights, until 15 time constants of the fast mode after a pulse, and in a measured
         wind from the middle between two flight times to the next.
@@ -174,7 +180,7 @@ def flight_card(
     Raises
     ------
     InputError
-        For a case without a limit, an unknown law, numbers out of range, and as
+        For a case without a limit, an unknown law, and numbers out of range; also the exceptions of
         `SizingRequest.winds`.
 
     Examples
@@ -182,24 +188,25 @@ def flight_card(
     >>> import numpy as np, tvclin as tv
     >>> plan = tv.studyfile.load_sizing("configuration-i")
     >>> case = tv.Case(vehicle=plan.vehicle, nozzle=tv.Nozzle(limit=np.radians(1.0)))
-    >>> asked = tv.requirement.SizingRequest(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
-    >>> card = tv.nozzle.flight_card(case, asked)
+    >>> request = tv.requirement.SizingRequest(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
+    >>> card = tv.nozzle.flight_duty(case, request)
     >>> card.verdict.met, round(card.largest["rate_deg_per_s"], 1)
     (True, 0.3)
     """
-    instance("asked", asked, SizingRequest, "see load_sizing")
+    instance("asked", request, SizingRequest, "see load_sizing")
     one_of("law", law, LAWS)
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
-    winds, times = asked.winds(case), asked.times(case)
+    winds, times = request.winds(case), request.times(case)
     if case.nozzle.limit is None:
         raise InputError(
-            "the card of a flight needs the stop of the nozzle: --limit-deg, limit_deg in [nozzle],"
-            " or Nozzle(limit=...)"
+            "the duty over a flight needs the deflection limit of the nozzle: --limit-deg,"
+            " limit_deg"
+            " in [nozzle], or Nozzle(limit=...)"
         )
     conditions = _Conditions(
         case,
-        asked,
+        request,
         case.nozzle.limit,
         law,
         number("noise", noise, between(0.0, _MAX_NOISE), "rad/s"),
@@ -207,15 +214,15 @@ def flight_card(
         number("window", window, positive, "s"),
         np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
     )
-    points: list[CardPoint] = []
-    signed = [pulse.heading is None for pulse in asked.pulses(case)]
+    points: list[DutyPoint] = []
+    signed = [pulse.heading is None for pulse in request.pulses(case)]
     unknown: dict[str, dict[float, str]] = {}
     angles = dict.fromkeys(winds, 0.0)
     pairs = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
     with repeated(len(pairs)):
         for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
-            placed = place_in(conditions.planes, wind, asked.schedule.at(time), time, "peak", 1.0)
+            placed = place_in(conditions.planes, wind, request.schedule.at(time), time, "peak", 1.0)
             for in_plane in placed.values():
                 if not in_plane.known:
                     unknown.setdefault(name, {})[time] = in_plane.why
@@ -225,12 +232,12 @@ def flight_card(
             if progress is not None:
                 progress(done, len(pairs))
     unjudged = (
-        *unknown_winds(asked.schedule, winds, unknown),
+        *unknown_winds(request.schedule, winds, unknown),
         *unjudged_flights(law, points, case.law_model),
     )
     duties = tuple(_duties(points, winds, np.diff(conditions.edges)))
-    return FlightCard(
-        vehicle=asked.schedule.vehicle.name,
+    return FlightDuty(
+        vehicle=request.schedule.vehicle.name,
         law=law,
         points=tuple(points),
         duties=duties,
@@ -241,7 +248,7 @@ def flight_card(
 
 @dataclass(frozen=True, eq=False)
 class _Conditions:
-    """Conditions that all flights of a card share; `edges`: ends of the intervals of time [s]."""
+    """Conditions that are common to all flights; `edges`: ends of the intervals of time [s]."""
 
     case: Case
     request: SizingRequest
@@ -265,7 +272,7 @@ class _Conditions:
         placed: dict[str, PlacedWind],
         signed: bool,
         measured: bool,
-    ) -> Iterator[CardPoint]:
+    ) -> Iterator[DutyPoint]:
         """Yield the duty of the nozzle at a flight time in a wind, by plane and sign."""
         case, schedule = self.case, self.request.schedule
         vehicle = schedule.at(time)
@@ -275,14 +282,14 @@ class _Conditions:
                 continue
             poles = unstable_modes(schedule.plants(time, case.law_model, plane)).poles
             if not poles.size:
-                yield CardPoint(time, name, plane, limits[plane])
+                yield DutyPoint(time, name, plane, limits[plane])
                 continue
             interval = self.edges[i : i + 2] if measured else None
             for direction, at_peak, history in self._encountered(
                 vehicle, in_plane, placed, interval, signed
             ):
                 wind = f"{name}{in_wind(direction)}"
-                point = CardPoint(time, wind, plane, limits[plane], direction=direction)
+                point = DutyPoint(time, wind, plane, limits[plane], direction=direction)
                 yield self._flown(point, at_peak, history, interval)
 
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
@@ -329,8 +336,8 @@ class _Conditions:
                 at_peak = at_pressure(vehicle, ratio) if sign == "head" else vehicle
                 yield sign, at_peak, wind * float(SIGNS[sign] * np.sign(angle))
 
-    def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, interval: Any) -> CardPoint:
-        """Return a point with its flight and the duty in `interval`, or in all of it if None."""
+    def _flown(self, point: DutyPoint, vehicle: Vehicle, wind: History, interval: Any) -> DutyPoint:
+        """Return a point with its flight, and the duty in `interval`, or of the flight if None."""
         case = Case(
             vehicle=vehicle.replace(structure=None) if vehicle.structure else vehicle,
             model=self.case.law_model,
@@ -342,8 +349,8 @@ class _Conditions:
         plant, nozzle = case.plant.rigid, case.nozzle
         poles = unstable_modes(plant).poles
         pole = np.nan if np.iscomplexobj(poles) else float(np.abs(poles).max())
-        point = replace(point, least=float(minimum_peaks(plant, wind)), pole=pole)
-        law = law_asked(case, self.law, case.hardware["rate_limit"])
+        point = replace(point, minimum=float(minimum_peaks(plant, wind)), pole=pole)
+        law = specified_law(case, self.law, case.hardware["rate_limit"])
         notes = tuple(design_notes(law))
         if self.noise:
             bare = law.law if isinstance(law, FilteredLaw) else law
@@ -351,52 +358,63 @@ class _Conditions:
         flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **case.hardware)
         reason = flight_reason(plant, flight.status)
         if reason or not flight.times.size:
-            return replace(point, status=flight.status, why=reason)
-        whole = Motion.of_flight(flight)
-        motion = whole if interval is None else whole.between(*interval)
+            return replace(point, status=flight.status, reason=reason)
+        complete = Motion.of_flight(flight)
+        motion = complete if interval is None else complete.between(*interval)
         if motion is None:
             return replace(point, status=flight.status)
         options = (point.limit, self.window, nozzle.data, vehicle if nozzle.data else None)
-        card, quiet, end = card_of(motion, *options), np.zeros(2), float(wind.end)
+        card, noise_rate, end = duty_of_motion(motion, *options), np.zeros(2), float(wind.end)
         noisy = (
-            whole.between(end + _NOISE_START / pole, end + _NOISE_END / pole)
+            complete.between(end + _NOISE_START / pole, end + _NOISE_END / pole)
             if self.noise
             else None
         )
         if noisy is not None:
-            quiet = _spent(card_of(noisy, *options)) / float(noisy.times[-1] - noisy.times[0])
+            noise_rate = _spent(duty_of_motion(noisy, *options)) / float(
+                noisy.times[-1] - noisy.times[0]
+            )
         span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
-        alone = _spent(card) - quiet * span
-        return replace(point, status=flight.status, card=card, said=notes, alone=alone, quiet=quiet)
+        without_noise = _spent(card) - noise_rate * span
+        return replace(
+            point,
+            status=flight.status,
+            card=card,
+            law_notes=notes,
+            without_noise=without_noise,
+            noise_rate=noise_rate,
+        )
 
 
 def _largest(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> float:
-    """Return the largest ratio in an interval of time [s], with straight lines between times."""
+    """Return the largest ratio in an interval of time [s], interpolated linearly."""
     within = times[(times > interval[0]) & (times < interval[1])]
     return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
 
 
-def _spent(card: NozzleCard) -> FloatArray:
+def _spent(card: NozzleDuty) -> FloatArray:
     """Return travel [rad] and energy [J], ``(2,)``; the energy is NaN without nozzle data."""
     return np.array([card.travel, np.nan if card.work is None else card.work.energy])
 
 
 def _duties(
-    points: list[CardPoint], winds: dict[str, WindOf], intervals: FloatArray
-) -> Iterator[Duty]:
-    """Yield the duty of the whole flight by wind: of a pulse once, of other winds and noise summed.
+    points: list[DutyPoint], winds: dict[str, WindOf], intervals: FloatArray
+) -> Iterator[WindDuty]:
+    """Yield the duty over the flight by wind: pulses count once, other winds and noise add up.
 
-    `intervals`: durations [s] that the flight times stand for.
+    `intervals`: duration [s] of the interval around each flight time.
     """
     for wind, plane in dict.fromkeys((point.wind, point.plane) for point in points):
         flown = [point for point in points if (point.wind, point.plane) == (wind, plane)]
-        spent = np.array([point.alone for point in flown if point.card is not None]).reshape(-1, 2)
-        if any(point.lost or point.why for point in flown):
+        spent = np.array(
+            [point.without_noise for point in flown if point.card is not None]
+        ).reshape(-1, 2)
+        if any(point.diverged or point.reason for point in flown):
             spent = np.full((1, 2), np.nan)
         elif not _measured(winds.get(wind)):
-            noise = np.mean([point.quiet for point in flown], axis=0) * intervals.sum()
+            noise = np.mean([point.noise_rate for point in flown], axis=0) * intervals.sum()
             spent = (spent.max(axis=0, initial=0.0) + noise)[np.newaxis]
-        yield Duty(wind, plane, *spent.sum(axis=0).tolist())
+        yield WindDuty(wind, plane, *spent.sum(axis=0).tolist())
 
 
 def _measured(wind: Any) -> bool:
@@ -406,8 +424,8 @@ def _measured(wind: Any) -> bool:
 
 def _verdict(
     conditions: _Conditions,
-    points: list[CardPoint],
-    duties: tuple[Duty, ...],
+    points: list[DutyPoint],
+    duties: tuple[WindDuty, ...],
     unknown: tuple[str, ...],
 ) -> NozzleVerdict:
     """Return the verdict from the requirements of all flights and of the theory of a known wind."""
@@ -416,7 +434,8 @@ def _verdict(
         return NozzleVerdict.unknown_of(nozzle, unknown)
     max_rate = conditions.case.hardware["rate_limit"]
     minimum, pole, limit = (
-        np.array([getattr(point, name) for point in points]) for name in ("least", "pole", "limit")
+        np.array([getattr(point, name) for point in points])
+        for name in ("minimum", "pole", "limit")
     )
     flown = [point.card for point in points if point.card is not None]
     with np.errstate(invalid="ignore"):
@@ -424,34 +443,36 @@ def _verdict(
         theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
         rates = np.nan_to_num(ramp_rate(minimum, pole, limit), nan=0.0, posinf=np.inf)
     angles = np.array([abs(x.card.angle.value) if x.card else 0.0 for x in points])
-    needed = needed_of(nozzle, flown, float(np.max([duty.travel for duty in duties], initial=0.0)))
-    needed["limit"] = conditions.limit * float(
+    required = requirements_on_nozzle(
+        nozzle, flown, float(np.max([duty.travel for duty in duties], initial=0.0))
+    )
+    required["limit"] = conditions.limit * float(
         np.max(np.maximum(theory, angles) / limit, initial=0.0)
     )
-    needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])
-    lost = [
+    required["rate_limit"] = max(float(rates.max(initial=0.0)), required["rate_limit"])
+    diverged = [
         f"{conditions.law} {OUTCOME_WORDS[point.status]} at {point.time:.6g} s in {point.wind}"
         for point in points
-        if point.lost
+        if point.diverged
     ]
-    return NozzleVerdict.of(nozzle, needed, lost, unknown)
+    return NozzleVerdict.of(nozzle, required, diverged, unknown)
 
 
 def _notes(
-    conditions: _Conditions, points: list[CardPoint], winds: dict[str, WindOf]
+    conditions: _Conditions, points: list[DutyPoint], winds: dict[str, WindOf]
 ) -> Iterator[str]:
     """Yield notes on omitted terms, and on how the whole flight is counted."""
     stable = [point for point in points if not point.pole]
     if stable:
-        yield f"without an unstable pole nothing is needed, as at {stable[0].time:.6g} s"
+        yield f"without an unstable pole no deflection is required, as at {stable[0].time:.6g} s"
     if any(map(_measured, winds.values())):
         yield (
             "a measured wind is counted from the middle between two flight times to the next, so"
-            " that nothing counts twice"
+            " that no interval counts twice"
             + (
                 ""
                 if conditions.case.sign == FROZEN
-                else "; the vehicle meets the largest dynamic pressure there"
+                else "; the dynamic pressure is the largest of the interval"
             )
         )
     if any(point.direction == "head" for point in points):
@@ -460,15 +481,15 @@ def _notes(
             " the nominal one"
         )
     if not all(map(_measured, winds.values())):
-        noise = ", noise all along" if conditions.noise else ""
-        yield f"in the whole flight a pulse blows once, at the worst flight time{noise}"
+        noise = ", noise at all times" if conditions.noise else ""
+        yield f"over the flight a pulse occurs once, at the worst flight time{noise}"
     if conditions.case.planes == BOTH:
-        yield "each plane is flown by itself, with the part of the stop that trim would give it"
+        yield "each plane is flown separately, with the limit divided in proportion to trim"
     yield from dict.fromkeys(chain.from_iterable(x.card.notes for x in points if x.card))
-    noted = [point for point in points if point.said]
+    noted = [point for point in points if point.law_notes]
     if noted:
         others = f", and alike at {len(noted) - 1} others" if len(noted) > 1 else ""
-        yield f"at {noted[0].time:.6g} s{others}: {'; '.join(noted[0].said)}"
+        yield f"at {noted[0].time:.6g} s{others}: {'; '.join(noted[0].law_notes)}"
     if conditions.request.schedule.vehicle.structure is not None:
         yield "the vehicle is rigid, without the structure in its file"
     yield from actuator_notes(conditions.case.nozzle.actuator)
