@@ -715,7 +715,7 @@ def test_today_is_judged_as_the_archive_is(flight, archive) -> None:
     for i in (2, 18):
         said = found.today(archive[i])
         assert said.go == bool(found.flies[i])
-        assert said.part == pytest.approx(i / 20)
+        assert said.archive_fraction == pytest.approx(i / 20)
 
 
 @pytest.mark.parametrize("plane", ["pitch", "yaw"])

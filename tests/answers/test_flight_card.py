@@ -51,7 +51,7 @@ def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
         pole = float(np.real(tv.unstable_modes(case.plant).poles[0]))
         assert one.minimum == pytest.approx(least, rel=1e-9)
         assert one.minimum_rate == pytest.approx(pole * least, rel=1e-9)
-        assert one.least_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
+        assert one.minimum_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
         # the same flight but for its time, and the time of rest before it
         assert one.card.travel == pytest.approx(alone.travel, rel=1e-6)
         assert one.card.work.energy == pytest.approx(alone.work.energy, rel=1e-4)
@@ -212,7 +212,7 @@ def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_
 
 def test_a_flight_that_ends_undecided_is_not_known():
     plant = tv.Plant.from_vehicle(SCHEDULE.at(66.0))
-    assert "neither lost nor settled" in flight_reason(plant, "undecided")
+    assert "neither diverged nor settled" in flight_reason(plant, "undecided")
     assert flight_reason(plant, "lost") == flight_reason(plant, "survived") == ""
     verdict = NozzleVerdict.of(NOZZLE, {"limit": 0.5 * DEG}, unknown=["the flight: it is open"])
     assert verdict.satisfied is None

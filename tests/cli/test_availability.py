@@ -47,7 +47,7 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     said = " ".join(run(station, *EAST, "--limit-deg", "0.35").output.split())
     assert document["judged_s"] == [41.0, 116.0]
     assert "from 41 to 116 s of the flight" in said
-    assert "With 95 % confidence the part of all such days lies in the interval" in said
+    assert "With 95 % confidence the fraction of all such days lies in the interval" in said
     assert "only if that decides about 0.35 deg. Else lower_deg and upper_deg" in said
 
 

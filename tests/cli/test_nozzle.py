@@ -64,12 +64,12 @@ def test_json_equals_the_library() -> None:
         (
             ("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "1"),
             1,
-            "the travel of a flight",
+            "the required travel of a flight",
         ),
         (
             ("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "2"),
             0,
-            "MET: the travel of a flight needed",
+            "MET: the required travel of a flight",
         ),
     ],
 )

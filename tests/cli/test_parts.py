@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.archives import Balloon, jet, write
-from tvclin.case.parts import OPTIONS, QUESTIONS, REFUSED, TOLD, entry, table, told
+from tvclin.case.features import NOTED, OPTIONS, QUESTIONS, REFUSED, omission_notes, table, use_of
 from tvclin.cli.app import app
 from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
@@ -142,7 +142,7 @@ def test_every_part_is_computed_told_or_refused(question, files):
     assert base.exit_code in (0, 1), base.output
     wrong = {}
     for part in OPTIONS.keys() - {WORK}:
-        kind = entry(question, part)
+        kind = use_of(question, part)
         vehicle = {"structure": files.bent, "damping": files.damped}.get(part, files.plain)
         options = (*BASE.get(question, ()), *VALUES.get(part, ()))
         options = OTHERWISE.get((question, part), options)
@@ -151,8 +151,8 @@ def test_every_part_is_computed_told_or_refused(question, files):
         said = " ".join(result.output.split())
         if kind == REFUSED:
             right = result.exit_code == 2 and "tvclin" in said
-        elif kind == TOLD:
-            sentences = told(tv.Case(vehicle=load_any_vehicle(vehicle)), question)
+        elif kind == NOTED:
+            sentences = omission_notes(tv.Case(vehicle=load_any_vehicle(vehicle)), question)
             right = all(one in " ".join(result.stderr.split()) for one in sentences)
         else:
             right = changed
@@ -231,9 +231,9 @@ def test_every_part_of_a_study_is_computed_or_told(files):
             wrong[part] = result.output[:300]
     assert not wrong, wrong
     bent = found(changed_by(STUDY, {"study": {"vehicle": "bent.toml"}}))
-    assert "".join(told(tv.Case(vehicle=load_any_vehicle(files.bent)), "study")) in " ".join(
-        bent.stderr.split()
-    )
+    assert "".join(
+        omission_notes(tv.Case(vehicle=load_any_vehicle(files.bent)), "study")
+    ) in " ".join(bent.stderr.split())
 
 
 OF_ONE_TIME = {
@@ -284,7 +284,7 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
         said = " ".join(result.stderr.split())
         listed = " ".join(re.findall(r"what the file says of (.*?) is left out here", said))
         named = part in listed
-        if result.exit_code == 2 or changed == named or (entry(question, part) == REFUSED) > named:
+        if result.exit_code == 2 or changed == named or (use_of(question, part) == REFUSED) > named:
             wrong[part] = (result.exit_code, changed, said[:300])
     assert not wrong, wrong
 
@@ -318,7 +318,7 @@ def test_every_part_of_a_campaign_is_computed_told_or_refused(files):
 
     nominal, wrong = json.dumps(found({})), []
     for part, change in given.items():
-        kind = entry("campaign", part)
+        kind = use_of("campaign", part)
         try:
             changed = json.dumps(found(change)) != nominal
         except tv.InputError:
@@ -334,4 +334,4 @@ def test_the_conventions_print_the_table():
 
 
 def test_the_page_answers_what_the_study_does():
-    assert all(entry("report", part) == entry("study", part) for part in OPTIONS)
+    assert all(use_of("report", part) == use_of("study", part) for part in OPTIONS)

@@ -115,7 +115,7 @@ def test_the_flight_of_the_template_can_be_taken_in() -> None:
     with_flight = text.replace('names = ["required", "minimum"]', 'names = ["required", "flight"]')
 
     plan = parse_campaign(tables_of(with_flight, "mine"))
-    assert (plan.nozzle.rate_limit, plan.asked.sample_rate) == (np.radians(10.0), 50.0)
+    assert (plan.nozzle.rate_limit, plan.autopilot_design.sample_rate) == (np.radians(10.0), 50.0)
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.case.parts import told
+from tvclin.case.features import omission_notes
 from tvclin.cli.app import app
 from tvclin.flights.theory_comparison import fly_sampled
 from tvclin.studyfile.findings import find
@@ -175,12 +175,14 @@ def test_a_study_file_and_options_give_the_same_answer(command, file):
 def test_a_model_that_is_not_flown_is_told():
     drift = tv.Case(vehicle=tv.load_vehicle("made-up-launcher"), model="drift")
     assert drift.plant.model == "drift-exact"
-    assert "the model is drift-exact: drift leaves out the structure" in told(drift, "margins")
-    assert "the model is drift-exact" not in " ".join(told(drift, "respond"))
+    assert "the model is drift-exact: drift leaves out the structure" in omission_notes(
+        drift, "margins"
+    )
+    assert "the model is drift-exact" not in " ".join(omission_notes(drift, "respond"))
     fast = tv.Case(vehicle=tv.load_vehicle("configuration-i"), model="drift-and-speed")
-    (sentence,) = told(fast, "laws")
+    (sentence,) = omission_notes(fast, "laws")
     assert sentence.startswith("the model is drift-exact: drift-and-speed has a speed")
-    assert not list(told(fast, "margins"))
+    assert not list(omission_notes(fast, "margins"))
 
 
 def test_an_option_counts_more_than_the_file(file):

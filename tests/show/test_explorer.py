@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.explored import moved, values
-from tvclin.case.parts import COMPUTED, OPTIONS, TOLD, entry
+from tvclin.case.features import COMPUTED, NOTED, OPTIONS, use_of
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.kernels.choice import pinned
@@ -171,9 +171,9 @@ def test_each_part_that_the_table_calls_computed_is_asked() -> None:
     assert bent[0].margin_inputs != bent[1].margin_inputs
     assert bent[0].motion_inputs != bent[1].motion_inputs
     by_file = {"structure", "damping", "filters"}
-    computed = {part for part in OPTIONS if entry("explore", part) == COMPUTED}
+    computed = {part for part in OPTIONS if use_of("explore", part) == COMPUTED}
     assert computed | {"structure"} == MOVED.keys() | by_file
-    assert entry("explore", "structure") == TOLD
+    assert use_of("explore", "structure") == NOTED
 
 
 @pytest.mark.parametrize("arm", [-3.0, 0.0])
@@ -342,7 +342,7 @@ def test_a_study_file_begins_with_its_case_and_tells_what_is_left_out(tmp_path: 
     assert found.law == AUTOPILOT
     assert repr(found.plan.nozzle) == repr(plan.nozzle)
     assert (found.plan.wind, found.plan.plane) == (plan.wind, "yaw")
-    assert found.plan.asked.delay == pytest.approx(0.03, rel=1e-15)
+    assert found.plan.autopilot_design.delay == pytest.approx(0.03, rel=1e-15)
     (left,) = [note for note in answer(found, 0).notes if "left out" in note]
     assert "dispersion" in left
 

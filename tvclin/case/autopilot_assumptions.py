@@ -1,4 +1,4 @@
-"""Notes on gains and an actuator that were not specified, and a rule whose gains are better."""
+"""Notes on unspecified gains and actuators, and on a rule whose gains satisfy the criteria."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.margins.criteria import Criteria
 from tvclin.linear.flexible import FlexiblePlant
 
-_FREQUENCIES_OVER_POLE = (1.5, 2.0, 3.0, 4.0, 6.0)
+_FREQUENCY_RATIOS = (1.5, 2.0, 3.0, 4.0, 6.0)
 """Natural frequencies that are tried, normalised by the unstable pole."""
 
 
 def gain_notes(case: Case, criteria: Criteria, satisfied: bool) -> Iterator[str]:
-    """Yield that gains or the actuator were not specified, and what satisfies the criteria.
+    """Yield notes on unspecified gains or actuator, and on gains that satisfy the criteria.
 
-    `satisfied`: whether the gains of the case satisfy them.
+    `satisfied`: whether the gains of the case satisfy the criteria.
     """
-    if case.asked.unspecified:
+    if case.autopilot_design.unspecified:
         yield (
             "these are textbook gains, a0 = 2 B and a1 = B/beta, since no option and no file"
             " specifies others"
@@ -35,7 +35,7 @@ def gain_notes(case: Case, criteria: Criteria, satisfied: bool) -> Iterator[str]
 
 
 def actuator_notes(case: Case) -> Iterator[str]:
-    """Yield that the actuator is assumed, where neither a file nor an option specifies it."""
+    """Yield the note on an actuator that is assumed, as neither file nor option specifies one."""
     if case.nozzle.actuator is USUAL_ACTUATOR:
         yield (
             f"an actuator of {USUAL_ACTUATOR.natural_frequency:g} rad/s and damping"
@@ -45,7 +45,7 @@ def actuator_notes(case: Case) -> Iterator[str]:
 
 
 def _better(case: Case, criteria: Criteria) -> str:
-    """Return which rule has gains that satisfy the criteria, or which command seeks them."""
+    """Return the note on a rule with gains that satisfy the criteria, or on the search for them."""
     rule = satisfying_rule(case, criteria)
     if rule is None:
         return (
@@ -65,13 +65,13 @@ def _better(case: Case, criteria: Criteria) -> str:
 
 
 def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
-    """Return the first of some designs whose gains satisfy the criteria; None if none does.
+    """Return the first design whose gains satisfy the criteria; None if none does.
 
-    They are poles at multiples of the unstable one, and the linear quadratic regulator, with the
-    actuator, delay, filters and sample rate of the case.
+    The designs are poles at multiples of the unstable pole, and the linear quadratic regulator,
+    with the actuator, delay, filters and sample rate of the case.
     """
     base = replace(
-        case.asked,
+        case.autopilot_design,
         design=None,
         natural_frequency=None,
         damping=None,
@@ -85,7 +85,7 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
         pole = float(case.plant.rigid.coefficients.pole)
         rules = [
             replace(base, natural_frequency=float(f"{ratio * pole:.2g}"))
-            for ratio in _FREQUENCIES_OVER_POLE
+            for ratio in _FREQUENCY_RATIOS
         ]
     rules.append(replace(base, design="lqr"))  # last, for it loads python-control
     return next((rule for rule in rules if _satisfies(replace(case, design=rule), criteria)), None)

@@ -27,15 +27,15 @@ DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
 SIGNS = {"head": -1.0, "tail": 1.0}
 """Sign of the wind angle in the pitch plane, by direction."""
 CROSS = "cross"
-"""A wind across the path."""
+"""Direction of a wind across the path."""
 DIRECTIONS = (*SIGNS, CROSS)
 """Directions of a wind, on which the dynamic pressure encountered depends."""
 FROZEN = "frozen"
 """The nominal dynamic pressure, for either sign of the wind."""
 ANY_NOZZLE = Nozzle()
-"""Without limits, and with the usual actuator."""
+"""Nozzle without limits, with the usual actuator."""
 _FLIGHT_SAMPLE_RATE_HZ = 100.0
-"""Sample rate [Hz] in flights of an autopilot that is continuous."""
+"""Sample rate [Hz] in flights of an autopilot without a sample rate."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +45,7 @@ class Case:
     Attributes
     ----------
     vehicle : Vehicle or LinearVehicle
-        The vehicle, one, with its structure; `vehicle.rigid` leaves that out.
+        The vehicle, no batch, with its structure; `vehicle.rigid` is without it.
     model : str
         Model of the motion.
     plane : str
@@ -54,13 +54,13 @@ class Case:
         The wind with its gust and its direction; 5 degrees for 7.5 seconds, a triangle, unless
         given. An ensemble is for campaigns, and any other history for flights.
     nozzle : Nozzle
-        What the nozzle can do; with a stop of both planes both are judged.
+        Limits and actuator of the nozzle; with a limit shape of both planes both are judged.
     design : AutopilotDesign, optional
-        The autopilot; questions that need one take the canonical gains where nothing is said.
+        Specification of the autopilot; by default canonical gains.
     sign : str, optional
-        Which sign of a wind along the path counts in what is required, with the dynamic pressure
-        encountered in it: head, tail, or frozen, the nominal one; the worst of both without it.
-        A wind with a direction, and measured ones, have their own.
+        Direction of a wind along the path for the required deflection: head or tail, with the
+        dynamic pressure encountered, or frozen, at nominal dynamic pressure; by default the worse
+        of head and tail. Measured winds and winds with a heading have their own direction.
 
     Raises
     ------
@@ -103,33 +103,33 @@ class Case:
 
     @property
     def planes(self) -> str:
-        """The plane that is judged, or both, where the nozzle has a stop of both."""
+        """The judged plane; "both" where the nozzle has a limit shape of both planes."""
         return self.plane if self.nozzle.stop is None else BOTH
 
     @property
     def loop_model(self) -> str:
-        """The model that the autopilot controls: of a structure "drift-exact" for "drift"."""
+        """Model of the plant of the autopilot: "drift-exact" for "drift" with a structure."""
         return flexible_model(self.vehicle, self.model)
 
     @property
     def law_model(self) -> str:
-        """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
+        """Model of the plant in flights of laws, without the speed, which laws do not measure."""
         return DEFAULT_MODEL if self.model == "drift-and-speed" else self.loop_model
 
     @cached_property
     def plant(self) -> AnyPlant:
-        """Plant that flies and that the autopilot controls: flexible where the vehicle bends."""
+        """Plant of flights and autopilot: flexible where the vehicle has a structure."""
         from tvclin.linear.flexible import plant_of
 
         return plant_of(self.vehicle, self.loop_model, self.plane)
 
     @property
     def heading(self) -> float | None:
-        """The heading of the wind [rad], where it has one."""
+        """Heading of the wind [rad]; None for a wind in the plane."""
         return getattr(self.wind, "heading", None)
 
     def wind_at(self, dead_band: float) -> ShapedWind:
-        """Return a wind of one shape, its gust at its time, or at the worst for a dead band."""
+        """Return the wind of a shape, with its gust at its time, or the worst for a dead band."""
         in_plane = self.wind_in_plane_at(dead_band)
         assert isinstance(self.wind, ShapedWind)
         assert isinstance(in_plane, ShapedWind)
@@ -137,7 +137,7 @@ class Case:
 
     @cached_property
     def wind_in_plane(self) -> ShapedWind | WindEnsemble | History:
-        """The wind in the plane, its gust at its time, or else at the worst one with K = 1."""
+        """The wind in the plane, with its gust at its time, or at the worst time with K = 1."""
         return self.wind_in_plane_at(1.0)
 
     def wind_in_plane_at(self, dead_band: float) -> ShapedWind | WindEnsemble | History:
@@ -159,7 +159,7 @@ class Case:
 
     @property
     def history(self) -> History:
-        """The wind as a history; of an ensemble the first."""
+        """The wind as a history; the first wind of an ensemble."""
         return self.history_at(1.0)
 
     def history_at(self, dead_band: float) -> History:
@@ -171,7 +171,7 @@ class Case:
     @property
     def hardware(self) -> dict[str, Any]:
         """Arguments of `fly_many` for a sampled law, other than its limit."""
-        design, rate = self.asked, self.nozzle.rate_limit
+        design, rate = self.autopilot_design, self.nozzle.rate_limit
         return {
             "actuator": self.nozzle.actuator,
             "rate_limit": np.inf if rate is None else rate,
@@ -180,13 +180,13 @@ class Case:
         }
 
     @property
-    def asked(self) -> AutopilotDesign:
-        """The design of the autopilot; the canonical gains where nothing is said."""
+    def autopilot_design(self) -> AutopilotDesign:
+        """Specification of the autopilot; canonical gains if `design` is None."""
         from tvclin.control.autopilot.design_rules import AutopilotDesign
 
         return self.design or AutopilotDesign()
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot, designed on the rigid plant; `InputError` as its design."""
-        return self.asked.autopilot(self.plant.rigid, self.nozzle.actuator)
+        """The autopilot, designed on the rigid plant; same exceptions as its design."""
+        return self.autopilot_design.autopilot(self.plant.rigid, self.nozzle.actuator)

@@ -60,10 +60,10 @@ def flexible_answer(
 ) -> FlexibleAnswer:
     """Return margins, boundaries and flight of an autopilot with a flexible vehicle.
 
-    The autopilot is designed on the rigid plant, except for gains that are sought, such as those
-    for the least nozzle. `criteria`: for detuned modes. `limit`: deflection limit of the flight
-    [rad]. `hardware`: as of `Case.hardware`. `InputError` as `Autopilot.band_margins` and
-    `closed_loop_boundary`.
+    The autopilot is designed on the rigid plant, except for gains by a search, such as gains for
+    the minimum deflection. `criteria`: criteria for detuned modes. `limit`: deflection limit of the
+    flight [rad]. `hardware`: items of `Case.hardware`. Same exceptions as `Autopilot.band_margins`
+    and `closed_loop_boundary`.
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
@@ -91,7 +91,7 @@ def stop_boundary(
 ) -> ClosedLoopBoundary:
     """Return the minimum limit of a law in a wind, sought up to `limit` [rad] if none is lower.
 
-    Hardware is as of `Case.hardware`; `InputError` as `closed_loop_boundary`.
+    `hardware`: items of `Case.hardware`. Same exceptions as `closed_loop_boundary`.
     """
     boundary = closed_loop_boundary(plant, law, wind, **hardware)
     scanned = float(boundary.scan[-1])
@@ -102,16 +102,17 @@ def stop_boundary(
 
 
 def specified_law(case: Case, name: str, rate_limit: float, **parameters: Any) -> Law:
-    """Return a law by its name for a case, with the filters of its autopilot.
+    """Return the law with a name for a case, with the filters of its autopilot.
 
-    It is designed on the rigid vehicle of the case, for its wind, as by `design_law`; "autopilot"
-    has the gains of the case. `InputError` as `design_law` and `Case.autopilot`.
+    The law is designed by `design_law` on the rigid vehicle of the case, for its wind; "autopilot"
+    has the gains of the case. `parameters`: further parameters of `design_law`. Same exceptions as
+    `design_law` and `Case.autopilot`.
     """
     if name == AUTOPILOT:
         parameters = {AUTOPILOT: case.autopilot} | parameters
     peak = float(case.history.peak)
     law = design_law(name, case.plant.rigid, peak, rate_limit=rate_limit, **parameters)
-    return with_filters(law, case.asked)
+    return with_filters(law, case.autopilot_design)
 
 
 def with_filters(law: Law, design: AutopilotDesign) -> Law:
@@ -146,6 +147,6 @@ def shift_words(vehicle: AnyVehicle, plane: str) -> str:
     if shift is None:
         return ""
     return (
-        f"would move the fast pole by {shift.fast_pole:+.2f} percent and the deflection that a wind"
-        f" needs by {shift.trim_price:+.2f} percent"
+        f"would move the fast pole by {shift.fast_pole:+.2f} percent and the required deflection"
+        f" by {shift.trim_price:+.2f} percent"
     )

@@ -21,25 +21,25 @@ from tvclin.winds.wind_angles import beyond_linear
 
 @dataclass(frozen=True, kw_only=True)
 class LoadBound:
-    """The largest load that a structure bears: an angle, a product with pressure, or a moment.
+    """Load limit of a structure: an angle of attack, q alpha, or a bending moment.
 
     Attributes
     ----------
     load : float, optional
         Largest angle of attack [rad] that the structure bears.
     q_alpha : float, optional
-        The same times the dynamic pressure [Pa rad], which must be given then.
+        Largest product of angle of attack and dynamic pressure [Pa rad]; needs `dynamic_pressure`.
     dynamic_pressure : float, optional
         Dynamic pressure [Pa].
     moment : float, optional
-        Largest bending moment [N m] at a station, of what follows.
+        Largest bending moment [N m] at a station; needs `alpha_moment`.
     alpha_moment, deflection_moment : float, optional
-        By how much the angle of attack and the deflection bend there [N m/rad].
+        Slopes of that moment over angle of attack and deflection [N m/rad].
 
     Raises
     ------
     InputError
-        For numbers out of range, more bounds than one, and a bound without what it is made of.
+        For numbers out of range, more bounds than one, and a bound without its further values.
     """
 
     load: float | None = quantity("angle", None, small_angle("a load", positive))
@@ -57,9 +57,9 @@ class LoadBound:
                 "[load] needs one bound: load, q_alpha or moment"
                 f"{'; got ' + ' and '.join(bounds) if bounds else ''}"
             )
-        for bound, needed in (("q_alpha", "dynamic_pressure"), ("moment", "alpha_moment")):
-            if (bound in bounds) != (getattr(self, needed) is not None):
-                raise InputError(f"[load] needs {bound} and {needed} together")
+        for bound, companion in (("q_alpha", "dynamic_pressure"), ("moment", "alpha_moment")):
+            if (bound in bounds) != (getattr(self, companion) is not None):
+                raise InputError(f"[load] needs {bound} and {companion} together")
         if self.deflection_moment is not None and self.alpha_moment is None:
             raise InputError("[load] needs alpha_moment beside deflection_moment")
 
@@ -79,15 +79,15 @@ class LoadBound:
         """Ratio of moment slopes M_delta/M_alpha."""
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
-    def trade_off(self, case: Case, part: float = 1.0) -> LoadTradeOff:
-        """Return the trade-off curve of limit over load, with the fraction `part` of the limit."""
+    def trade_off(self, case: Case, fraction: float = 1.0) -> LoadTradeOff:
+        """Return the trade-off curve of limit over load; `fraction`: of the limit that counts."""
         instance("case", case, Case, "of a wind and a nozzle")
-        part = number("part", part, between(1e-9, 1.0))
+        fraction = number("fraction", fraction, between(1e-9, 1.0))
         limit = case.nozzle.limit
         return load_trade_off(
             case.plant.rigid,
             case.history,
-            limit=None if limit is None else limit * part,
+            limit=None if limit is None else limit * fraction,
             load=self.bound,
             rate_limit=case.hardware["rate_limit"],
             moment_ratio=self.ratio,
@@ -129,14 +129,14 @@ class FlownLoad(Shown):
         name : str
             Name of the law.
         law : Law
-            It is flown with the stop of the nozzle.
+            The law, which is flown with the deflection limit of the nozzle.
         bound : LoadBound, optional
             Load limit of the structure.
 
         Raises
         ------
         InputError
-            For another kind of value, a nozzle without a limit, and as `fly_many`.
+            For another kind of value, and a nozzle without a limit; also as `fly_many`.
         """
         instance("case", case, Case, "of a wind and a nozzle")
         instance("law", law, Law, "such as TrimLaw")
@@ -145,7 +145,7 @@ class FlownLoad(Shown):
             instance("bound", bound, LoadBound, "of what the structure bears")
         limit, max_load = case.nozzle.limit, None if bound is None else bound.bound
         if limit is None:
-            raise InputError("case must have a deflection limit, the stop of its nozzle")
+            raise InputError("case must have a deflection limit of its nozzle")
         if beyond_linear(float(case.history.peak)):
             return cls(name, NOT_KNOWN, np.nan, np.nan, max_load)
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)

@@ -1,4 +1,4 @@
-"""Limits of a nozzle in angle, rate and work, its actuator, and the inertia and hinge it moves."""
+"""Limits of a nozzle in angle, rate and work, its actuator, its inertia and its hinge."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "num
 _ENGINE = {"mass": "mass", "arm": "arm", "inertia": "moment_of_inertia"}
 """Keys of the engine in a file, and their names in `Engine`."""
 USUAL_ACTUATOR = Actuator()
-"""The actuator that is assumed; one that is specified is another object, even if it is equal."""
+"""The assumed actuator; a specified actuator is another object, even if it is equal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,13 +35,13 @@ class NozzleData:
     Attributes
     ----------
     engine : Engine
-        What turns: mass m_E, arm l_E aft of the hinge, moment of inertia.
+        The engine that turns: mass m_E, arm l_E aft of the hinge, moment of inertia.
     stiffness : float
-        Of the hinge, k [N m/rad].
+        Stiffness k of the hinge [N m/rad].
     damping : float
-        Of the hinge, c [N m s/rad].
+        Viscous damping c of the hinge [N m s/rad].
     friction : float
-        M_f [N m], whatever the rate.
+        Friction moment M_f [N m], independent of the rate.
     offset, thrust_offset : float
         Lateral offset e of the centre of mass, and e_T of the line of thrust from the hinge [m]; a
         positive one resists a positive deflection.
@@ -72,18 +72,18 @@ class Nozzle:
     Attributes
     ----------
     limit : float, optional
-        Deflection limit [rad]; is it sufficient?
+        Deflection limit [rad], which is judged.
     stop : LimitShape or str, optional
-        What it can do in both planes over its limit, or a word: "round", "round-each-plane" (each
-        plane limited by itself within it), "square", "square-45" (turned by 45 degrees). With it
-        both planes are judged, which share it.
+        Limit shape of both planes, normalised by the limit, or its name: "round",
+        "round-each-plane" (within it each plane is limited separately), "square", "square-45"
+        (turned by 45 degrees). With it both planes are judged, which share the limit.
     rate_limit : float, optional
         Limit of the deflection rate [rad/s]; flights keep to it, and the laws trim and
         recoverable-attitude are designed for it.
     actuator : Actuator or None
-        Between command and deflection.
+        Dynamics between command and deflection.
     data : NozzleData, optional
-        What resists the actuators, for torque and power.
+        Inertia, hinge and friction, for torque and power.
     acceleration_limit : float, optional
         Largest deflection acceleration [rad/s2]; it is judged, and limits no flight.
     travel_limit : float, optional
@@ -96,8 +96,8 @@ class Nozzle:
     Raises
     ------
     InputError
-        For numbers out of range, an unknown shape of a stop, what is no actuator, and a torque or a
-        power without data.
+        For numbers out of range, an unknown limit shape, another type than an actuator, and a
+        torque or power limit without data.
     """
 
     limit: float | None = quantity("angle", None, small_angle("a deflection", positive))
@@ -120,17 +120,17 @@ class Nozzle:
             instance("data", self.data, NozzleData, "of an engine and its hinge")
         elif self.torque_limit is not None or self.power_limit is not None:
             raise InputError(
-                "torque_limit and power_limit need what turns: mass_kg and arm_m in [nozzle]"
+                "torque_limit and power_limit need the engine: mass_kg and arm_m in [nozzle]"
             )
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Self:
-        """Return what the table [nozzle] of a file says; an actuator of 0 rad/s is none.
+        """Return the nozzle of the table [nozzle] of a file; an actuator of 0 rad/s is none.
 
         Raises
         ------
         InputError
-            For what the table may not hold, and as `Nozzle` and `Actuator` themselves.
+            For unknown keys of the table; also the exceptions of `Nozzle` and `Actuator`.
         """
         values = NOZZLE_TABLE.read(table)
         servo = {name: values.pop(name) for name in _ACTUATOR if name in values}
@@ -158,7 +158,7 @@ def _data(values: dict[str, Any]) -> NozzleData | None:
 
 
 def actuator_of(actuator_frequency: float = 25.1, actuator_damping: float = 0.7) -> Actuator | None:
-    """Return an actuator of a natural frequency [rad/s] and a damping ratio; none of zero."""
+    """Return an actuator of a natural frequency [rad/s] and a damping ratio; None for zero."""
     if number("actuator_frequency", actuator_frequency) == 0.0:
         return None
     return Actuator(

@@ -1,4 +1,4 @@
-"""Worst time of a gust on top of a wind: that with the largest required deflection."""
+"""Worst time of a gust on top of a wind, with the largest required deflection."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _REFINEMENTS = 3
 def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> ShapedWind:
     """Return a wind without a heading with its gust at the time with the largest requirement.
 
-    A wind without a gust, or with a gust that has a time, is returned unchanged. The time is that
-    of the largest of `open_loop_requirements` from the beginning of the wind to its end: of a scan,
-    refined between the neighbours of the best. Where the gust opposes the wind, and where no limit
-    is defined, it stays in the middle.
+    A wind without a gust, or with a gust that has a time, is returned unchanged. The time maximises
+    `open_loop_requirements` from the beginning of the wind to its end, by a scan that is refined
+    between the neighbours of its maximum. A gust that opposes the wind, or one for which no limit
+    is defined, stays in the middle.
     """
     gust = wind.gust
     if gust is None or wind.gust_at is not None:
@@ -36,12 +36,12 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     length = wind.duration
     if plant.batch or float(gust.peak) * wind.peak < 0.0:
         return wind
-    alone, K = replace(wind, gust=None).history({}), np.asarray(dead_band)
+    wind_without_gust, K = replace(wind, gust=None).history({}), np.asarray(dead_band)
     middle = 0.5 * (float(gust.onset) + float(gust.end))
 
     def required(time: FloatArray) -> FloatArray:
         """Return the required deflections [rad] with the gust at times [s], in their shape."""
-        gusty = alone + gust.shift(time - middle)
+        gusty = wind_without_gust + gust.shift(time - middle)
         boundary = boundary_limit(plant, gusty, K, "literal")
         return np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
 

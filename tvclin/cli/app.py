@@ -205,7 +205,7 @@ def _sentence(error: Exception) -> str | None:
     if isinstance(error, InputError):
         return str(error)
     if type(error).__name__ == "NoSuchOption":
-        from tvclin.case.parts import refusal
+        from tvclin.case.features import refusal
 
         context = getattr(error, "ctx", None)
         return context and refusal(str(context.info_name), str(vars(error)["option_name"]))

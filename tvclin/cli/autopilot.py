@@ -80,13 +80,13 @@ class LeastOptions:
         if not self.least:
             only_with("--least", **vars(self))
             return plan
-        crossover = chosen(self.crossover, plan.asked.crossover)
-        design = with_gains(plan.asked, design=LEAST_NOZZLE, crossover=crossover)
+        crossover = chosen(self.crossover, plan.autopilot_design.crossover)
+        design = with_gains(plan.autopilot_design, design=LEAST_NOZZLE, crossover=crossover)
         return replace(plan, design=design)
 
     def found(self, case: Case, criteria: Criteria) -> MinimumGains | None:
         """Return the gains for the minimum deflection; None without --least."""
-        design, wind = case.asked, case.wind_in_plane
+        design, wind = case.autopilot_design, case.wind_in_plane
         if not self.least:
             return None
         if design.design != LEAST_NOZZLE:

@@ -50,7 +50,7 @@ class LinearCase(Flying):
             )
         chosen = self.designed(self.plant.rigid)
         assert isinstance(chosen, Law)
-        return with_filters(chosen, self.case.asked)
+        return with_filters(chosen, self.case.autopilot_design)
 
     def boundary(self, plant: AnyPlant) -> ClosedLoopBoundary:
         """Return the boundary of the law on a plant."""
@@ -63,7 +63,7 @@ class LinearCase(Flying):
     def title(self) -> str:
         """Lines on the vehicle, the wind, the equations and the law."""
         structure = self.case.vehicle.structure
-        servo, delay = self.case.nozzle.actuator, 1000.0 * self.case.asked.delay
+        servo, delay = self.case.nozzle.actuator, 1000.0 * self.case.autopilot_design.delay
         rate = self.case.hardware["sample_rate"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
         said = [
@@ -127,7 +127,7 @@ def _compared(
             "linear_model": case.plant.model,
             "sample_rate_Hz": case.case.hardware["sample_rate"],
             "rate_limit_deg_per_s": None if rate is None else float(np.degrees(rate)),
-            "delay_s": case.case.asked.delay,
+            "delay_s": case.case.autopilot_design.delay,
             "status": dict(zip(labels, flight.status, strict=True)),
             "peak_deflection_rate_deg_s": dict(zip(labels, rates, strict=True)),
         },

@@ -60,11 +60,13 @@ class LoopOptions:
         elif self.actuator_damping is not None:
             damping = number("--actuator-damping", self.actuator_damping, positive)
             servo = replace(servo, damping=damping)
-        delay = plan.asked.delay
+        delay = plan.autopilot_design.delay
         if self.delay_ms is not None:
             delay = number("--delay-ms", self.delay_ms, nonnegative, "ms") / 1000.0
-        filters = _filters(self.notch_hz or (), self.low_pass_hz or ()) or plan.asked.filters
-        design = replace(plan.asked, delay=delay, filters=filters)
+        filters = (
+            _filters(self.notch_hz or (), self.low_pass_hz or ()) or plan.autopilot_design.filters
+        )
+        design = replace(plan.autopilot_design, delay=delay, filters=filters)
         return replace(plan, nozzle=replace(plan.nozzle, actuator=servo), design=design)
 
 
@@ -75,7 +77,7 @@ class GainOptions(Given):
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with these gains, or with this rule for them."""
         values = self.values
-        return replace(plan, design=with_gains(plan.asked, **values)) if values else plan
+        return replace(plan, design=with_gains(plan.autopilot_design, **values)) if values else plan
 
 
 GAINS = GainOptions(

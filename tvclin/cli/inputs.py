@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from tvclin.base.errors import InputError
 from tvclin.base.lines import listed
 from tvclin.case.case import Case
-from tvclin.case.parts import told, wholly_rigid
+from tvclin.case.features import is_rigid_only, omission_notes
 from tvclin.cli.output import say
 from tvclin.studyfile.read import load_study
 from tvclin.studyfile.study_plan import StudyPlan
@@ -61,7 +61,7 @@ def case_of(
         plan = wind(plan, source)
     if told:
         note_left_out(plan, *told)
-    return without_structure(plan) if any(map(wholly_rigid, told)) else plan
+    return without_structure(plan) if any(map(is_rigid_only, told)) else plan
 
 
 def without_structure(plan: StudyPlan) -> StudyPlan:
@@ -78,7 +78,7 @@ def note_doubts(vehicle: AnyVehicle) -> None:
 
 def note_left_out(case: Case, *questions: str) -> None:
     """Print on stderr the effects of a case that questions neglect, see `parts.told`."""
-    for sentence in told(case, *questions):
+    for sentence in omission_notes(case, *questions):
         say(f"Note: {sentence}.", err=True)
 
 

@@ -137,7 +137,7 @@ class _Answer:
         """Print the setting of the trials, the required deflection of each law, and notes."""
         if self.plant.structure is not None:
             say(parts_line(self.plant.structure))
-            say(f"law at {self.rate:g} Hz, delay {1000.0 * self.case.asked.delay:g} ms")
+            say(f"law at {self.rate:g} Hz, delay {1000.0 * self.case.autopilot_design.delay:g} ms")
         winds = f"winds of {abs(degrees(self.peak)):.4g} deg and {self.duration:g} s"
         servo = self.case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
@@ -170,7 +170,7 @@ def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
     autopilot = specified_autopilot(case, case.history, case.held_to)
     laws_by_name = standard_laws(plant, peak, autopilot, case.hardware["rate_limit"])
     return {
-        name: with_filters(law, case.asked)
+        name: with_filters(law, case.autopilot_design)
         for name, law in laws_by_name.items()
         if case.laws is None or name in case.laws.names
     }

@@ -63,18 +63,18 @@ Box = Annotated[
 
 
 @dataclass(frozen=True, eq=False)
-class BoxFound:
+class BoxResult:
     """The worst case in a box, and the criteria of its margins."""
 
     worst: WorstCase
-    asked: Criteria
+    criteria: Criteria
 
     @property
     def met(self) -> bool:
         """Whether the worst margins satisfy the criteria, as far as they are known."""
         return self.worst.stable and all(
             self.worst.margins[criterion.margin].value >= criterion.limit
-            for criterion in self.asked.limits
+            for criterion in self.criteria.limits
             if criterion.margin in self.worst.margins
         )
 
@@ -90,10 +90,10 @@ class BoxFound:
         disk = self.worst.margins["disk_margin"]
         at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in disk.at.items())
         say(f"Worst disk margin at: {at}")
-        say(f"Criteria {self.asked.name} in the box: {satisfaction(self.met)}")
+        say(f"Criteria {self.criteria.name} in the box: {satisfaction(self.met)}")
 
 
-def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> BoxFound | None:
+def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> BoxResult | None:
     """Return the worst case in the box of the options, of the rigid vehicle; None without one."""
     if not given:
         return None
@@ -113,7 +113,7 @@ def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> Box
     if autopilot.sample_rate is not None:
         say("Note: the margins in the box are of the continuous autopilot.", err=True)
     worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
-    return BoxFound(worst, case.held_to.without_mode_limits or case.held_to)
+    return BoxResult(worst, case.held_to.without_mode_limits or case.held_to)
 
 
 def _interval(
@@ -215,7 +215,7 @@ def margins(
     case = case_of(vehicle, *changes, wind=winds.over, rigid=rigid, time=time)
     only_with(MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
-    if not (flown or box or case.asked.design == LEAST_NOZZLE):
+    if not (flown or box or case.autopilot_design.design == LEAST_NOZZLE):
         only_with("--flown or --box", **vars(winds))
         aside += ["margins without --flown and --box"]
     note_left_out(case, "margins", *aside)
@@ -238,7 +238,7 @@ class _Answer:
     wind: str
     moved: Detuned | None
     in_wind: FlownMargins | None
-    in_box: BoxFound | None
+    in_box: BoxResult | None
 
     @cached_property
     def notes(self) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 def specified_autopilot(case: Case, wind: History, criteria: Criteria) -> Autopilot:
     """Return the autopilot of a case: by its rule, or for the minimum deflection in a wind."""
-    if case.asked.design != LEAST_NOZZLE:
+    if case.autopilot_design.design != LEAST_NOZZLE:
         return case.autopilot
     return minimum_gains(case, wind, criteria).autopilot
 
@@ -43,7 +43,7 @@ def minimum_gains(
     `InputError` for gains and numbers of other rules in the same design; also the exceptions of
     `minimum_deflection_gains`.
     """
-    design = case.asked
+    design = case.autopilot_design
     chains: dict[str, Any] = design.chains
     conflicting = [
         name

@@ -354,7 +354,7 @@ class _Conditions:
         notes = tuple(design_notes(law))
         if self.noise:
             bare = law.law if isinstance(law, FilteredLaw) else law
-            law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **case.asked.chains)
+            law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **case.autopilot_design.chains)
         flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **case.hardware)
         reason = flight_reason(plant, flight.status)
         if reason or not flight.times.size:

@@ -271,7 +271,7 @@ def _trials(
     else:
         from tvclin.case.flexible_autopilot import with_filters
 
-        laws = {name: with_filters(law, plan.asked) for name, law in laws.items()}
+        laws = {name: with_filters(law, plan.autopilot_design) for name, law in laws.items()}
     return law_trials(
         plant,
         {name: laws[name] for name in request.names},

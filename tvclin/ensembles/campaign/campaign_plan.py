@@ -208,7 +208,7 @@ class Campaign(Case):
     @cached_property
     def autopilot(self) -> Autopilot:
         """The autopilot, designed on `rigid_plant`."""
-        return self.asked.autopilot(self.rigid_plant, self.nozzle.actuator)
+        return self.autopilot_design.autopilot(self.rigid_plant, self.nozzle.actuator)
 
     @property
     def chunks(self) -> int:

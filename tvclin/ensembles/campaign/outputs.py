@@ -139,7 +139,7 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
         options[AUTOPILOT] = Autopilot(**batch.first.gains)
     options["rate_limit"] = campaign.hardware["rate_limit"]
     law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.max_angle, **options)
-    return with_filters(law, campaign.asked)
+    return with_filters(law, campaign.autopilot_design)
 
 
 def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
@@ -182,7 +182,7 @@ def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
 def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[str, Any]:
     """Return `COLUMNS` of the flights of a batch in a plane with a deflection limit [rad]."""
     dispersed = any(np.ndim(value) for value in batch.gains.values())
-    chains = {name: getattr(campaign.asked, name) for name in CHAINS}
+    chains = {name: getattr(campaign.autopilot_design, name) for name in CHAINS}
     gains_vary = dispersed and campaign.law == AUTOPILOT
     flown = fly_many(
         batch.flying,

@@ -15,8 +15,8 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.base.warned import warned
+from tvclin.case.features import omission_notes
 from tvclin.case.flexible_autopilot import specified_law
-from tvclin.case.parts import told
 from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.margins import Margins
 from tvclin.flights.closed_loop.fly import fly
@@ -277,7 +277,10 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
 
 def _neglected(choices: Choices) -> list[str]:
     """Return a sentence on each effect that is neglected, such as the structure."""
-    return [f"{sentence[0].upper()}{sentence[1:]}." for sentence in told(choices.plan, "explore")]
+    return [
+        f"{sentence[0].upper()}{sentence[1:]}."
+        for sentence in omission_notes(choices.plan, "explore")
+    ]
 
 
 def _verdict(

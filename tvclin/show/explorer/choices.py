@@ -98,7 +98,7 @@ class Choices:
         """Plan of the values on which response or flight depend, except the time of the gust."""
         p, flown = self.plan, self.law != REPORT
         hardware = replace(p.nozzle, stop=None) if flown else Nozzle(limit=p.nozzle.limit)
-        design = p.design if self.law == AUTOPILOT else loop_of(p.asked)
+        design = p.design if self.law == AUTOPILOT else loop_of(p.autopilot_design)
         return _bare(
             p,
             vehicle=p.vehicle if flown else p.vehicle.rigid,
@@ -134,16 +134,16 @@ class Slider(NamedTuple):
 def with_numerical_gains(plan: StudyPlan) -> StudyPlan:
     """Return a plan with numerical gains, also where its design searches for them."""
     design = plan.design
-    if plan.asked.design == LEAST_NOZZLE:
+    if plan.autopilot_design.design == LEAST_NOZZLE:
         autopilot = specified_autopilot(plan, plan.history, plan.held_to)
         gains: Any = {name: float(getattr(autopilot, name)) for name in GIVEN_GAINS}
-        design = replace(loop_of(plan.asked), **gains)
+        design = replace(loop_of(plan.autopilot_design), **gains)
     return replace(plan, design=design)
 
 
 def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str], str]]:
     """Return the lists, by field: label, options, and start value for a plan."""
-    wind, design, stop = plan.wind, plan.asked, plan.nozzle.stop
+    wind, design, stop = plan.wind, plan.autopilot_design, plan.nozzle.stop
     rule = _rule(design)
     further_rules = [] if rule in _RULES else [rule]
     law = TRIM if plan.design is None else AUTOPILOT
@@ -171,7 +171,7 @@ def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
     """Return the switches, by field: label and start value."""
     return {
         "structure": ("bending and slosh", plan.vehicle.structure is not None),
-        "filters": ("filters of the file", any(plan.asked.chains.values())),
+        "filters": ("filters of the file", any(plan.autopilot_design.chains.values())),
     }
 
 
@@ -179,7 +179,7 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
     """Return the sliders, by field, with start values of a plan and ranges for all vehicles."""
     start, *others = (_sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles))
     B, per_rate = (max(pair) for pair in zip(*others, strict=True))
-    wind, nozzle, design = plan.wind, plan.nozzle, plan.asked
+    wind, nozzle, design = plan.wind, plan.nozzle, plan.autopilot_design
     assert isinstance(wind, ShapedWind)
     gust, rate = wind.gust, nozzle.rate_limit or 0.0
     servo = 0.0 if nozzle.actuator is None else float(nozzle.actuator.natural_frequency)
@@ -237,7 +237,7 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
             rate_limit=v["rate_limit"] * _DEG or None,
             actuator=actuator,
         ),
-        design=_design(base.asked, v),
+        design=_design(base.autopilot_design, v),
         dead_band=v["dead_band"],
         criteria=None,
         sign=None if v["sign"] == WORST or "sign" in idle_controls(base, vehicle, v) else v["sign"],
@@ -277,7 +277,7 @@ def idle_controls(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, 
     ruled = f"the rule {v['design']} sets it: take {OWN}"
     reasons = {
         "structure": vehicle.structure is None and "the file of this vehicle has no structure",
-        "filters": not any(base.asked.chains.values()) and "the file has no filters",
+        "filters": not any(base.autopilot_design.chains.values()) and "the file has no filters",
         "stop": not both_planes and f"counts only in the plane {BOTH}",
         "direction": both_planes and "both planes need a direction",
         "heading": not slanting and "counts only with a wind from a direction",
@@ -441,7 +441,7 @@ def _nozzle(choices: Choices) -> Table:
 
 
 def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
-    design = choices.plan.asked
+    design = choices.plan.autopilot_design
     table = {
         "design": design.design,
         "natural_frequency_rad_per_s": design.natural_frequency,

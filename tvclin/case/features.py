@@ -1,8 +1,8 @@
-"""Use of each part of a case by each question: computed, told in a note, or refused.
+"""Use of each feature of a case by each question: computed, omitted with a note, or refused.
 
-A part that a question *computes* changes its answer. Where a part is *told*, a note says what is
-omitted, and by how much where that is known. A part that is *refused* ends with a sentence that
-names the questions that compute it. No part is ignored.
+A feature that a question *computes* changes its result. For a feature that is *noted*, a note says
+that it is omitted, and its effect where that is known. A *refused* feature ends with an error
+message that names the questions that compute it. No feature is ignored.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tvclin.case.case import Case
 from tvclin.case.nozzle import USUAL_ACTUATOR
 from tvclin.winds.histories import History
 
-COMPUTED, TOLD, REFUSED = "computed", "told", "refused"
+COMPUTED, NOTED, REFUSED = "computed", "noted", "refused"
 OPTIONS: dict[str, tuple[str, ...]] = {
     "structure": ("--rigid",),
     "damping": (),
@@ -43,34 +43,38 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "limit": ("--limit-deg",),
     "torque, power, travel and acceleration limits": (),
 }
-"""Parts of a case, and the options that give each; the sign of a peak makes it a head wind, and a
-sign that counts selects an encountered dynamic pressure."""
+"""Options by feature of a case; the sign of a peak makes it a head wind, and a sign that counts
+selects an encountered dynamic pressure."""
 _LAW = ("actuator", "delay", "filters")
 _LOOP = (*_LAW, "rate limit", "sample rate", "gains")
 _WIND = ("gust", "head wind", "sign that counts", "heading", "measured wind")
 _WORK = "torque, power, travel and acceleration limits"
-_SEVERAL = ("shape of the stop", "dispersion", _WORK)
-_CALM = ("sign that counts", *_SEVERAL)
+_STUDY_FEATURES = ("shape of the stop", "dispersion", _WORK)
+_NOMINAL_PRESSURE = ("sign that counts", *_STUDY_FEATURES)
 _REFUSED: dict[str, tuple[str, ...]] = {
     "study": (_WORK,),
     "report": (_WORK,),
-    "respond": (*_LOOP, *_CALM),
-    "optimum": (*(part for part in _LOOP if part != "rate limit"), *_CALM, "limit"),
-    "boundary": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
-    "poles": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
-    "margins": _CALM,
-    "autopilot": _SEVERAL,
-    "laws": (*_CALM, "limit"),
-    "fly": _CALM,
+    "respond": (*_LOOP, *_NOMINAL_PRESSURE),
+    "optimum": (
+        *(feature for feature in _LOOP if feature != "rate limit"),
+        *_NOMINAL_PRESSURE,
+        "limit",
+    ),
+    "boundary": (*_LOOP, *_WIND, *_STUDY_FEATURES, "limit"),
+    "poles": (*_LOOP, *_WIND, *_STUDY_FEATURES, "limit"),
+    "margins": _NOMINAL_PRESSURE,
+    "autopilot": _STUDY_FEATURES,
+    "laws": (*_NOMINAL_PRESSURE, "limit"),
+    "fly": _NOMINAL_PRESSURE,
     "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
-    "loads": _CALM,
+    "loads": _NOMINAL_PRESSURE,
     "card": ("dispersion",),
-    "size": (*(part for part in _LOOP if part != "rate limit"), _WORK),
+    "size": (*(feature for feature in _LOOP if feature != "rate limit"), _WORK),
     "availability": (*_LOOP, "dispersion", _WORK),
     "campaign": (_WORK,),
     "explore": ("measured wind", "dispersion", _WORK),
 }
-_ONLY_ASIDE: dict[str, tuple[str, ...]] = {
+_OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "margins without --flown": ("rate limit", "limit"),
     "margins without --flown and --box": ("gust", "head wind", "heading"),
     "laws of a rigid vehicle": _LAW,
@@ -81,10 +85,10 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),
     "loads without --law": (*_LAW, "sample rate", "gains"),
 }
-"""Parts that a question computes, and omits with or without these options."""
+"""Features that a question computes, but omits with or without these options."""
 _LIMITS_OF_WORK = ("torque_limit", "power_limit", "travel_limit", "acceleration_limit")
-_HERE = "these numbers"
-_OF_THE_RIGID: dict[str, str] = {
+_ALL_NUMBERS = "these numbers"
+_RIGID_NUMBERS: dict[str, str] = {
     "study": "the boundaries",
     "report": "boundaries and sizes on the page",
     "autopilot": "boundaries and minimum",
@@ -93,85 +97,85 @@ _OF_THE_RIGID: dict[str, str] = {
     "loads": "angles over loads",
     **dict.fromkeys(
         ("respond", "optimum", "boundary", "poles", "card", "size", "availability"),
-        _HERE,
+        _ALL_NUMBERS,
     ),
     "explore": "boundaries and the open-loop response",
     "margins --box": "the margins in the box",
-    "fly --engine planar": _HERE,
+    "fly --engine planar": _ALL_NUMBERS,
 }
-"""Numbers of an answer that are those of the rigid vehicle, by question."""
+"""Numbers of a result that are computed for the rigid vehicle, by question."""
 QUESTIONS = tuple(_REFUSED)
 
 
-def entry(question: str, part: str) -> str:
-    """Return the use of a part of a case by a question: `COMPUTED`, `TOLD` or `REFUSED`.
+def use_of(question: str, feature: str) -> str:
+    """Return the use of a feature of a case by a question: `COMPUTED`, `NOTED` or `REFUSED`.
 
-    `InputError` for an unknown question or part.
+    `InputError` for an unknown question or feature.
     """
     one_of("question", question, QUESTIONS)
-    one_of("part", part, OPTIONS)
-    if part in _REFUSED[question]:
+    one_of("feature", feature, OPTIONS)
+    if feature in _REFUSED[question]:
         return REFUSED
-    return TOLD if part == "structure" and question in _OF_THE_RIGID else COMPUTED
+    return NOTED if feature == "structure" and question in _RIGID_NUMBERS else COMPUTED
 
 
-def who_computes(part: str) -> list[str]:
-    """Return the questions that compute a part of a case."""
-    return [question for question in QUESTIONS if entry(question, part) == COMPUTED]
+def computing_questions(feature: str) -> list[str]:
+    """Return the questions that compute a feature of a case."""
+    return [question for question in QUESTIONS if use_of(question, feature) == COMPUTED]
 
 
 def refusal(question: str, option: str) -> str | None:
-    """Return the message that refuses an option to a question; None for an option of no part."""
-    for part, options in OPTIONS.items():
+    """Return the message that refuses an option to a question; None for any other option."""
+    for feature, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
-            if entry(question, part) == COMPUTED:
+            if use_of(question, feature) == COMPUTED:
                 return (
-                    f"tvclin {question} takes no {option}: a study file gives it the {part}"
+                    f"tvclin {question} takes no {option}: a study file gives it the {feature}"
                     " (tvclin init --study my.toml writes one)"
                 )
-            commands = [f"tvclin {command}" for command in who_computes(part)]
+            commands = [f"tvclin {command}" for command in computing_questions(feature)]
             do = "do" if len(commands) > 1 else "does"
             return f"tvclin {question} does not take {option}: {listed(commands)} {do}"
     return None
 
 
-def told(case: Case, *questions: str) -> Iterator[str]:
-    """Yield a note for each part of a case that questions omit.
+def omission_notes(case: Case, *questions: str) -> Iterator[str]:
+    """Yield a note for each feature of a case that questions omit.
 
-    `questions`: of `QUESTIONS`, or with the words for an option, such as "margins --box".
+    `questions`: names in `QUESTIONS`, or a name with an option, such as "margins --box".
     """
-    of_the_rigid = [question for question in questions if question in _OF_THE_RIGID]
+    of_the_rigid = [question for question in questions if question in _RIGID_NUMBERS]
     if case.vehicle.structure is not None:
         for question in of_the_rigid:
             from tvclin.case.flexible_autopilot import shift_words  # late: of flights
 
-            which, moved = _OF_THE_RIGID[question], shift_words(case.vehicle, case.plane)
+            which, moved = _RIGID_NUMBERS[question], shift_words(case.vehicle, case.plane)
             said = f"{which} are of the rigid vehicle, without the structure in its file"
             yield f"{said}{moved and f', which {moved}'} (tvclin margins has it)"
     flown = case.law_model if "laws" in questions else case.loop_model
-    if flown != case.model and not any(map(wholly_rigid, questions)):
+    if flown != case.model and not any(map(is_rigid_only, questions)):
         drift = case.model == "drift"
         why = "leaves out the structure" if drift else "has a speed, which laws are not shown"
         yield f"the model is {flown}: {case.model} {why}"
     omitted = {
-        part
+        feature
         for question in questions
-        for part in (*_REFUSED.get(question, ()), *_ONLY_ASIDE.get(question, ()))
+        for feature in (*_REFUSED.get(question, ()), *_OMITTED_BY_OPTIONS.get(question, ()))
     }
-    named = _given(case, omitted)
+    named = _specified_features(case, omitted)
     for who, parts in (("study", set(named) - {_WORK}), ("card", set(named) & {_WORK})):
         if parts:
-            of = listed([part for part in named if part in parts])
+            of = listed([feature for feature in named if feature in parts])
             yield f"what the file says of {of} is left out here; tvclin {who} has it"
 
 
-def wholly_rigid(question: str) -> bool:
-    """Return whether all numbers of a question are those of the rigid vehicle."""
-    return _OF_THE_RIGID.get(question) == _HERE
+def is_rigid_only(question: str) -> bool:
+    """Return whether all numbers of a question are computed for the rigid vehicle."""
+    return _RIGID_NUMBERS.get(question) == _ALL_NUMBERS
 
 
-def _given(case: Case, omitted: set[str]) -> list[str]:
-    """Return the omitted parts that a case has, without structure and damping."""
+def _specified_features(case: Case, omitted: set[str]) -> list[str]:
+    """Return the omitted features that a case specifies, other than structure and damping."""
     nozzle, wind = case.nozzle, case.wind
     sizing, dispersions = getattr(case, "sizing", None), getattr(case, "dispersions", None)
     tests: dict[str, Callable[[], Any]] = {
@@ -183,22 +187,25 @@ def _given(case: Case, omitted: set[str]) -> list[str]:
         "measured wind": lambda: sizing and sizing.soundings and not isinstance(wind, History),
         "actuator": lambda: nozzle.actuator != USUAL_ACTUATOR,
         "rate limit": lambda: nozzle.rate_limit is not None,
-        "delay": lambda: case.asked.delay > 0.0,
-        "sample rate": lambda: case.asked.sample_rate is not None,
-        "filters": lambda: any(case.asked.chains.values()),
+        "delay": lambda: case.autopilot_design.delay > 0.0,
+        "sample rate": lambda: case.autopilot_design.sample_rate is not None,
+        "filters": lambda: any(case.autopilot_design.chains.values()),
         "gains": lambda: (
-            replace(case.asked.without_filters_and_delay, sample_rate=None) != type(case.asked)()
+            replace(case.autopilot_design.without_filters_and_delay, sample_rate=None)
+            != type(case.autopilot_design)()
         ),
         "dispersion": lambda: dispersions is not None and dispersions.distributions,
         "limit": lambda: nozzle.limit is not None,
         _WORK: lambda: any(vars(nozzle)[name] is not None for name in _LIMITS_OF_WORK),
     }
-    return [part for part, given in tests.items() if part in omitted and given()]
+    return [
+        feature for feature, is_specified in tests.items() if feature in omitted and is_specified()
+    ]
 
 
 def table() -> str:
-    """Return the table of questions by parts, in Markdown."""
-    signs = {COMPUTED: "yes", TOLD: "told", REFUSED: "-"}
+    """Return the table of questions by features, in Markdown."""
+    signs = {COMPUTED: "yes", NOTED: "note", REFUSED: "-"}
     lines = [["", *OPTIONS], ["---"] * (1 + len(OPTIONS))]
-    lines += [[f"`{q}`", *(signs[entry(q, part)] for part in OPTIONS)] for q in QUESTIONS]
+    lines += [[f"`{q}`", *(signs[use_of(q, feature)] for feature in OPTIONS)] for q in QUESTIONS]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
