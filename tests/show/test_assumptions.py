@@ -10,7 +10,7 @@ import tvclin as tv
 from tests.show.pages import section
 from tvclin.base.lines import Number, text
 from tvclin.studyfile import study_verdict as verdict
-from tvclin.studyfile.assumptions import assumptions, doubts
+from tvclin.studyfile.assumptions import assumptions, study_warnings
 from tvclin.studyfile.findings import Findings, find
 
 HEADER = re.compile(r"<header.*?</header>", re.DOTALL)
@@ -60,7 +60,7 @@ def test_the_head_counts_its_doubtful_assumptions_and_the_notes_below(tmp_path) 
     assert f"{marked} of these {every} assumptions" in head
     assert marked >= 1
     more = all_marked - marked
-    assert more == 0 or f"{more} more doubt" in head
+    assert more == 0 or f"{more} more warning" in head
 
 
 def test_a_page_does_not_judge_a_wind_of_60_degrees(tmp_path) -> None:
@@ -70,7 +70,7 @@ def test_a_page_does_not_judge_a_wind_of_60_degrees(tmp_path) -> None:
     assert check_of(answers, "Forces are linear").state == "doubt"
     assert dict(verdict.facts(answers))[verdict.SURVIVES][0] == "≥ "
     assert not section(answers, "boundaries").attributes("svg")
-    assert any(sentence in note for note in doubts(answers))
+    assert any(sentence in note for note in study_warnings(answers))
 
 
 def test_the_panel_does_not_judge_a_wind_of_60_degrees() -> None:

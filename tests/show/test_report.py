@@ -296,7 +296,9 @@ def expected_flight(plan: tv.studyfile.StudyPlan) -> dict[str, float]:
         "total.limit_deg": 0.4,
         "total.short_deg": worst["total"] / 0.9 - 0.4,
         "facts.flight_deg": worst["total"] / 0.9,
-        "rests.change_percent": found[f"flight.0.{[*totals].index(max(totals))}.change_percent"],
+        "assumptions.change_percent": found[
+            f"flight.0.{[*totals].index(max(totals))}.change_percent"
+        ],
     }
 
 
@@ -327,7 +329,7 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
         "angle_of_attack_deg": "wind.angle_of_attack_deg",
         "rate_deg": "wind.deflection_rate_deg",
     }
-    expected |= {f"rests.{name}": expected[key] for name, key in seen.items()}
+    expected |= {f"assumptions.{name}": expected[key] for name, key in seen.items()}
     expected = {name: value for name, value in expected.items() if np.isfinite(value)}
     found = {name: value for name, (value, _) in page.numbers.items()}
 
@@ -553,7 +555,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     assert "In w.csv only what blows within 10 s" in shown.text
     assert "Measured wind w.csv; the flight goes towards" in shown.text
     basis = [one for one in verdict.basis(found) if isinstance(one, str)]
-    assert any("counts all that the nozzle has to do" in one for one in basis)
+    assert any("counts all deflections of the nozzle" in one for one in basis)
     case = section(found, "inputs").values
     worst = float(found.study.gust.onset)
     assert (case["gust.peak_deg"], case["gust.begins"]) == (pytest.approx(1.0), worst)
@@ -618,7 +620,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     heading = [one for one in verdict.sentence(short) if isinstance(one, Number)]
     headline = {one.name: one.text for one in heading}
     shown = {name: said for name, (_, said) in section(short, "flight").numbers.items()}
-    tiles = {name: said for name, (_, said) in section(short, "asked").numbers.items()}
+    tiles = {name: said for name, (_, said) in section(short, "questions").numbers.items()}
 
     assert headline["verdict.surplus_deg"] == shown["total.short_deg"]
     assert tiles["asked.whole_flight.required_deg"] == headline["verdict.required_deg"]
@@ -895,8 +897,8 @@ def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.studyfile.S
         delay=float(loop.autopilot.delay),
         sample_rate=100.0,
     )
-    part = enough[enough.index("Margins that the limit leaves") :]
+    part = enough[enough.index("Margins with the limit in this wind") :]
     shown = " ".join(re.sub(r"<[^>]*>", " ", part[:6000]).split())
     assert f"{flown.gain_fall.dB:.2f} dB" in shown
     assert f"{1000 * flown.delay.value:.1f} ms" in shown
-    assert "With this limit no margin is left in this wind" in tv.report_html(short)
+    assert "With this limit no margin remains in this wind" in tv.report_html(short)

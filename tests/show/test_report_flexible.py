@@ -179,7 +179,7 @@ def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
 def test_a_vehicle_alone_says_what_its_margins_need(folder):
     found = find(tv.load_study(folder / "my.toml"))
     said = section(found, "flexible").of("p")[-1]
-    assert "need an autopilot: [autopilot] in a study file" in said
+    assert "require an autopilot: [autopilot] in a study file" in said
     assert [one.name for one in questions(found)] == []
     assert not section(find(tv.load_study("configuration-i")), "flexible").text
 

@@ -46,11 +46,11 @@ def doubts_counted(assumed: Sequence[Assumption], notes: int) -> str:
     doubtful = sum(assumption.state == "doubt" for assumption in assumed)
     are = "is" if doubtful == 1 else "are"
     head = f"{doubtful or 'None'} of these {len(assumed)} assumptions {are} doubtful here"
-    others = "1 more doubt is" if notes == 1 else f"{notes} more doubts are"
+    others = "1 more warning is" if notes == 1 else f"{notes} more warnings are"
     return f"{head}; {others} in the sections below." if notes else f"{head}."
 
 
-def doubts(findings: Findings) -> Iterator[str]:
+def study_warnings(findings: Findings) -> Iterator[str]:
     """Yield the notes and warnings on the numbers of a study that the assumptions do not hold."""
     s = findings.study
     for name, boundary in s.boundaries.items():
@@ -65,7 +65,7 @@ def doubts(findings: Findings) -> Iterator[str]:
             yield f"autopilot: {note}"
 
 
-def general(findings: Findings) -> Iterator[str]:
+def general_assumptions(findings: Findings) -> Iterator[str]:
     """Yield the assumptions of every study."""
     yield "the motion is planar, linear, and a deviation from the nominal flight"
     yield "the engine stops sharply at its limit"
@@ -96,7 +96,7 @@ def _sign(findings: Findings) -> Iterator[Assumption]:
     s = findings.study
     if s.direction != FROZEN:
         words = f"A {s.direction} wind changes the dynamic pressure. That is counted: it requires "
-        ratio = number("rests.pressure_ratio", s.ratio_to_nominal, 3)
+        ratio = number("assumptions.pressure_ratio", s.ratio_to_nominal, 3)
         yield Assumption("ok", (words, *ratio, " times as much as the nominal dynamic pressure."))
     else:
         words = "The dynamic pressure is the nominal one: a head or cross wind raises it."
@@ -108,7 +108,7 @@ def _linear(findings: Findings) -> Iterator[Assumption]:
     angle = abs(float(s.slanting.peak if s.in_both and s.slanting is not None else s.history.peak))
     if c is not None and np.isfinite(c.peak_angle_of_attack):
         angle = max(angle, c.peak_angle_of_attack * s.plane_ratio)
-    reached = degrees("rests.angle_of_attack", angle, 1, "deg")
+    reached = degrees("assumptions.angle_of_attack", angle, 1, "deg")
     line: Line = ("Forces are linear in the angle of attack, which reaches ", *reached, " here")
     state, survived = "ok", abs(s.survivable_peak or 0.0)
     edge = f"{np.degrees(MAX_CERTAIN_ANGLE):g} deg"
@@ -144,7 +144,7 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
     upto = significant("validity.edge", edge, 3, unit="s")
     if outlasts_one_pole(s):
         begin = "The slow motion of the flight path counts: the wind lasts "
-        end = " up to which it may be neglected; more may be needed than the boundary says."
+        end = " up to which it may be neglected; more may be required than the boundary says."
         yield Assumption("doubt", (begin, *tau, ", longer than the ", *upto, end))
         return
     begin = "The slow motion of the flight path may be neglected: the wind lasts "
@@ -167,20 +167,20 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
     deflections = s.required[replace(requirement, varying=counted)][i]
     j = int(np.nanargmax(deflections))
     changes = float(s.change[i, j])
-    percent = number("rests.change_percent", 100.0 * changes, 1, "%")
+    percent = number("assumptions.change_percent", 100.0 * changes, 1, "%")
     change_text: Line = (" at the worst flight time beta or B changes by up to ", *percent)
     state = "doubt" if changes > STEADY else "ok"
     if not counted:
         yield Assumption(state, (f"{still};", *change_text, ", which is not counted."))
         return
     varying, frozen = float(deflections[j]), float(s.required[requirement][i, j])
-    needs = degrees("rests.varying", varying, unit="deg")
-    would = degrees("rests.frozen", frozen, unit="deg")
+    needs = degrees("assumptions.varying", varying, unit="deg")
+    would = degrees("assumptions.frozen", frozen, unit="deg")
     line: Line = (
         still,
         ". The whole flight counts their change:",
         *change_text,
-        "; the wind needs ",
+        "; the wind requires ",
     )
     yield Assumption(state, (*line, *needs, " with it, and ", *would, " without."))
 
@@ -198,7 +198,7 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
     c = findings.comparison
     if c is not None and np.isfinite(c.peak_deflection_rate):
         rate = degrees(
-            "rests.rate", c.peak_deflection_rate * findings.study.plane_ratio, unit="deg/s"
+            "assumptions.rate", c.peak_deflection_rate * findings.study.plane_ratio, unit="deg/s"
         )
         rate_text = (
             " This autopilot turns the nozzle by up to ",
@@ -209,7 +209,7 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
         words = "The rate of the nozzle has no limit (rate_limit_deg_per_s in [nozzle])."
         yield Assumption("reader", (words, *rate_text))
     else:
-        limit_text = significant("rests.rate_limit", np.degrees(rate_limit), unit="deg/s")
+        limit_text = significant("assumptions.rate_limit", np.degrees(rate_limit), unit="deg/s")
         words = "The boundary does not count the rate limit of the nozzle, "
         counts = ". The questions of the rate and of flights do."
         state = "doubt" if _too_fast(findings, rate_limit) else "ok"

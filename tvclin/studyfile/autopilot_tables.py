@@ -48,14 +48,14 @@ def planes_line(findings: Findings) -> Line:
     """Return the factor of both planes over this one, and the autopilot requirement with it."""
     s = findings.study
     line: Line = (
-        "Both planes together need ",
+        "Both planes together require ",
         *number("both.factor", s.plane_ratio, 3),
-        f" times the stop that the {s.plane} plane needs alone",
+        f" times the limit of the {s.plane} plane alone",
     )
     required = np.inf if findings.stop is None else _nominal_requirement(findings)
     if np.isfinite(required):
         needs = degrees("both.stop", required, unit="deg")
-        line += (". With that factor this autopilot needs a stop of ", *needs, ", flown")
+        line += (". With that factor this autopilot requires a limit of ", *needs, ", flown")
     return (*line, ".")
 
 
@@ -66,7 +66,7 @@ def failure(findings: Findings) -> Line:
         return (findings.reasons["flown"],)
     available = degrees("failure.limit", limit, unit="deg")
     if np.isinf(required):
-        return ("flown with a stop of ", *available, " or more, the autopilot does not survive")
+        return ("flown with a limit of ", *available, " or more, the autopilot does not survive")
     requirement = degrees("failure.required", required, unit="deg")
     suffix = nominal_suffix(findings)
     return (
@@ -77,7 +77,7 @@ def failure(findings: Findings) -> Line:
     )
 
 
-def stop_doubts(findings: Findings) -> Iterator[str]:
+def requirement_warnings(findings: Findings) -> Iterator[str]:
     """Yield the status of flights with the limit as a stop where the requirement is doubtful."""
     f = findings.flexible
     if f is not None:
@@ -86,7 +86,7 @@ def stop_doubts(findings: Findings) -> Iterator[str]:
             if boundary.status != OK:
                 yield f"{name}: {boundary.status}"
     elif findings.stop is not None and findings.stop.status != OK:
-        yield f"flown with a stop: {findings.stop.status}"
+        yield f"flown with a limit: {findings.stop.status}"
 
 
 def flexible_flight(findings: Findings) -> Table:

@@ -96,10 +96,14 @@ def basis(findings: Findings) -> Line:
     wind_text: Line = ()
     if s.sufficient and not sufficient(findings):
         needed = degrees("basis.required", s.required_deflection, unit="deg")
-        wind_text = ("The wind of this study alone needs ", *needed, ", which the limit covers. ")
+        wind_text = (
+            "The wind of this study alone requires ",
+            *needed,
+            ", which the limit covers. ",
+        )
     line: Line = (
         *wind_text,
-        f"The verdict rests on the {s.model} model in {_planes(s)} and on a dead band of K = ",
+        f"The verdict is that of the {s.model} model in {_planes(s)}, with a dead band of K = ",
         *significant("basis.dead_band", s.dead_band),
         f", in a {s.shape} wind of ",
         *significant("basis.peak_deg", np.degrees(_judged_wind(s).peak), unit="deg"),
@@ -113,14 +117,14 @@ def basis(findings: Findings) -> Line:
         and s.governs != Reason.BOUNDARY
         and len(asked_table(findings).rows) < 2
     ):
-        line += (f" What this wind needs is set by {s.governs}.",)
+        line += (f" The required deflection is set by {s.governs}.",)
     if any(TRUSTS in note for note in s.notes):
-        line += (f" Beware: this dead band {TRUSTS} of the wind, see Assumptions.",)
+        line += (f" Warning: this dead band {TRUSTS} of the wind, see Assumptions.",)
     if findings.flight is not None and findings.flight[1].sufficient is False:
         reserve_text = ", and a reserve" if findings.flight[1].reserve else ""
-        line += (f" The whole flight counts all that the nozzle has to do{reserve_text}.",)
+        line += (f" The whole flight counts all deflections of the nozzle{reserve_text}.",)
     if findings.flight is not None and findings.plan.sizing is not None:
-        line += tuple(f" Beware: {doubt}." for doubt in findings.plan.sizing.warnings)
+        line += tuple(f" Warning: {doubt}." for doubt in findings.plan.sizing.warnings)
     if s.beyond or findings.dispersed is None or findings.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * findings.dispersed.success.estimate, 2, "%")
@@ -142,10 +146,10 @@ def _meets_the_stop(findings: Findings) -> Line:
         return ()
     peak = degrees("basis.autopilot", turns, unit="deg")
     tail = (
-        ", more than the limit. Flown with the limit as its stop it reaches the stop and survives"
-        " this wind, with smaller margins, see Autopilot and margins."
+        ", more than the limit. Flown with the limit it reaches the limit and survives this"
+        " wind, with smaller margins, see Autopilot and margins."
     )
-    return (" Beware: without a limit the autopilot would turn the nozzle by ", *peak, tail)
+    return (" Warning: without a limit the autopilot would turn the nozzle by ", *peak, tail)
 
 
 def _planes(s: Study) -> str:

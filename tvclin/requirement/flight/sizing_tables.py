@@ -28,7 +28,7 @@ _MAX_FREEZING_ERROR = 1.0
 COLUMNS = (
     "Change: by how much beta or B changes while the wind blows; above"
     f" {100 * STEADY:g} % a frozen vehicle is doubtful. One pole: whether the slow motion of the"
-    " flight path may be neglected. Data: whether those of the flight cover the whole wind."
+    " flight path may be neglected. Data: whether the flight data cover the whole wind."
 )
 """Definitions of the columns of doubts, in sentences."""
 

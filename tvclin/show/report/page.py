@@ -48,8 +48,8 @@ _NAMES: dict[str, Any] = {
         function.__name__: function
         for function in (
             asked_table,
-            assumptions.doubts,
-            assumptions.general,
+            assumptions.study_warnings,
+            assumptions.general_assumptions,
             band_table,
             equation_table,
             flown_table,
