@@ -112,10 +112,12 @@ def test_the_growing_coordinate_has_the_other_pole_below_the_rate():
     plant = Plant.from_vehicle(damped(), "fixed-path")
     found, c = unstable_coordinates(plant), plant.coefficients
     assert c.pole == pytest.approx(0.514495, abs=5e-7)
-    np.testing.assert_allclose(found.rows, [[1.0, 1.836564]], rtol=5e-7)
-    np.testing.assert_allclose(found.rows, [[1.0, 1.0 / (c.pole + c.damping)]], rtol=1e-12)
+    np.testing.assert_allclose(found.left_eigenvectors, [[1.0, 1.836564]], rtol=5e-7)
+    np.testing.assert_allclose(
+        found.left_eigenvectors, [[1.0, 1.0 / (c.pole + c.damping)]], rtol=1e-12
+    )
     motion, start = expm(plant.matrices()[0] * 2.0), np.array([0.01, -0.003])
-    for row, alone in ((found.rows[0], True), (np.array([1.0, 1.0 / c.pole]), False)):
+    for row, alone in ((found.left_eigenvectors[0], True), (np.array([1.0, 1.0 / c.pole]), False)):
         grown = row @ motion @ start / (row @ start) / np.exp(2.0 * c.pole)
         assert (abs(grown - 1.0) < 1e-12) == alone
 

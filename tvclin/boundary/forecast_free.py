@@ -47,8 +47,9 @@ from tvclin.base.fields import Field, spec, specs
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import REACH_COMPILED, REACH_PLAIN, minimum_reaches, slow_edges
 from tvclin.kernels.remaining_integrals import COMPILED, PLAIN, largest_remaining_integrals
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import left_eigenvector, poles_text, unstable_poles, wind_over_deflection
-from tvclin.linear.plant import PLANT_HINT, Plant
+from tvclin.linear.plant import INPUTS, PLANT_HINT, Plant
 from tvclin.numerics.pieces import kernel_arrays
 from tvclin.winds.histories import History
 
@@ -116,17 +117,34 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
             f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
             f" {poles_text(poles)}"
         )
-    # With l A = s l, z = c l x obeys z' = s z + c (l b) delta + c (l w) alpha_w. c (l b) = -s/B
-    # makes that s (z - delta/B - k alpha_w), k = -c (l w)/s.
     A, inputs, _, _ = plant.matrices()
-    rows = left_eigenvector(np.broadcast_to(A, (poles.size, *A.shape)), poles)[1]
-    scaled = np.array(
-        [
-            row * (-pole / plant.coefficients.B) / (row @ inputs[:, 0])
-            for row, pole in zip(rows, poles, strict=True)
-        ]
+    rows = coordinate_rows(plant, poles, np.asarray(plant.coefficients.B))[:, : len(A)]
+    return UnstableCoordinates(poles, rows, -(rows @ inputs[:, 1]) / poles)
+
+
+def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
+    """Return the rows of an unstable coordinate on states, delta and delta', ``(p, n + 2)``.
+
+    `plant`: of a batch of p, or one plant; `pole`: an unstable pole of each [1/s], ``(p,)``. `B`:
+    ``(p,)`` or a scalar. With the left eigenvector l, l A = p l, and z = l x: z' = p z + l b delta
+    + l w alpha_w + l b3 delta'', where b3 is the input of an engine with inertia. The coordinate
+    that follows the deflection alone is
+
+        z - l b3 (delta' + p delta),    with the input l b + p^2 l b3,
+
+    scaled such that this input is -p/B, and k = -(l w)/p.
+    """
+    A, inputs, _, _ = plant.matrices()
+    n, count = A.shape[-1], inputs.shape[-1]
+    A = np.broadcast_to(A.reshape(-1, n, n), (pole.size, n, n))
+    row = np.real(left_eigenvector(A, pole)[1])
+    gains = np.einsum(
+        "mi,mij->mj", row, np.broadcast_to(inputs.reshape(-1, n, count), (pole.size, n, count))
     )
-    return UnstableCoordinates(poles, scaled, -(scaled @ inputs[:, 1]) / poles)
+    inertia = gains[:, len(INPUTS) :].sum(axis=1)
+    rows = np.column_stack([row, -pole * inertia, -inertia])
+    with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
+        return rows * (-pole / B / (gains[:, 0] + pole**2 * inertia))[:, np.newaxis]
 
 
 def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.boundary.forecast_free import MAX_MODES
+from tvclin.boundary.forecast_free import MAX_MODES, coordinate_rows
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.modes import left_eigenvector, select_unstable
-from tvclin.linear.plant import INPUTS
+from tvclin.linear.modes import select_unstable
 
 SETTLING = 5.0
 """Time that a flight must be settled to survive, times the fastest pole."""
@@ -40,8 +39,8 @@ def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
     fast, slow, reach = _unstable_poles(plant)
     two, B = ~np.isnan(slow), np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
     slow = np.where(two, slow, fast)
-    first = _coordinate(plant, fast, B)
-    second = _coordinate(plant, slow, B) if np.any(two) else first
+    first = coordinate_rows(plant, fast, B)
+    second = coordinate_rows(plant, slow, B) if np.any(two) else first
     return OutcomeCriteria(
         rows=np.stack([first, np.where(two[:, np.newaxis], second, 0.0)], axis=1),
         reach=reach,
@@ -75,23 +74,3 @@ def _unstable_poles(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray
     fast, slow = np.where(valid, s[0], 1.0), np.where(valid, s[1], np.nan)
     B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
     return fast, slow, 1.0 / np.abs(np.where(valid, B, np.nan))
-
-
-def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
-    """Return the rows of an unstable coordinate on states, delta and delta', ``(p, n + 2)``.
-
-    The coordinate is that of `unstable_coordinates`. With the left eigenvector l, l A =
-    p l, and z = l x: z' = p z + l b delta + l b3 delta'', where b3 is the input of an engine with
-    inertia. The coordinate that follows the deflection alone is
-
-        z - l b3 (delta' + p delta),    with the input l b + p^2 l b3.
-    """
-    A, inputs, _, _ = plant.matrices()
-    n, count = A.shape[-1], inputs.shape[-1]
-    A, inputs = A.reshape(-1, n, n), inputs.reshape(-1, n, count)
-    row = np.real(left_eigenvector(A, pole)[1])
-    gains = np.einsum("mi,mij->mj", row, inputs)
-    inertia = gains[:, len(INPUTS) :].sum(axis=1)
-    rows = np.column_stack([row, -pole * inertia, -inertia])
-    with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
-        return rows * (-pole / B / (gains[:, 0] + pole**2 * inertia))[:, np.newaxis]
