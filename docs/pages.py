@@ -8,7 +8,7 @@ from pathlib import Path
 import gallery
 
 import tvclin
-from tvclin.base.doors import CHAPTERS
+from tvclin.base.public_names import CHAPTERS
 
 ROOT = Path(__file__).parents[1]
 MOVED = ("CHANGELOG", "CONTRIBUTING")

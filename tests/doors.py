@@ -17,7 +17,7 @@ from tests.schedules import rocketpy_standin
 from tests.schedules.samples import FOLDER as SCHEDULES
 from tests.schedules.samples import MAP
 from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.base.doors import CHAPTERS
+from tvclin.base.public_names import CHAPTERS
 from tvclin.design import minimum_gains, worst_case
 from tvclin.flights.closed_loop import fly_planes as in_step
 from tvclin.requirement.flight.total import Line

@@ -21,7 +21,7 @@ What stands behind a name is loaded when it is first used, so that ``import tvcl
 nothing.
 """
 
-from tvclin.base.doors import door
+from tvclin.base.public_names import public_names
 
 __version__ = "0.1.0"
-__getattr__, __dir__, __all__ = door(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.base.files import tables_of
-from tvclin.base.warned import MachineWarning
+from tvclin.base.package_warnings import MachineWarning
 from tvclin.cli import progress
 from tvclin.cli.app import app
 from tvclin.ensembles.campaign import chunk_runner as engine

@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tvclin.base.warned import MachineWarning
+from tvclin.base.package_warnings import MachineWarning
 from tvclin.boundary import closed_forms
 from tvclin.kernels import choice, threads
 from tvclin.kernels.small_roots import small_roots

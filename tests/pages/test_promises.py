@@ -17,7 +17,7 @@ import pytest
 
 import tvclin
 from tests.doors import ANSWERS, INSIDE, public
-from tvclin.base.doors import CHAPTERS, GUESSES
+from tvclin.base.public_names import CHAPTERS, GUESSES
 from tvclin.linear.plant import DEFAULT_MODEL
 
 ROOT = Path(__file__).parents[2]

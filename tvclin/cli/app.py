@@ -149,12 +149,12 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
-        from tvclin.base.warned import warned
+        from tvclin.base.package_warnings import pass_warnings
 
         def tell(sentence: str) -> None:
             _say(f"Warning: {sentence}")
 
-        with _input_errors_as_messages(), warned(tell, machine=tell):
+        with _input_errors_as_messages(), pass_warnings(tell, machine=tell):
             return super().invoke(ctx)
 
 

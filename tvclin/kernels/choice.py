@@ -22,7 +22,7 @@ from warnings import warn
 import numpy as np
 
 from tvclin.base.errors import install
-from tvclin.base.warned import MachineWarning
+from tvclin.base.package_warnings import MachineWarning
 from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 

@@ -24,7 +24,7 @@ from numba.core.serialize import dumps
 
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, reason, write_whole
-from tvclin.base.warned import MachineWarning
+from tvclin.base.package_warnings import MachineWarning
 
 _HASH = sha256().digest_size
 _MIN_REPORTED_SECONDS = 2.0

@@ -20,10 +20,10 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant
+from tvclin.base.public_names import Hinted
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, Plant

@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import card_rows, lines
-from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, instance, one_of, positive
+from tvclin.base.public_names import Hinted
 from tvclin.linear.system import LinearSystem
 from tvclin.numerics import polynomials
 from tvclin.numerics.modal import ModalSystem

@@ -4,6 +4,6 @@
 `flown_trade_offs` are the limits that laws require over the rate limit.
 """
 
-from tvclin.base.doors import door
+from tvclin.base.public_names import public_names
 
-__getattr__, __dir__, __all__ = door(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

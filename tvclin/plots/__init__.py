@@ -5,6 +5,6 @@ written from it holds exactly what is drawn. matplotlib and python-control are i
 first figure is drawn.
 """
 
-from tvclin.base.doors import door
+from tvclin.base.public_names import public_names
 
-__getattr__, __dir__, __all__ = door(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

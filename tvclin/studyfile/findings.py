@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from tvclin.base.errors import InputError
-from tvclin.base.warned import warned
+from tvclin.base.package_warnings import pass_warnings
 from tvclin.requirement.case_requirement import survived_size
 from tvclin.requirement.study import Study
 from tvclin.studyfile.study_plan import StudyPlan
@@ -185,7 +185,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
     has its reason in place of an answer. `InputError` as `StudyPlan.study`.
     """
     messages: list[str] = []
-    with warned(messages.append):
+    with pass_warnings(messages.append):
         study = plan.study()
         reasons: dict[str, str] = {}
         requests = _requests(plan)

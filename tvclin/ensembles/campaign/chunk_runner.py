@@ -38,7 +38,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
-from tvclin.base.warned import MachineWarning
+from tvclin.base.package_warnings import MachineWarning
 from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints
 from tvclin.ensembles.campaign.cases import evaluate, nominal
 from tvclin.ensembles.campaign.folder import (

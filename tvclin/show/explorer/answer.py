@@ -13,8 +13,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.package_warnings import pass_warnings
 from tvclin.base.quantities import NOMINAL, sufficiency
-from tvclin.base.warned import warned
 from tvclin.case.features import omission_notes
 from tvclin.case.flexible_autopilot import specified_law
 from tvclin.control.laws.registry import DEAD_BAND
@@ -87,7 +87,7 @@ class Cached:
 
     def _computed(self, plain: tuple[Any, ...]) -> Part:
         said: list[str] = []
-        with warned(said.append):
+        with pass_warnings(said.append):
             try:
                 value = self._compute(*plain)
             except InputError as error:

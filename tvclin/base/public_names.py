@@ -55,35 +55,33 @@ CHAPTERS = (
 )
 
 
-def door(
+def public_names(
     package: str, file: str
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """Return ``__getattr__``, ``__dir__`` and ``__all__`` for the stub beside a file.
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` for the stub next to a file.
 
-    A name that the door has not is answered with the one that is meant, or with its own door.
+    The message on a missing name proposes the public name that is meant, or its chapter.
     """
-    found, listed, names = lazy_loader.attach_stub(package, file)
+    load, all_names, names = lazy_loader.attach_stub(package, file)
     module, public = sys.modules[package], [name for name in names if name not in CHAPTERS]
     if module.__doc__:
         words = f"Names, each with its own help: {', '.join(sorted(public, key=str.lower))}."
         broken = fill(words, _HELP_WIDTH, break_on_hyphens=False)
         module.__doc__ = f"{module.__doc__.rstrip()}\n\n{broken}\n"
 
-    def names_for(caller: str) -> list[str]:
-        # pydoc prints the whole help of each name that `inspect` lists, thousands of lines
-        return [] if caller == "inspect" else listed()
-
     def get(name: str) -> Any:
         if name in names:
-            return found(name)
+            return load(name)
         if name.startswith("_") or find_spec(f"{package}.{name}"):  # a file, about to be imported
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         raise AttributeError(_missing(package, name), name=name, obj=sys.modules[package])
 
-    def names_of() -> list[str]:
-        return names_for(sys._getframe(1).f_globals.get("__name__", ""))
+    def listed() -> list[str]:
+        # pydoc prints the whole help of each name that `inspect` lists, thousands of lines
+        caller = sys._getframe(1).f_globals.get("__name__", "")
+        return [] if caller == "inspect" else all_names()
 
-    return get, names_of, public
+    return get, listed, public
 
 
 class Hinted:
@@ -96,32 +94,32 @@ class Hinted:
             raise AttributeError(_hint(kind.__name__, name, dir(kind)), name=name, obj=self)
 
 
-def _hint(kind: str, name: str, known: Iterable[str]) -> str:
-    """Return the sentence of an attribute that a record has not, with the public name for it.
+def _hint(kind: str, name: str, attributes: Iterable[str]) -> str:
+    """Return the message on an attribute that a record has not, with the public name for it.
 
-    `known`: the attributes that it has.
+    `attributes`: those of the record.
     """
     if name.startswith("_"):
         return f"{kind!r} object has no attribute {name!r}"
     from difflib import get_close_matches  # late: seldom needed
 
-    public = {one.lower(): f"tvclin.{one}" for one in import_module("tvclin").__all__}
-    near = get_close_matches(name, [one for one in known if not one.startswith("_")], 1, 0.7)
-    meant = public.get(name) or GUESSES.get(name) or (f"{kind}.{near[0]}" if near else "")
+    public = {key.lower(): f"tvclin.{key}" for key in import_module("tvclin").__all__}
+    candidates = [attribute for attribute in attributes if not attribute.startswith("_")]
+    similar = get_close_matches(name, candidates, 1, 0.7)
+    meant = public.get(name) or GUESSES.get(name) or (f"{kind}.{similar[0]}" if similar else "")
     return f"{kind} has no {name}" + (f": do you mean {meant}?" if meant else "")
 
 
 def _missing(package: str, name: str) -> str:
-    """A sentence for a name that a door has not: who has it, or what looks like it."""
+    """Return the message on a name that a chapter has not: the chapter that has it or its like."""
     from difflib import get_close_matches  # late: seldom needed
 
     if name in GUESSES:
         return f"{package} has no {name}: do you mean {GUESSES[name]}?"
-    doors = ("tvclin", *(f"tvclin.{one}" for one in CHAPTERS))
-    places: dict[str, str] = {}
-    for one in doors:
-        for public in import_module(one).__all__:
-            places.setdefault(public, one)
-    near = [name] if name in places else get_close_matches(name, places, n=2, cutoff=0.7)
-    meant = " or ".join(f"{places[one]}.{one}" for one in near)
-    return f"{package} has no {name}" + (f": do you mean {meant}?" if near else "")
+    modules: dict[str, str] = {}
+    for module in ("tvclin", *(f"tvclin.{chapter}" for chapter in CHAPTERS)):
+        for public in import_module(module).__all__:
+            modules.setdefault(public, module)
+    similar = [name] if name in modules else get_close_matches(name, modules, n=2, cutoff=0.7)
+    meant = " or ".join(f"{modules[public]}.{public}" for public in similar)
+    return f"{package} has no {name}" + (f": do you mean {meant}?" if similar else "")

@@ -13,10 +13,10 @@ class MachineWarning(UserWarning):
 
 
 @contextmanager
-def warned(
+def pass_warnings(
     say: Callable[[str], object], machine: Callable[[str], object] | None = None
 ) -> Iterator[None]:
-    """Pass each sentence that is warned of inside to `say`, once.
+    """Pass each warning of this package that is raised inside to `say`, each sentence once.
 
     `machine`: receives the sentences of `MachineWarning`; by default they go to the outer handler
     of warnings. Other warnings of this package are plain `UserWarning`; those of other categories,

@@ -2,12 +2,12 @@
 
 import warnings
 
-from tvclin.base.warned import MachineWarning, warned
+from tvclin.base.package_warnings import MachineWarning, pass_warnings
 
 
 def test_each_sentence_is_told_once_and_those_of_other_packages_are_not() -> None:
     told: list[str] = []
-    with warned(told.append):
+    with pass_warnings(told.append):
         for sentence in ("a", "b", "a"):
             warnings.warn(sentence, stacklevel=1)
         with warnings.catch_warnings():
@@ -21,7 +21,7 @@ def test_each_sentence_is_told_once_and_those_of_other_packages_are_not() -> Non
 def test_what_is_said_of_the_machine_is_no_part_of_an_answer_and_reaches_the_command() -> None:
     told: list[str] = []
     answer: list[str] = []
-    with warned(told.append, machine=told.append), warned(answer.append):
+    with pass_warnings(told.append, machine=told.append), pass_warnings(answer.append):
         for sentence in ("numba is missing", "numba is missing", "a kernel was compiled"):
             warnings.warn(sentence, MachineWarning, stacklevel=1)
         warnings.warn("the wind is long", stacklevel=1)
