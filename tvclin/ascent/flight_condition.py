@@ -6,22 +6,11 @@ from os import PathLike
 import numpy as np
 
 from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
-from tvclin.base.errors import InputError, naming, number, positive
+from tvclin.base.errors import InputError, between, naming, positive
+from tvclin.base.fields import checked, file_table, quantity
 from tvclin.base.files import called
-from tvclin.base.tables import FileTable
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import is_schedule, read_vehicle_text, table_of
-
-FLIGHT_TABLE = FileTable(
-    "[flight]",
-    {
-        "altitude": "length",
-        "specific_impulse": "time",
-        "reference_area": "area",
-        "table_scale": "number",
-    },
-    required=("altitude", "specific_impulse"),
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,21 +34,13 @@ class FlightCondition:
         For numbers out of range.
     """
 
-    altitude: float
-    specific_impulse: float
-    reference_area: float | None = None
-    table_scale: float = 1.0
+    altitude: float = quantity("length", check=between(LOWEST, HIGHEST))
+    specific_impulse: float = quantity("time", check=positive)
+    reference_area: float | None = quantity("area", None, positive)
+    table_scale: float = quantity("number", 1.0, positive)
 
     def __post_init__(self) -> None:
-        altitude = number("altitude", self.altitude, unit="m")
-        if not LOWEST <= altitude <= HIGHEST:
-            raise InputError(
-                f"altitude must be between {LOWEST:g} and {HIGHEST:g} m; got {altitude:.6g} m"
-            )
-        number("specific_impulse", self.specific_impulse, positive, "s")
-        number("table_scale", self.table_scale, positive)
-        if self.reference_area is not None:
-            number("reference_area", self.reference_area, positive, "m^2")
+        checked(self)
 
     @property
     def density(self) -> float:
@@ -77,6 +58,9 @@ class FlightCondition:
         if vehicle.control_force_slope is not None:
             changes["control_force_slope"] = self.table_scale * vehicle.control_force_slope
         return vehicle.replace(**changes)
+
+
+FLIGHT_TABLE = file_table("[flight]", FlightCondition, required=("altitude", "specific_impulse"))
 
 
 def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:

@@ -12,7 +12,8 @@ import numpy as np
 from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import directions, finite, number, within
+from tvclin.base.errors import between, directions
+from tvclin.base.fields import checked, quantity
 from tvclin.base.units import FOOT, POUND_FORCE, SLUG
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
@@ -89,18 +90,12 @@ class Earth:
         For a latitude beyond the poles, and numbers that are not finite.
     """
 
-    latitude: float = radians(28.5)
-    heading: float = pi / 2
-    altitude: float = 12e3
+    latitude: float = quantity("angle", radians(28.5), between(-pi / 2, pi / 2))
+    heading: float = quantity("angle", pi / 2, directions)
+    altitude: float = quantity("length", 12e3)
 
     def __post_init__(self) -> None:
-        within("latitude", self.latitude, -pi / 2, pi / 2, "rad")
-        for name, check, unit in (
-            ("latitude", finite, "rad"),
-            ("heading", directions, "rad"),
-            ("altitude", finite, "m"),
-        ):
-            object.__setattr__(self, name, number(name, getattr(self, name), check, unit))
+        checked(self)
 
 
 DEFLECTIONS = {
