@@ -21,7 +21,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray
-from tvclin.base.errors import InputError, between, finite, number, one_row, positive, small_angle
+from tvclin.base.errors import (
+    InputError,
+    between,
+    finite,
+    number,
+    one_row,
+    positive,
+    small_angle,
+    unlimited,
+)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.lines import number as figure
@@ -39,6 +48,7 @@ from tvclin.boundary.optimum.load_case import LoadCase
 from tvclin.boundary.optimum.load_program import LOAD, PEAK, LoadProgram
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.boundary.optimum.moments import separate_nodes
+from tvclin.boundary.optimum.rate_limit import RATE_RANGE
 from tvclin.linear.deflections import ConstantDeflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
@@ -567,9 +577,7 @@ def load_trade_off(
         raise InputError(
             f"moment_ratio must be zero or at least {_MIN_MOMENT_RATIO:g}; got {M:.6g}"
         )
-    rate = rate_limit
-    if not (isinstance(rate, float) and np.isposinf(rate)):
-        rate = number("rate_limit", rate, between(1e-15, 1e9), "rad/s")
+    rate = unlimited("rate_limit", rate_limit, between(*RATE_RANGE), "rad/s")
     load_bounds = None if loads is None else angle("loads", one_row("loads", loads, "rad"), "rad")
     case = load_limits(plant, wind, M, rate)
     if load_limit is not None and load_limit < case.load_floor:

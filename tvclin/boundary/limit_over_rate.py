@@ -42,7 +42,7 @@ from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.moments import Constraints, constraints_of
-from tvclin.boundary.optimum.rate_limit import minimum_peak_at_rate
+from tvclin.boundary.optimum.rate_limit import RATE_RANGE, minimum_peak_at_rate
 from tvclin.linear.modes import poles_text, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -58,8 +58,6 @@ _NEGLIGIBLE = 1e-12
 """Size, relative to one, that counts as zero."""
 _RELATIVE_TOLERANCE = 1e-10
 """Relative tolerance of a rate or an angle."""
-_RATE_RANGE = (1e-15, 1e9)
-"""Smallest and largest rate [rad/s] and acceleration that differ from zero and infinity."""
 _DEFAULT_RATE = float(np.radians(1.0))
 """First rate of a trade-off [rad/s] where none is required."""
 _MAX_RATE_RATIO = 1e4
@@ -333,8 +331,8 @@ def rate_trade_off(
     >>> (front.limits / front.minimum_deflection).round(2).tolist()
     [1.28, 1.02]
     """
-    c = unlimited("acceleration_limit", acceleration_limit, between(*_RATE_RANGE), "rad/s2")
-    angle, turning = small_angle("a deflection", positive), between(*_RATE_RANGE)
+    c = unlimited("acceleration_limit", acceleration_limit, between(*RATE_RANGE), "rad/s2")
+    angle, turning = small_angle("a deflection", positive), between(*RATE_RANGE)
     nozzle_limit = None if limit is None else number("limit", limit, angle, "rad")
     nozzle_rate = None if rate_limit is None else number("rate_limit", rate_limit, turning, "rad/s")
     requested = (

@@ -17,7 +17,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, between, number, positive, shown
+from tvclin.base.errors import InputError, between, number, positive, shown, whole_number
 from tvclin.base.fields import spec
 from tvclin.boundary.limit import OK, STABLE
 from tvclin.boundary.optimum.minimum_peak import (
@@ -40,9 +40,8 @@ _RESIDUAL_SCALE = 1e8
 """Factor of the residual in a program that corrects a solution: the tolerance is 1e-7."""
 _MAX_CORRECTIONS = (1e5, 1e2, 1e2)
 """Largest change of a variable in each correction, times `_RESIDUAL_SCALE`."""
-_RATE_RANGE = (1e-15, 1e9)
-"""Smallest and largest rate limit [rad/s] that the program can distinguish from zero and
-infinity."""
+RATE_RANGE = (1e-15, 1e9)
+"""Smallest and largest rate [rad/s] and acceleration that differ from zero and infinity."""
 _MIN_STEPS = 10
 """Smallest number of intervals to begin with."""
 _STEPS = 200
@@ -276,13 +275,9 @@ def optimum_with_rate_limit(
     1.2836
     """
     rate = number("rate_limit", rate_limit, positive, "rad/s")
-    number("rate_limit", rate, between(*_RATE_RANGE), "rad/s")
-    if isinstance(steps, bool) or not isinstance(steps, int) or steps < _MIN_STEPS:
-        raise InputError(
-            f"steps must be a whole number of {_MIN_STEPS} or more; got {shown(steps)}"
-        )
-    if steps > _MAX_STEPS:
-        raise InputError(f"steps must be at most {_MAX_STEPS}; got {shown(steps)}")
+    number("rate_limit", rate, between(*RATE_RANGE), "rad/s")
+    if not _MIN_STEPS <= whole_number("steps", steps) <= _MAX_STEPS:
+        raise InputError(f"steps must be {_MIN_STEPS} to {_MAX_STEPS}; got {shown(steps)}")
     constraints = constraints_of(plant, wind, start, horizon)
     unlimited = optimum_deflection(plant, wind, start, horizon)
     if unlimited.peak == 0.0:
