@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.base.errors import InputError
+from tvclin.base.fields import document
 from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency
@@ -51,6 +52,11 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import ATTACK, beyond_linear, linear_notes
 
+_COMPARED = (
+    *("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "peak_attitude"),
+    *("peak_flight_path_angle", "minimum", "wind_gain"),
+)
+"""Fields of a comparison with trim that JSON has."""
 _DURATION_RATIOS = (1.0, 0.5, 2.0)
 """Durations of the winds, over that of the case; a single wind would be overfitted."""
 
@@ -261,18 +267,12 @@ class _Answer:
             **poles_document(compared.autopilot, compared.plant),
             "wind_peak_deg": degrees(compared.wind.peak),
             "stable": compared.margins.stable,
-            "peak_deflection_deg": degrees(compared.peak_deflection),
+            **document(compared, *_COMPARED),
             "part_of_trim": compared.ratio_to_trim,
-            "peak_deflection_rate_deg_s": degrees(compared.peak_deflection_rate),
-            "peak_angle_of_attack_deg": degrees(compared.peak_angle_of_attack),
             "peak_normal_force_N": force,
-            "peak_attitude_deg": degrees(compared.peak_attitude),
-            "peak_flight_path_angle_deg": degrees(compared.peak_flight_path_angle),
             "peak_lateral_speed_m_s": across,
             "trim_deg": degrees(compared.trim_deflection),
             "boundaries_deg": bounds,
-            "minimum_deg": degrees(compared.minimum),
-            "wind_gain": compared.wind_gain,
             "worst_duration": self.worst,
             "criteria": {
                 "name": self.case.held_to.name,

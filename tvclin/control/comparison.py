@@ -20,7 +20,7 @@ from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, callable_for, ending, instance, number, positive
-from tvclin.base.fields import spec
+from tvclin.base.fields import rows, spec
 from tvclin.base.quantities import REQUIREMENT, STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
@@ -259,13 +259,26 @@ class TrimComparison(Shown):
     margins: Margins = field(metadata=spec(name="status", of="margins.status"))
     trim_deflection: float = field(metadata=spec("angle"))
     peak_deflection: float = field(metadata=spec("angle"))
-    peak_deflection_rate: float
-    peak_angle_of_attack: float
-    peak_attitude: float
-    peak_flight_path_angle: float
+    peak_deflection_rate: float = field(
+        metadata=spec(
+            "angular rate",
+            "largest rate of deflection",
+            key="peak_deflection_rate_deg_s",
+            card=False,
+        )
+    )
+    peak_angle_of_attack: float = field(
+        metadata=spec("angle", "largest angle of attack", card=False)
+    )
+    peak_attitude: float = field(metadata=spec("angle", "largest attitude error", card=False))
+    peak_flight_path_angle: float = field(
+        metadata=spec("angle", "largest drift of the path", card=False)
+    )
     boundaries: dict[float, float]
     minimum: float = field(metadata=spec("angle"))
-    wind_gain: float
+    wind_gain: float = field(
+        metadata=spec(label="H-infinity, wind to deflection", digits=3, card=False)
+    )
     notes: tuple[str, ...] = field(default=(), metadata=spec())
 
     def deflections(self, caption: str = "", stop: float | None = None) -> lines.Table:
@@ -287,7 +300,7 @@ class TrimComparison(Shown):
             "minimum": (WIND_KNOWN, self.minimum),
         }
         trim = self.trim_deflection or np.nan
-        rows = tuple(
+        table_rows = tuple(
             (
                 (label,),
                 lines.minimum_limit(lines.degrees(f"wind.{key}", value)),
@@ -295,24 +308,13 @@ class TrimComparison(Shown):
             )
             for key, (label, value) in deflections.items()
         )
-        return lines.Table(caption, ("deflection", "[deg]", "over trim"), rows)
+        return lines.Table(caption, ("deflection", "[deg]", "over trim"), table_rows)
 
     def motions(self) -> list[lines.Row]:
         """Return rows of the peak rate, angles and drift, and of the H-infinity norm."""
-        rate = lines.degrees("wind.deflection_rate", self.peak_deflection_rate, unit="deg/s")
-        angles = {
-            "angle_of_attack": ("largest angle of attack", self.peak_angle_of_attack),
-            "attitude": ("largest attitude error", self.peak_attitude),
-            "drift": ("largest drift of the path", self.peak_flight_path_angle),
-        }
-        rows: list[lines.Row] = [("largest rate of deflection", rate)]
-        rows += [
-            (label, lines.degrees(f"wind.{key}", value, unit="deg"))
-            for key, (label, value) in angles.items()
-            if np.isfinite(value)
-        ]
-        gain = lines.number("wind.gain", self.wind_gain)
-        return [*rows, ("H-infinity, wind to deflection", gain)]
+        angles = ("peak_angle_of_attack", "peak_attitude", "peak_flight_path_angle")
+        finite = [name for name in angles if np.isfinite(getattr(self, name))]
+        return rows(self, "wind", "peak_deflection_rate", *finite, "wind_gain")
 
     def _repr_html_(self) -> str:
         title = f"Autopilot beside trim, {self.plant.model}"
