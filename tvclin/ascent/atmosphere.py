@@ -74,9 +74,9 @@ def air_at(altitude: FloatArray) -> Air:
 
 
 def density_at(altitude: float) -> float:
-    """Return the density [kg/m^3] at one geometric altitude [m], as `air_at` gives it.
+    """Return the density [kg/m^3] of `air_at` at one geometric altitude [m].
 
-    Flights ask for it at every step, so it is plain arithmetic.
+    It is plain arithmetic, for every step of a flight.
     """
     altitude = min(max(altitude, LOWEST - _CONTINUATION), HIGHEST + _CONTINUATION)
     height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
@@ -89,7 +89,7 @@ def density_at(altitude: float) -> float:
 
 
 def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
-    """The logarithm by which the pressure falls within a layer: the integral of g/(R T)."""
+    """Return ln(p_bottom/p) within a layer: the integral of g/(R T) over height."""
     ratio = lapse * above / base
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(ratio == 0.0, 1.0, np.log1p(ratio) / ratio)
@@ -98,7 +98,7 @@ def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
 
 @cache
 def _layers() -> list[list[float]]:
-    """Height, temperature and pressure at the bottom of each layer, and its lapse."""
+    """Return height, temperature and pressure at the bottom of each layer, and its lapse rate."""
     return np.column_stack([_BASES, *_bases(), _LAPSES]).tolist()
 
 

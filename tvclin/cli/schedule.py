@@ -51,7 +51,7 @@ class Site:
     )
 
     @property
-    def told(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, Any]:
         """Arguments of a reader: the slope, and the elevation of the ground [m]."""
         number, table = self.cn_alpha_per_rad, self.cn_alpha
         if number is not None and table is not None:
@@ -89,7 +89,7 @@ def openrocket(
         file,
         gimbal_station=gimbal_station_m,
         reference_area=reference_area_m2,
-        **site.told,
+        **site.arguments,
         **vars(rows),
     )
     _write(imported, file, output)
@@ -115,7 +115,7 @@ def rasaero(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    arguments = site.told
+    arguments = site.arguments
     if arguments["normal_force_coefficient_slope"] is None:
         raise InputError("give --cn-alpha-per-rad, or --cn-alpha with RASAero's aerodynamics")
     imported = read_rasaero(

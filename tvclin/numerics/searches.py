@@ -81,7 +81,7 @@ def grid_minimum(
     high: FloatArray,
     refinements: int = _REFINEMENTS,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return place and value of the minimum of functions between `low` and `high` ``(...)``.
+    """Return position and value of the minimum of functions between `low` and `high` ``(...)``.
 
     Each function has one dip. Grids are refined, each between the neighbours of the lowest point of
     its predecessor. `height` takes ``(..., k)`` to the same shape. A dip narrower than a sixteenth

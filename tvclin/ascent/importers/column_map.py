@@ -74,8 +74,8 @@ def read_table(
     Raises
     ------
     InputError
-        For a name that is not known, not there, or there twice, a unit that is missing, a
-        coefficient in the place of a slope, and as `read_openrocket`.
+        For a name that is unknown, missing or repeated, a unit that is missing, a coefficient in
+        the place of a slope, and the reasons of `read_openrocket`.
 
     Examples
     --------

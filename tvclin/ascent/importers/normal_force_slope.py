@@ -72,7 +72,7 @@ def _over_mach(headings: Headings) -> float:
 
 
 def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
-    """CN Potential over the angle of attack at the smallest of these that is not zero."""
+    """Return the slope CN Potential/Alpha at the smallest Alpha above zero, over Mach."""
     angle = sheet.find("Alpha")
     if angle is None:
         raise InputError(f"{sheet.text.source} has no column Alpha beside {heading.text}")
@@ -91,7 +91,7 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
 
 
 def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
-    """The column of the whole rocket: the only one, or the one that is the sum of the others."""
+    """Return the slope of the whole rocket: the only column, or the sum of the others."""
     found = [one for one in sheet.headings if _SLOPE.fullmatch(one.name)]
     if not found:
         near = [

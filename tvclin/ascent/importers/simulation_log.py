@@ -1,4 +1,4 @@
-"""Logs of simulations in wind: the flight becomes a schedule, and what it met a wind."""
+"""Logs of simulations in wind: the schedule of the flight, and the wind that it encountered."""
 
 from __future__ import annotations
 
@@ -116,11 +116,11 @@ def read_log(
         A text with a line of column names, or a .mat file of version 5 (to MATLAB's -v7) with a
         vector for each, in one structure or by themselves.
     columns : dict of str to str or float, optional
-        As of `read_table`, and wind_angle, wind_speed (along the flight, from behind positive) and
-        flight_path_angle. Without it columns are known by our names, with the unit behind them
+        Map of `read_table`, with wind_angle, wind_speed (along the flight, from behind positive)
+        and flight_path_angle. Without it columns are known by our names, with the unit behind them
         (``thrust_kN``) or in parentheses (``thrust (kN)``); others are left out, with a note.
     start, stop, most_rows
-        As of `read_table`.
+        Parameters of `read_table`.
 
     Returns
     -------
