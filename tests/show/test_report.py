@@ -150,7 +150,7 @@ def expected_laws(plan: tv.studyfile.StudyPlan, study: tv.Study) -> dict[str, fl
     for name in plan.laws.names:
         (one,) = law_trials(plant, {name: laws[name]}, {"w": study.wind}, sample_rate=20.0)
         parts[name] = one.limit
-    found = {"laws.0.ideal_deg": trim}
+    found = {"laws.0.ideal_deg": trim, "laws.sample_rate": 20.0}
     for key, part in parts.items():
         found |= {f"laws.0.{key}": part, f"laws.0.{key}_deg": part * trim}
     return found

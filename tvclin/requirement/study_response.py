@@ -68,6 +68,13 @@ class StudyResponse:
         return attitude_responses(self.plant, self.deflection, self.study.history, times)
 
     @property
+    def limit_words(self) -> str:
+        """Origin of the limit: the study, or a multiple of the required deflection."""
+        if self.study.limit is not None:
+            return "the limit in question"
+        return f"{_LIMIT_OVER_REQUIREMENT:g} times the required deflection"
+
+    @property
     def limit_line(self) -> Line:
         """Limit in degrees."""
         return degrees("response.limit", self.limit, unit="deg")

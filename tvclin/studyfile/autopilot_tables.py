@@ -4,14 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tvclin.base.lines import (
-    Line,
-    Table,
-    degrees,
-    minimum_limit,
-    number,
-    quantities,
-)
+from tvclin.base.lines import Line, Table, degrees, minimum_limit, number, quantities, significant
 from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.case.flexible_autopilot import FlexibleAnswer
 from tvclin.design.standard_trials import bounds, limit_tables, standard_winds
@@ -47,10 +40,11 @@ def nominal_suffix(findings: Findings) -> str:
 def planes_line(findings: Findings) -> Line:
     """Return the factor of both planes over this one, and the autopilot requirement with it."""
     s = findings.study
+    factor = number("both.factor", s.plane_ratio, 3)
     line: Line = (
         "Both planes together require ",
-        *number("both.factor", s.plane_ratio, 3),
-        f" times the limit of the {s.plane} plane alone",
+        *factor,
+        f" times the limit of the {s.plane} plane",
     )
     required = np.inf if findings.stop is None else _nominal_requirement(findings)
     if np.isfinite(required):
@@ -115,6 +109,12 @@ def law_tables(findings: Findings) -> tuple[Table, ...]:
     return limit_tables(
         findings.trials, bounds(plant, {name: winds[name] for name in request.winds})
     )
+
+
+def law_sample_rate(findings: Findings) -> Line:
+    """Return the sample rate [Hz] of the laws of a study."""
+    assert findings.plan.laws is not None
+    return significant("laws.sample_rate", findings.plan.laws.sample_rate, 6, "Hz")
 
 
 def autopilot_as_law(findings: Findings) -> Line:

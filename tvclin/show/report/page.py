@@ -1,4 +1,4 @@
-"""The page: its sections, rendered by the template."""
+"""The page: templates rendered with the findings of a study, their tables and notes, and plots."""
 
 import platform
 import re
