@@ -100,6 +100,7 @@ def wind_angles_along(
     angle = np.pi / 2 if plane == "yaw" else np.interp(times, time, climb)
     flight_speed = np.interp(times, time, speed)
     sine = np.abs(wind_speed * np.sin(angle)) / flight_speed
+    interval = slice(None)
     if largest is not None:
         interval = longest_interval(times, sine <= np.sin(largest))
         if interval.stop - interval.start < 2:
@@ -107,17 +108,14 @@ def wind_angles_along(
                 f"the wind meets the flight at more than {np.degrees(largest):.3g} deg all the way,"
                 " of which linear aerodynamics says nothing"
             )
-        angle = np.broadcast_to(angle, times.shape)
-        return times[interval], angle_from_speed(
-            wind_speed[interval], flight_speed[interval], angle[interval]
-        )
-    if np.any(sine >= 1.0):
+    elif np.any(sine >= 1.0):
         unreachable = heights[distinct][sine >= 1.0]
         raise InputError(
             f"the wind is faster than the flight can meet, first at {unreachable[0]:.6g} m; leave"
             f" out the slow part of the flight with profile.between({unreachable[-1]:.6g}, ...)"
         )
-    return times, angle_from_speed(wind_speed, flight_speed, angle)
+    angle = np.broadcast_to(angle, times.shape)[interval]
+    return times[interval], angle_from_speed(wind_speed[interval], flight_speed[interval], angle)
 
 
 def longest_interval(times: FloatArray, good: BoolArray) -> slice:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from os import PathLike
 
 import numpy as np
@@ -20,18 +20,6 @@ from tvclin.base.sheet import Text, read_lines
 from tvclin.winds.soundings.profile import WindProfile
 
 _TITLE = re.compile(r"\s*T A B L E\s+I\s+-\s*\d+\.\s+W I N D")
-_FIELDS = (
-    "height",
-    "mean_east",
-    "sd_east",
-    "correlation",
-    "mean_north",
-    "sd_north",
-    "mean_speed",
-    "sd_speed",
-    "skew_speed",
-    "count",
-)
 _MIN_SKEWNESS = 1e-3
 """Skewness below which the distribution counts as normal."""
 _MAX_NUMBER = 1e6
@@ -121,6 +109,10 @@ class RangeReference:
             source=f"{self.source}: {self.site}, {self.month}, {percentile:g} %",
             notes=("each height by itself: an envelope, not a wind that was measured",),
         )
+
+
+_FIELDS = tuple(f.name for f in fields(RangeReference) if f.name not in ("site", "month", "source"))
+"""Columns of a table, in the order of its rows."""
 
 
 def read_range_reference(path: str | PathLike[str]) -> tuple[RangeReference, ...]:
