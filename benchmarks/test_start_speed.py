@@ -51,10 +51,10 @@ FLOORS = {
     "study --plot study.png": f"{_TRIMS}; pyplot",
     "report configuration-ii": f"{_TRIMS}; pyplot, two figures",
     "report": "flights of five laws, 2,000 cases, five figures",
-    "study --gust 2 2": "numba, for 33 times of the gust",
-    "size": "numba, scipy.integrate for the nominal flight, 96 marches",
+    "study --gust 2 2": "numba, for 84 times of the gust",
+    "size": "numba, scipy.integrate for the nominal flight, 128 requirements",
     "fly": "scipy.integrate",
-    "laws": "python-control, 180 flights",
+    "laws": "numba, 180 flights with a scan of limits each",
 }
 
 
