@@ -1,13 +1,17 @@
 """Specification of a field: check, keys, option and template; document, card and table row."""
 
+import inspect
 import re
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib import import_module
 from math import pi, radians
+from pkgutil import walk_packages
 
 import numpy as np
 import pytest
 
+import tvclin
 from tests.doors import hostile
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, positive, small_angle
@@ -17,6 +21,7 @@ from tvclin.base.fields import (
     completed,
     derived,
     document,
+    fields_of,
     file_table,
     help_line,
     parameters,
@@ -36,6 +41,11 @@ from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest
 from tvclin.studyfile.read import example
 from tvclin.studyfile.study_plan import StudyPlan
 
+LOADED_WHERE_NEEDED = (
+    "tvclin.__main__",
+    "tvclin.show.explorer.panel",
+    "tvclin.flights.sixdof.engine",
+)
 EACH = (SizingRequest, StudyPlan, Nozzle, AutopilotDesign, AvailabilityRequest)
 
 
@@ -228,3 +238,17 @@ def test_a_row_of_a_table_has_label_digits_unit_and_the_full_number() -> None:
 def test_a_field_of_nothing_is_a_fault_of_the_package() -> None:
     with pytest.raises(AttributeError, match="height"):
         document(Flown(), "height")
+
+
+def test_every_field_of_the_package_has_its_attribute_its_unit_and_a_key_of_its_own() -> None:
+    for module in walk_packages(tvclin.__path__, "tvclin."):
+        if module.name in LOADED_WHERE_NEEDED:
+            continue
+        for kind in vars(import_module(module.name)).values():
+            if inspect.isclass(kind) and kind.__module__ == module.name:
+                names = {*dir(kind), *getattr(kind, "__dataclass_fields__", ())}
+                specified = fields_of(kind)
+                roots = {x.of.split(".")[0] for x in specified if isinstance(x.of, str)}
+                assert roots <= names, kind
+                keys = [x.document_key for x in specified if x.document]  # KeyError: unknown kind
+                assert len(keys) == len(set(keys)), kind

@@ -25,7 +25,7 @@ from tvclin.nozzle.duty import NozzleDuty, NozzleVerdict
 from tvclin.nozzle.motion import Work
 from tvclin.requirement.flight.sizing import flight_times, hundredths
 
-_MINIMA = ("least_angle", "least_rate", "least_acceleration")
+_MINIMA = ("minimum_angle", "minimum_rate", "minimum_acceleration")
 """Fields of the minima in a known wind."""
 _DUTY = ("angle", "rate", "steady_rate", "acceleration", "travel", "reversals", "time_at_stop")
 """Fields of the duty of a flight."""
