@@ -805,11 +805,11 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "SizingRequest.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
-        "SizingRequest.counted": Door(asked.counted, {"found": sizing, "sign": "head"}),
+        "SizingRequest.counted": Door(asked.counted, {"sizing": sizing, "sign": "head"}),
         "SizingRequest.pulses": Door(asked.pulses, {"case": study.case}),
         "SizingRequest.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
         "SizingRequest.times": Door(asked.times, {"case": study.case}),
-        "SizingRequest.total": Door(asked.total, {"case": study.case, "found": sizing}),
+        "SizingRequest.total": Door(asked.total, {"case": study.case, "sizing": sizing}),
         "SizingRequest.winds": Door(asked.winds, {"case": study.case}),
         "Soundings": Door(
             tv.winds.Soundings,
@@ -1218,7 +1218,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "FlightDuty.to_csv": Door(
             tv.nozzle.flight_duty(carded, once).to_csv, {"path": folder / "card.csv"}
         ),
-        "SizingRequest.ratio": Door(asked.ratio, {"case": carded, "found": sizing}),
+        "SizingRequest.ratio": Door(asked.ratio, {"case": carded, "sizing": sizing}),
         "controllability_ratio": Door(
             tv.requirement.controllability_ratio,
             {
@@ -1243,7 +1243,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.ascent.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
         ),
         "LoadBound.trade_off": Door(
-            tv.case.LoadBound(load=0.05).trade_off, {"case": carded, "part": 0.9}
+            tv.case.LoadBound(load=0.05).trade_off, {"case": carded, "fraction": 0.9}
         ),
         "FlownLoad.of": Door(
             tv.case.FlownLoad.of,

@@ -34,5 +34,5 @@ def test_the_marked_row_is_what_the_verdict_requires(label, changes) -> None:
     assert row[3] == required
     said = [text(line) for line in verdict(study)]
     assert said[0].startswith(f"Required deflection: {required} deg")
-    if not study.in_both:
+    if not study.judges_both_planes:
         assert row[-1] == f"{np.degrees(abs(study.survivable_peak)):.3f}"

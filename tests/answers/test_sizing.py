@@ -134,7 +134,7 @@ def test_a_wind_beyond_the_single_pole_says_so_and_has_the_two_pole_minimum(
     single = tv.optimum_deflection(tv.Plant(c, "fixed-path"), winds[f"{within:g} s"]).peak
     double = tv.optimum_deflection(tv.Plant(c, "drift-exact"), winds[f"{beyond:g} s"]).peak
 
-    assert found.beyond_one_pole.tolist() == [[False, True]]
+    assert found.beyond_single_pole.tolist() == [[False, True]]
     assert found.required["minimum"][0] == pytest.approx([single, double], rel=1e-12)
     assert len([note for note in found.notes if "single-pole" in note]) == 1
     assert f"{beyond:g} s (" in found.notes[0]

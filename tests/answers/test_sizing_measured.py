@@ -8,7 +8,7 @@ from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.base.lines import text
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.requirement.flight.flight_requirement import FlightWind
-from tvclin.requirement.flight.sizing_tables import each_wind, over_time
+from tvclin.requirement.flight.sizing_tables import time_tables, wind_columns_table
 from tvclin.requirement.flight.total import total_table
 from tvclin.winds.soundings.levels import wind_components
 
@@ -160,12 +160,14 @@ def test_of_a_sounding_no_row_is_repeated(flight) -> None:
     pulse = tv.TriangularWind(peak=0.05, duration=7.5)
     both = tv.size(flight, {"jet": low(flight), "pulse": pulse}, times=[50.0, 60.0], varying=True)
     alone = tv.size(flight, low(flight), times=[50.0, 60.0], varying=True)
-    whole, frozen = over_time(alone, "K = 1, varying")
+    whole, frozen = time_tables(alone, "K = 1, varying")
     assert "over the whole flight" in whole.caption
     assert [text(row[0]) for row in whole.rows] == ["trim", "K = 1", "K = 0.5", WIND_KNOWN]
     assert ("frozen" in frozen.caption, len(frozen.rows)) == (True, 2)
-    assert each_wind(both, "K = 1, varying") == []
-    rows = over_time(both, "K = 1, varying")[0].rows  # of the pulse, which has a row for each time
+    assert wind_columns_table(both, "K = 1, varying") == []
+    rows = time_tables(both, "K = 1, varying")[
+        0
+    ].rows  # of the pulse, which has a row for each time
     needs = np.degrees(both.required["K = 1, varying"][:, 1])
     assert [text(row[2]) for row in rows] == [f"{need:.3f}" for need in needs]
 

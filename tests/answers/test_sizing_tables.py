@@ -86,7 +86,7 @@ def test_the_card_of_a_notebook_has_the_digits_of_the_tables(answers):
 
 def test_of_one_wind_the_worst_is_that_wind(answers):
     _, _, sizing, _ = answers
-    worst, only = (tables.over_time(sizing, "K = 1", wind) for wind in (None, 0))
+    worst, only = (tables.time_tables(sizing, "K = 1", wind) for wind in (None, 0))
     width = len([one for one in sizing.required if not one.varying])
     for both in zip(worst, only, strict=True):
         first, second = ([texts(row)[:width] for row in one.rows] for one in both)
@@ -103,8 +103,8 @@ def test_a_frozen_requirement_that_is_no_approximation_has_no_row() -> None:
         for key, need in found.required.items()
     }
     whole, frozen = (
-        tables.over_time(found, "K = 1, varying"),
-        tables.over_time(replace(found, required=off), "K = 1, varying"),
+        tables.time_tables(found, "K = 1, varying"),
+        tables.time_tables(replace(found, required=off), "K = 1, varying"),
     )
     assert [len(table.rows) for table in whole] == [2, 2]
     assert [len(table.rows) for table in frozen] == [2, 1]

@@ -103,7 +103,7 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     one, other = json.loads(by_file.stdout), json.loads(by_options.stdout)
 
     said, other_said = one.pop("notes"), other.pop("notes")
-    doubt = next(note for note in said if note.startswith("the flight is that of configuration-ii"))
+    doubt = next(note for note in said if note.startswith("the flight is of configuration-ii"))
     said.remove(doubt)
     assert said[:-4] == other_said[:-5]
     assert one == other

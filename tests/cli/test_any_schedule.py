@@ -14,7 +14,7 @@ from tests.small_launcher import sounding, write
 from tests.turns import by_turns
 from tvclin.ascent.measured_wind import MeasuredWind, gust_of_speed
 from tvclin.cli.app import app
-from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, place_in
+from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, placed_in_planes
 
 ARMS = {
     "stable at first": ([0, 25, 35, 122], [-0.5, 0.0, 4.0, 3.0]),
@@ -105,7 +105,7 @@ def cut_of(source: str, cut: str, *, every: bool) -> list[str]:
 
 def place(wind: WindOf, vehicle: tv.Vehicle, time: float) -> PlacedWind:
     """Return a wind in the pitch plane, its place its own."""
-    return place_in(("pitch",), wind, vehicle, time, "peak", 1.0)["pitch"]
+    return placed_in_planes(("pitch",), wind, vehicle, time, "peak", 1.0)["pitch"]
 
 
 @by_turns("wind, schedule, cut", WINDS, SCHEDULES, CUTS, each=29)

@@ -217,7 +217,7 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
 
     assert (found.ends - found.begins)[0, 0] == pytest.approx(lasts, abs=0.05)
     assert found.edge[0] == pytest.approx(edge, abs=0.05)
-    assert not found.beyond_one_pole.any()
+    assert not found.beyond_single_pole.any()
     late = tv.fly_through(jet, schedule, azimuth=np.radians(90), window=10.0)
     assert tv.size(schedule, late, times=schedule.span[1]).required["K = 1"][0, 0] == 0.0
     plant = tv.Plant.from_vehicle(schedule.at(time), "drift-exact")

@@ -229,13 +229,13 @@ def _print(
     name = sizing.schedule.vehicle.name or source
     planes = "both planes, one stop" if sizing.separate else sizing.plane
     say(f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}\n")
-    print_tables(*tables.over_time(sizing, counted))
+    print_tables(*tables.time_tables(sizing, counted))
     if marks := tables.marks_line(sizing):
         say(marks)
     if len(sizing.winds) > 1:
         print_tables(tables.by_wind(sizing, counted))
     if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
-        print_tables(*tables.each_wind(sizing, counted))
+        print_tables(*tables.wind_columns_table(sizing, counted))
     say(f"{tables.legend(sizing)}\n")
     print_tables(total_table(total, counted.label))
     say_lines(total.verdict)

@@ -97,7 +97,7 @@ def study(
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 
-        chart = study_planes_chart if findings.study.in_both else study_chart
+        chart = study_planes_chart if findings.study.judges_both_planes else study_chart
         with waiting("drawing"):
             save_figure(chart(findings.study), plot)
     answer(

@@ -59,7 +59,7 @@ from tvclin.nozzle.duty import (
     requirements_on_nozzle,
 )
 from tvclin.nozzle.motion import Motion
-from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, angle_at, place_in
+from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, angle_at, placed_in_planes
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import doubtful_winds
 from tvclin.requirement.plane_requirement import rectangle
@@ -222,7 +222,9 @@ def flight_duty(
     with repeated(len(pairs)):
         for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
-            placed = place_in(conditions.planes, wind, request.schedule.at(time), time, "peak", 1.0)
+            placed = placed_in_planes(
+                conditions.planes, wind, request.schedule.at(time), time, "peak", 1.0
+            )
             for in_plane in placed.values():
                 if not in_plane.known:
                     unknown.setdefault(name, {})[time] = in_plane.why
@@ -317,7 +319,7 @@ class _Conditions:
 
         The direction is empty for a wind with a single direction.
         """
-        wind, sign_of_case = (placed.whole or placed.history).shift(placed.zero), self.case.sign
+        wind, sign_of_case = (placed.two_sided or placed.history).shift(placed.zero), self.case.sign
         along, angle = planes.get("pitch"), np.zeros(())
         if interval is not None:  # a measured wind, with its own pressure unless that is frozen
             speeds = placed.speeds

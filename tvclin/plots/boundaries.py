@@ -183,7 +183,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         lines += axes.plot(x, column.values, lw=1.6, label=column.label, **look)
     axes.axvline(chosen, color=INK, lw=1.0)
     sign = study.direction
-    needs = "required, both planes" if study.in_both else "required"
+    needs = "required, both planes" if study.judges_both_planes else "required"
     needs += "" if sign == FROZEN else f", {sign} wind"
     axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label=needs)
     trim = float(np.degrees(study.trim_deflection))

@@ -113,7 +113,7 @@ class CaseRequirement:
         return replace(pulse_of(self.case), gust_at=self.wind_in_plane.gust_at)
 
     @property
-    def in_both(self) -> bool:
+    def judges_both_planes(self) -> bool:
         """Whether the verdict is on both planes."""
         return self.case.nozzle.stop is not None
 
@@ -132,7 +132,7 @@ class CaseRequirement:
     @property
     def nominal_deflection(self) -> float:
         """The required deflection [rad] at nominal dynamic pressure, a size."""
-        if self.planes is not None and self.in_both:
+        if self.planes is not None and self.judges_both_planes:
             return self.planes.deflection
         return abs(float(self.requirement.deflection))
 
@@ -149,7 +149,11 @@ class CaseRequirement:
     @property
     def plane_ratio(self) -> float:
         """Limit of both planes over the part that this plane has; one if it is judged alone."""
-        return self.planes.ratio_to(self.plane) if self.planes is not None and self.in_both else 1.0
+        return (
+            self.planes.ratio_to(self.plane)
+            if self.planes is not None and self.judges_both_planes
+            else 1.0
+        )
 
     @property
     def direction(self) -> str:
@@ -184,7 +188,9 @@ class CaseRequirement:
     @property
     def judged_peak(self) -> float:
         """The peak [rad] of the wind that is judged: in both planes that of its vector."""
-        judged = self.planes if self.planes is not None and self.in_both else self.history
+        judged = (
+            self.planes if self.planes is not None and self.judges_both_planes else self.history
+        )
         return float(judged.peak)
 
     @property
@@ -231,7 +237,7 @@ class CaseRequirement:
         """Reason that sets the required deflection, in words."""
         if not self.at_nominal_pressure:
             return f"the dynamic pressure in a {self.direction} wind"
-        if self.planes is not None and self.in_both:
+        if self.planes is not None and self.judges_both_planes:
             return self.planes.governs
         return self.requirement.governs
 
@@ -312,7 +318,7 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     )
 
     directions = encountered_requirements(need.case, need.placed, need.dead_band, size)
-    if not need.in_both or need.planes is None:
+    if not need.judges_both_planes or need.planes is None:
         return {name: by_plane[need.plane] for name, by_plane in directions.items()}
     planes, required = need.planes, {}
     for name, by_plane in directions.items():

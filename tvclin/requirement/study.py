@@ -348,7 +348,9 @@ class Study(CaseRequirement, Shown):
             doubts(case.vehicle),
             gust_placed(pulse_of(case), need.wind_in_plane),
             () if need.beyond else along_the_path(need),
-            () if need.beyond else direction_notes(need.planes, case.plane, need.in_both, nominal),
+            ()
+            if need.beyond
+            else direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
         )
         trim = abs(float(coefficients.B * history.peak))
         if need.beyond:
@@ -382,7 +384,7 @@ class Study(CaseRequirement, Shown):
         gust = "" if self.wind_in_plane.gust is None else " with its gust"
         if self.slanting is None:
             return gust and f"of the wind{gust}"
-        if self.in_both:
+        if self.judges_both_planes:
             return f"of the wind's vector in both planes{gust}"
         return f"of the wind's part in the {self.plane} plane{gust}"
 
@@ -413,7 +415,7 @@ class Study(CaseRequirement, Shown):
                 **document(self.planes),
                 "stop": repr(self.planes.stop),
                 "pitch_omitted_fraction": self.planes.omitted_fraction("pitch"),
-                "judged": self.in_both,
+                "judged": self.judges_both_planes,
             }
         gust = None
         if self.gust is not None:

@@ -55,7 +55,7 @@ def vehicle(
     """
     given = [item for item in fields_of(s.vehicle) if item.value(s.vehicle) is not None]
     rows = [(item.title, _in_units(s.vehicle, item, own or {})) for item in given]
-    planes = "pitch and yaw" if s.in_both else s.plane
+    planes = "pitch and yaw" if s.judges_both_planes else s.plane
     return quantities(f"{s.vehicle.name or source}, {s.model}, {planes}", rows)
 
 
@@ -111,7 +111,7 @@ def boundaries(s: Study) -> Table:
         rows.append(((row.label + mark,), *_parts(s, row.label.replace(" ", "_"), needs)))
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
-    if s.limit is not None and not s.in_both and s.model in s.boundaries:
+    if s.limit is not None and not s.judges_both_planes and s.model in s.boundaries:
         peaks = _survived(s, s.limit, [row.survived for row in judged])
         bound = abs(s.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
@@ -159,7 +159,7 @@ def question(s: Study, case: Case) -> Table:
     """Return the wind, the dead band, the limits and further inputs of a study of a case."""
     wind, nozzle = pulse_of(case), case.nozzle
     rows: list[Row] = [
-        ("plane", ("pitch and yaw, one stop" if s.in_both else s.plane,)),
+        ("plane", ("pitch and yaw, one stop" if s.judges_both_planes else s.plane,)),
         ("model of the verdict", (s.model,)),
         ("wind shape", (wind.shape,)),
         ("peak wind angle", _typed("wind.peak_deg", wind.peak)),
@@ -203,7 +203,7 @@ def _judged(s: Study) -> list[_Judged]:
     directions of a wind the peak is known only of the one that counts.
     """
     survived = abs(s.survivable_peak or np.nan)
-    if s.in_both:
+    if s.judges_both_planes:
         return [_Judged("both planes", s.required_deflection, survived, True)]
     if s.model not in s.boundaries:
         return []
@@ -291,7 +291,7 @@ def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
 
 def _governed(s: Study) -> str:
     """Return words for the reason that sets the required deflection."""
-    if s.in_both:
+    if s.judges_both_planes:
         return f"of both planes, {s.governs}"
     return "none is needed" if s.governs == Reason.NOTHING else f"set by {s.governs}"
 

@@ -105,7 +105,11 @@ def _sign(findings: Findings) -> Iterator[Assumption]:
 
 def _linear(findings: Findings) -> Iterator[Assumption]:
     s, c = findings.study, findings.comparison
-    angle = abs(float(s.slanting.peak if s.in_both and s.slanting is not None else s.history.peak))
+    angle = abs(
+        float(
+            s.slanting.peak if s.judges_both_planes and s.slanting is not None else s.history.peak
+        )
+    )
     if c is not None and np.isfinite(c.peak_angle_of_attack):
         angle = max(angle, c.peak_angle_of_attack * s.plane_ratio)
     reached = degrees("assumptions.angle_of_attack", angle, 1, "deg")

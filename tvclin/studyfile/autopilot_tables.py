@@ -26,7 +26,7 @@ def tables_in_wind(findings: Findings) -> tuple[Table, Table]:
     assert c is not None
     caption = "The autopilot in this wind, without a limit"
     caption += "" if findings.flexible is None else ", flexible vehicle"
-    caption += f", {s.plane} plane alone" if s.in_both else ""
+    caption += f", {s.plane} plane alone" if s.judges_both_planes else ""
     stop = None if findings.stop is None else abs(float(findings.stop.deflection))
     deflections = c.deflections(caption + nominal_suffix(findings), stop)
     return deflections, quantities("Largest motions", c.motions())
@@ -88,7 +88,7 @@ def flexible_flight(findings: Findings) -> Table:
     f, s = findings.flexible, findings.study
     assert isinstance(f, FlexibleAnswer)
     caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
-    caption += f", {s.plane} plane alone" if s.in_both else ""
+    caption += f", {s.plane} plane alone" if s.judges_both_planes else ""
     flexible, rigid = (abs(boundary.deflection) for boundary in f.boundaries)
     if f.flight is not None:
         return f.flight.table(caption, ("flexible", "rigid"), (flexible, rigid))
@@ -131,7 +131,7 @@ def autopilot_as_law(findings: Findings) -> Line:
     rate = plan.hardware["sample_rate"]
     if rate != request.sample_rate:
         differences.append(f"{rate:g} samples a second in place of {request.sample_rate:g}")
-    differences += ["both planes counted"] if s.in_both else []
+    differences += ["both planes counted"] if s.judges_both_planes else []
     added = f", flown with {', '.join(differences)}" if differences else ""
     return (
         "The autopilot flies here with the gains of Autopilot and margins. There it requires ",

@@ -316,7 +316,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     peak = without_stop(findings)
     turns = degrees("asked.autopilot", peak, unit="deg")
     free: Line = ("without a limit it would turn the nozzle by ", *turns)
-    if findings.study.in_both:
+    if findings.study.judges_both_planes:
         free += (" in both planes",)
     whose = "this autopilot requires"
     rate, max_rate = c.peak_deflection_rate, findings.plan.nozzle.rate_limit or np.inf
@@ -393,7 +393,10 @@ def _flexible(findings: Findings) -> Question:
     f = findings.flexible
     if f is None or f.flight is None:
         return Question("flexible flight", None, (_reason(findings, "flexible"),))
-    stop = f" with the {findings.study.plane} plane's part of the stop" * findings.study.in_both
+    stop = (
+        f" with the {findings.study.plane} plane's part of the stop"
+        * findings.study.judges_both_planes
+    )
     flexible, rigid = f.flight.outcomes
     flown = f"flown {NOMINAL} and {f.sample_rate:g} Hz{stop}"
     line: Line = (f"{flown} the flexible vehicle {flexible}",)

@@ -153,12 +153,12 @@ def _meets_the_stop(findings: Findings) -> Line:
 
 
 def _planes(s: Study) -> str:
-    return "both planes with one stop" if s.in_both else f"the {s.plane} plane"
+    return "both planes with one stop" if s.judges_both_planes else f"the {s.plane} plane"
 
 
 def _judged_wind(s: Study) -> ShapedWind:
     """Return the wind of the verdict; for both planes its vector."""
-    return s.slanting if s.in_both and s.slanting is not None else s.wind_in_plane
+    return s.slanting if s.judges_both_planes and s.slanting is not None else s.wind_in_plane
 
 
 def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
@@ -176,9 +176,9 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
         peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
         by = ", with this autopilot" if survived < abs(s.survivable_peak) else ""
         rows.append((SURVIVES + by, (*peak, " deg")))
-    if not s.in_both:
+    if not s.judges_both_planes:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
         rows.append((STATIC_TRIM, trim))
-    if s.model in s.minima and not s.in_both:
+    if s.model in s.minima and not s.judges_both_planes:
         rows.append((WIND_KNOWN, degrees("facts.minimum", s.minima[s.model], unit="deg")))
     return tuple(rows)

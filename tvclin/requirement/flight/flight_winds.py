@@ -1,8 +1,8 @@
-"""Winds in a flight: their place, and the trim of those that are fixed to flight times.
+"""Winds placed in a flight, and the trim of winds that are fixed in flight time.
 
 A pulse has its peak at a flight time; a sounding is a window of flight time. A sounding encounters
-the vehicle of each height with the wind of that height: trim takes ``|B(t) alpha_w(t)|``, and not
-the largest angle of the flight with the B of another time.
+the vehicle of each height with the wind of that height: trim is ``|B(t) alpha_w(t)|``, and not
+the product of the largest angle of the flight and the B of another time.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ PLACINGS = ("peak", "flight")
 PEAK = PLACINGS[0]
 
 WindOf = History | PlaneWind | MeasuredPlanes | Callable[[Vehicle], History | PlaneWind]
-"""A wind, or a function from a vehicle to its wind: a wind speed has another angle for each."""
+"""A wind, or a function from a vehicle to its wind, as for a wind speed."""
 
-_TOP = 1.0 - 1e-12
-"""Fraction of the peak above which a wind is at its top, which may be flat."""
+_PEAK_FRACTION = 1.0 - 1e-12
+"""Fraction of the peak above which a wind counts as at its peak, which may be flat."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlacedWind:
-    """A wind in a flight: in its own time, whose zero is at a flight time [s].
+    """A wind in a flight: a history in its own time, whose zero is at the flight time `zero` [s].
 
-    An unknown wind is represented by a calm; `why` says the reason, unless a sounding ends. `fixed`
-    says whether all flight times have this same wind, such as a sounding without a window. `whole`
-    is a wind of both signs, of which `history` has the larger one; `speeds` the wind of
+    An unknown wind is represented by a calm; `why` is the reason, unless a sounding ends. `fixed`
+    says whether all flight times have this same wind, such as a sounding without a window.
+    `two_sided` is a wind of both signs, of which `history` has the larger one; `speeds` the wind of
     both planes, where it is that of a sounding.
     """
 
@@ -50,7 +50,7 @@ class PlacedWind:
     known: bool = True
     why: str = ""
     fixed: bool = False
-    whole: History | None = None
+    two_sided: History | None = None
     speeds: SoundingSpeeds | None = None
 
     @property
@@ -60,7 +60,7 @@ class PlacedWind:
 
     @property
     def span(self) -> tuple[float, float]:
-        """Flight time [s] at which it begins and ends."""
+        """Flight times [s] at which the wind begins and ends."""
         return float(self.history.onset) + self.zero, float(self.history.end) + self.zero
 
     @property
@@ -70,7 +70,7 @@ class PlacedWind:
 
 
 def named_winds(winds: WindOf | Mapping[str, WindOf]) -> dict[str, WindOf]:
-    """Return winds by name; a single one is called "wind". `InputError` if there is none."""
+    """Return winds by name; a single wind is called "wind". `InputError` without any wind."""
     by_name = dict(winds) if isinstance(winds, Mapping) else {"wind": winds}
     if not by_name:
         raise InputError("winds must hold one wind or more; got none")
@@ -78,7 +78,7 @@ def named_winds(winds: WindOf | Mapping[str, WindOf]) -> dict[str, WindOf]:
 
 
 def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> dict[str, str]:
-    """Return the placing of each wind by its name; `InputError` for unknown ones."""
+    """Return the placing of each wind by name; `InputError` for an unknown placing."""
     if isinstance(placing, str):
         return dict.fromkeys(winds, one_of("placing", placing, PLACINGS))
     instance("placing", placing, Mapping, "of names to peak or flight, or one of these")
@@ -89,10 +89,10 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
 
 
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
-    """Return a wind placed at a flight time [s] of a vehicle; a measured wind is placed already.
+    """Return a wind placed at a flight time [s] of a vehicle; a measured wind keeps its time.
 
-    With "peak" its peak is moved to that time (the middle of a flat top); with "flight" it is in
-    flight time, and the part within half a window [s] counts. `InputError` for a batch of winds,
+    With "peak" the peak (the middle of a flat top) is moved to that time; with "flight" the wind is
+    in flight time, and counts within half a window [s]. `InputError` for a batch of winds,
     and a wind that never ends or is zero; `NotKnownError` from a function that gives the wind.
     """
     if isinstance(wind, MeasuredWind):
@@ -101,15 +101,15 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
             return PlacedWind(wind.wind * 0.0, 0.0, known=False)
         signed = wind.to_both_sides(vehicle)
         values = signed(signed.probe_times())
-        two_sided = values.min() < 0.0 < values.max()
+        has_both_signs = values.min() < 0.0 < values.max()
         return PlacedWind(
             wind(vehicle),
             0.0,
             fixed=wind.window is None and wind.gust is None,
-            whole=signed if two_sided else None,
+            two_sided=signed if has_both_signs else None,
             speeds=wind.speeds,
         )
-    history = given(wind, vehicle)
+    history = wind_of(wind, vehicle)
     if not isinstance(history, History) or history.batch:
         raise InputError(
             "each wind must be one history, such as TriangularWind, or give one; a PlaneWind needs"
@@ -117,14 +117,14 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
             if isinstance(history, PlaneWind)
             else "each wind must be one history, such as TriangularWind, or give one"
         )
-    _ends(history)
+    _check_end(history)
     if placing == PEAK:
-        return PlacedWind(history, time - _middle_of_the_top(history, history.probe_times()))
+        return PlacedWind(history, time - _middle_of_peak(history, history.probe_times()))
     half = 0.5 * number("window", window, positive, "s")
     return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)
 
 
-def place_in(
+def placed_in_planes(
     planes: tuple[str, ...],
     wind: WindOf,
     vehicle: Vehicle,
@@ -134,15 +134,14 @@ def place_in(
 ) -> dict[str, PlacedWind]:
     """Return a wind placed at a flight time, by planes; in both planes its vector is placed.
 
-    A wind of more than `MAX_LINEAR_ANGLE`, or with a `NotKnownError` at this time, is placed as an
-    unknown one. `InputError` for the reasons of `place`, and in both planes for a wind without a
-    direction.
+    A wind of more than `MAX_LINEAR_ANGLE`, or with a `NotKnownError` at this time, counts as
+    unknown. Same exceptions as `place`; in both planes also for a wind without a direction.
     """
     try:
         if len(planes) == 1:
             placed = {planes[0]: place(wind, vehicle, time, placing, window)}
         else:
-            placed = _in_both(wind, vehicle, time, placing, window)
+            placed = _place_vector(wind, vehicle, time, placing, window)
         checked_linear(peak_angle(placed))
         return placed
     except NotKnownError as error:
@@ -152,70 +151,83 @@ def place_in(
 
 def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
     """Return the largest size [rad] of the wind angle, of both planes of its vector."""
-    winds = {plane: one.history for plane, one in placed.items() if not one.calm}
+    winds = {
+        plane: placed_wind.history for plane, placed_wind in placed.items() if not placed_wind.calm
+    }
     if len(winds) < len(PLANES):
-        return max((abs(float(one.peak)) for one in winds.values()), default=0.0)
+        return max((abs(float(placed_wind.peak)) for placed_wind in winds.values()), default=0.0)
     return float(PlaneWind(**winds).peak)
 
 
 def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
     """Return the wind angle [rad] of a placed wind at a flight time [s], a size."""
-    angles = [float(one.history(time - one.zero)) for one in placed.values()]
+    angles = [
+        float(placed_wind.history(time - placed_wind.zero)) for placed_wind in placed.values()
+    ]
     return float(np.linalg.norm(angles))
 
 
-def _in_both(
+def _place_vector(
     wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float
 ) -> dict[str, PlacedWind]:
     if isinstance(wind, MeasuredPlanes):
         measured = {plane: wind.part(plane, vehicle) for plane in PLANES}
-        calm = next(one for one in measured.values() if one is not None).wind * 0.0
+        calm = (
+            next(
+                wind_in_plane for wind_in_plane in measured.values() if wind_in_plane is not None
+            ).wind
+            * 0.0
+        )
         first, last = wind.known
         return {
             plane: PlacedWind(calm, 0.0, known=first <= time <= last)
-            if one is None
-            else place(one, vehicle, time, placing, window)
-            for plane, one in measured.items()
+            if wind_in_plane is None
+            else place(wind_in_plane, vehicle, time, placing, window)
+            for plane, wind_in_plane in measured.items()
         }
-    vector = given(wind, vehicle)
+    vector = wind_of(wind, vehicle)
     if not isinstance(vector, PlaneWind) or vector.batch:
         raise InputError(
             "for both planes each wind must have a direction: give one PlaneWind (see"
             f" PlaneWind.towards), what gives one, or fly_through with plane={BOTH!r}"
         )
-    _ends(vector)
-    parts = {plane: getattr(vector, plane) for plane in PLANES}
+    _check_end(vector)
+    components = {plane: getattr(vector, plane) for plane in PLANES}
     if placing == PEAK:
         shown = np.union1d(vector.pitch.probe_times(), vector.yaw.probe_times())
-        zero = time - _middle_of_the_top(vector, shown)
-        return {plane: PlacedWind(one, zero) for plane, one in parts.items()}
+        zero = time - _middle_of_peak(vector, shown)
+        return {
+            plane: PlacedWind(wind_in_plane, zero) for plane, wind_in_plane in components.items()
+        }
     return {
-        plane: place(one, vehicle, time, placing, window)
-        if np.isfinite(one.onset)
-        else PlacedWind(one, 0.0)
-        for plane, one in parts.items()
+        plane: place(wind_in_plane, vehicle, time, placing, window)
+        if np.isfinite(wind_in_plane.onset)
+        else PlacedWind(wind_in_plane, 0.0)
+        for plane, wind_in_plane in components.items()
     }
 
 
-def given(wind: Any, vehicle: Vehicle) -> Any:
-    """Return the wind of a vehicle, which may be given as a function of it."""
+def wind_of(wind: Any, vehicle: Vehicle) -> Any:
+    """Return the wind of a vehicle, from a wind or a function from vehicles to winds."""
     made = callable(wind) and not isinstance(wind, History | PlaneWind)
     return wind(vehicle) if made else wind
 
 
-def _ends(wind: History | PlaneWind) -> None:
+def _check_end(wind: History | PlaneWind) -> None:
+    """Raise `InputError` for a wind that never ends or is zero."""
     if not np.isfinite(wind.end):
         raise InputError("each wind must end, and be other than zero")
 
 
-def _middle_of_the_top(wind: History | PlaneWind, times: FloatArray) -> float:
+def _middle_of_peak(wind: History | PlaneWind, times: FloatArray) -> float:
+    """Return the middle [s] of the times at which a wind is at its peak."""
     values = np.abs(wind(times))
-    top = times[values >= _TOP * values.max()]
+    top = times[values >= _PEAK_FRACTION * values.max()]
     return 0.5 * float(top[0] + top[-1])
 
 
-_TIMES_IN_INTERVAL = 33
-"""Even times between two flight times, besides the samples, at which B alpha_w is evaluated."""
+_TIMES_PER_INTERVAL = 33
+"""Number of even times between two flight times, besides samples, for the largest trim."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,12 +254,12 @@ def concurrent_trim(
 ) -> ConcurrentTrim:
     """Return the concurrent trim [rad] of winds at flight times [s], ``(n, m)``.
 
-    `known` says where a wind can be sized, ``(n, m)``: where it cannot although it blows, as beyond
-    linear aerodynamics, its trim is NaN.
+    `known`: whether a wind can be sized, ``(n, m)``; the trim of a wind that cannot, such as beyond
+    linear aerodynamics, is NaN.
     """
     ordered = np.sort(times)
     edges = np.concatenate([ordered[:1], 0.5 * (ordered[1:] + ordered[:-1]), ordered[-1:]])
-    found = np.full((times.size, len(winds), 2), np.nan)
+    largest = np.full((times.size, len(winds), 2), np.nan)
     for j, (name, wind) in enumerate(winds.items()):
         first, last = -np.inf, np.inf
         if isinstance(wind, MeasuredWind | MeasuredPlanes):
@@ -259,8 +271,8 @@ def concurrent_trim(
             steep = not known[i, j] and first <= times[i] <= last
             if low <= high and not steep:
                 vehicle = schedule.at(float(times[i]))
-                found[i, j] = _largest(schedule, wind, vehicle, planes, stop, (low, high))
-    return ConcurrentTrim(found[..., 0], found[..., 1])
+                largest[i, j] = _largest(schedule, wind, vehicle, planes, stop, (low, high))
+    return ConcurrentTrim(largest[..., 0], largest[..., 1])
 
 
 def _largest(
@@ -273,33 +285,38 @@ def _largest(
 ) -> tuple[float, float]:
     """Return the largest trim [rad] of an interval of the flight, and its time [s]."""
     low, high = interval
-    parts = {plane: _in_plane(wind, plane, vehicle) for plane in planes}
-    samples = [schedule.times, *(one.probe_times() for one in parts.values() if one is not None)]
-    bends = np.concatenate(samples)
-    even = np.linspace(low, high, _TIMES_IN_INTERVAL)
-    t = np.unique(np.concatenate([even, bends[(bends > low) & (bends < high)]]))
-    held = schedule.clamped_at(t)
-    slopes = {plane: np.asarray(Coefficients.from_vehicle(held, plane).B) for plane in planes}
+    components = {plane: _in_plane(wind, plane, vehicle) for plane in planes}
+    samples = [
+        schedule.times,
+        *(component.probe_times() for component in components.values() if component is not None),
+    ]
+    breakpoints = np.concatenate(samples)
+    even = np.linspace(low, high, _TIMES_PER_INTERVAL)
+    t = np.unique(np.concatenate([even, breakpoints[(breakpoints > low) & (breakpoints < high)]]))
+    vehicles = schedule.clamped_at(t)
+    slopes = {plane: np.asarray(Coefficients.from_vehicle(vehicles, plane).B) for plane in planes}
     moments = [
-        slopes[plane] * (0.0 if one is None else one(t)) + np.zeros(t.shape)
-        for plane, one in parts.items()
+        slopes[plane] * (0.0 if component is None else component(t)) + np.zeros(t.shape)
+        for plane, component in components.items()
     ]
     trim = np.abs(moments[0]) if len(moments) == 1 else stop.gauge(moments[0] + 1j * moments[1])
-    trim = trim + np.max([np.abs(one) for one in slopes.values()], axis=0) * _gust(wind, vehicle)
-    most = int(np.argmax(trim))
-    return float(trim[most]), float(t[most])
+    trim = trim + np.max([np.abs(component) for component in slopes.values()], axis=0) * _gust(
+        wind, vehicle
+    )
+    index = int(np.argmax(trim))
+    return float(trim[index]), float(t[index])
 
 
 def _in_plane(wind: Any, plane: str, vehicle: Vehicle) -> History | None:
     """Return the wind in one plane in flight time, without its gust; None where it is calm."""
     if isinstance(wind, MeasuredPlanes):
-        part = wind.parts.get(plane)
-        return None if part is None else part.wind
+        measured = wind.parts.get(plane)
+        return None if measured is None else measured.wind
     if isinstance(wind, MeasuredWind):
         return wind.wind
-    history = given(wind, vehicle)
-    found: History = getattr(history, plane) if isinstance(history, PlaneWind) else history
-    return found
+    history = wind_of(wind, vehicle)
+    component: History = getattr(history, plane) if isinstance(history, PlaneWind) else history
+    return component
 
 
 def _gust(wind: Any, vehicle: Vehicle) -> float:

@@ -1,6 +1,6 @@
-"""The sizing of a flight as a request: its schedule, its winds, and what else the nozzle turns.
+"""Specification of the sizing of a flight: schedule, winds, offsets, dispersions and reserve.
 
-Model, planes, limit and stop are those of the case, and so is the first of its pulses.
+Model, planes, limit, limit shape and the first pulse are those of the case.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from tvclin.requirement.flight.flight_winds import WindOf
 from tvclin.requirement.flight.size import WORDS, size
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.flight.total import DeflectionTotal, worst_total
-from tvclin.requirement.flight.wind_sign import base_of, by_direction
+from tvclin.requirement.flight.wind_sign import base_requirement, with_directions
 from tvclin.requirement.required_quantity import TRIM, Requirement, requirement_among
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
@@ -54,7 +54,7 @@ from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
 
 @dataclass(frozen=True, eq=False)
 class SoundingRequest:
-    """A wind over height that the flight goes through.
+    """A wind over height, through which the flight goes.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class SoundingRequest:
     azimuth : float
         Direction of flight [rad], from north, clockwise.
     bias : WindProfile, optional
-        The mean wind for which the flight path is biased, as of `fly_through`.
+        The mean wind for which the flight path is biased; see `fly_through`.
     """
 
     profile: WindProfile
@@ -81,10 +81,11 @@ class SoundingRequest:
 class FlightWinds:
     """Winds on the flight of a case.
 
-    `case`: its planes, model, nozzle and sign count. `schedule`: the flight. `pulses`: whose peak
-    meets each flight time, with the gust of the case. `soundings`: by name. `peak_speed`,
-    `gust_speed`: wind speeds [m/s] in place of the angles of pulses and their gust. `window`: of a
-    sounding, about each flight time [s]. `dead_band`: for which a gust comes at its worst time.
+    `case`: planes, model, nozzle and sign of the wind. `schedule`: the flight. `pulses`: winds with
+    their peak at each flight time, with the gust of the case. `soundings`: winds over height, by
+    name. `peak_speed`, `gust_speed`: wind speeds [m/s] in place of the angles of pulses and gust.
+    `window`: length of a sounding that counts about each flight time [s]. `dead_band`: dead band
+    for which the time of a gust is the worst.
     """
 
     case: Case
@@ -98,58 +99,59 @@ class FlightWinds:
 
     @property
     def by_name(self) -> dict[str, WindOf]:
-        """The winds as `size` takes them; soundings are in flight time. It raises as `winds`."""
+        """The winds by name, arguments of `size`; soundings are in flight time."""
         sign = self.case.sign
-        if sign in SIGNS and any(one.heading is not None for one in self.pulses):
+        if sign in SIGNS and any(pulse.heading is not None for pulse in self.pulses):
             raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
-        return {self._name(one): self._met(one) for one in self.pulses} | {
-            name: self._flown(name, one) for name, one in self.soundings.items()
+        return {self._name(pulse): self._pulse(pulse) for pulse in self.pulses} | {
+            name: self._sounding(name, pulse) for name, pulse in self.soundings.items()
         }
 
     @property
     def gust(self) -> GustOf | None:
-        """The gust as each vehicle of the flight meets it."""
+        """The gust that each vehicle of the flight encounters."""
         gust: History | None = getattr(self.case.wind, "gust", None)
         if self.gust_speed is None or gust is None:
             return gust
         return gust_of_speed(gust, self.gust_speed, self.case.planes)
 
     def case_of(self, vehicle: Vehicle, pulse: ShapedWind) -> Case:
-        """Return the case of a vehicle of the flight, in a pulse as it meets it."""
+        """Return the case of a vehicle of the flight in a pulse."""
         case = self.case
         return Case(
             vehicle=vehicle,
             model=case.model,
             plane=case.plane,
-            wind=self._blows(vehicle, pulse),
+            wind=self._encountered_pulse(vehicle, pulse),
             nozzle=case.nozzle,
             design=case.design,
             sign=case.sign,
         )
 
-    def _blows(self, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
-        """A pulse with the angles at which a vehicle meets it and its gust."""
+    def _encountered_pulse(self, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
+        """Return a pulse with the angles of wind and gust that a vehicle encounters."""
         if self.peak_speed is not None:
             pulse = pulse.with_speed(self.peak_speed, vehicle, self.case.plane)
         if self.gust_speed is not None:
             pulse = pulse.with_gust_speed(self.gust_speed, vehicle, self.case.plane)
         return pulse
 
-    def _met(self, pulse: ShapedWind) -> WindOf:
-        """A pulse as vehicles meet it: its part in the plane, or for both planes the vector."""
+    def _pulse(self, pulse: ShapedWind) -> WindOf:
+        """Return the function from a vehicle to a pulse: in the plane, or the vector of both."""
         case = self.case
 
-        def met(vehicle: Vehicle) -> History | PlaneWind:
-            blows = self.case_of(vehicle, pulse).wind_at(self.dead_band)
+        def encountered(vehicle: Vehicle) -> History | PlaneWind:
+            pulse_wind = self.case_of(vehicle, pulse).wind_at(self.dead_band)
             attitude = float(np.asarray(vehicle.attitude))
             if case.planes != BOTH:
-                return blows.in_plane(case.plane, attitude).history({})
-            peaks = blows.peaks(attitude)
-            return PlaneWind(**{plane: component_in(blows, peaks, plane) for plane in PLANES})
+                return pulse_wind.in_plane(case.plane, attitude).history({})
+            peaks = pulse_wind.peaks(attitude)
+            return PlaneWind(**{plane: component_in(pulse_wind, peaks, plane) for plane in PLANES})
 
-        return met
+        return encountered
 
-    def _flown(self, name: str, sounding: SoundingRequest) -> WindOf:
+    def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
+        """Return the measured wind of a sounding along the flight."""
         with naming(name):
             return fly_through(
                 sounding.profile,
@@ -163,6 +165,7 @@ class FlightWinds:
             )
 
     def _name(self, pulse: ShapedWind) -> str:
+        """Return the name of a pulse: shape, peak, duration and gust."""
         name = f"{pulse.shape} wind of {_strength(pulse.peak, self.peak_speed)}"
         if pulse.gust is None:
             return f"{name}, {pulse.duration:g} s"
@@ -171,13 +174,14 @@ class FlightWinds:
 
 
 def _strength(peak: float, speed: float | None) -> str:
+    """Return the peak of a wind as text, an angle [rad] in degrees or a speed [m/s]."""
     return f"{np.degrees(peak):.6g} deg" if speed is None else f"{speed:g} m/s"
 
 
-_APART = 1e-9
-"""Steps by which even flight times must differ from the first and the last."""
-_MOST_TIMES = 10_000
-"""Flight times; more are a step that was given in the wrong unit."""
+_MIN_STEP_FRACTION = 1e-9
+"""Minimum distance of even flight times from the first and the last, as a fraction of a step."""
+_MAX_FLIGHT_TIMES = 10_000
+"""Largest number of flight times; more indicate a step in a wrong unit."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -189,27 +193,27 @@ class SizingRequest:
     schedule : FlightSchedule
         The flight.
     source : str
-        The vehicle or file whose flight it is, as messages call it; empty where it has no name.
+        Name of the vehicle or file of the flight, for messages; empty without a name.
     another : str
-        The study's vehicle, as messages call it, where the flight is that of another vehicle.
+        Name of the study's vehicle, for messages, where the flight is of another vehicle.
     pulse : bool
-        Whether the wind of the case blows on the flight, its peak at each flight time.
+        Whether the wind of the case counts, with its peak at each flight time.
     others : tuple of ShapedWind
-        Other winds that do.
+        Further pulses with their peak at each flight time.
     peak_speed : float, optional
-        Peak wind speed of the pulses [m/s], in place of their angle: the vehicle meets it at the
-        angle of its flight time, by eq (B1e).
+        Peak wind speed of the pulses [m/s], in place of their angle, which follows at each flight
+        time from eq (B1e).
     soundings : dict of str to SoundingRequest
-        Winds over height, by name. The gust of the case is on top of each wind: of a pulse in its
-        time, or when the dead band that counts needs most, of a sounding about each flight time.
+        Winds over height, by name. The gust of the case is on top of each wind: of a pulse at its
+        time, or the worst time for the dead band that counts, of a sounding about each flight time.
     gust_speed : float, optional
         Wind speed [m/s] at the peak of the gust of pulses, in place of its angle.
     window : float, optional
-        Length of the part of a sounding that counts, about each flight time [s].
+        Length [s] of the interval of a sounding that counts, about each flight time.
     start : float, optional
-        First flight time [s]; without it the first that has the whole of the pulses about it.
+        First flight time [s]; by default the first with all pulses within the schedule.
     stop : float, optional
-        Last flight time [s]; without it the last that has the whole of the pulses about it.
+        Last flight time [s]; by default the last with all pulses within the schedule.
     every : float
         Time between flight times [s]; the last step may be shorter.
     dead_bands : tuple of float
@@ -222,7 +226,7 @@ class SizingRequest:
     count : str, optional
         Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...
     dispersion : float
-        What dispersions add, as a fraction of what the wind needs.
+        Increase by dispersions, as a fraction of the requirement of the wind.
     thrust_offset : float
         Angle between the thrust and the nozzle's axis [rad].
     gravity_offset : float
@@ -279,37 +283,41 @@ class SizingRequest:
         if not self.pulse and not self.others and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
 
-    def counted(self, found: Sizing, sign: str | None = None) -> Requirement:
-        """Return the requirement that counts as the wind's, where none is named.
+    def counted(self, sizing: Sizing, sign: str | None = None) -> Requirement:
+        """Return the requirement that enters the total for the wind, unless `count` names it.
 
-        That of the largest dead band; with varying parameters if these are known wherever frozen
-        ones are, at the dynamic pressure encountered in the wind of the sign that is asked for.
-        Where none is, in the one of the possible directions that requires most.
+        It is of the largest dead band; with varying parameters if these are known wherever frozen
+        ones are; at the dynamic pressure encountered in a wind of direction `sign`, by default the
+        possible direction that requires most.
         """
         if self.count is not None:
-            return requirement_among("count", self.count, found.required)
-        instance("found", found, Sizing, "see sizing()")
+            return requirement_among("count", self.count, sizing.required)
+        instance("found", sizing, Sizing, "see sizing()")
         if sign is not None:
             one_of("sign", sign, (*SIGNS, FROZEN))
-        base, worst = base_of(found), found.worst
+        base, worst = base_requirement(sizing), sizing.worst
         if sign == FROZEN:
             return base
         directions = DIRECTIONS if sign is None else (sign, CROSS)
-        known = [one for one in (replace(base, direction=x) for x in directions) if one in worst]
-        return max(known, key=lambda one: worst[one].deflection, default=base)
+        available = [
+            requirement
+            for requirement in (replace(base, direction=x) for x in directions)
+            if requirement in worst
+        ]
+        return max(available, key=lambda requirement: worst[requirement].deflection, default=base)
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
-        """Return the winds whose peak meets each flight time, with the gust of the case."""
+        """Return the pulses, with their peak at each flight time and the gust of the case."""
         instance("case", case, Case, "of a wind and a nozzle")
-        own: Any = case.wind
-        instance("wind of the case", own, ShapedWind, "of one shape")
+        case_wind: Any = case.wind
+        instance("wind of the case", case_wind, ShapedWind, "of one shape")
         return tuple(
-            replace(one, gust=own.gust, gust_at=own.gust_at)
-            for one in (*((own,) if self.pulse else ()), *self.others)
+            replace(pulse, gust=case_wind.gust, gust_at=case_wind.gust_at)
+            for pulse in (*((case_wind,) if self.pulse else ()), *self.others)
         )
 
     def times(self, case: Case) -> NDArray[Any]:
-        """Return flight times [s], the first and the last and even ones between; see `start`.
+        """Return flight times [s]: first, last and even times between them, ``(n,)``; see `start`.
 
         Raises
         ------
@@ -326,45 +334,47 @@ class SizingRequest:
             raise InputError(
                 f"the last flight time must not be before the first; got {low:g} to {high:g} s"
             )
-        if (high - low) / self.every > _MOST_TIMES:
+        if (high - low) / self.every > _MAX_FLIGHT_TIMES:
             raise InputError(
-                f"there may be at most {_MOST_TIMES} flight times; got one every {self.every:g} s"
+                f"there may be at most {_MAX_FLIGHT_TIMES} flight times; got one every"
+                f" {self.every:g} s"
             )
         even = np.ceil(low / self.every) * self.every if self.start is None else low
         between = np.arange(even, high, self.every)
-        apart = np.abs(between - [[low], [high]]).min(axis=0) > _APART * self.every
-        return np.concatenate([[low], between[apart], [high][: int(high > low)]])
+        distinct = np.abs(between - [[low], [high]]).min(axis=0) > _MIN_STEP_FRACTION * self.every
+        return np.concatenate([[low], between[distinct], [high][: int(high > low)]])
 
     def winds(self, case: Case) -> dict[str, WindOf]:
-        """Return the winds by name, as `size` takes them; soundings are in flight time.
+        """Return the winds by name, arguments of `size`; soundings are in flight time.
 
         Raises
         ------
         InputError
-            As `fly_through`, with the name of the sounding, and for the sign of a pulse with a
-            direction.
+            Same exceptions as `fly_through`, with the name of the sounding; also for the sign of a
+            pulse with a direction.
         """
-        return self._blowing(case).by_name
+        return self._flight_winds(case).by_name
 
     def at(self, case: Case, time: float, pulse: ShapedWind) -> Case:
-        """Return the case of a flight time [s], in a pulse whose peak it meets.
+        """Return the case of a flight time [s], at the peak of a pulse.
 
         Raises
         ------
         InputError
-            For a time outside the schedule, and a wind that has no part in the plane.
+            For a time outside the schedule, and a wind without a component in the plane.
         """
         instance("case", case, Case, "of a wind and a nozzle")
         instance("pulse", pulse, ShapedWind, "one of pulses")
         vehicle = self.schedule.at(number("time", time, unit="s"))
-        return self._blowing(case).case_of(vehicle, pulse)
+        return self._flight_winds(case).case_of(vehicle, pulse)
 
     def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
-        """Return the sizing, and tell how it goes on; raise `InputError` as `size`.
+        """Return the sizing; same exceptions as `size`.
 
-        Of pulses the largest dead band has its need in a head wind and a tail wind beside it.
+        For pulses it has the requirements of the largest dead band in head and tail winds as well.
+        `progress`: called with the numbers of finished and of all requirements.
         """
-        found = size(
+        result = size(
             self.schedule,
             self.winds(case),
             times=self.times(case),
@@ -376,33 +386,33 @@ class SizingRequest:
             stop=case.nozzle.stop or "round",
             progress=progress,
         )
-        if self.soundings and any(one.varying for one in found.required):
+        if self.soundings and any(requirement.varying for requirement in result.required):
             air = "nominal" if case.sign == FROZEN else "encountered"
             names = ", ".join(self.soundings)
-            said = f"each K, varying counts the {air} dynamic pressure in {names}"
-            found = replace(found, notes=(*found.notes, said))
+            note = f"each K, varying counts the {air} dynamic pressure in {names}"
+            result = replace(result, notes=(*result.notes, note))
         pulses = self.pulses(case)
 
         def at(time: float, k: int) -> Case:
             return self.at(case, time, pulses[k])
 
-        with repeated(found.known.size):
-            return by_direction(found, len(pulses), at, self._mode(case, found))
+        with repeated(result.known.size):
+            return with_directions(result, len(pulses), at, self._mode(case, result))
 
-    def _mode(self, case: Case, found: Sizing) -> FlightMode | None:
-        """The flight over the schedule and all winds, where parameters vary in one plane."""
-        if case.nozzle.stop is not None or not base_of(found).varying:
+    def _mode(self, case: Case, sizing: Sizing) -> FlightMode | None:
+        """Return the flight over schedule and winds; None with both planes or frozen parameters."""
+        if case.nozzle.stop is not None or not base_requirement(sizing).varying:
             return None
         first, last = self.schedule.span
-        span = np.nanmin([first, *found.begins.flat]), np.nanmax([last, *found.ends.flat])
+        span = np.nanmin([first, *sizing.begins.flat]), np.nanmax([last, *sizing.ends.flat])
         return FlightMode(self.schedule, case.model, case.plane, (float(span[0]), float(span[1])))
 
-    def total(self, case: Case, found: Sizing) -> DeflectionTotal:
-        """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
+    def total(self, case: Case, sizing: Sizing) -> DeflectionTotal:
+        """Return the worst total of a sizing; same exceptions as `worst_total`."""
         instance("case", case, Case, "of a wind and a nozzle")
         return worst_total(
-            found,
-            self.counted(found, case.sign),
+            sizing,
+            self.counted(sizing, case.sign),
             dispersion=self.dispersion,
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,
@@ -411,13 +421,13 @@ class SizingRequest:
             rate_limit=case.nozzle.rate_limit,
         )
 
-    def ratio(self, case: Case, found: Sizing) -> ControllabilityRatio | None:
+    def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
         """Return the controllability ratio of a sizing; None without a limit or any known trim."""
         instance("case", case, Case, "of a wind and a nozzle")
-        instance("found", found, Sizing, "see sizing()")
-        if case.nozzle.limit is None or np.all(np.isnan(found.required[TRIM])):
+        instance("found", sizing, Sizing, "see sizing()")
+        if case.nozzle.limit is None or np.all(np.isnan(sizing.required[TRIM])):
             return None
-        gust = self._blowing(case).gust
+        gust = self._flight_winds(case).gust
 
         def peak(vehicle: Vehicle) -> float:
             try:
@@ -426,14 +436,15 @@ class SizingRequest:
                 return MAX_LINEAR_ANGLE
 
         return controllability_ratio(
-            found,
+            sizing,
             case.nozzle.limit,
-            gust=[peak(self.schedule.at(t)) for t in found.times.tolist()],
+            gust=[peak(self.schedule.at(t)) for t in sizing.times.tolist()],
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,
         )
 
-    def _blowing(self, case: Case) -> FlightWinds:
+    def _flight_winds(self, case: Case) -> FlightWinds:
+        """Return the winds on the flight of a case."""
         return FlightWinds(
             case=case,
             schedule=self.schedule,
@@ -447,12 +458,12 @@ class SizingRequest:
 
     @property
     def warnings(self) -> list[str]:
-        """Why the flight may not be what was meant; nothing where it is the study's own."""
+        """Warning that the flight is of another vehicle than the study; empty otherwise."""
         if not self.another:
             return []
         return [
-            f"the flight is that of {self.source}, not of the study's vehicle, {self.another}; give"
-            " its own in [schedule], or leave out [schedule] and [size]"
+            f"the flight is of {self.source}, not of the study's vehicle, {self.another}; give"
+            " its flight in [schedule], or omit [schedule] and [size]"
         ]
 
     def sounding_lines(self) -> Iterator[Line]:
@@ -460,17 +471,19 @@ class SizingRequest:
         for name, sounding in self.soundings.items():
             source = sounding.profile.source or "given without a source"
             azimuth = number_line(f"flight.azimuth.{name}", np.degrees(sounding.azimuth), 1, "deg")
-            said = source if source.startswith(name) else f"{name}: {source}"
-            yield (f"Measured wind {said}; the flight goes towards ", *azimuth, ".")
+            name_and_source = source if source.startswith(name) else f"{name}: {source}"
+            yield (f"Measured wind {name_and_source}; the flight goes towards ", *azimuth, ".")
 
     @property
     def notes(self) -> list[str]:
         """Notes on the winds; none without soundings."""
         if not self.soundings:
             return []
-        near = "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
+        scope = (
+            "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
+        )
         return [
-            f"in {', '.join(self.soundings)} only what blows{near} to the side on which it is"
+            f"in {', '.join(self.soundings)} only what blows{scope} to the side on which it is"
             " largest counts",
             *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
         ]

@@ -1,6 +1,6 @@
 """Sizing of a flight: the required deflection of each wind at each flight time.
 
-Both planes with one limit shape are made of each plane and of the winds' vectors.
+For both planes with a limit shape it combines the sizing of each plane and the vectors of winds.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ from tvclin.requirement.flight.flight_winds import (
     angle_at,
     concurrent_trim,
     named_winds,
-    place_in,
+    placed_in_planes,
     placings,
 )
 from tvclin.requirement.flight.sizing import (
     Sizing,
-    beyond_one_pole,
+    beyond_single_pole,
     doubtful_winds,
     flight_times,
     notes_of,
-    unknown_rows,
+    unknown_wind_notes,
 )
 from tvclin.requirement.plane_requirement import VectorRequirement, rectangle, vector_requirements
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
@@ -54,20 +54,20 @@ from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.wind_angles import NominalWind
 
 
-def in_both_planes(
+def two_plane_sizing(
     parts: dict[str, Sizing],
     vehicles: list[Vehicle],
     placed: list[list[dict[str, PlacedWind]]],
     stop: LimitShape,
     counted: Callable[[Any], Any],
 ) -> Sizing:
-    """Return the sizing of both planes from the sizings of each, without notes.
+    """Return the sizing of both planes from the sizing of each plane, without notes.
 
-    `vehicles` has one for each flight time, and `placed` for each the winds by planes. `counted`
-    returns its argument and counts it for the progress.
+    `vehicles`: by flight time, ``(n,)``. `placed`: winds by plane, by flight time and wind.
+    `counted`: function that returns its argument and counts it for the progress.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
-    beyond = pitch.beyond_one_pole | yaw.beyond_one_pole
+    beyond = pitch.beyond_single_pole | yaw.beyond_single_pole
     bands = pitch.dead_bands
     needs = [
         [
@@ -76,12 +76,14 @@ def in_both_planes(
         ]
         for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
     ]
-    arises = {name: _arises_in_both(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
+    arises = {name: _two_plane_arising(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
     required, more = _required(pitch, yaw, needs, stop, arises)
-    refused = [[bool(one.notes) and not one.trim for one in row] for row in needs]
-    spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].notes]
-    said = (*pitch.said, *yaw.said, *spoken)
-    slow = np.where(beyond_one_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
+    refused = [[bool(vector.notes) and not vector.trim for vector in row] for row in needs]
+    vector_notes = [
+        vector for i, j in np.argwhere(more | np.array(refused)) for vector in needs[i][j].notes
+    ]
+    messages = (*pitch.said, *yaw.said, *vector_notes)
+    slow = np.where(beyond_single_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
     return Sizing(
         **{name: getattr(pitch, name) for name in ("schedule", "times", "winds", "dead_bands")},
         **{name: getattr(pitch, name) for name in ("law", "model", "known_times", "known")},
@@ -93,7 +95,7 @@ def in_both_planes(
         covered=pitch.covered & yaw.covered,
         slow_mode=slow,
         edge=np.fmin(pitch.edge, yaw.edge),
-        said=tuple(dict.fromkeys(said)),
+        said=tuple(dict.fromkeys(messages)),
         notes=(),
         separate=parts,
         arises=arises,
@@ -101,10 +103,13 @@ def in_both_planes(
     )
 
 
-def _arises_in_both(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray:
-    """Return when a number of a fixed wind arises [s]: in the plane of the larger, ``(m,)``."""
-    times = [one.arising(name) for one in (pitch, yaw)]
-    sizes = [np.nanmax(one.required[name], axis=0, initial=0.0) for one in (pitch, yaw)]
+def _two_plane_arising(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray:
+    """Return the time at which a requirement of fixed winds arises [s], ``(m,)``.
+
+    It is the time of the plane with the larger requirement.
+    """
+    times = [sizing.arising(name) for sizing in (pitch, yaw)]
+    sizes = [np.nanmax(sizing.required[name], axis=0, initial=0.0) for sizing in (pitch, yaw)]
     in_pitch = np.isnan(times[1]) | ((sizes[0] >= sizes[1]) & ~np.isnan(times[0]))
     return np.where(in_pitch, *times)
 
@@ -116,36 +121,41 @@ def _required(
     stop: LimitShape,
     arises: dict[Requirement, FloatArray],
 ) -> tuple[dict[Requirement, FloatArray], BoolArray]:
-    """Return the requirements [rad] of both planes, and where the wind vector requires more.
+    """Return the requirements [rad] of both planes, and whether the wind vector requires more.
 
-    Of the trim, the minimum and the bound without a forecast the larger of both planes counts, of
-    dead bands the corner of both; and the requirement of the wind's vector, if it is larger.
+    For trim, minimum and the bound without a forecast the larger of both planes counts, for dead
+    bands the corner of both; the requirement of the wind vector counts if it is larger.
     """
-    known = [name for name in pitch.required if name in yaw.required]
-    held = {name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in known}
-    sides = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
-    alone = {  # a stop reaches no further in a plane than its support
-        name: np.maximum(pitch.required[name] / sides[0], yaw.required[name] / sides[1])
-        for name in known
+    defined = [name for name in pitch.required if name in yaw.required]
+    corners = {name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in defined}
+    supports = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    larger = {  # a stop reaches no further in a plane than its support
+        name: np.maximum(pitch.required[name] / supports[0], yaw.required[name] / supports[1])
+        for name in defined
     }
-    required = dict(held)
-    required[TRIM] = _larger(alone[TRIM], needs, lambda one: one.trim)
-    required[MINIMUM] = _larger(alone[MINIMUM], needs, lambda one: one.minimum)
+    required = dict(corners)
+    required[TRIM] = _larger(larger[TRIM], needs, lambda vector: vector.trim)
+    required[MINIMUM] = _larger(larger[MINIMUM], needs, lambda vector: vector.minimum)
     if pitch.law == "bound":
-        required[NO_FORECAST] = _larger(alone[NO_FORECAST], needs, lambda one: one.no_forecast)
+        required[NO_FORECAST] = _larger(
+            larger[NO_FORECAST], needs, lambda vector: vector.no_forecast
+        )
     names = [Requirement(dead_band=K) for K in pitch.dead_bands]
     for k, name in enumerate(names):
-        required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
-        if (along := replace(name, varying=True)) in held:  # what the vector requires besides
+        required[name] = _larger(corners[name], needs, lambda vector, k=k: vector.required[k])
+        if (along := replace(name, varying=True)) in corners:  # what the vector requires besides
             beyond_planes = np.divide(
-                required[name], held[name], out=np.ones(held[name].shape), where=held[name] > 0.0
+                required[name],
+                corners[name],
+                out=np.ones(corners[name].shape),
+                where=corners[name] > 0.0,
             )
             fixed = (
                 ~np.isnan(arises[along]) if along in arises else np.zeros(len(pitch.winds), bool)
             )
-            whole = np.nanmax(beyond_planes, axis=0, initial=1.0)  # one number for the flight
-            required[along] = held[along] * np.where(fixed, whole, beyond_planes)
-    return required, np.any([required[name] > held[name] for name in names], axis=0)
+            two_sided = np.nanmax(beyond_planes, axis=0, initial=1.0)  # one number for the flight
+            required[along] = corners[along] * np.where(fixed, two_sided, beyond_planes)
+    return required, np.any([required[name] > corners[name] for name in names], axis=0)
 
 
 def _vector(
@@ -156,24 +166,26 @@ def _vector(
     stop: LimitShape,
     bands: FloatArray,
 ) -> VectorRequirement:
-    """Return the requirements of the wind vector; zeros where one plane alone has wind."""
-    if any(one.calm for one in wind.values()):
+    """Return the requirements of the wind vector; zeros where a plane is without wind."""
+    if any(placed.calm for placed in wind.values()):
         nothing = np.zeros(bands.shape)
         return VectorRequirement(0.0, nothing, 0.0, 0.0, ())
     pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
-    both = PlaneWind(**{plane: one.history for plane, one in wind.items()})
-    found = vector_requirements(pitch, yaw, both, stop, bands)
+    vector = PlaneWind(**{plane: placed.history for plane, placed in wind.items()})
+    requirement = vector_requirements(pitch, yaw, vector, stop, bands)
     if not (beyond and model in ONE_POLE):
-        return found
+        return requirement
     pitch, yaw = (Plant.from_vehicle(vehicle, "drift-exact", plane) for plane in PLANES)
-    exact = vector_requirements(pitch, yaw, both, stop, bands)
-    required = np.maximum(found.required, exact.minimum)
-    return VectorRequirement(found.trim, required, found.no_forecast, exact.minimum, found.notes)
+    exact = vector_requirements(pitch, yaw, vector, stop, bands)
+    required = np.maximum(requirement.required, exact.minimum)
+    return VectorRequirement(
+        requirement.trim, required, requirement.no_forecast, exact.minimum, requirement.notes
+    )
 
 
 def _larger(values: FloatArray, needs: list[list[VectorRequirement]], value: Any) -> FloatArray:
-    """Return the larger of the planes' values [rad] and the vector's; NaN is propagated."""
-    return np.asarray(np.maximum(values, [[value(one) for one in row] for row in needs]))
+    """Return the larger value [rad] of planes and vector, ``(n, m)``; NaN is propagated."""
+    return np.asarray(np.maximum(values, [[value(vector) for vector in row] for row in needs]))
 
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
@@ -198,51 +210,51 @@ def size(
 ) -> Sizing:
     """Return the required deflection [rad] of each wind at each flight time.
 
-    A wind that is an angle is at nominal dynamic pressure; `tvclin size` adds that in a head and in
-    a tail wind, on which its verdict rests.
+    A wind that is an angle is at nominal dynamic pressure; `tvclin size` adds the requirements in a
+    head wind and a tail wind, on which its verdict is based.
 
     Parameters
     ----------
     schedule : FlightSchedule
         The vehicle over its flight; see `load_schedule`.
     winds : History, callable, or mapping of str to these
-        One wind, or winds by name. A function takes the vehicle at a flight time and gives the wind
-        it meets then: a wind speed makes different angles at different speeds of flight. What
-        `fly_through` gives has its place in the flight already. For both planes each is a
-        `PlaneWind`, gives one, or is what `fly_through` gives for both.
+        A wind, or winds by name. A function takes the vehicle at a flight time and returns the wind
+        that it encounters: a wind speed has different angles at different speeds of flight. A
+        measured wind of `fly_through` keeps its flight time. For both planes each is a `PlaneWind`,
+        a function that returns one, or a measured wind of both planes.
     times : array_like, optional
-        Flight times [s] within the schedule, ``(n,)``; its own times where not given.
+        Flight times [s] within the schedule, ``(n,)``; by default the times of the schedule.
     dead_bands : array_like
-        K of the report's control, in [0, 1].
+        Dead bands K of the report's control, in [0, 1].
     model : str
-        As of `Plant`.
+        Model of `Plant`.
     plane : {"pitch", "yaw", "both"}
-        As of `Plant`; or both planes, which share one stop.
+        Plane of `Plant`; or both planes, which share a limit shape.
     placing : {"peak", "flight"} or mapping of str to these
-        Whether a wind is moved so that its peak meets the flight time, or blows in flight time
-        already: then what blows within half a `window` [s] of the flight time counts. For all
-        winds, or by their names ("peak" for the others).
+        "peak": a wind is moved so that its peak is at the flight time. "flight": a wind is in
+        flight time, and counts within half a `window` [s] of each flight time. For all winds, or by
+        name, then "peak" for other winds.
     window : float
         See `placing`.
     law : {"bound", "flown"}
-        What stands for laws without a forecast: the bound that none of them undercuts, or what the
-        recoverable-attitude law needs when it is flown (a second or more for each wind and time).
+        Requirement of laws without a forecast: their lower bound, or the requirement of the
+        recoverable-attitude law in flight (a second or more for each wind and time).
     varying : bool, optional
-        Whether to let parameters vary while the wind blows as well, beside the frozen ones; where
-        it is not given, if they can be followed.
+        Whether to compute requirements with parameters that vary during the wind as well; by
+        default where that is possible.
     stop : LimitShape or str
-        For both planes what the nozzle can do, or a word: "round", "round-each-plane" (each plane
-        limited by itself within it), "square", "square-45" (turned by 45 degrees).
+        Limit shape of both planes, or its name: "round", "round-each-plane" (within it each plane
+        is limited separately), "square", "square-45" (turned by 45 degrees).
     progress : callable, optional
-        Is told how many flight times and winds are done, and how many there are.
+        Called with the number of finished pairs of flight time and wind, and of all pairs.
 
     Returns
     -------
     Sizing
-        Frozen at each flight time, as `required_deflection`, `forecast_free_limit` and
-        `optimum_deflection` say it; NaN where a measured wind is not known. Of both planes it is
-        the limit in the measure of the stop: the larger of what holds the needs of each plane by
-        itself, and of `plane_limit` of the vector.
+        Requirements with parameters frozen at each flight time, by `required_deflection`,
+        `forecast_free_limit` and `optimum_deflection`; NaN where a measured wind is not known. For
+        both planes they are in the measure of the limit shape: the larger of the limit for separate
+        planes, and of `plane_limit` of the vector.
 
     Raises
     ------
@@ -279,30 +291,32 @@ def size(
     vehicles = [schedule.at(t) for t in chosen.tolist()]
     planes = PLANES if plane == BOTH else (plane,)
     placed = [
-        [place_in(planes, wind, v, t, where[name], window) for name, wind in named.items()]
+        [placed_in_planes(planes, wind, v, t, where[name], window) for name, wind in named.items()]
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
     rounds = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
     count_need = _counted(progress, len(placed) * len(named) * rounds)
     always = -np.inf, np.inf
-    known = np.array([getattr(wind, "known", always) for wind in named.values()])
+    known_times = np.array([getattr(wind, "known", always) for wind in named.values()])
     sizings = {}
     for name in planes:
         in_plane = [[wind[name] for wind in row] for row in placed]
-        inputs = _Inputs(schedule, chosen, tuple(named), known, bands, model, name, law)
+        inputs = _Inputs(schedule, chosen, tuple(named), known_times, bands, model, name, law)
         with repeated(len(named) * chosen.size):
-            sizings[name] = _sized(inputs, vehicles, in_plane, varying, count_need)
+            sizings[name] = _plane_sizing(inputs, vehicles, in_plane, varying, count_need)
     sizing = (
         sizings[plane]
         if plane in sizings
-        else in_both_planes(sizings, vehicles, placed, shape, count_need)
+        else two_plane_sizing(sizings, vehicles, placed, shape, count_need)
     )
-    steep = [f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())]
-    whys = [[wind[planes[0]].why for wind in row] for row in placed]
+    wind_notes = [
+        f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())
+    ]
+    reasons = [[wind[planes[0]].why for wind in row] for row in placed]
     rows = zip(chosen.tolist(), placed, strict=True)
     angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])
     doubtful = doubtful_winds(dict(zip(named, angles.max(axis=0).tolist(), strict=True)))
-    notes = (*steep, *unknown_rows(sizing, whys), *doubtful, *notes_of(sizing))
+    notes = (*wind_notes, *unknown_wind_notes(sizing, reasons), *doubtful, *notes_of(sizing))
     concurrent = concurrent_trim(schedule, chosen, named, where, planes, shape, sizing.known)
     return replace(sizing, concurrent=concurrent, notes=notes)
 
@@ -321,7 +335,7 @@ class _Inputs:
     law: str
 
 
-def _sized(
+def _plane_sizing(
     inputs: _Inputs,
     vehicles: list[Vehicle],
     placed: list[list[PlacedWind]],
@@ -342,7 +356,7 @@ def _sized(
             mode = _flight_mode(schedule, model, plane, placed)
             along = _along(mode, placed, bands, count_need)
             required |= _varying(_columns(along, bands))
-            arises = _arises(placed, along, bands)
+            arises = _arising_times(placed, along, bands)
             messages += _missing(required, bands)
         except InputError as error:
             if varying:
@@ -362,7 +376,7 @@ def _sized(
 
 
 def _messages(times: FloatArray, needs: list[list[FrozenRequirement]]) -> list[str]:
-    """Return the messages of requirements, with the flight times of those that are not of all."""
+    """Return the messages of requirements, with flight times where a message is not of all."""
     at: dict[str, list[float]] = {}
     for time, row in zip(times.tolist(), needs, strict=True):
         for message in dict.fromkeys(message for need in row for message in need.said):
@@ -399,20 +413,20 @@ def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> Froz
     if wind.calm:
         none = 0.0 if wind.known else np.nan
         return FrozenRequirement(none, np.full(bands.shape, none), none, none, np.nan, ())
-    return frozen_requirement(plant, wind.history, bands, law, wind.whole)
+    return frozen_requirement(plant, wind.history, bands, law, wind.two_sided)
 
 
 def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
-    """Return values by requirement as those with varying parameters."""
+    """Return the values with keys of requirements with varying parameters."""
     return {replace(key, varying=True): value for key, value in values.items()}
 
 
 def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list[str]:
-    """Return a message where dead bands are defined for frozen parameters alone."""
+    """Return a message where dead bands are defined only with frozen parameters."""
     for K in bands:
         frozen, along = (required[Requirement(dead_band=K, varying=x)] for x in (False, True))
         if np.any(np.isnan(along) & ~np.isnan(frozen)):
-            return ["B changes its sign while a wind blows: no dead bands, varying, there"]
+            return ["B changes its sign during a wind: dead bands, varying, are not defined then"]
     return []
 
 
@@ -438,7 +452,7 @@ def _along(
         if wind.calm:
             none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
             return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
-        histories = (wind.in_flight, *([wind.whole] if wind.whole else []))
+        histories = (wind.in_flight, *([wind.two_sided] if wind.two_sided else []))
         key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)
         if key not in along:
             windowed, *complete = (
@@ -451,7 +465,7 @@ def _along(
     return [[count_need(of_wind(wind)) for wind in row] for row in placed]
 
 
-def _arises(
+def _arising_times(
     placed: list[list[PlacedWind]], along: list[list[FlightRequirement]], bands: FloatArray
 ) -> dict[Requirement, FloatArray]:
     """Return the flight times [s] at which requirements of fixed winds arise, ``(m,)`` each."""
@@ -479,7 +493,7 @@ def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callabl
 
 
 def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
-    """Return requirements with frozen parameters of needs by flight times and winds."""
+    """Return requirements [rad] by name, ``(n, m)``, from records by flight times and winds."""
     columns = {TRIM: _table(needs, lambda need: need.trim)}
     for k, K in enumerate(bands):
         columns[Requirement(dead_band=K)] = _table(needs, lambda need, k=k: need.required[k])

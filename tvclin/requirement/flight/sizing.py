@@ -1,4 +1,4 @@
-"""Sizing: required deflections by flight time and wind, with the worst and its notes."""
+"""Sizing: required deflections by flight time and wind, their largest values, and notes."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ STEADY = 0.1
 """Relative change of beta or B above which frozen parameters are doubtful."""
 
 
-def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:
-    """Return where y of eq (C8) says that the slow mode of the flight path decides."""
+def beyond_single_pole(slow_mode: FloatArray) -> BoolArray:
+    """Return whether the slow mode of the flight path decides, by y of eq (C8), ``(n, m)``."""
     return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
 
 
 @dataclass(frozen=True)
 class Worst(Shown):
-    """The largest deflection [rad] of one requirement, its flight time [s] and its wind."""
+    """Largest deflection [rad] of a requirement, with its flight time [s] and wind."""
 
     deflection: float = field(metadata=spec("angle"))
     time: float = field(metadata=spec("time"))
@@ -57,14 +57,14 @@ class Sizing(Tabled):
     dead_bands : ndarray
         K, falling, ``(k,)``.
     required : dict of Requirement to ndarray
-        Required deflections [rad], ``(n, m)``; ``required["K = 1"]`` finds one by its label as
-        well. NaN where one is not defined; `said` tells why. With varying parameters the minimum is
-        that of one pole, and not defined beyond it. NaN as well where the wind is not known.
+        Required deflections [rad], ``(n, m)``, by requirement or by label, ``required["K = 1"]``.
+        NaN where a requirement is not defined, with the reason in `said`, and where the wind is not
+        known. With varying parameters the minimum is defined for a single unstable pole only.
     law : str
-        What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
-        the recoverable-attitude law needs in flight.
+        Meaning of "no forecast": "bound", the lower bound of all laws without a forecast, or
+        "flown", the requirement of the recoverable-attitude law in flight.
     model, plane : str
-        Of `boundary_limit` and `Plant`; "both" for both planes, which share one stop.
+        Model and plane of `Plant`; "both" for both planes, which share a limit shape.
     begins, ends : ndarray
         Onset and end of each wind [s], ``(n, m)``; NaN in a calm.
     change : ndarray
@@ -78,9 +78,10 @@ class Sizing(Tabled):
         Whether the schedule covers the wind; outside, parameters are those of its nearer end.
     slow_mode : ndarray
         y of eq (C8) for each wind, ``(n, m)``: from one on the slow mode of the flight path
-        decides, one pole is not enough, and "minimum" is the two-pole result.
+        decides, a single pole is not sufficient, and "minimum" is the two-pole result.
     edge : ndarray
-        Duration [s] of a triangle at which that happens, ``(n,)``; see `single_pole_validity`.
+        Duration [s] of a triangle from which two poles count, ``(n,)``; see
+        `single_pole_validity`.
     said : tuple of str
         Reasons why a requirement is not defined or not exact; often none.
     notes : tuple of str
@@ -88,17 +89,17 @@ class Sizing(Tabled):
     separate : dict of str to Sizing
         For both planes, the sizing of each plane by itself; else empty.
     unsigned : ndarray of bool, or None
-        Where a pulse needs the same in each column of a sign because what its sign changes is not
-        known there, ``(n, m)``; None where no sign was asked about.
+        Whether the effect of the sign of a pulse is not known, so that both signs have the nominal
+        requirement, ``(n, m)``; None where no signs were computed.
     stop : LimitShape or None
-        For both planes, what the nozzle can do; deflections are in its measure.
+        For both planes, the limit shape; deflections are in its measure.
     arises : dict of Requirement to ndarray
-        By requirement with varying parameters, for winds that meet every flight time
-        as one and the same, as a sounding without a window: their number is one for the flight,
-        repeated in each row, and this the flight time [s] at which it arises, ``(m,)``: of a dead
-        band its exit, of trim and the minimum that of the largest trim. NaN for other winds.
+        Flight time [s] at which a requirement with varying parameters arises, ``(m,)``, for winds
+        that are the same at all flight times, such as a sounding without a window, whose single
+        requirement is repeated in each row: the exit of the dead band; for trim and minimum the
+        time of the largest trim. NaN for other winds.
     concurrent : ConcurrentTrim or None
-        Trim of winds that are fixed in flight time, each angle with the vehicle of its own time.
+        Trim of winds that are fixed in flight time, with the vehicle of the time of each angle.
     """
 
     schedule: FlightSchedule = field(metadata=spec(name="vehicle", of="schedule.vehicle.name"))
@@ -130,10 +131,10 @@ class Sizing(Tabled):
     @property
     @derived(card=False, document=False)
     def pitch_omitted_fraction(self) -> dict[Requirement, FloatArray]:
-        """Fraction of each requirement that the pitch plane alone omits, ``(n, m)``.
+        """Fraction of each requirement that is omitted in pitch alone, ``(n, m)``.
 
-        0.4 says that a limit for the pitch plane alone would be 40 percent too small.
-        Empty for one plane.
+        With 0.4 a limit for the pitch plane alone would be 40 percent too small. Empty for a single
+        plane.
         """
         if not self.separate:
             return {}
@@ -141,7 +142,7 @@ class Sizing(Tabled):
         return {name: omitted_fraction(x, self.required[name]) for name, x in pitch.items()}
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON, angles in degrees."""
+        """Return the record for JSON, angles in degrees."""
         planes: dict[str, Any] = {}
         if self.separate:
             planes = {
@@ -180,9 +181,9 @@ class Sizing(Tabled):
 
     @property
     @derived(card=False)
-    def beyond_one_pole(self) -> BoolArray:
+    def beyond_single_pole(self) -> BoolArray:
         """Whether the wind is beyond the single-pole theory, ``(n, m)``."""
-        return beyond_one_pole(self.slow_mode)
+        return beyond_single_pole(self.slow_mode)
 
     @property
     def steady(self) -> BoolArray:
@@ -191,7 +192,7 @@ class Sizing(Tabled):
 
     @property
     def law_words(self) -> str:
-        """Basis of the requirement without a forecast, in words."""
+        """Meaning of the requirement without a forecast, in words."""
         words = {
             "bound": "a bound for every law without a forecast",
             "flown": "the recoverable-attitude law",
@@ -211,7 +212,7 @@ class Sizing(Tabled):
         return {name: worst.deflection for name, worst in self.worst.items()}
 
     def worst_in(self, wind: str) -> dict[Requirement, Worst]:
-        """Return the largest of each requirement in one wind, as `worst` has it for all.
+        """Return the largest value of each requirement in a wind.
 
         Raises
         ------
@@ -222,7 +223,7 @@ class Sizing(Tabled):
 
     @property
     def freezing_error(self) -> dict[Requirement, FloatArray]:
-        """Frozen requirement over the varying one, minus one, ``(n, m)``; empty without these."""
+        """Relative error of frozen requirements, ``(n, m)``; empty without varying parameters."""
         pairs = {frozen: replace(frozen, varying=True) for frozen in self.required}
         with np.errstate(invalid="ignore", divide="ignore"):
             return {
@@ -234,7 +235,8 @@ class Sizing(Tabled):
     def at_times(self, name: Requirement | str) -> FloatArray:
         """Return a requirement [rad] in the worst wind of each flight time, ``(n,)``.
 
-        By itself or its label. Winds in which it is not known do not count; see `not_sized`.
+        `name`: the requirement or its label. Winds in which it is not known do not count; see
+        `not_sized`.
 
         Raises
         ------
@@ -246,7 +248,7 @@ class Sizing(Tabled):
             return np.fmax.reduce(values, axis=1)
 
     def arising(self, name: Requirement | str) -> FloatArray:
-        """Return `arises` of a requirement [s], ``(m,)``; NaN where it has a number for each time.
+        """Return the time at which a requirement arises [s], ``(m,)``; see `arises`.
 
         Raises
         ------
@@ -277,7 +279,7 @@ class Sizing(Tabled):
         return tuple(word for word, unknown in words.items() if unknown)
 
     def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
-        """Return the largest of each requirement in winds of these positions."""
+        """Return the largest value of each requirement in the winds with these indices."""
         largest = {}
         for name, required in self.required.items():
             values = required[:, winds]
@@ -290,10 +292,11 @@ class Sizing(Tabled):
         return largest
 
     def _columns(self) -> Columns:
+        """Return the columns of requirements and validity, by flight time and wind."""
         needs = {requirement.column: values for requirement, values in self.required.items()}
         for plane, sizing in self.separate.items():
             needs |= {f"{k.column}_{plane}_alone": v for k, v in sizing.required.items()}
-        others = ("begins", "ends", "change", "known", "covered", "slow_mode", "beyond_one_pole")
+        others = ("begins", "ends", "change", "known", "covered", "slow_mode", "beyond_single_pole")
         return Columns(
             (Column("time", self.times, "s"), Column("wind", np.array(self.winds), "")),
             (
@@ -311,23 +314,23 @@ _RELATIVE_TOLERANCE = 1e-9
 """Relative difference up to which two deflections count as equal."""
 
 
-def notes_of(found: Sizing) -> tuple[str, ...]:
+def notes_of(sizing: Sizing) -> tuple[str, ...]:
     """Return notes on a sizing, each one sentence; often none."""
     return (
-        *_unknown(found),
-        *_beyond_one_pole(found),
-        *found.said,
-        *_changes(found),
-        *_outside(found),
-        *_at_the_ends(found),
+        *_unknown_notes(sizing),
+        *_beyond_single_pole_notes(sizing),
+        *sizing.said,
+        *_change_notes(sizing),
+        *_uncovered_notes(sizing),
+        *_end_notes(sizing),
     )
 
 
-def unknown_rows(found: Sizing, whys: list[list[str]]) -> list[str]:
-    """Return a note for each wind on the flight times at which it is not known, and why."""
+def unknown_wind_notes(sizing: Sizing, reasons: list[list[str]]) -> list[str]:
+    """Return notes on flight times at which winds are not known, with the reason."""
     notes = []
-    for j, wind in enumerate(found.winds):
-        times = {float(t): row[j] for t, row in zip(found.times, whys, strict=True) if row[j]}
+    for j, wind in enumerate(sizing.winds):
+        times = {float(t): row[j] for t, row in zip(sizing.times, reasons, strict=True) if row[j]}
         if times:
             notes.append(f"{wind} is not known at {flight_times(times)}: {times[min(times)]}")
     return notes
@@ -339,7 +342,7 @@ def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
 
 
 def flight_times(times: Collection[float]) -> str:
-    """Return in words at which flight times [s]."""
+    """Return flight times [s] in words: number, first and last, or all of them."""
     ends = [f"{t:.6g} s" for t in sorted({min(times), max(times)})]
     return (
         f"{len(times)} flight times, {' to '.join(ends)}"
@@ -349,66 +352,72 @@ def flight_times(times: Collection[float]) -> str:
 
 
 def hundredths(time: float, *, up: bool) -> str:
-    """Return a flight time [s] rounded up or down to hundredths, as options name it."""
+    """Return a flight time [s] rounded up or down to hundredths, for an option."""
     return f"{(np.ceil if up else np.floor)(100.0 * time) / 100.0:.10g}"
 
 
-def _unknown(found: Sizing) -> list[str]:
-    begin, end = found.schedule.span
-    place = found.schedule.altitude_text
+def _unknown_notes(sizing: Sizing) -> list[str]:
+    """Return notes on winds that are not known over the entire flight."""
+    begin, end = sizing.schedule.span
+    altitude = sizing.schedule.altitude_text
     return [
-        f"{wind} is known from {place(first)} to {place(last)} only; beyond, it is unknown, not"
+        f"{wind} is known from {altitude(first)} to {altitude(last)} only; beyond, it is"
+        " unknown, not"
         " calm: it is not counted, and no flight time there is sized"
-        for wind, (first, last) in zip(found.winds, found.known_times.tolist(), strict=True)
+        for wind, (first, last) in zip(sizing.winds, sizing.known_times.tolist(), strict=True)
         if begin < first or last < end
     ]
 
 
-def _beyond_one_pole(found: Sizing) -> list[str]:
-    beyond = found.beyond_one_pole
+def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
+    """Return notes on winds beyond the single-pole theory."""
+    beyond = sizing.beyond_single_pole
     notes = []
-    for j, wind in enumerate(found.winds):
+    for j, wind in enumerate(sizing.winds):
         if np.any(beyond[:, j]):
             i = int(np.argmax(beyond[:, j]))
-            lasts, edge = found.ends[i, j] - found.begins[i, j], found.edge[i]
+            lasts, edge = sizing.ends[i, j] - sizing.begins[i, j], sizing.edge[i]
             holds = "no triangle" if np.isnan(edge) else f"triangles up to {edge:.1f} s"
             notes.append(
-                f"{wind} ({lasts:.4g} s at {found.times[i]:.6g} s) is beyond the single-pole"
-                f" theory, which holds for {holds} there: the minimum counts two poles, and"
-                " every dead band needs at least as much"
+                f"{wind} ({lasts:.4g} s at {sizing.times[i]:.6g} s) is beyond the single-pole"
+                f" theory, which holds for {holds}: the minimum counts two poles, and every"
+                " dead band requires at least as much"
             )
     return notes
 
 
-def _changes(found: Sizing) -> list[str]:
-    if found.freezing_error or not np.any(found.change > STEADY):
+def _change_notes(sizing: Sizing) -> list[str]:
+    """Return a note on the largest change of beta or B during a wind."""
+    if sizing.freezing_error or not np.any(sizing.change > STEADY):
         return []
-    i, j = np.unravel_index(int(np.nanargmax(found.change)), found.change.shape)
+    i, j = np.unravel_index(int(np.nanargmax(sizing.change)), sizing.change.shape)
     return [
-        f"beta or B changes by up to {100 * found.change[i, j]:.0f} % while {found.winds[j]} blows"
-        f" (at {found.times[i]:.6g} s); frozen parameters are doubtful above {100 * STEADY:.0f} %"
+        f"beta or B changes by up to {100 * sizing.change[i, j]:.0f} % while {sizing.winds[j]}"
+        " blows"
+        f" (at {sizing.times[i]:.6g} s); frozen parameters are doubtful above {100 * STEADY:.0f} %"
     ]
 
 
-def _outside(found: Sizing) -> list[str]:
-    if np.all(found.covered):
+def _uncovered_notes(sizing: Sizing) -> list[str]:
+    """Return a note on winds that the schedule does not cover."""
+    if np.all(sizing.covered):
         return []
-    first, last = found.schedule.span
+    first, last = sizing.schedule.span
     return [
-        f"winds blow outside the schedule, {first:.6g} to {last:.6g} s; parameters are there those"
+        f"winds extend beyond the schedule, {first:.6g} to {last:.6g} s, where parameters are those"
         " of its nearer end"
     ]
 
 
-def _at_the_ends(found: Sizing) -> list[str]:
+def _end_notes(sizing: Sizing) -> list[str]:
     """Return notes on requirements that are largest at the first or the last flight time."""
-    order = np.argsort(found.times)
+    order = np.argsort(sizing.times)
     ends: dict[str, list[str]] = {}
-    for requirement in found.required:
+    for requirement in sizing.required:
         if requirement.varying or requirement.direction:  # follows the nominal one
             continue
-        name, values = requirement.label, found.at_times(requirement)[order]
-        times, values = found.times[order][~np.isnan(values)], values[~np.isnan(values)]
+        name, values = requirement.label, sizing.at_times(requirement)[order]
+        times, values = sizing.times[order][~np.isnan(values)], values[~np.isnan(values)]
         if times.size < 2:
             continue
         if values[0] > (1.0 + _RELATIVE_TOLERANCE) * values[1:].max():

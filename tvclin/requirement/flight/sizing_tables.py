@@ -14,52 +14,57 @@ from tvclin.requirement.required_quantity import Requirement
 
 _MARKS = {
     "1": "beyond the single-pole theory",
-    "~": "parameters change while the wind blows",
+    "~": "parameters change during the wind",
     "+": "beyond the schedule",
-    "=": "what the sign of a pulse changes is not known, that at nominal pressure is of both",
+    "=": "the effect of the sign of a pulse is not known; both signs have the nominal requirement",
     "?": "a wind is not known",
 }
 """Meanings of the marks of flight times in a table of the worst winds."""
-_OFF = "{} off by [%]"
+_FREEZING_ERROR_HEAD = "{} off by [%]"
 """Head of the column with the error of a frozen requirement."""
 _MAX_FREEZING_ERROR = 1.0
 """Relative error above which a frozen requirement is no approximation, as at a low speed."""
 
 COLUMNS = (
-    "Change: by how much beta or B changes while the wind blows; above"
+    "Change: relative change of beta or B during the wind; above"
     f" {100 * STEADY:g} % a frozen vehicle is doubtful. One pole: whether the slow motion of the"
     " flight path may be neglected. Data: whether the flight data cover the whole wind."
 )
-"""Definitions of the columns of doubts, in sentences."""
+"""Definitions of the columns of validity, in sentences."""
 
 
 def marks_line(s: Sizing) -> str:
     """Return the meanings of the marks in a table of the worst winds; empty without marks."""
-    there = {mark for i in range(s.times.size) for mark in _marks(s, i)}
-    return "; ".join(f"{mark}: {words}" for mark, words in _MARKS.items() if mark in there)
+    present = {mark for i in range(s.times.size) for mark in _marks(s, i)}
+    return "; ".join(f"{mark}: {words}" for mark, words in _MARKS.items() if mark in present)
 
 
 def legend(s: Sizing) -> str:
     """Return the definitions of the requirements of a sizing, in sentences."""
     trusts = " K below 1 trusts a forecast." if (s.dead_bands < 1.0).any() else ""
     signed = f" Head and tail wind: K = {s.dead_bands[0]:g} with the dynamic pressure in them."
-    signed *= any(one.direction for one in s.required)
-    known = f"{WIND_KNOWN.capitalize()}: {QUANTITIES[WIND_KNOWN]}."
-    return f"{NO_FORECAST.capitalize()}: {s.law_words}. {known}{trusts}{signed}"
+    signed *= any(requirement.direction for requirement in s.required)
+    definition = f"{WIND_KNOWN.capitalize()}: {QUANTITIES[WIND_KNOWN]}."
+    return f"{NO_FORECAST.capitalize()}: {s.law_words}. {definition}{trusts}{signed}"
 
 
-def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
-    """Return the requirements by flight time of one wind, by its index, or of the worst wind.
+def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
+    """Return tables of the requirements by flight time, of a wind by its index or of the worst.
 
-    First with parameters that vary while the wind blows, where the sizing has them, and in head and
-    tail winds: a wind that is fixed in the flight has one number each, with the time at which it
-    arises. Then with frozen parameters; and for both planes the counted requirement of each plane.
+    The first table has parameters that vary during the wind, where the sizing has them, and head
+    and tail winds; a wind that is fixed in the flight has a single number, with the time at which
+    it arises. The second has frozen parameters; for both planes a third has the counted requirement
+    of each plane.
     """
-    frozen = [one for one in s.required if not (one.varying or one.direction)]
-    first = _first(s)
-    of = "" if wind is None else f": {s.winds[wind]}"
-    doubts = ("",) if wind is None else ("change [%]", "one pole", "data")
-    marks = [_doubts(s, i, wind) for i in range(s.times.size)]
+    frozen = [
+        requirement
+        for requirement in s.required
+        if not (requirement.varying or requirement.direction)
+    ]
+    first = _first_requirements(s)
+    suffix = "" if wind is None else f": {s.winds[wind]}"
+    validity = ("",) if wind is None else ("change [%]", "one pole", "data")
+    marks = [_validity_cells(s, i, wind) for i in range(s.times.size)]
 
     def of_names(
         caption: str,
@@ -70,41 +75,49 @@ def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[
         shown: Iterable[bool] = repeat(True),
     ) -> Table:
         head = ("time [s]", *map(_short, names), *last)
-        each = zip(times, _required(s, names, wind), more, strict=True)
-        rows = tuple((time, *needs, *cells) for time, needs, cells in compress(each, shown))
-        return Table(f"{caption} [deg]{of}", head, rows)
+        rows_of_cells = zip(times, _required(s, names, wind), more, strict=True)
+        rows = tuple(
+            (time, *needs, *cells) for time, needs, cells in compress(rows_of_cells, shown)
+        )
+        return Table(f"{caption} [deg]{suffix}", head, rows)
 
     keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(s.times)]
-    fixed = _fixed(s, first) if wind is None else _fixed(s, first)[[wind]]
-    whole = fixed.all()
-    tables = [] if whole else [of_names("Required deflection", keys, first, doubts, marks)]
-    if whole and fixed.size == 1:
-        tables = [whole_flight(s, wind or 0)]
+    fixed = _is_fixed(s, first) if wind is None else _is_fixed(s, first)[[wind]]
+    all_fixed = fixed.all()
+    tables = [] if all_fixed else [of_names("Required deflection", keys, first, validity, marks)]
+    if all_fixed and fixed.size == 1:
+        tables = [fixed_wind_table(s, wind or 0)]
     if s.freezing_error:
         band = Requirement(dead_band=s.dead_bands[0])
-        off = [[_off(s, band, i, wind)] for i in range(s.times.size)]
+        errors_percent = [[_freezing_error_cell(s, band, i, wind)] for i in range(s.times.size)]
         errors = (_freezing_error(s, band, i, wind) for i in range(s.times.size))
         shown = [abs(error) <= _MAX_FREEZING_ERROR for error in errors]
-        caption, last = "The same with the vehicle frozen at each flight time", [_OFF.format(band)]
-        if whole:
+        caption, last = (
+            "Required deflection with the vehicle frozen at each flight time",
+            [_FREEZING_ERROR_HEAD.format(band)],
+        )
+        if all_fixed:
             caption = "Required deflection with the vehicle frozen at each flight time"
-            off = [[*one, *more] for one, more in zip(off, marks, strict=True)]
-            last += doubts
-        times = keys if whole else [_time(time) for time in s.times]
+            errors_percent = [
+                [*requirement, *more]
+                for requirement, more in zip(errors_percent, marks, strict=True)
+            ]
+            last += validity
+        times = keys if all_fixed else [_time(time) for time in s.times]
         if not all(shown):
             caption += ", where that is off by at most 100 %"
         if any(shown):
-            tables.append(of_names(caption, times, frozen, last, off, shown))
+            tables.append(of_names(caption, times, frozen, last, errors_percent, shown))
     if s.separate:
-        alone = (f"{plane} alone" for plane in s.separate)
-        head = ["time [s]", "both planes", *alone, "pitch alone misses [%]"]
+        plane_heads = (f"{plane} alone" for plane in s.separate)
+        head = ["time [s]", "both planes", *plane_heads, "pitch alone misses [%]"]
         nominal = replace(counted, direction="")
-        by = tuple(_by_planes(s, nominal, i, wind) for i in _differing(s, nominal, wind))
-        tables.append(Table(f"{nominal} by planes [deg]{of}", tuple(head), by))
+        rows_by_plane = tuple(_by_planes(s, nominal, i, wind) for i in _differing(s, nominal, wind))
+        tables.append(Table(f"{nominal} by planes [deg]{suffix}", tuple(head), rows_by_plane))
     return tables
 
 
-def whole_flight(s: Sizing, wind: int) -> Table:
+def fixed_wind_table(s: Sizing, wind: int) -> Table:
     """Return the requirements of a wind that is fixed in the flight, and when they arise [s]."""
     name, rows = s.winds[wind], []
     for requirement, worst in s.worst_in(name).items():
@@ -116,37 +129,37 @@ def whole_flight(s: Sizing, wind: int) -> Table:
     return Table(f"Required deflection over the whole flight: {name}", head, tuple(rows))
 
 
-def _fixed(s: Sizing, names: Sequence[Requirement]) -> BoolArray:
-    """Return which winds have one number for the flight of all these requirements, ``(m,)``."""
+def _is_fixed(s: Sizing, names: Sequence[Requirement]) -> BoolArray:
+    """Return whether a wind has a single number of all these requirements, ``(m,)``."""
     return np.all([~np.isnan(s.arising(name)) for name in names], axis=0)
 
 
 def _differing(s: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
-    """Return indices of flight times at which a requirement differs: of a fixed wind the first."""
+    """Return indices of flight times with different requirements; a fixed wind has the first."""
     fixed = ~np.isnan(s.arising(name))
-    known = np.isfinite(s.required[name])
+    finite = np.isfinite(s.required[name])
     if not (fixed.all() if wind is None else fixed[wind]):
         return range(s.times.size)
-    return [int(np.argmax(known.any(axis=1) if wind is None else known[:, wind]))]
+    return [int(np.argmax(finite.any(axis=1) if wind is None else finite[:, wind]))]
 
 
 def by_wind(s: Sizing, counted: Requirement) -> Table:
     """Return the largest of each requirement in each wind, and the time of the counted one."""
-    names = _first(s)
+    names = _first_requirements(s)
     rows = []
     for j, wind in enumerate(s.winds):
         worst = s.worst_in(wind)
-        largest = {k: degrees(f"largest.{j}.{k}", one.deflection) for k, one in worst.items()}
+        largest = {k: degrees(f"largest.{j}.{k}", x.deflection) for k, x in worst.items()}
         when = significant("", worst[counted].time, 5) if counted in worst else ("-",)
         rows.append(((wind,), *(largest.get(k, ("-",)) for k in names), when))
     head = ("wind", *map(_short, names), f"{counted}: time [s]")
     return Table("The largest over the flight, by wind [deg]", head, tuple(rows))
 
 
-def each_wind(s: Sizing, counted: Requirement) -> list[Table]:
-    """Return one requirement by flight time, with a column for each wind that has a row for each.
+def wind_columns_table(s: Sizing, counted: Requirement) -> list[Table]:
+    """Return the table of a requirement by flight time, with a column for each wind.
 
-    Nothing where there are fewer than two such winds.
+    Winds that are fixed in the flight are omitted; empty for fewer than two other winds.
     """
     several = np.flatnonzero(np.isnan(s.arising(counted))).tolist()
     if len(several) < 2:
@@ -159,80 +172,89 @@ def each_wind(s: Sizing, counted: Requirement) -> list[Table]:
     return [Table(f"{counted} in each wind [deg]", head, tuple(rows))]
 
 
-def _first(s: Sizing) -> list[Requirement]:
-    """Return the requirements of the first table: the varying ones, if there are any."""
-    varying = [one for one in s.required if one.varying or one.direction]
+def _first_requirements(s: Sizing) -> list[Requirement]:
+    """Return the requirements of the first table: with varying parameters, if there are any."""
+    varying = [
+        requirement for requirement in s.required if requirement.varying or requirement.direction
+    ]
     return varying if s.freezing_error else list(s.required)
 
 
 def _required(s: Sizing, names: Sequence[Requirement], wind: int | None) -> list[tuple[Line, ...]]:
+    """Return the cells of requirements by flight time, of a wind or of the worst wind."""
     by_time = {k: np.where(np.isnan(s.arising(k)), s.required[k], np.nan) for k in names}
-    found = {
+    required = {
         k: np.fmax.reduce(by_time[k], axis=1) if wind is None else s.required[k][:, wind]
         for k in names
     }
     return [
-        tuple(degrees(f"{_key(i, wind)}.{k}", found[k][i]) for k in names)
+        tuple(degrees(f"{_key(i, wind)}.{k}", required[k][i]) for k in names)
         for i in range(s.times.size)
     ]
 
 
-def _doubts(s: Sizing, i: int, wind: int | None) -> list[Line]:
-    """Return the cells of doubts at a flight time: of one wind, or the marks of all winds."""
+def _validity_cells(s: Sizing, i: int, wind: int | None) -> list[Line]:
+    """Return the cells of validity at a flight time: of a wind, or the marks of all winds."""
     if wind is not None:
         change = number(f"{_key(i, wind)}.change_percent", 100.0 * s.change[i, wind], 1)
-        one_pole, data = not s.beyond_one_pole[i, wind], s.covered[i, wind]
+        one_pole, data = not s.beyond_single_pole[i, wind], s.covered[i, wind]
         return [change, ("yes" if one_pole else "no",), ("yes" if data else "no",)]
     return [(_marks(s, i),)]
 
 
 def _marks(s: Sizing, i: int) -> str:
+    """Return the marks of a flight time, keys of `_MARKS`."""
     marks = {
-        "1": s.beyond_one_pole[i].any(),
+        "1": s.beyond_single_pole[i].any(),
         "~": not s.freezing_error and (s.change[i] > STEADY).any(),
         "+": not s.covered[i].all(),
         "=": s.unsigned is not None and s.unsigned[i].any(),
         "?": not s.known[i].all(),
     }
-    return "".join(mark for mark, there in marks.items() if there)
+    return "".join(mark for mark, present in marks.items() if present)
 
 
-def _off(s: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
-    """Return the error [%] of a frozen requirement at a flight time, in the worst or one wind."""
+def _freezing_error_cell(s: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
+    """Return the cell of the error [%] of a frozen requirement, in a wind or the worst wind."""
     percent = 100.0 * _freezing_error(s, name, i, wind)
     return number(f"{_key(i, wind)}.frozen_off_percent", percent, 1)
 
 
 def _freezing_error(s: Sizing, name: Requirement, i: int, wind: int | None) -> float:
-    """Relative error of a frozen requirement at a flight time, in the worst wind or in one."""
+    """Return the relative error of a frozen requirement, in a wind or the worst wind."""
     along = s.required[replace(name, varying=True)][i]
     j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
     return float(np.nan_to_num(s.freezing_error[name][i, j]))
 
 
 def _short(requirement: Requirement) -> str:
-    """Return a requirement as the head of its column: the direction of the wind, or its name."""
+    """Return the head of the column of a requirement: direction of the wind, or its name."""
     bounds = {"no forecast": NO_FORECAST, "minimum": WIND_KNOWN}
     name = bounds.get(requirement.name, requirement.name)
     return f"{requirement.direction} wind" if requirement.direction else name
 
 
 def _by_planes(s: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
-    """Return the requirement of each plane at a flight time, in one wind or the worst for both."""
-    both, key = s.required[counted][i], f"{_key(i, wind)}.planes"
-    j = int(np.argmax(np.nan_to_num(both, nan=-1.0))) if wind is None else wind
+    """Return the cells of the requirement of each plane, in a wind or the worst for both."""
+    required, key = s.required[counted][i], f"{_key(i, wind)}.planes"
+    j = int(np.argmax(np.nan_to_num(required, nan=-1.0))) if wind is None else wind
     arises = float(s.arising(counted)[j])
     return (
         _time(s.times[i]) if np.isnan(arises) else significant("", arises, 4),
-        degrees(f"{key}.both", both[j]),
-        *(degrees(f"{key}.{k}", one.required[counted][i, j]) for k, one in s.separate.items()),
+        degrees(f"{key}.both", required[j]),
+        *(
+            degrees(f"{key}.{k}", sizing.required[counted][i, j])
+            for k, sizing in s.separate.items()
+        ),
         number(f"{key}.missing_percent", 100.0 * s.pitch_omitted_fraction[counted][i, j], 1),
     )
 
 
 def _key(i: int, wind: int | None) -> str:
+    """Return the prefix of the names of numbers at a flight time, in a wind or the worst."""
     return f"flight.{'worst' if wind is None else wind}.{i}"
 
 
 def _time(time: float) -> Line:
+    """Return the cell of a flight time [s]."""
     return (text(significant("", time, 6)),)

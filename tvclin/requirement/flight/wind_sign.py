@@ -18,64 +18,71 @@ from tvclin.requirement.required_quantity import Requirement
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 
 
-def base_of(found: Sizing) -> Requirement:
-    """Return the largest dead band: with varying parameters, if known wherever frozen ones are."""
-    frozen = Requirement(dead_band=found.dead_bands[0])
+def base_requirement(sizing: Sizing) -> Requirement:
+    """Return the requirement of the largest dead band, with varying parameters if these are known.
+
+    They must be known wherever the requirement with frozen parameters is.
+    """
+    frozen = Requirement(dead_band=sizing.dead_bands[0])
     varying = replace(frozen, varying=True)
-    known, along = ~np.isnan(found.required[frozen]), found.required.get(varying)
-    if along is None or np.isnan(along).all() or np.any(np.isnan(along) & known):
+    frozen_is_known, values = ~np.isnan(sizing.required[frozen]), sizing.required.get(varying)
+    if values is None or np.isnan(values).all() or np.any(np.isnan(values) & frozen_is_known):
         return frozen
     return varying
 
 
-def by_direction(
-    found: Sizing, pulses: int, case_at: Callable[[float, int], Case], mode: FlightMode | None
+def with_directions(
+    sizing: Sizing, pulses: int, case_at: Callable[[float, int], Case], mode: FlightMode | None
 ) -> Sizing:
-    """Return a sizing with what its first winds require at the dynamic pressure encountered.
+    """Return a sizing with the requirements of pulses at the dynamic pressure encountered.
 
-    Columns are added by the possible directions of these winds, for the largest dead band; a
-    sounding, which has its own, requires the same in all.
+    Columns are added by the possible directions of the pulses, for the largest dead band; a
+    sounding has its own direction, and the same requirement in all.
 
     Parameters
     ----------
-    found : Sizing
+    sizing : Sizing
         The sizing at nominal dynamic pressure of its first winds.
     pulses : int
-        How many winds these are.
+        Number of the first winds, which are pulses.
     case_at : callable
         From a flight time [s] and the number of a pulse to its case.
     mode : FlightMode or None
         The flight, where parameters vary.
     """
-    unknown, why, K = np.zeros(found.known.shape, dtype=bool), "", float(found.dead_bands[0])
-    base = base_of(found)
+    unknown, why, K = np.zeros(sizing.known.shape, dtype=bool), "", float(sizing.dead_bands[0])
+    base = base_requirement(sizing)
     columns: dict[Requirement, FloatArray] = {}
-    for i, j in np.argwhere(found.known[:, :pulses]).tolist():
+    for i, j in np.argwhere(sizing.known[:, :pulses]).tolist():
         try:
-            need = case_requirement(case_at(float(found.times[i]), j), K)
+            need = case_requirement(case_at(float(sizing.times[i]), j), K)
             if need.encountered_unknown:
                 raise InputError(need.encountered_unknown)
             for direction in need.encountered:
-                one = replace(base, direction=direction)
-                column = columns.setdefault(one, found.required[base].copy())
-                if base.varying and mode is not None and not need.in_both:
-                    column[i, j] = _along(mode, need, direction, float(found.begins[i, j]))
+                requirement = replace(base, direction=direction)
+                column = columns.setdefault(requirement, sizing.required[base].copy())
+                if base.varying and mode is not None and not need.judges_both_planes:
+                    column[i, j] = _requirement_along(
+                        mode, need, direction, float(sizing.begins[i, j])
+                    )
                 elif need.nominal_deflection > 0.0:
                     column[i, j] *= need.encountered[direction] / need.nominal_deflection
         except InputError as error:  # no such wind at this path, no real pole: as it stands
-            unknown[i, j], why = True, why or f"{found.times[i]:g} s: {error}"
-    arises = dict(found.arises)
+            unknown[i, j], why = True, why or f"{sizing.times[i]:g} s: {error}"
+    arises = dict(sizing.arises)
     if base in arises:
         arises |= dict.fromkeys(columns, arises[base])
-    found = replace(found, required=found.required | columns, arises=arises)
+    sizing = replace(sizing, required=sizing.required | columns, arises=arises)
     if not (why and columns):
-        return found
-    said = f"the dynamic pressure encountered in a pulse is not known at {why}"
-    return replace(found, unsigned=unknown, notes=(*found.notes, said))
+        return sizing
+    note = f"the dynamic pressure encountered in a pulse is not known at {why}"
+    return replace(sizing, unsigned=unknown, notes=(*sizing.notes, note))
 
 
-def _along(mode: FlightMode, need: CaseRequirement, direction: str, begins: float) -> float:
-    """The required deflection [rad] along the flight of a pulse that begins at a time [s]."""
+def _requirement_along(
+    mode: FlightMode, need: CaseRequirement, direction: str, begins: float
+) -> float:
+    """Return the required deflection [rad] along the flight, of a pulse from time `begins` [s]."""
     vehicle = complete_vehicle(need.vehicle, "the dynamic pressure encountered").rigid
     wind = encountered_wind(need.placed, vehicle, need.plane, direction)
     flown = mode.schedule.vehicle

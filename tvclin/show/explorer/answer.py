@@ -264,7 +264,7 @@ def _durations(choices: Choices) -> FloatArray:
 def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
     """Return the notes of a study on its vehicle, its gust, its direction and its wind's sign."""
     plan, calm = choices.plan, requirement.at_nominal_pressure
-    plane_notes = [_BOTH.format(plan.plane)] if requirement.in_both else []
+    plane_notes = [_BOTH.format(plan.plane)] if requirement.judges_both_planes else []
     return [
         *linear_notes(requirement.wind_angle),
         *doubts(plan.vehicle),
