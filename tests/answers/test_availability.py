@@ -15,7 +15,7 @@ from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.ensembles.statistics import effective_number, survival_fraction
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
 from tvclin.requirement.flight.flight_requirement import FlightMode, FlightWind
-from tvclin.requirement.time_varying import curves, over_steps
+from tvclin.requirement.time_varying import curves, encountered_at_steps
 
 EAST = np.radians(90.0)
 PITCH = {"azimuth": EAST, "plane": "pitch", "sign": "frozen"}
@@ -733,8 +733,8 @@ def test_even_steps_require_what_steps_between_all_levels_do(flight, plane) -> N
         wind = tv.WindProfile(height=height, east=east, north=north)
         where = {"azimuth": np.radians(80.0), "plane": plane}
         met = tv.fly_through(wind, flight, **where)
-        steps = over_steps(motion, FlightWind(met.wind, plane, met.speeds))
-        equations = motion.over(steps[0])
+        steps = encountered_at_steps(motion, FlightWind(met.wind, plane, met.speeds))
+        equations = motion.at_steps(steps[0])
         paired = np.broadcast_to(equations.paired, steps[1].shape)
         between_levels = curves(equations, *steps).limit_of_trim_law(paired)[0]
         even = tv.availability(flight, one(wind), limit=1e-4, **where).lower

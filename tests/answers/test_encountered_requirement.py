@@ -236,7 +236,7 @@ def test_without_speed_and_attitude_the_nominal_pressure_counts(configuration_i)
     bare = tv.vehicle.LinearVehicle(coefficients=c, name="bare")
     found = tv.Study.from_vehicle(bare, duration=7.5, peak=np.radians(5))
     assert found.encountered == {}
-    assert any("what a head wind needs more is not known" in note for note in found.notes)
+    assert any("the requirement in a head wind is not known" in note for note in found.notes)
     with pytest.raises(tv.InputError):
         tv.Study.from_vehicle(bare, duration=7.5, peak=np.radians(5), sign="head")
 

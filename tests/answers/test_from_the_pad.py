@@ -10,7 +10,7 @@ from tests.small_launcher import sounding, write
 from tests.turns import usual
 from tvclin.requirement.flight import flight_requirement as flight_mode
 from tvclin.requirement.flight.flight_requirement import FlightMode, FlightWind
-from tvclin.requirement.time_varying import FLIGHT_PARTS, LimitedFlights, over_steps
+from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, LimitedFlights, encountered_at_steps
 from tvclin.studyfile.parse import parse_study
 
 EAST = np.radians(90.0)
@@ -162,8 +162,8 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     assert sized == pytest.approx(found.required[0], rel=1e-3)
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
     motion, wind = mode, FlightWind(met.wind, "pitch", met.speeds)
-    steps = over_steps(motion, wind, FLIGHT_PARTS)
-    flights = LimitedFlights(motion.over(steps[0]), *steps)
+    steps = encountered_at_steps(motion, wind, FLIGHT_SUBSTEPS)
+    flights = LimitedFlights(motion.at_steps(steps[0]), *steps)
     assert not flights.diverge(found.required[0] * np.array([[1.02, 1.2, 2.0]])).any()
 
 

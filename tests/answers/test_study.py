@@ -99,7 +99,7 @@ def test_what_is_doubtful_about_vehicle_and_plane_is_noted() -> None:
         )
         return " ".join(found.notes)
 
-    unknown = "what a head wind needs more is not known"
+    unknown = "the requirement in a head wind is not known"
     assert unknown in notes(5.0, attitude=np.radians(4.0))
     assert unknown not in notes(5.0) + notes(-5.0) + notes(1.0) + notes(5.0, "yaw")
     assert "T/W 0.18" in notes(1.0, thrust=0.18 * vehicle.weight)

@@ -153,7 +153,7 @@ def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configur
         return bool(abs(end[:-1] @ state) > limit * abs(end[-1]))
 
     limits = edge * np.array([[0.998, 1.002]])
-    times, angles, ratio = time_varying.over_steps(equations, NominalWind(wind), 4)
+    times, angles, ratio = time_varying.encountered_at_steps(equations, NominalWind(wind), 4)
     diverged = time_varying.LimitedFlights(equations, times, angles, ratio).diverge(limits)
     assert diverged.tolist() == [[flown(limit) for limit in limits[0].tolist()]] == [[True, False]]
 

@@ -642,9 +642,7 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     (tmp_path / "my.toml").write_text(template())
     study, output = tmp_path / "s.toml", tmp_path / "r.html"
     study.write_text(f'{text}[schedule]\nsource = "configuration-i"\n')
-    said = (
-        "the flight is of configuration-i, not of the study's vehicle, my.toml; give its flight"
-    )
+    said = "the flight is of configuration-i, not of the study's vehicle, my.toml; give its flight"
     asked = tv.studyfile.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
     sized = CliRunner().invoke(app, ["size", str(study)])

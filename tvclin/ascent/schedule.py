@@ -267,7 +267,7 @@ class FlightSchedule(Shown):
         vehicle : Vehicle
             One vehicle with its time.
         condition : FlightCondition
-            Altitude and specific impulse, as of `nominal_flight`.
+            Altitude and specific impulse; see `nominal_flight`.
         start, stop : float
             The span [s], around the vehicle's time.
         step : float

@@ -85,7 +85,7 @@ def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> A
     Parameters
     ----------
     source : str or path
-        As of `load_any_vehicle` without a time; as of `load_schedule` with one.
+        See `load_any_vehicle` without a time; see `load_schedule` with one.
     time : float, optional
         Time of flight [s].
 

@@ -52,7 +52,7 @@ def case_of(
     """
     plan = load_study(source, time)
     if "study" not in told:  # which has them among its own notes
-        note_doubts(plan.vehicle)
+        note_vehicle_warnings(plan.vehicle)
     if rigid:
         plan = without_structure(plan)
     for change in changes:
@@ -70,7 +70,7 @@ def without_structure(plan: StudyPlan) -> StudyPlan:
     return replace(plan, vehicle=plan.vehicle.rigid, criteria=criteria)
 
 
-def note_doubts(vehicle: AnyVehicle) -> None:
+def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
     """Print warnings on implausible numbers of a vehicle, on stderr."""
     for doubt in vehicle_warnings(vehicle) if isinstance(vehicle, Vehicle) else ():
         say(f"Note: {doubt}.", err=True)

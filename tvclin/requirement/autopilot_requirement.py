@@ -1,8 +1,8 @@
 """Autopilot requirement: the smallest limit from which on an autopilot survives a wind, flown.
 
 It is flown as it is modelled, with samples, delay, actuator, filters, bending and rate limit: at
-nominal dynamic pressure and, where a head wind sets the required deflection, also at that of its
-peak, constant throughout, which is an upper bound of what it encounters.
+nominal dynamic pressure and, where a head wind sets the required deflection, also at the pressure
+of its peak, constant throughout, which is an upper bound of what it encounters.
 """
 
 from __future__ import annotations
@@ -102,9 +102,9 @@ def autopilot_boundary(
     case: Case, plant: AnyPlant, autopilot: Autopilot, plane_ratio: float = 1.0
 ) -> ClosedLoopBoundary:
     """Return the boundary of an autopilot, flown with the hardware of a case; its plane's part."""
-    part = (case.nozzle.limit or 0.0) / plane_ratio
+    fraction = (case.nozzle.limit or 0.0) / plane_ratio
     law = SaturatedLaw.of(autopilot)
-    return stop_boundary(plant, law, case.history, part, case.hardware)
+    return stop_boundary(plant, law, case.history, fraction, case.hardware)
 
 
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
@@ -112,6 +112,6 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
     from tvclin.requirement.varying_equations import at_pressure
 
-    whole = complete_vehicle(case.vehicle, "a head wind")
-    ratio = largest_pressure(need.placed, whole.rigid, need.plane, need.direction, size)
-    return replace(case, vehicle=at_pressure(whole, ratio))
+    complete = complete_vehicle(case.vehicle, "a head wind")
+    ratio = largest_pressure(need.placed, complete.rigid, need.plane, need.direction, size)
+    return replace(case, vehicle=at_pressure(complete, ratio))

@@ -187,7 +187,7 @@ class CaseRequirement:
 
     @property
     def judged_peak(self) -> float:
-        """The peak [rad] of the wind that is judged: in both planes that of its vector."""
+        """Peak [rad] of the judged wind; for both planes the peak of its vector."""
         judged = (
             self.planes if self.planes is not None and self.judges_both_planes else self.history
         )
@@ -200,12 +200,12 @@ class CaseRequirement:
 
     @property
     def beyond(self) -> str:
-        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        """Reason why nothing is known in this wind; empty otherwise. See `beyond_linear`."""
         return beyond_linear(self.wind_angle)
 
     @property
     def peak_bound(self) -> float:
-        """Largest survivable peak [rad] that is known, with its sign, as of `judged_peak`.
+        """Largest survivable peak [rad] that is known, with the sign of `judged_peak`.
 
         There the wind angle is `MAX_LINEAR_ANGLE`; a limit that survives it may survive more.
         """
@@ -308,8 +308,8 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     """Return required deflections [rad] of a case in `size` times its wind, by direction.
 
     For both planes the larger of the requirement of the planes by themselves, as a limit of the
-    limit shape, and of that of the vector at nominal dynamic pressure times the larger ratio of
-    encountered to nominal requirement of the planes.
+    limit shape, and of the requirement of the vector at nominal dynamic pressure times the larger
+    ratio of encountered to nominal requirement of the planes.
     """
     if need.sign == FROZEN:
         return {}

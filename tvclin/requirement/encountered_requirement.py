@@ -20,7 +20,7 @@ from tvclin.case.case import CROSS, FROZEN, SIGNS, Case
 from tvclin.requirement.time_varying import (
     VaryingRequirement,
     batch_requirements,
-    over_steps,
+    encountered_at_steps,
     varying_requirement,
 )
 from tvclin.requirement.varying_equations import Equations
@@ -35,7 +35,7 @@ from tvclin.winds.wind_angles import EncounteredWind, angles_from_vector_size, s
 def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
     """Return the possible directions of the wind of a case: head and tail, one of them, or cross.
 
-    `plane`: the plane that is judged, unless given that of the case. Empty for the nominal dynamic
+    `plane`: the judged plane, by default the plane of the case. Empty for the nominal dynamic
     pressure, by request. `InputError` for a sign of a wind that has a direction.
     """
     if case.sign is not None and case.sign not in SIGNS:
@@ -79,7 +79,7 @@ def encountered_wind(
     size : float
         Factor on the wind.
     values : mapping, optional
-        Dispersed peaks and durations of cases, as of `ShapedWind.history`.
+        Dispersed peaks and durations of cases; see `ShapedWind.history`.
 
     """
     values = values or {}
@@ -88,17 +88,17 @@ def encountered_wind(
     positive = size * np.sign(peak)
     base = replace(wind, gust=None, heading=None).history(dict(values))
     parts: dict[bool, History | None] = {True: None, False: None}  # by whether the speed is known
-    known = wind.speed is not None
-    parts[known] = base * (
+    wind_known = wind.speed is not None
+    parts[wind_known] = base * (
         positive if wind.speed is None else positive * wind.speed / (wind.peak * velocity)
     )
     gust = wind.gust_history(values)
     if gust is not None:
-        known, at = wind.gust_speed is not None, positive
+        wind_known, at = wind.gust_speed is not None, positive
         if wind.gust_speed is not None:
             at = positive * wind.gust_speed / (float(gust.peak) * velocity)
-        pulse = parts[known]
-        parts[known] = gust * at if pulse is None else pulse + gust * at
+        pulse = parts[wind_known]
+        parts[wind_known] = gust * at if pulse is None else pulse + gust * at
     if wind.heading is not None:
         angles = angles_from_vector_size(
             peak, wind.heading, path
@@ -127,7 +127,7 @@ def encountered_requirement(
     Parameters
     ----------
     wind, vehicle, plane, name, size
-        As of `encountered_wind`.
+        See `encountered_wind`.
     model : str
         Model of the motion.
     dead_band : float
@@ -156,7 +156,7 @@ def encountered_requirements(
     wind : ShapedWind
         The wind of the case with its heading, its gust at its time.
     dead_band, size
-        As of `encountered_requirement`.
+        See `encountered_requirement`.
 
     Raises
     ------
@@ -187,13 +187,15 @@ def encountered_requirements(
 def largest_pressure(
     wind: ShapedWind, vehicle: Vehicle, plane: str, name: str, size: float = 1.0
 ) -> float:
-    """Return the largest q/q_n that one vehicle encounters; arguments as of `encountered_wind`."""
+    """Return the largest q/q_n that a vehicle encounters; same arguments as `encountered_wind`."""
     encountered = encountered_wind(wind, vehicle, plane, name, size)
     encountered.check_possible()
-    return float(over_steps(Equations.frozen(vehicle, "fixed-path", plane), encountered)[2].max())
+    return float(
+        encountered_at_steps(Equations.frozen(vehicle, "fixed-path", plane), encountered)[2].max()
+    )
 
 
-def own_sign(sign: str | None) -> bool:
+def uses_encountered_pressure(sign: str | None) -> bool:
     """Return whether measured winds count with their own sign; `InputError` for another one."""
     if isinstance(sign, str) and sign in SIGNS:
         raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
@@ -215,7 +217,7 @@ def encountered_batch(
     case : Case
         Model and wind; winds of an ensemble have their own direction along the path.
     values : mapping
-        Dispersed values by name, as of `ShapedWind.history`.
+        Dispersed values by name; see `ShapedWind.history`.
     vehicle : Vehicle
         One vehicle for each case, or one for all.
     dead_band : float
@@ -232,14 +234,14 @@ def encountered_batch(
             encountered_wind(case.wind, vehicle, plane, name, values=values)
             for name in directions_of(case, plane)
         ]
-    elif own_sign(case.sign):
+    elif uses_encountered_pressure(case.sign):
         assert isinstance(case.wind, WindEnsemble)
         winds = [_of_ensemble(case.wind.history(dict(values)), vehicle, plane)]
     if not winds:
         return nominal
     equations = Equations.frozen(vehicle, case.model, plane)
-    each = [batch_requirements(equations, wind, dead_band) for wind in winds]
-    required = np.max(each, axis=0)  # NaN of one is NaN of all
+    requirement = [batch_requirements(equations, wind, dead_band) for wind in winds]
+    required = np.max(requirement, axis=0)  # NaN of one is NaN of all
     unknown = ~np.isfinite(required) | ~np.isfinite(nominal) | (np.asarray(nominal) == 0.0)
     return np.where(unknown, nominal, required)
 

@@ -74,12 +74,12 @@ def required_deflection(
     wind: History,
     dead_band: ArrayLike = 1.0,
     *,
-    whole: History | None = None,
+    complete: History | None = None,
 ) -> RequiredDeflection:
     """Return the required deflection [rad] of linear theory in a wind of one sign.
 
     It is at nominal dynamic pressure; the verdict on a vehicle, in the wind's own angle and dynamic
-    pressure, is that of a `Study`.
+    pressure, is in a `Study`.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def required_deflection(
         Wind angle of attack that does not change its sign; batches broadcast.
     dead_band : array_like
         K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
-    whole : History, optional
+    complete : History, optional
         The same wind with what blows to the other side, where `wind` is its part to one side. The
         minimum and the trim law meet it; what drifts to the other side first may cost deflection.
 
@@ -105,7 +105,7 @@ def required_deflection(
 
     Notes
     -----
-    The eqs (4b), (17) and (C1). For K = 1 what the ideal trim law requires is that of
+    The eqs (4b), (17) and (C1). For K = 1 the requirement of the ideal trim law is that of
     `time_varying`, as along flights and at the dynamic pressure encountered: the largest of
     min(trim, demand), and where the path is quick, trim meets the limit more than once, or a flight
     with half a percent more diverges, the smallest limit above all with which the limited law was
@@ -127,22 +127,22 @@ def required_deflection(
     boundary = boundary_limit(plant, wind, K, "literal")
     needs = open_loop_requirements(plant, wind, K, boundary)
     law_wind = wind
-    if whole is not None:
-        instance("whole", whole, History, "the wind with what blows to the other side")
-        if whole.batch != wind.batch:
+    if complete is not None:
+        instance("whole", complete, History, "the wind with what blows to the other side")
+        if complete.batch != wind.batch:
             raise InputError(
-                f"whole must be the same winds as wind, of shape {wind.batch}; got {whole.batch}"
+                f"whole must be the same winds as wind, of shape {wind.batch}; got {complete.batch}"
             )
-        law_wind = whole
-        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], minimum_peaks(plant, whole))
+        law_wind = complete
+        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], minimum_peaks(plant, complete))
     open_loop = np.max(list(needs.values()), axis=0)
     rate, paired = leading_pole(plant)
     single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)
     limited = (K == 1.0) & single_pole
-    if plant.model == "fixed-path" and whole is None:
-        limited = limited & _rises_again(wind)
-    again = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
-    cases = np.broadcast_to(limited | again, open_loop.shape)
+    if plant.model == "fixed-path" and complete is None:
+        limited = limited & _has_second_rise(wind)
+    second_rise = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
+    cases = np.broadcast_to(limited | second_rise, open_loop.shape)
     law = np.zeros(open_loop.shape)
     for value in np.unique(K).tolist():
         winds = law_wind if value == 1.0 else wind
@@ -184,7 +184,7 @@ def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -
     return required.reshape(cases.shape)
 
 
-def _rises_again(wind: History) -> BoolArray:
+def _has_second_rise(wind: History) -> BoolArray:
     """Return whether winds rise again after they have fallen, so that trim may be limited twice."""
     size = np.abs(wind.peak)[..., np.newaxis]
     change = np.diff(np.abs(wind.shape_samples), axis=-1)
@@ -195,12 +195,12 @@ def _rises_again(wind: History) -> BoolArray:
 def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0) -> Any:
     """Return whether a limit is at least the required deflection of linear theory.
 
-    It is at nominal dynamic pressure; the verdict on a vehicle is that of a `Study`.
+    It is at nominal dynamic pressure; a `Study` has the verdict on a vehicle.
 
     Parameters
     ----------
     plant, wind, dead_band
-        As of `required_deflection`.
+        See `required_deflection`.
     limit : array_like
         Capability delta_max [rad]; its sign is ignored.
 
@@ -234,7 +234,7 @@ def survivable_peak(
 ) -> Any:
     """Return the largest peak [rad] of a wind of this shape that a limit survives in linear theory.
 
-    It is at nominal dynamic pressure; the verdict on a vehicle is that of a `Study`.
+    It is at nominal dynamic pressure; a `Study` has the verdict on a vehicle.
     The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind, and at
     most 30 deg: above that linear aerodynamics says nothing, and a limit that survives a peak of 30
     deg may survive more, or not.
@@ -242,7 +242,7 @@ def survivable_peak(
     Parameters
     ----------
     plant, wind, dead_band
-        As of `required_deflection`; only the shape of the wind counts.
+        See `required_deflection`; only the shape of the wind counts.
     limit : array_like
         Capability delta_max [rad]; its sign is ignored.
 
@@ -316,13 +316,13 @@ class KnownWind(Shown):
 
     @property
     @derived()
-    def part_of_trim(self) -> float | None:
+    def fraction_of_trim(self) -> float | None:
         """Minimum peak over static trim; None without trim."""
         return self.best.peak / self.trim if self.trim else None
 
     @property
     @derived("angle")
-    def held(self) -> float:
+    def constant(self) -> float:
         """Boundary limit [rad] at K = 0, for one pole: constant from the onset of the wind on."""
         return abs(float(boundary_limit(self.plant, self.wind, 0.0).deflection))
 
@@ -346,9 +346,9 @@ class KnownWind(Shown):
         """Return the peak, its certificate, and the numbers it is compared with."""
         best, proof = self.best, self.best.certificate
         peak = degrees("optimum.peak", best.peak, unit="deg")
-        if self.part_of_trim is not None:
-            part = number("optimum.part_of_trim", self.part_of_trim)
-            peak = (*peak, " (", *part, " of trim)")
+        if self.fraction_of_trim is not None:
+            fraction = number("optimum.fraction_of_trim", self.fraction_of_trim)
+            peak = (*peak, " (", *fraction, " of trim)")
         rows: list[Row] = [(WIND_KNOWN, peak)]
         if self.limited is not None:
             rate = f"with {np.degrees(self.limited.rate):.4g} deg/s"
@@ -364,7 +364,7 @@ class KnownWind(Shown):
             ("switches", (switches + (f" and {more} more" if more > 0 else ""),)),
             (
                 "fast pole alone (K = 0)",
-                minimum_limit(degrees("optimum.held", self.held, unit="deg")),
+                minimum_limit(degrees("optimum.held", self.constant, unit="deg")),
             ),
             (STATIC_TRIM, degrees("optimum.trim", self.trim, unit="deg")),
             ("dual bound", degrees("optimum.dual", proof.dual, unit="deg")),

@@ -112,7 +112,7 @@ class TwoPlaneRequirement:
         return float(self.wind.peak)
 
     def ratio_to(self, plane: str) -> float:
-        """Return the ratio of the limit of both planes to that of one, in a wind of one direction.
+        """Return the ratio of the limit of both planes to a plane's, for a wind with a heading.
 
         The other plane is the same loop in the same wind, and its deflections have that ratio.
         """
@@ -223,8 +223,8 @@ def direction_notes(
     )
 
 
-def omitted_fraction(separate: ArrayLike, both: ArrayLike) -> FloatArray:
+def omitted_fraction(separate: ArrayLike, both_planes: ArrayLike) -> FloatArray:
     """Return the fraction of the requirement of both planes that one omits; zero without any."""
-    plane, planes = np.asarray(separate, dtype=float), np.asarray(both, dtype=float)
+    plane, planes = np.asarray(separate, dtype=float), np.asarray(both_planes, dtype=float)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(planes > 0.0, 1.0 - plane / planes, 0.0 * planes)

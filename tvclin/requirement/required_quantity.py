@@ -16,7 +16,7 @@ QUANTITIES = ("trim", DEAD_BAND, "no forecast", "minimum")
 
 @dataclass(frozen=True, eq=False)
 class Requirement:
-    """One requirement on a deflection limit, by which records, tables and figures have its numbers.
+    """Key of a requirement on a deflection limit in records, tables and figures.
 
     It is equal to its label, and to each requirement with that label: a mapping by requirements is
     also one by labels.
@@ -29,7 +29,7 @@ class Requirement:
     dead_band : float
         K in [0, 1], of the quantity "dead band"; the others have none.
     varying : bool
-        Whether the parameters vary while the wind blows; else they are those of the flight time.
+        Whether the parameters vary during the wind; else they are frozen at the flight time.
     direction : {"", "head", "tail", "cross"}
         Direction of the wind whose angle and dynamic pressure are encountered; empty at nominal
         dynamic pressure.
@@ -66,7 +66,7 @@ class Requirement:
 
     @property
     def label(self) -> str:
-        """All of it in words, such as "K = 1, varying, head wind"."""
+        """Label, such as "K = 1, varying, head wind"."""
         varying = ", varying" if self.varying else ""
         return f"{self.name}{varying}{in_wind(self.direction)}"
 
@@ -85,7 +85,9 @@ class Requirement:
         return hash(self.label)
 
 
-TRIM, NO_FORECAST, MINIMUM = (Requirement(one) for one in ("trim", "no forecast", "minimum"))
+TRIM, NO_FORECAST, MINIMUM = (
+    Requirement(quantity) for quantity in ("trim", "no forecast", "minimum")
+)
 
 
 def in_wind(direction: str) -> str:
@@ -94,9 +96,9 @@ def in_wind(direction: str) -> str:
 
 
 def requirement_among(
-    argument: str, requirement: Requirement | str, known: Iterable[Requirement]
+    argument: str, requirement: Requirement | str, available: Iterable[Requirement]
 ) -> Requirement:
-    """Return one of the known requirements, by itself or its label; `InputError` for another."""
-    by_label = {one.label: one for one in known}
+    """Return the requirement in `available` with this label; `InputError` for another label."""
+    by_label = {quantity.label: quantity for quantity in available}
     label = requirement.label if isinstance(requirement, Requirement) else requirement
     return by_label[one_of(argument, label, by_label)]

@@ -44,7 +44,7 @@ _MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
 
 _POLE_REDUCTION = 0.04
 """Relative reduction of the pole of a booster by the damping of air and jet, about."""
-_MAX_DURATION_OVER_TIME_CONSTANT = 2.5
+_MAX_DURATION_TIME_CONSTANTS = 2.5
 """Duration over the time constant of the pole, above which a slower pole may require more."""
 OUTLASTS = "is too long for the single-pole theory"
 """Words on a wind in the notes of a study."""
@@ -52,13 +52,13 @@ TRUSTS = "trusts a forecast"
 """Words on a dead band in the notes of a study."""
 
 
-def doubts(vehicle: AnyVehicle) -> Iterator[str]:
+def vehicle_warnings(vehicle: AnyVehicle) -> Iterator[str]:
     """Yield warnings on implausible or unknown numbers of a vehicle."""
     if isinstance(vehicle, LinearVehicle):
         if not vehicle.path_known:
             yield (
-                "the flight path is held fixed: how the vehicle drifts with the wind is not known"
-                " from mu_alpha and mu_delta, and a long wind may then need more"
+                "the flight path is fixed: the drift with the wind is not known from mu_alpha and"
+                " mu_delta, and a long wind may require more"
             )
     else:
         yield from slips(vehicle)
@@ -70,9 +70,9 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
         return
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
     if need.sign == FROZEN:
-        yield f"{changes}, as asked: a head wind needs more"
+        yield f"{changes}, as requested: a head wind requires more"
     elif need.encountered_unknown:
-        yield f"{changes}; what a head wind needs more is not known: {need.encountered_unknown}"
+        yield f"{changes}; the requirement in a head wind is not known: {need.encountered_unknown}"
 
 
 def nominal_pressure(case: Case) -> Iterator[str]:
@@ -92,11 +92,11 @@ def nominal_pressure(case: Case) -> Iterator[str]:
         )
 
 
-def gust_placed(asked: ShapedWind, placed: ShapedWind) -> Iterator[str]:
+def gust_placed(specified: ShapedWind, placed: ShapedWind) -> Iterator[str]:
     """Yield the time of a gust that was placed where it requires most."""
-    if asked.gust_at is None and placed.gust_at is not None:
+    if specified.gust_at is None and placed.gust_at is not None:
         yield (
-            f"the gust comes when it asks for most, at {placed.gust_at:.4g} s (--gust-at, or"
+            f"the gust is at the worst time, {placed.gust_at:.4g} s (--gust-at, or"
             " peak_time_s in [gust], gives another time)"
         )
 
@@ -107,7 +107,7 @@ def slow_or_paired(
     """Yield a note on a pair of unstable modes, or a wind too long for the single-pole theory."""
     if required.status == PAIRED_POLES:
         yield (
-            "two unstable poles are a pair or equal here, and no limit meets the condition (4b) of"
+            "two unstable poles are a pair or equal here, and no limit satisfies condition (4b) of"
             " both: required is the largest trim deflection over K, so that the dead band is never"
             " left (tvclin optimum shows the minimum)"
         )
@@ -117,11 +117,11 @@ def slow_or_paired(
     if wind.end - wind.onset > edge and required.governs == Reason.BOUNDARY and not flown:
         yield (
             f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
-            " then need more (tvclin optimum)"
+            " then require more (tvclin optimum)"
         )
 
 
-def left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
+def unstable_modes_omitted(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
     """Yield a note where the exact model has unstable modes that this model omits."""
     name = DEFAULT_MODEL
     if plant.model not in ONE_POLE or name not in modes:
@@ -155,7 +155,7 @@ def undamped(
     c = plant.coefficients
     if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
         return
-    if float(wind.end - wind.onset) * float(c.pole) <= _MAX_DURATION_OVER_TIME_CONSTANT:
+    if float(wind.end - wind.onset) * float(c.pole) <= _MAX_DURATION_TIME_CONSTANTS:
         return
     slower = (1.0 - _POLE_REDUCTION) * float(c.pole)
     damped = c.replace(damping=float(c.mu_alpha) / slower - slower)  # p (p + d) = mu_alpha
@@ -191,7 +191,7 @@ class Study(CaseRequirement, Shown):
         The wind in the plane, without its gust.
     switch : str
         What leaves the dead band of the boundaries shown, as in `trim_then_hold`. The verdict is
-        always that of a flight, whose trim itself leaves it.
+        always for a flight, whose trim itself leaves it.
     modes : dict of str to Modes
         Unstable poles of every model.
     trim_deflection : float
@@ -264,15 +264,15 @@ class Study(CaseRequirement, Shown):
         Parameters
         ----------
         vehicle, model, plane, sign
-            As of `Case`.
+            See `Case`.
         wind : {"triangular", "rectangular"}
             Shape of the wind.
         duration, peak, heading, gust, gust_at
-            Of the wind [s, rad], as of `ShapedWind`.
+            Duration [s] and peak [rad] of the wind; see `ShapedWind`.
         limit, stop
-            As of `Nozzle`.
+            See `Nozzle`.
         dead_band, switch
-            As of `of`.
+            See `of`.
 
         Raises
         ------
@@ -290,10 +290,10 @@ class Study(CaseRequirement, Shown):
         (0.412, 'the dynamic pressure in a head wind')
         """
         one_of("wind", wind, SHAPES)
-        blows = ShapedWind(wind, peak, duration, heading, gust, gust_at)
+        shaped_wind = ShapedWind(wind, peak, duration, heading, gust, gust_at)
         nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
-        given: Any = {"model": model, "plane": plane, "wind": blows, "nozzle": nozzle}
-        return cls.of(Case(vehicle=vehicle, sign=sign, **given), dead_band, switch)
+        options: Any = {"model": model, "plane": plane, "wind": shaped_wind, "nozzle": nozzle}
+        return cls.of(Case(vehicle=vehicle, sign=sign, **options), dead_band, switch)
 
     @classmethod
     def of(
@@ -304,23 +304,24 @@ class Study(CaseRequirement, Shown):
     ) -> Self:
         """Return the boundaries of a case, and the verdict on the limit of its nozzle.
 
-        With a stop of both planes the verdict is on both. Of a wind with a direction the boundaries
-        are those of its part in the plane.
+        With a limit shape of both planes the verdict is on both. For a wind with a direction the
+        boundaries are for its component in the plane.
 
         Parameters
         ----------
         case : Case
-            One vehicle in a wind of one shape.
+            A single vehicle in a wind of a shape.
         dead_band : float
-            K of the verdict, in [0, 1].
+            Dead band K of the verdict, in [0, 1].
         switch : {"literal", "report"}
-            What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
+            Switching at the exit of the dead band, on trim or on wind, of the boundaries shown; see
+            `trim_then_hold`.
 
         Raises
         ------
         InputError
-            For a sign where what it changes is not known, a stop without a heading, a wind that
-            does nothing in the plane, and for a batch of vehicles or gusts, a wind and gust whose
+            For a sign whose effect is not known, a limit shape without a heading, a wind without a
+            component in the plane, and for a batch of vehicles or gusts, a wind and gust whose
             sum changes its sign, a wind of another shape, and a dead band out of range.
         """
         instance("case", case, Case, "of a vehicle, a wind and a nozzle")
@@ -333,19 +334,19 @@ class Study(CaseRequirement, Shown):
         with_drift = model if model != "fixed-path" else DEFAULT_MODEL
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant.from_vehicle(case.vehicle, model, case.plane)
-        modes = {name: unstable_modes(each) for name, each in plants.items()}
-        needed = _needed(shown, history, dead_bands, switch)
-        rests = plant, history, need.requirement, need.dead_band
+        modes = {name: unstable_modes(plant_of_model) for name, plant_of_model in plants.items()}
+        required = _needed(shown, history, dead_bands, switch)
+        plant_wind_requirement = plant, history, need.requirement, need.dead_band
         judged = need.judged
         survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
-        free, nominal = needed["forecast_free"].get(plant.model), need.at_nominal_pressure
-        every = (
+        free, nominal = required["forecast_free"].get(plant.model), need.at_nominal_pressure
+        notes = (
             linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
-            slow_or_paired(*rests),
-            left_out(plant, modes),
-            () if need.beyond else forecast_trusted(*rests[2:], free),
-            () if need.beyond else undamped(*rests),
-            doubts(case.vehicle),
+            slow_or_paired(*plant_wind_requirement),
+            unstable_modes_omitted(plant, modes),
+            () if need.beyond else forecast_trusted(*plant_wind_requirement[2:], free),
+            () if need.beyond else undamped(*plant_wind_requirement),
+            vehicle_warnings(case.vehicle),
             gust_placed(pulse_of(case), need.wind_in_plane),
             () if need.beyond else along_the_path(need),
             ()
@@ -354,18 +355,18 @@ class Study(CaseRequirement, Shown):
         )
         trim = abs(float(coefficients.B * history.peak))
         if need.beyond:
-            needed, trim = _unknown(needed), np.nan
+            required, trim = _unknown(required), np.nan
         return cls(
             **vars(need),
             **judged,
-            **needed,
+            **required,
             coefficients=coefficients,
             wind=replace(need.wind_in_plane, gust=None).history({}),
             switch=switch,
             modes=modes,
             trim_deflection=trim,
             dead_bands=dead_bands,
-            notes=tuple(chain.from_iterable(every)),
+            notes=tuple(chain.from_iterable(notes)),
         )
 
     @property
@@ -486,6 +487,6 @@ def _where_defined(
     return values
 
 
-def outlasts_one_pole(study: Study) -> bool:
+def outlasts_single_pole(study: Study) -> bool:
     """Return whether the wind lasts longer than `single_pole_validity` allows."""
     return bool(study.wind.duration > single_pole_validity(study.coefficients))

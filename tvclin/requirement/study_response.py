@@ -46,7 +46,7 @@ _END_NOTES = {
 class StudyResponse:
     """Response to the wind of a study: trim up to the dead band, then the limit.
 
-    `limit` [rad], `end` [s]; `why`: reason of the end, as of `response_end`.
+    `limit` [rad], `end` [s]; `why`: reason of the end; see `response_end`.
     """
 
     study: Study

@@ -60,7 +60,7 @@ def vehicle(
 
 
 def coefficients(s: Study) -> Table:
-    """Return the linear coefficients, with those of the flight path where these are known."""
+    """Return the table of linear coefficients, with the coefficients of a known flight path."""
     c, unstable = s.coefficients, s.coefficients.mu_alpha > 0.0
     units = {"beta": "1/s", "damping": "1/s", "pole": "1/s", "K1": "", "B": "deg/deg"}
     path = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s"}
@@ -142,7 +142,7 @@ def both_planes(s: Study) -> Table:
 
 
 def heading_line(s: Study) -> Line:
-    """Return the direction from which the wind blows, clockwise from that of flight."""
+    """Return the direction from which the wind comes, clockwise from the direction of flight."""
     assert s.slanting is not None
     assert s.slanting.heading is not None
     heading = float(np.degrees(s.slanting.heading)) % 360.0
@@ -251,7 +251,7 @@ def survivable(name: str, peak: float, bound: float) -> Line:
 
 
 def _in_units(vehicle: AnyVehicle, item: Field, own: Mapping[str, tuple[float, str]]) -> Line:
-    """Return a number in the unit of its file, and in that of tables where it differs."""
+    """Return the cell of a number in the unit of its file, and of tables where it differs."""
     key, name = f"vehicle.{item.name}", item.name
     shown = significant(key, item.value(vehicle), 6, item.unit)
     value, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))

@@ -47,23 +47,23 @@ from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
 STEP = 0.1
 """Length of a step times the fastest rate of vehicle and wind."""
-FLIGHT_PARTS = 4
-"""Parts of a step in flights of the limited law, whose attitude feedback is ten times as fast."""
+FLIGHT_SUBSTEPS = 4
+"""Number of substeps in flights of the limited law, whose feedback is ten times as fast."""
 _FEEDBACK_OVER_TRIM = 10.0
-"""Attitude feedback of the ideal trim law over its trim, that of `TrimLaw`."""
+"""Ratio of attitude feedback to trim of the ideal trim law, same as in `TrimLaw`."""
 _CALM_OVER_TIME_CONSTANT = 15.0
 """Length of a flight after its wind times the unstable pole. On a quick path the law may diverge
 with a limit that survives if it is constant."""
 _CALM_STEP_OVER_TIME_CONSTANT = 0.05
-"""Length of a step after the wind times the fastest rate."""
+"""Largest product of step and fastest rate after the wind."""
 _FLIGHT_MARGIN = 1.005
-"""A flight with so many times the limit of both curves shows whether they are sufficient."""
-_LOWEST_OF_BOTH_SIDES, _LOWEST_AGAIN = 0.5, 0.9
-"""Fractions of the largest min(trim, demand) from which on flights are tried, where trim reaches it
-to both sides, or more than once while the path drifts. With less than the first the attitude leaves
-the linear range."""
+"""Ratio of the limit of a flight to the limit of both curves, to show that this is sufficient."""
+_MIN_RATIO_BOTH_SIGNS, _MIN_RATIO_TWO_INTERVALS = 0.5, 0.9
+"""Smallest limits of flights over the largest min(trim, demand), where trim reaches that with both
+signs, or more than once while the path drifts. With less than the first the attitude leaves the
+linear range."""
 _MIN_LIMIT = 1e-12
-"""A limit [rad] in place of zero."""
+"""Smallest limit of a flight [rad], in place of zero."""
 _EVEN_STEP = 0.125
 """Length of an even step times the fastest rate, through winds whose breakpoints are not ends.
 With the impulse of the wind in each step the largest min(trim, demand) is within a thousandth."""
@@ -90,9 +90,9 @@ class Motion(Protocol):
 
     @property
     def breakpoints(self) -> FloatArray:
-        """Times [s] between which the equations are smooth, beside those of the wind."""
+        """Breakpoints [s] of the equations, in addition to the breakpoints of the wind."""
 
-    def over(self, times: FloatArray) -> Equations:
+    def at_steps(self, times: FloatArray) -> Equations:
         """Return the equations at times [s] of steps, ``(n, S, 3)``."""
 
 
@@ -108,10 +108,10 @@ class Encounter(Protocol):
 
 
 def step_counts(wind: History, motion: Motion) -> FloatArray:
-    """Return how many steps winds take between their breakpoints, ``(n, k)``.
+    """Return the number of steps between breakpoints of winds, ``(n, k)``.
 
-    As many as `STEP` requires, rounded up to one of four numbers in each octave, so that winds of
-    like length have the same.
+    It is the number that `STEP` requires, rounded up to one of four numbers in each octave, so that
+    winds of similar length have the same.
     """
     widths = np.diff(_breakpoints(wind, motion), axis=-1)
     rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
@@ -160,7 +160,7 @@ def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
 def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> FloatArray:
     """Return times [s] at begin, middle and end of even steps over a span [s], ``(1, S, 3)``.
 
-    `parts`: into how many each step is divided.
+    `parts`: number of substeps of each step.
     """
     count = max(
         np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _MIN_RATE_PER_S) / _EVEN_STEP), 32
@@ -169,12 +169,12 @@ def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> Flo
     return np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
 
 
-def over_steps(
+def encountered_at_steps(
     motion: Motion, encountered: Encounter, parts: int = 1
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
-    `parts`: as of `step_times`.
+    `parts`: see `step_times`.
     """
     times = step_times(encountered.history, motion, parts)
     at_end = np.zeros(times.shape, dtype=bool)
@@ -187,12 +187,12 @@ def over_steps(
     return np.broadcast_to(times, shape), np.broadcast_to(wind, shape), ratio + np.zeros(shape)
 
 
-def and_after(
+def with_calm_after(
     equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
 
-    `times`, `wind`, `ratio`: as of `over_steps`.
+    `times`, `wind`, `ratio`: see `encountered_at_steps`.
     """
     count = int(steps_after(equations).max())
     rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)
@@ -204,9 +204,10 @@ def and_after(
 
 
 def steps_after(equations: Equations) -> IndexArray:
-    """Return how many steps a flight of the limited law takes after its wind, ``(n,)``.
+    """Return the number of steps of flights of the limited law after the wind, ``(n,)``.
 
-    None on a slow path, on which the law brings back whatever the limit can.
+    The number is zero on a slow path, on which the law returns to equilibrium whenever the limit
+    permits.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         slower = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
@@ -219,7 +220,7 @@ def steps_after(equations: Equations) -> IndexArray:
 
 @dataclass(frozen=True, eq=False)
 class VaryingRequirement:
-    """Deflections [rad] that winds require of vehicles whose equations vary, as sizes ``(n,)``.
+    """Required deflections [rad] of winds for vehicles with varying equations, as sizes ``(n,)``.
 
     Attributes
     ----------
@@ -248,21 +249,21 @@ def varying_requirement(
     Parameters
     ----------
     motion : Equations or FlightMode
-        Of one vehicle, or of as many as there are winds.
+        Equations of a vehicle, or of a vehicle for each wind.
     encountered : EncounteredWind, NominalWind or FlightWind
-        One wind or a batch.
+        A wind or a batch of winds.
     dead_band : float
         K in [0, 1]: the fraction of the limit up to which the vehicle is trimmed.
     """
     if not np.any(np.isfinite(encountered.history.onset)):
         none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
         return VaryingRequirement(none, none, none, np.full(none.shape, np.nan))
-    times, wind, ratio = over_steps(motion, encountered)
-    equations = motion.over(times)
-    found = curves(equations, times, wind, ratio)
-    trim = found.largest_trim
+    times, wind, ratio = encountered_at_steps(motion, encountered)
+    equations = motion.at_steps(times)
+    trim_and_demand = curves(equations, times, wind, ratio)
+    trim = trim_and_demand.largest_trim
     no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
-    minimum = np.where(no_real_mode, 0.0, np.abs(found.demand[:, 0, 0]))
+    minimum = np.where(no_real_mode, 0.0, np.abs(trim_and_demand.demand[:, 0, 0]))
     march = _columns(equations, times, wind, ratio, None)[:6]
     after_trim, exit_time = np.zeros(trim.shape), np.zeros(trim.shape)
     for modes in equations.modes:
@@ -270,31 +271,31 @@ def varying_requirement(
         peaks = minimum_peaks(
             modes,
             [x if len(x) == 1 else x[cases] for x in march],
-            found.path[cases],
-            found.of(cases).heights_over(dead_band) if 0.0 < dead_band < 1.0 else None,
+            trim_and_demand.path[cases],
+            trim_and_demand.of(cases).trim_ratios(dead_band) if 0.0 < dead_band < 1.0 else None,
         )
         minimum[cases] = peaks[:, 0]
         if 0.0 < dead_band < 1.0:
             from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)
-            after_trim[cases], exit_time[cases] = found.of(cases).limit_over_minimum(
+            after_trim[cases], exit_time[cases] = trim_and_demand.of(cases).limit_with_minimum(
                 from_step, dead_band
             )
-    paired = np.broadcast_to(equations.paired, found.trim.shape)
+    paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
     never_limited = np.where(np.any(paired, axis=(1, 2)), trim, 0.0)
     if dead_band == 1.0:
-        limit, time = found.limit_of_trim_law(paired)
-        required = _of_flights(motion, equations, encountered, found, limit, minimum)
+        limit, time = trim_and_demand.limit_of_trim_law(paired)
+        required = _of_flights(motion, equations, encountered, trim_and_demand, limit, minimum)
     else:
         with np.errstate(divide="ignore", invalid="ignore"):
-            limit, time = found.limit_of_dead_band(dead_band)
+            limit, time = trim_and_demand.limit_of_dead_band(dead_band)
             time = np.where(after_trim > limit, exit_time, time)
             limit = np.where(np.isnan(limit), limit, np.maximum(limit, after_trim))
             inside = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
             highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
             required = np.maximum(np.minimum(np.maximum(limit, inside), highest), minimum)
     with np.errstate(divide="ignore", invalid="ignore"):  # of a pair alone, or stable
-        paired_alone = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
-    required = np.where(no_real_mode, paired_alone, required)
+        pair_requirement = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
+    required = np.where(no_real_mode, pair_requirement, required)
     required = np.where(np.isnan(trim), np.nan, required)
     return VaryingRequirement(trim, required, minimum, time)
 
@@ -304,23 +305,23 @@ def batch_requirements(
 ) -> FloatArray:
     """Return the required deflections [rad] of a batch of winds, ``(n,)``.
 
-    NaN for a wind too long to be followed, and where the wind has no dynamic pressure. Those with
-    the same steps are marched together, so that no case depends on its company.
+    NaN for a wind that is too long to be marched, and where the dynamic pressure is not known.
+    Winds with the same steps are marched together, so that no case depends on others.
     """
     count = max(len(equations.end), encountered.count)
     counts = step_counts(encountered.history, equations)
     counts = np.broadcast_to(counts, (count, counts.shape[-1]))
-    known = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
+    finite = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
     counts = np.insert(counts, 0, steps_after(equations), axis=-1)
     required = np.full(count, np.nan)
-    groups, group = np.unique(counts[known], axis=0, return_inverse=True)
+    groups, group = np.unique(counts[finite], axis=0, return_inverse=True)
     for k in range(len(groups)):
-        alike = known[np.ravel(group) == k]
+        alike = finite[np.ravel(group) == k]
         together = int(_MAX_BATCH_STEPS // groups[k].sum()) + 1
         for first in range(0, alike.size, together):
             cases = alike[first : first + together]
-            each = equations.of(cases), encountered.of(cases, count)
-            required[cases] = varying_requirement(*each, dead_band).required
+            batch = equations.of(cases), encountered.of(cases, count)
+            required[cases] = varying_requirement(*batch, dead_band).required
     return required
 
 
@@ -328,59 +329,62 @@ def _of_flights(
     motion: Motion,
     equations: Equations,
     encountered: Encounter,
-    found: Curves,
+    trim_and_demand: Curves,
     limit: FloatArray,
     minimum: FloatArray,
 ) -> FloatArray:
-    """Return the required deflection [rad] with K = 1, where need be by flights of the law.
+    """Return the required deflection [rad] with K = 1, by flights of the law where these decide.
 
-    Of an aerodynamically stable vehicle with an unstable path the law may not bring back the path
-    with any limit: flights then end with the wind, where the limit has to bring back the unstable
-    component.
+    For an aerodynamically stable vehicle with an unstable path the law may not return the path to
+    equilibrium with any limit: flights then end with the wind, where the limit must reduce the
+    unstable component.
     """
-    flown, lowest = decided_by_flights(equations, found, limit)
-    known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
+    flown, lowest = decided_by_flights(equations, trim_and_demand, limit)
+    finite = np.isfinite(trim_and_demand.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
     required = np.maximum(limit, minimum)
-    if not np.any(known & (flown | equations.drifts)):
+    if not np.any(finite & (flown | equations.drifts)):
         return required
-    in_wind = over_steps(motion, encountered, FLIGHT_PARTS)
-    times, wind, ratio = and_after(equations, *in_wind)
-    flights = LimitedFlights(motion.over(times), times, wind, ratio)
+    in_wind = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
+    times, wind, ratio = with_calm_after(equations, *in_wind)
+    flights = LimitedFlights(motion.at_steps(times), times, wind, ratio)
     if equations.drifts:
-        every = np.flatnonzero(known)
-        tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[every, np.newaxis]
-        flown[every] |= flights.diverge(tried, every)[:, 0]
-    which = np.flatnonzero(flown & known)
+        finite_cases = np.flatnonzero(finite)
+        tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[finite_cases, np.newaxis]
+        flown[finite_cases] |= flights.diverge(tried, finite_cases)[:, 0]
+    which = np.flatnonzero(flown & finite)
     if which.size:
-        low, high = np.maximum(lowest, minimum), found.highest_limit
-        required[which] = flights.of(which).requirement(low[which], high[which])
+        low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
+        required[which] = flights.select(which).requirement(low[which], high[which])
         stable = np.all(equations.nominal[..., 1, 0] < 0.0, axis=(1, 2))
         never = which[(np.isinf(required) & stable)[which]]
         if never.size and in_wind[0].shape != times.shape:
-            flights = LimitedFlights(motion.over(in_wind[0]), *in_wind).of(never)
+            flights = LimitedFlights(motion.at_steps(in_wind[0]), *in_wind).select(never)
             required[never] = flights.requirement(low[never], high[never])
     return required
 
 
 def decided_by_flights(
-    equations: Equations, found: Curves, limit: FloatArray
+    equations: Equations, trim_and_demand: Curves, limit: FloatArray
 ) -> tuple[BoolArray, FloatArray]:
-    """Return whether flights decide what K = 1 requires, and the lowest limits to try [rad].
+    """Return whether flights decide the requirement for K = 1, and the lowest limits to try [rad].
 
-    `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it to
-    both sides, and where the path drifts and is quick, or trim meets it more than once.
+    `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it with
+    both signs, and where the path drifts and is quick, or trim crosses it more than once.
     """
-    both, again = found.reaches_both_sides(limit), found.meets_again(limit) & equations.drifts
-    lowest = np.where(again, _LOWEST_AGAIN * limit, limit)
-    lowest = np.where(both, _LOWEST_OF_BOTH_SIDES * limit, lowest)
-    return both | again | (equations.quick_path & equations.drifts), lowest
+    both_signs, second_interval = (
+        trim_and_demand.reaches_both_signs(limit),
+        trim_and_demand.is_crossed_twice(limit) & equations.drifts,
+    )
+    lowest = np.where(second_interval, _MIN_RATIO_TWO_INTERVALS * limit, limit)
+    lowest = np.where(both_signs, _MIN_RATIO_BOTH_SIGNS * limit, lowest)
+    return both_signs | second_interval | (equations.quick_path & equations.drifts), lowest
 
 
 @dataclass(frozen=True, eq=False)
 class LimitedFlights:
-    """Flights of the ideal trim law with deflection limits, one wind each ``(n,)``.
+    """Flights of the ideal trim law with deflection limits, through winds ``(n,)``.
 
-    `equations` to `onset`: as of `curves`, at `FLIGHT_PARTS` times as many steps.
+    `equations` to `onset`: arguments of `curves`, at `FLIGHT_SUBSTEPS` times as many steps.
     """
 
     equations: Equations
@@ -389,19 +393,21 @@ class LimitedFlights:
     ratio: FloatArray
     onset: FloatArray | None = None
 
-    def of(self, cases: IndexArray) -> LimitedFlights:
-        """Return the flights through some of the winds."""
+    def select(self, cases: IndexArray) -> LimitedFlights:
+        """Return the flights through the winds with these indices."""
         equations = self.equations if len(self.equations.end) == 1 else self.equations.of(cases)
         times = self.times if len(self.times) == 1 else self.times[cases]
         onset = None if self.onset is None else self.onset[cases]
         return LimitedFlights(equations, times, self.wind[cases], self.ratio[cases], onset)
 
     def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
-        """Return with which limits ``(k, tries)`` [rad] the flights through k winds diverge."""
-        some = self if isinstance(cases, slice) else self.of(cases)
-        order, diverged = some.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
-        columns = _columns(some.equations, some.times, some.wind, some.ratio, some.onset)
-        work = some.wind.shape[1] * limits.size * order
+        """Return whether flights through k winds diverge with limits [rad], ``(k, tries)``."""
+        selected = self if isinstance(cases, slice) else self.select(cases)
+        order, diverged = selected.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
+        columns = _columns(
+            selected.equations, selected.times, selected.wind, selected.ratio, selected.onset
+        )
+        work = selected.wind.shape[1] * limits.size * order
         run(
             limited_trim.limited_trim,
             (*columns, _FEEDBACK_OVER_TRIM, np.require(limits, float, ["C", "W"]), diverged),

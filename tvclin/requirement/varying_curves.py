@@ -20,7 +20,7 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.numerics.searches import roots_between
 
-_BOTH_SIDES_FRACTION = 0.95
+_BOTH_SIGNS_FRACTION = 0.95
 """A law that is limited to one side alone requires at least what trim and demand say: where trim to
 the other is below this fraction of that, no flight requires less than the same fraction."""
 _UNLIMITED_OVER_TRIM = 1.0 + 1e-3
@@ -74,18 +74,19 @@ class Curves:
         return np.asarray(begin + u * (end - begin))
 
     def _step(self, position: FloatArray) -> tuple[IndexArray, FloatArray]:
+        """Return the steps of positions, and the fractions within them."""
         step = np.clip(np.floor(position).astype(int), 0, self.trim.shape[1] - 1)
         return step, position - step
 
     @property
-    def side(self) -> FloatArray:
+    def sign(self) -> FloatArray:
         """Sign of the trim deflection of largest size, of each wind, ``(n,)``."""
         flat = self.trim.reshape(len(self.trim), -1)
         largest = np.argmax(np.abs(flat), axis=-1)[:, np.newaxis]
         return np.asarray(np.sign(np.take_along_axis(flat, largest, axis=-1))[:, 0])
 
     @property
-    def of_two_signs(self) -> BoolArray:
+    def has_two_signs(self) -> BoolArray:
         """Whether the winds change sign, ``(n,)``."""
         low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))
         return np.asarray(np.minimum(-low, high) > _OPPOSITE_FRACTION * np.maximum(-low, high))
@@ -98,7 +99,7 @@ class Curves:
 
     @property
     def highest_limit(self) -> FloatArray:
-        """A limit [rad] that the law never meets, ``(n,)``."""
+        """A limit [rad] that the law never reaches, ``(n,)``."""
         largest = np.maximum(self.largest_trim, np.abs(self.demand[:, -1, 2]))
         return np.asarray(largest * _UNLIMITED_OVER_TRIM)
 
@@ -107,44 +108,44 @@ class Curves:
         """Largest and smallest deflection of ideal trim [rad], ``(n,)`` each."""
         return self._largest(1.0), -self._largest(-1.0)
 
-    def _largest(self, side: float) -> FloatArray:
-        """The largest trim to a side [rad], ``(n,)``: of samples, or where its parabola turns."""
+    def _largest(self, sign: float) -> FloatArray:
+        """Return the largest trim of a sign [rad], ``(n,)``: of samples and vertices."""
         trim = self.trim
-        largest = (side * trim).max(axis=(1, 2))
-        ends = np.maximum(side * trim[..., 0], side * trim[..., 2])
+        largest = (sign * trim).max(axis=(1, 2))
+        ends = np.maximum(sign * trim[..., 0], sign * trim[..., 2])
         bend = np.abs(trim[..., 0] - 2.0 * trim[..., 1] + trim[..., 2])
         # the parabola is within an eighth of its second difference of its chords
-        bound = np.maximum(ends, side * trim[..., 1]) + 0.125 * bend
+        bound = np.maximum(ends, sign * trim[..., 1]) + 0.125 * bend
         case, step = np.nonzero(bound > largest[:, np.newaxis])
-        summit = side * _parabola(trim[case, step], _vertex(trim[case, step]))
+        summit = sign * _parabola(trim[case, step], _vertex(trim[case, step]))
         np.maximum.at(largest, case, summit)
         return np.asarray(largest)
 
     def of(self, cases: IndexArray) -> Curves:
-        """Return the curves of some cases."""
-        return Curves(*(getattr(self, one.name)[cases] for one in fields(self)))
+        """Return the curves of the cases with these indices."""
+        return Curves(*(getattr(self, item.name)[cases] for item in fields(self)))
 
     def limit_of_trim_law(
-        self, paired: BoolArray, side: float | None = None
+        self, paired: BoolArray, sign: float | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the largest min(trim, demand) to either side [rad], and its time [s]: K = 1.
+        """Return the largest min(trim, demand) of either sign [rad], and its time [s]: K = 1.
 
-        It stands at the begin, the middle or the end of a step, where trim has its summit, or where
-        both curves cross. `paired`: where trim must never be limited, ``(n, S, 3)``. `side`: the
-        sign of the only trim that counts. Both are ``(n,)``.
+        It is at the begin, the middle or the end of a step, at the vertex of trim, or at a crossing
+        of both curves. `paired`: where trim must never be limited, ``(n, S, 3)``. `sign`: sign of
+        the trim that counts, by default either. Both are ``(n,)``.
         """
-        lower = _smaller(self.trim, self.demand, side)
+        lower = _smaller(self.trim, self.demand, sign)
         if np.any(paired):
             lower = np.where(paired, np.abs(self.trim), lower)
         flat = lower.reshape(len(lower), -1)
         largest = np.argmax(flat, axis=-1)
         limit = np.take_along_axis(flat, largest[:, np.newaxis], axis=-1)[:, 0]
         at = 0.5 * (largest % 3) + largest // 3
-        case, step = np.nonzero(self._largest_demand(side) > limit[:, np.newaxis])
+        case, step = np.nonzero(self._largest_demand(sign) > limit[:, np.newaxis])
         summit = step + _vertex(self.trim[case, step])
         crossed, crossing = self._crossings(case, step)
         case, position = np.append(case, crossed), np.append(summit, crossing)
-        level = _smaller(self.trim_at(case, position), self.demand_at(case, position), side)
+        level = _smaller(self.trim_at(case, position), self.demand_at(case, position), sign)
         order = np.argsort(level)
         case, position, level = case[order], position[order], level[order]
         larger = level > limit[case]  # the last of equal cases, the largest, stays
@@ -152,10 +153,10 @@ class Curves:
         return limit, self.time_at(np.arange(len(limit)), at)
 
     def _crossings(self, case: IndexArray, step: IndexArray) -> tuple[IndexArray, FloatArray]:
-        """Return the cases and positions at which trim crosses the demand in some steps."""
-        over = self.trim[case, step] - self.demand[case, step]
-        which, half = np.nonzero(over[:, :-1] * over[:, 1:] < 0.0)
-        rising, low = np.sign(over[which, half + 1]), step[which] + 0.5 * half
+        """Return the cases and positions at which trim crosses the demand in the given steps."""
+        gap = self.trim[case, step] - self.demand[case, step]
+        which, half = np.nonzero(gap[:, :-1] * gap[:, 1:] < 0.0)
+        rising, low = np.sign(gap[which, half + 1]), step[which] + 0.5 * half
         case = case[which]
 
         def rises(position: FloatArray, k: IndexArray) -> FloatArray:
@@ -171,12 +172,12 @@ class Curves:
         """Lengths of the steps [s], ``(n, S)``."""
         return np.asarray(self.times[..., 2] - self.times[..., 0])
 
-    def _largest_demand(self, side: float | None) -> FloatArray:
-        """A bound [rad] of the demand within each step, to one side or either, ``(n, S)``."""
+    def _largest_demand(self, sign: float | None) -> FloatArray:
+        """Return an upper bound of the demand in each step [rad], of a sign or both, ``(n, S)``."""
         begin, end = self.demand[..., 0], self.demand[..., 2]
         ends = np.maximum(np.abs(begin), np.abs(end))
-        if side is not None:
-            ends = np.maximum(side * begin, side * end)
+        if sign is not None:
+            ends = np.maximum(sign * begin, sign * end)
         slopes = np.abs(self.demand_slope).sum(axis=-1)
         return np.asarray(ends + _SLOPE_FRACTION * self._lengths * slopes)
 
@@ -185,12 +186,11 @@ class Curves:
 
         Both are ``(n,)``; the limit is NaN for a wind of two signs.
 
-        Trim at a new height leaves the dead band; of several solutions the last has the largest
-        limit.
+        The exit is at a new maximum of trim; of several solutions the last has the largest limit.
         """
-        side = self.side[:, np.newaxis]
-        trim, demand = ((side * x.reshape(len(x), -1)) for x in (self.trim, self.demand))
-        signed = self.of_two_signs
+        sign = self.sign[:, np.newaxis]
+        trim, demand = ((sign * x.reshape(len(x), -1)) for x in (self.trim, self.demand))
+        signed = self.has_two_signs
         if dead_band == 0.0:
             return np.where(signed, np.nan, demand[:, 0]), self.times[:, 0, 0]
         last, after = exit_samples(trim, demand, dead_band)
@@ -202,21 +202,21 @@ class Curves:
         floor = np.maximum(trim[cases, last], 0.0)
 
         def rises(position: FloatArray, k: IndexArray) -> FloatArray:
-            sign = side[k, 0]
-            height = np.maximum(sign * self.trim_at(k, position), floor[k])
-            return np.asarray(height - dead_band * sign * self.demand_at(k, position))
+            of_case = sign[k, 0]
+            height = np.maximum(of_case * self.trim_at(k, position), floor[k])
+            return np.asarray(height - dead_band * of_case * self.demand_at(k, position))
 
         joint = last % 3 == 2  # the end of a step is the begin of the next
         before = np.where(high > low, np.nextafter(high, -np.inf), high)
         position = roots_between(low, np.where(joint & (high == low), high, before), rises)
-        limit = side[:, 0] * self.demand_at(cases, position)
+        limit = sign[:, 0] * self.demand_at(cases, position)
         never = self.largest_trim / dead_band
         stays, largest = after == trim.shape[1], np.argmax(trim, axis=-1)
         position = np.where(stays, 0.5 * (largest % 3) + largest // 3, position)
         limit = np.where(stays, never, limit)
         return np.where(signed, np.nan, limit), self.time_at(cases, position)
 
-    def limit_over_minimum(
+    def limit_with_minimum(
         self, minimum: FloatArray, dead_band: float
     ) -> tuple[FloatArray, FloatArray]:
         """Return `limit_of_dead_band` with 0 < K < 1 where the minimum stands for the demand.
@@ -225,44 +225,44 @@ class Curves:
         ``(n, S, 2)``.
         """
         values = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
-        side = self.side[:, np.newaxis, np.newaxis]
+        sign = self.sign[:, np.newaxis, np.newaxis]
         width = self.times[..., 2:] - self.times[..., :1]  # zero of breakpoints at one time
         rise = np.diff(minimum, axis=-1)
         line = np.divide(rise, width, out=np.zeros_like(rise), where=width > 0.0)
         slopes = np.broadcast_to(line, minimum.shape)
-        return replace(self, demand=side * values, demand_slope=side * slopes).limit_of_dead_band(
+        return replace(self, demand=sign * values, demand_slope=sign * slopes).limit_of_dead_band(
             dead_band
         )
 
-    def heights_over(self, dead_band: float) -> FloatArray:
+    def trim_ratios(self, dead_band: float) -> FloatArray:
         """Return trim over K [rad] at begins of steps and the end of the last, ``(n, S + 1)``.
 
         Infinite where trim is at no new height, and NaN after the step of its last new height:
-        `limit_over_minimum` does not depend on the minimum there, nor before the last time at which
+        `limit_with_minimum` does not depend on the minimum there, nor before the last time at which
         the minimum is above this.
         """
-        trim = self.side[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)
+        trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)
         new, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
-        over = np.where(new, trim / dead_band, np.inf)
+        ratio = np.where(new, trim / dead_band, np.inf)
         last = (trim.shape[1] - 1 - np.argmax(new[:, ::-1], axis=-1)) // 3 + 1
-        at_steps = np.concatenate([over[:, ::3], over[:, -1:]], axis=-1)
+        at_steps = np.concatenate([ratio[:, ::3], ratio[:, -1:]], axis=-1)
         return np.where(steps > last[:, np.newaxis], np.nan, at_steps)
 
-    def meets_again(self, limit: FloatArray) -> BoolArray:
+    def is_crossed_twice(self, limit: FloatArray) -> BoolArray:
         """Return whether trim is above limits [rad] in more than one interval, ``(n,)``."""
         above = np.abs(self.trim.reshape(len(self.trim), -1)) > limit[:, np.newaxis]
         return np.asarray(above[:, 0] + np.sum(above[:, 1:] & ~above[:, :-1], axis=-1) > 1)
 
-    def reaches_both_sides(self, limit: FloatArray) -> BoolArray:
+    def reaches_both_signs(self, limit: FloatArray) -> BoolArray:
         """Return whether trim reaches a limit ``(n,)`` [rad], or nearly so, with both signs."""
         high, low = self._trim_extremes
-        return np.asarray(np.minimum(high, -low) > _BOTH_SIDES_FRACTION * limit) & (limit > 0.0)
+        return np.asarray(np.minimum(high, -low) > _BOTH_SIGNS_FRACTION * limit) & (limit > 0.0)
 
 
-def _smaller(trim: FloatArray, demand: FloatArray, side: float | None) -> FloatArray:
-    """Return min(trim, demand) to either side, or to one, as sizes; zero where signs differ."""
+def _smaller(trim: FloatArray, demand: FloatArray, sign: float | None) -> FloatArray:
+    """Return min(trim, demand) of either sign, or of one, as sizes; zero where signs differ."""
     opposite = (
-        trim * demand <= 0.0 if side is None else np.minimum(side * trim, side * demand) <= 0.0
+        trim * demand <= 0.0 if sign is None else np.minimum(sign * trim, sign * demand) <= 0.0
     )
     return np.where(opposite, 0.0, np.minimum(np.abs(trim), np.abs(demand)))  # NaN stays
 
@@ -279,13 +279,13 @@ def _vertex(values: FloatArray) -> FloatArray:
 
 
 def _parabola(values: FloatArray, u: FloatArray) -> FloatArray:
-    """Return at fractions u of steps the parabola of values ``(..., 3)`` at 0, 1/2 and 1."""
+    """Return values of the parabola through ``(..., 3)`` at 0, 1/2 and 1, at fractions u."""
     a, b, c = values[..., 0], values[..., 1], values[..., 2]
     return np.asarray(a + u * (4.0 * b - 3.0 * a - c + u * 2.0 * (a - 2.0 * b + c)))
 
 
 def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatArray) -> FloatArray:
-    """Return at fractions u of steps Hermite's cubic of values and slopes at their ends."""
+    """Return values of Hermite's cubic of end values and end slopes, at fractions u of steps."""
     a, b = values[..., 0], values[..., 2]
     s, e = length * slopes[..., 0], length * slopes[..., 1]
     quadratic, cubic = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
@@ -293,7 +293,7 @@ def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatA
 
 
 def _new_heights(trim: FloatArray) -> BoolArray:
-    """Return where trim ``(n, k)`` is at a new maximum, above zero."""
+    """Return whether trim ``(n, k)`` is at a new maximum, above zero."""
     highest = np.maximum.accumulate(trim, axis=-1)
     return np.asarray((trim >= highest * (1.0 - _HEIGHT_TOLERANCE)) & (trim > 0.0))
 

@@ -95,13 +95,13 @@ class Equations:
             unstable_modes_of(nominal[:, 0, 0, :, :order], fewest=2),
         )
 
-    def over(self, times: FloatArray) -> Self:
+    def at_steps(self, times: FloatArray) -> Self:
         """Return the equations at times [s] of steps, which are the same at all times."""
         return self
 
     @property
     def breakpoints(self) -> FloatArray:
-        """Times [s] between which the equations are smooth, beside those of the wind: none."""
+        """Breakpoints [s] of the equations, in addition to the breakpoints of the wind: none."""
         return np.empty(0)
 
     @property

@@ -29,7 +29,7 @@ class UnstableModes:
         Positions in the batch, ``(n,)``.
     poles, costates : ndarray
         Poles s [1/s] ``(n, k)`` and left eigenvectors ``(n, k, m)``, A^T p = s p; of a complex pair
-        that of positive frequency.
+        the pole of positive frequency.
     """
 
     cases: IndexArray
@@ -45,7 +45,7 @@ class UnstableModes:
         Parameters
         ----------
         end : ndarray
-            Costate and control reach of the fastest mode, ``(n, m + 1)``: those of the rest of a
+            Costate and control reach of the fastest mode, ``(n, m + 1)``, of the rest of a
             flight are not the eigenvector.
         column : ndarray
             Column b of the deflection, ``(n, m)``.
@@ -114,7 +114,7 @@ def minimum_peaks(
         States beyond attitude and rate that trim has led to at the ends of steps,
         ``(n, S + 1, m - 2)``.
     heights : ndarray, optional
-        Trim over K [rad] from which steps on minimum peaks are known, see `Curves.heights_over`:
+        Trim over K [rad] from which steps on minimum peaks are known, see `Curves.trim_ratios`:
         backwards to the first above it.
     """
     *columns, end = march

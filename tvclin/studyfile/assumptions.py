@@ -10,7 +10,7 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.case.case import FROZEN
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
-from tvclin.requirement.study import OUTLASTS, outlasts_one_pole
+from tvclin.requirement.study import OUTLASTS, outlasts_single_pole
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import nominal_notes
 from tvclin.studyfile.study_verdict import SURVIVES
@@ -146,7 +146,7 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
         return
     tau = significant("validity.duration", float(s.wind.duration), unit="s")
     upto = significant("validity.edge", edge, 3, unit="s")
-    if outlasts_one_pole(s):
+    if outlasts_single_pole(s):
         begin = "The slow motion of the flight path counts: the wind lasts "
         end = " up to which it may be neglected; more may be required than the boundary says."
         yield Assumption("doubt", (begin, *tau, ", longer than the ", *upto, end))

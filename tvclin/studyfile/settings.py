@@ -78,7 +78,7 @@ def with_settings(source: str, settings: Iterable[tuple[str, str]]) -> str:
     Parameters
     ----------
     source : str
-        As of `load_study`. A vehicle, or a flight schedule, becomes a study of that.
+        See `load_study`. A vehicle, or a flight schedule, becomes a study of that.
     settings : iterable of (str, str)
         Keys with their table, and their values as in a TOML file, strings without quotes; "none"
         removes a key. Keys in another unit, or that exclude the new one, are replaced.

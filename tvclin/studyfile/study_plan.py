@@ -49,7 +49,7 @@ class StudyPlan(Case):
     seed : int
         Seed of the dispersed cases.
     method : str
-        Sampling of the dispersed cases: "plain", "sobol" or "latin", as of `draw`.
+        Sampling of the dispersed cases: "plain", "sobol" or "latin"; see `draw`.
     probability : float
         Fraction of dispersed flights that the deflection is to cover.
     confidence : float

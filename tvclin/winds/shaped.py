@@ -207,7 +207,7 @@ class ShapedWind:
         Parameters
         ----------
         values : dict
-            Dispersed values, as of `history`.
+            Dispersed values; see `history`.
         attitude : array_like
             Attitude of the flight of each case [rad].
 

@@ -32,7 +32,7 @@ from tvclin.ensembles.availability.sounding_winds import (
     growth_of,
 )
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS
-from tvclin.requirement.encountered_requirement import own_sign
+from tvclin.requirement.encountered_requirement import uses_encountered_pressure
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import checked_gust
@@ -164,7 +164,7 @@ def availability(
         gust=gust,
         gust_speed=gust_speed,
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
-        pressure=own_sign(sign),
+        pressure=uses_encountered_pressure(sign),
     )
     bounds = judge.requirements(soundings, progress)
     added, growth_notes = _added(growth, bounds.lower, bounds.upper, soundings)

@@ -16,7 +16,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.ensembles.availability.sounding_winds import FlightPath, LineWinds, WindGrowth
 from tvclin.requirement.flight.flight_requirement import FlightMode
 from tvclin.requirement.time_varying import (
-    FLIGHT_PARTS,
+    FLIGHT_SUBSTEPS,
     LimitedFlights,
     curves,
     decided_by_flights,
@@ -118,12 +118,12 @@ class PlaneMarch:
     @cached_property
     def _flight_steps(self) -> tuple[FloatArray, Equations]:
         """Times [s] of the steps of flights, and the equations at these times."""
-        return self._equations_in(FLIGHT_PARTS)
+        return self._equations_in(FLIGHT_SUBSTEPS)
 
     def _equations_in(self, parts: int) -> tuple[FloatArray, Equations]:
         """Return times [s] of even steps, each in `parts`, and the equations at these times."""
         steps = even_steps(self.fastest, (self.path.time[0], self.path.time[-1]), parts)
-        return steps, self.motion.over(steps)
+        return steps, self.motion.at_steps(steps)
 
     def curves(self, winds: LineWinds, pressure: bool) -> Curves:
         """Return the curves of trim and demand [rad] of winds over time."""

@@ -28,7 +28,7 @@ from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions, modes_nominal
 from tvclin.ensembles.random_numbers import METHODS
 from tvclin.linear.plant import Plant
-from tvclin.requirement.encountered_requirement import directions_of, own_sign
+from tvclin.requirement.encountered_requirement import directions_of, uses_encountered_pressure
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
@@ -181,7 +181,7 @@ class Campaign(Case):
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
         if isinstance(self.wind, WindEnsemble):
-            own_sign(self.sign)
+            uses_encountered_pressure(self.sign)
         _ = self.gains  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
 

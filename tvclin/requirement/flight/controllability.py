@@ -65,11 +65,11 @@ class ControllabilityRatio(Shown):
     @derived()
     def words(self) -> str:
         """The ratio against its goal and its limit, in words."""
-        known = " where the winds are known" if self.takes.not_sized else ""
+        defined = " where the winds are known" if self.takes.not_sized else ""
         if self.ratio > GOAL:
-            return f"above the goal of {GOAL:g}{known}"
+            return f"above the goal of {GOAL:g}{defined}"
         if self.ratio > LEAST:
-            return f"above the limit of {LEAST:g}, below the goal of {GOAL:g}{known}"
+            return f"above the limit of {LEAST:g}, below the goal of {GOAL:g}{defined}"
         return f"below the limit of {LEAST:g}"
 
     @property
@@ -109,19 +109,19 @@ def controllability_ratio(
     thrust_offset: float = 0.0,
     gravity_offset: float = 0.0,
 ) -> ControllabilityRatio:
-    """Return the least controllability ratio over the flight times of a sizing.
+    """Return the minimum controllability ratio over the flight times of a sizing.
 
     Parameters
     ----------
     sizing : Sizing
-        Its trim is that of winds with their gusts.
+        The sizing, whose trim includes gusts.
     limit : float
         Available deflection [rad].
     gust : array_like
         Peak of the gust [rad] in them, one or of each flight time, ``(n,)``: its trim counts as
         random, and not with theirs.
     thrust_offset, gravity_offset : float
-        As of `total_deflection`.
+        See `total_deflection`.
 
     Raises
     ------
@@ -179,5 +179,7 @@ def _trims(sizing: Sizing, gusts: FloatArray) -> Iterator[tuple[float, float, fl
         fixed = np.isfinite(sizing.concurrent.deflection)
         trim = np.where(fixed, sizing.concurrent.deflection, trim)
         time = np.where(fixed, sizing.concurrent.time, time)
-    known = np.isfinite(trim)
-    yield from zip(time[known].tolist(), trim[known].tolist(), gust[known].tolist(), strict=True)
+    defined = np.isfinite(trim)
+    yield from zip(
+        time[defined].tolist(), trim[defined].tolist(), gust[defined].tolist(), strict=True
+    )

@@ -10,13 +10,13 @@ The unstable component p.x goes to zero in the end exactly when
     integral of p.b delta + p.w alpha_w dt = 0,
 
 which for constant parameters, p = e^(-s t) times the left eigenvector, is eq (4b). Integrated
-backwards, every costate p turns into that of the unstable mode. The control reach R is the effect
-on the unstable component of a unit deflection that is constant from t on.
+backwards, every costate p turns into the costate of the unstable mode. The control reach R is the
+effect on the unstable component of a unit deflection that is constant from t on.
 
-Both are marched backwards from the end of the flight, where they are those of the vehicle frozen as
-it is there, by the rule of Runge and Kutta, and scaled to ``|p| = 1`` after each step. The error is
-of fourth order in the steps, below 1e-6 at the length taken here. Parts of a flight in which the
-moment of a wind has the other sign are separate.
+Both are marched backwards from the end of the flight, where they are the values of the vehicle
+frozen as it is there, by the rule of Runge and Kutta, and scaled to ``|p| = 1`` after each step.
+The error is of fourth order in the steps, below 1e-6 at the length taken here. Parts of a flight in
+which the moment of a wind has the other sign are separate.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ class FlightMode:
         """Times [s] of the schedule, between which the equations are smooth."""
         return self.schedule.times
 
-    def over(self, times: FloatArray) -> Equations:
+    def at_steps(self, times: FloatArray) -> Equations:
         """Return the equations at times [s] of the steps of one wind, ``(1, S, 3)``.
 
         The costate at the end of the wind includes the remaining flight.
@@ -298,7 +298,7 @@ class FlightRequirement:
 
 
 def flight_requirement(
-    mode: FlightMode, wind: NominalWind, dead_bands: FloatArray, whole: NominalWind | None = None
+    mode: FlightMode, wind: NominalWind, dead_bands: FloatArray, complete: NominalWind | None = None
 ) -> FlightRequirement:
     """Return the deflections that a wind requires of a vehicle along its flight.
 
@@ -310,13 +310,13 @@ def flight_requirement(
         One wind that ends.
     dead_bands : ndarray
         K, each in [0, 1], ``(k,)``.
-    whole : NominalWind or FlightWind, optional
+    complete : NominalWind or FlightWind, optional
         The same with what blows to the other side, where `wind` is its part to one: what a law with
         K = 1 encounters.
     """
     times = wind.history.probe_times(_SAMPLES_BETWEEN)
     trim = np.abs(mode.trim_per_wind(times) * wind.history(times))
-    trimmed = requirement_of_parts(mode, whole or wind, 1.0)
+    trimmed = requirement_of_parts(mode, complete or wind, 1.0)
     required, _, exits = np.transpose(
         [trimmed if K == 1.0 else requirement_of_parts(mode, wind, K) for K in dead_bands.tolist()]
     )
@@ -331,18 +331,18 @@ def requirement_of_parts(
 ) -> tuple[float, float, float]:
     """Return required deflection and minimum [rad], and the exit time [s], of parts of a flight.
 
-    The larger of all parts; the time is that of the part that requires most.
+    The largest of all intervals counts, with its time.
     """
     parts = mode.schedule.one_sign_intervals
-    ends = [mode.span[0], *(part.span[0] for part in parts[1:]), mode.span[1]]
+    ends = [mode.span[0], *(interval.span[0] for interval in parts[1:]), mode.span[1]]
     begins, stops = float(wind.history.onset), float(wind.history.end)
-    whole = not any(begins < end < stops for end in ends[1:-1])
-    if whole:
+    complete = not any(begins < end < stops for end in ends[1:-1])
+    if complete:
         parts, ends = (mode.schedule,), list(mode.span)
     required, minimum, time = 0.0, 0.0, np.nan
-    for part, (start, stop) in zip(parts, pairwise(ends), strict=True):
-        inside = mode if whole else FlightMode(part, mode.model, mode.plane, (start, stop))
-        inner = wind if whole else wind.between(start, stop)
+    for interval, (start, stop) in zip(parts, pairwise(ends), strict=True):
+        inside = mode if complete else FlightMode(interval, mode.model, mode.plane, (start, stop))
+        inner = wind if complete else wind.between(start, stop)
         if inside.unstable and not inner.calm:
             result = varying_requirement(inside, inner, dead_band)
             if not (np.isnan(required) or result.required[0] <= required):
@@ -382,12 +382,12 @@ def frozen_requirement(
     wind: History,
     dead_bands: FloatArray,
     law: str,
-    whole: History | None = None,
+    complete: History | None = None,
 ) -> FrozenRequirement:
     """Return the requirements [rad] of a wind that ends, at dead bands ``(k,)``.
 
     With the law "bound" `no_forecast` is the bound of all laws without a forecast, with "flown" the
-    smallest limit that the recoverable-attitude law survives with. `whole` is the wind with the
+    smallest limit that the recoverable-attitude law survives with. `complete` is the wind with the
     angles of both signs.
     """
     said: list[str] = []
@@ -403,7 +403,7 @@ def frozen_requirement(
 
     def largest() -> FloatArray:
         nonlocal paired
-        limit = required_deflection(plant, wind, dead_bands, whole=whole)
+        limit = required_deflection(plant, wind, dead_bands, complete=complete)
         statuses = dict.fromkeys(np.ravel(limit.status).tolist())
         said.extend(status for status in statuses if status not in (OK, STABLE))
         paired = PAIRED_POLES in statuses

@@ -222,7 +222,7 @@ class SizingRequest:
         Column 'no forecast': bound, the lower bound for all laws without a forecast, or flown, what
         such a law needs in flight (slow).
     varying : bool, optional
-        Let parameters vary while the wind blows, or take those of each flight time alone.
+        Whether parameters vary during the wind, or are frozen at each flight time.
     count : str, optional
         Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...
     dispersion : float
@@ -485,7 +485,11 @@ class SizingRequest:
         return [
             f"in {', '.join(self.soundings)} only what blows{scope} to the side on which it is"
             " largest counts",
-            *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
+            *(
+                f"{k}: {note}"
+                for k, sounding in self.soundings.items()
+                for note in sounding.profile.notes
+            ),
         ]
 
 

@@ -197,8 +197,8 @@ def _validity_cells(s: Sizing, i: int, wind: int | None) -> list[Line]:
     """Return the cells of validity at a flight time: of a wind, or the marks of all winds."""
     if wind is not None:
         change = number(f"{_key(i, wind)}.change_percent", 100.0 * s.change[i, wind], 1)
-        one_pole, data = not s.beyond_single_pole[i, wind], s.covered[i, wind]
-        return [change, ("yes" if one_pole else "no",), ("yes" if data else "no",)]
+        single_pole, data = not s.beyond_single_pole[i, wind], s.covered[i, wind]
+        return [change, ("yes" if single_pole else "no",), ("yes" if data else "no",)]
     return [(_marks(s, i),)]
 
 

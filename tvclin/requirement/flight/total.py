@@ -127,8 +127,8 @@ class DeflectionTotal(Shown):
     def verdict(self) -> tuple[Cell, ...]:
         """The verdict on the limit, and where the total is not known, each as a line."""
         verdicts: list[Cell] = []
-        if self.limit is not None and self.left is not None:
-            remaining = degrees("total.left", abs(self.left), unit="deg")
+        if self.limit is not None and self.remaining is not None:
+            remaining = degrees("total.left", abs(self.remaining), unit="deg")
             words = " remaining after the reserve" if self.reserve else " remaining"
             line: Cell = (f"{sufficiency(True)}, ", *remaining, words)
             if self.sufficient is None:
@@ -204,7 +204,7 @@ class DeflectionTotal(Shown):
 
     @property
     @derived("angle", card=False, document=False)
-    def left(self) -> float | None:
+    def remaining(self) -> float | None:
         """Remaining deflection [rad]: limit minus reserve and total; negative if insufficient."""
         return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
 
@@ -218,16 +218,16 @@ def total_table(total: DeflectionTotal, counted: str = "") -> Table:
         reserve = significant("total.reserve_percent", 100 * total.reserve, unit="%")
         needed = degrees("total.required", total.required)
         rows.append((("limit that keeps ", *reserve, " in reserve"), ("",), needed))
-    known = " of those that are known" if total.not_sized else ""
-    return Table(f"All that takes deflection{at_time(total, 'the', known)}", HEAD, tuple(rows))
+    defined = " of those that are known" if total.not_sized else ""
+    return Table(f"All that takes deflection{at_time(total, 'the', defined)}", HEAD, tuple(rows))
 
 
-def at_time(total: DeflectionTotal, whose: str, known: str = "") -> str:
+def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
     """Return the worst flight time of a total as the end of a caption, with the end that it is."""
     if total.time is None:
         return ""
     end = f", {total.end}" if total.end else ""
-    return f" at {whose} worst flight time{known}, {total.time:.5g} s{end}"
+    return f" at {whose} worst flight time{defined}, {total.time:.5g} s{end}"
 
 
 def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:
@@ -314,13 +314,13 @@ def total_deflection(
         float(np.asarray(x))
         for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
     )
-    turned = number("thrust_offset", thrust_offset, small_angle("an angle"), "rad")
+    rotated = number("thrust_offset", thrust_offset, small_angle("an angle"), "rad")
     aside = number("gravity_offset", gravity_offset, finite, "m")
     lines = (
         Line("nominal flight", abs(number("nominal", nominal, small_angle("a deflection"), "rad"))),
         Line("wind", abs(number("wind", wind, finite, "rad"))),
         Line("dispersions", number("dispersion", dispersion, nonnegative, "rad"), "random"),
-        Line("thrust offset", thrust * float(np.sin(abs(turned))) / slope, "random"),
+        Line("thrust offset", thrust * float(np.sin(abs(rotated))) / slope, "random"),
         Line("centre of gravity offset", abs((thrust - axial) * aside / (slope * arm)), "random"),
     )
     time = None if vehicle.time is None else float(np.asarray(vehicle.time))
@@ -347,9 +347,10 @@ def worst_total(
     dispersion : float
         What dispersions add, as a part of the wind's requirement: 0.3 is 30 percent.
     rate_limit : float, optional
-        Of the nozzle [rad/s]: what the wind needs is then that of a ramp at this rate.
+        Rate limit of the nozzle [rad/s]; the requirement of the wind is then for a ramp at this
+        rate.
     **offsets
-        thrust_offset, gravity_offset, reserve and limit, as of `total_deflection`.
+        thrust_offset, gravity_offset, reserve and limit; see `total_deflection`.
 
     Raises
     ------

@@ -29,7 +29,7 @@ from tvclin.linear.response import attitude_responses
 from tvclin.requirement.case_requirement import CaseRequirement, case_requirement
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.requirement.plane_requirement import direction_notes
-from tvclin.requirement.study import along_the_path, doubts, gust_placed
+from tvclin.requirement.study import along_the_path, gust_placed, vehicle_warnings
 from tvclin.show.explorer.choices import CONTROLS, LONGEST, REPORT, Choices
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.histories import History
@@ -173,7 +173,7 @@ class Answer:
 
     `boundary`: required deflection [rad] over the durations of the wind [s]; `requirement`: that of
     the chosen duration. `remaining`: for each remaining step, whether it is slow. `outcome`: status
-    of the flight of a law, as of `FlownCases`. `notes`: reasons, omissions and warnings.
+    of the flight of a law; see `FlownCases`. `notes`: reasons, omissions and warnings.
     """
 
     choices: Choices
@@ -267,7 +267,7 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
     plane_notes = [_BOTH.format(plan.plane)] if requirement.judges_both_planes else []
     return [
         *linear_notes(requirement.wind_angle),
-        *doubts(plan.vehicle),
+        *vehicle_warnings(plan.vehicle),
         *gust_placed(choices.wind, requirement.wind_in_plane),
         *along_the_path(requirement),
         *(plane_notes or direction_notes(requirement.planes, plan.plane, False, calm)),

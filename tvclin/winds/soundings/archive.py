@@ -48,7 +48,7 @@ class Soundings:
     Parameters
     ----------
     height, east, north : array_like
-        As of `WindProfile`, ``(m,)``, ascending within each sounding.
+        See `WindProfile`, ``(m,)``, ascending within each sounding.
     offsets : array_like of int
         Where each sounding begins, and the end, ``(n + 1,)``.
     times : array_like of datetime64
