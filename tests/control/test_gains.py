@@ -178,7 +178,7 @@ def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
         (lambda: tv.control.load_minimum_gains(1.0, **FAST), "plant must be a Coefficients"),
         (
             lambda: tv.control.canonical_gains(COEFFICIENTS.replace(mu_alpha=[0.2, -0.4])),
-            "aerodynamically unstable vehicle, .* got -0.4 .*natural_frequency and use design_gai",
+            "aerodynamically unstable vehicle, .* got -0.4 .*give natural_frequency",
         ),
         (
             lambda: tv.design_gains(COEFFICIENTS, natural_frequency=1e200, damping=0.7),

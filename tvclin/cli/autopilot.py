@@ -258,7 +258,6 @@ class _Answer:
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
         compared, (force, across) = self.compared, self.loads
-        bounds = {f"{K:g}": degrees(boundary) for K, boundary in compared.boundaries.items()}
         return {
             "vehicle": self.case.vehicle.name,
             "model": self.case.plant.model,
@@ -272,13 +271,9 @@ class _Answer:
             "peak_normal_force_N": force,
             "peak_lateral_speed_m_s": across,
             "trim_deg": degrees(compared.trim_deflection),
-            "boundaries_deg": bounds,
+            "boundaries_deg": {f"{K:g}": degrees(y) for K, y in compared.boundaries.items()},
             "worst_duration": self.worst,
-            "criteria": {
-                "name": self.case.held_to.name,
-                "limits": self.case.held_to.limits,
-                "met": self.criteria_satisfied,
-            },
+            "criteria": self._criteria_document(),
             "limit_deg": self.limit,
             "autopilot_requirement_deg": self.flown and degrees(self.flown.deflection),
             "autopilot_requirement_nominal_deg": self.flown
@@ -289,6 +284,11 @@ class _Answer:
             "notes": (*self.notes, *self.loop_notes),
             **({} if self.sought is None else {"least": self.sought}),
         }
+
+    def _criteria_document(self) -> dict[str, Any]:
+        """Return name, limits and verdict of the criteria, for JSON."""
+        criteria = self.case.held_to
+        return {"name": criteria.name, "limits": criteria.limits, "met": self.criteria_satisfied}
 
     def print(self, title: str) -> None:
         """Print the autopilot, its requirement and the verdict, and the search for its gains."""

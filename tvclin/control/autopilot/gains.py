@@ -73,7 +73,7 @@ def canonical_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
     if mu_alpha <= 0.0:
         raise InputError(
             "canonical gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
-            f" {mu_alpha:.6g} 1/s^2 (choose a natural_frequency and use design_gains instead)"
+            f" {mu_alpha:.6g} 1/s^2; give natural_frequency for gains by pole placement"
         )
     with np.errstate(over="ignore"):  # an Autopilot refuses what is not finite
         B, rate = coefficients.B, coefficients.B / coefficients.beta
