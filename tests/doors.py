@@ -1258,7 +1258,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.nozzle.flight_duty,
             {
                 "case": carded,
-                "asked": once,
+                "request": once,
                 "law": "autopilot",
                 "noise": 1e-4,
                 "seed": 1,
@@ -1411,7 +1411,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "report_html": Door(tv.report_html, {"source": study}),
         "required_deflection": Door(
             tv.required_deflection,
-            {**history, "dead_band": 1.0, "whole": wind - 0.5 * wind.shift(9.0)},
+            {**history, "dead_band": 1.0, "two_sided": wind - 0.5 * wind.shift(9.0)},
         ),
         "residues": Door(tv.residues, both),
         "resume_campaign": Door(

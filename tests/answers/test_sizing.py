@@ -171,7 +171,7 @@ def test_what_is_doubtful_is_said(configuration_i) -> None:
     for words in (
         "must not change its sign",
         "frozen parameters are doubtful",
-        "outside the sched",
+        "beyond the sched",
     ):
         assert words in said
     # beta changes as the root of N, B as N itself: from 56 to 76 s, over 66 s

@@ -26,7 +26,7 @@ def test_systematic_lines_add_and_random_ones_add_in_squares() -> None:
     assert found.total == pytest.approx(0.035)
     assert found.required == pytest.approx(0.05)
     assert found.sufficient is True
-    assert found.left == pytest.approx(0.0, abs=1e-15)
+    assert found.remaining == pytest.approx(0.0, abs=1e-15)
     assert DeflectionTotal(lines, reserve=0.3, limit=0.0499).sufficient is False
     assert DeflectionTotal(lines).sufficient is None
 

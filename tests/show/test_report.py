@@ -630,7 +630,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     total = enough.flight[1]
     left = np.degrees(0.9 * total.limit - total.total)
     page = section(enough, "flight")
-    assert page.values["total.left_deg"] == pytest.approx(left, rel=1e-12)
+    assert page.values["total.remaining_deg"] == pytest.approx(left, rel=1e-12)
     assert "remaining after the reserve" in page.text
 
 

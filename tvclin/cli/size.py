@@ -198,7 +198,7 @@ def size(
         "total": total,
         "controllability": ratio,
         "notes": [*sizing.notes, *said],
-        "verdict": document(total, "limit", "sufficient", "left", "not_sized"),
+        "verdict": document(total, "limit", "sufficient", "remaining", "not_sized"),
     }
     answer(
         as_json,

@@ -193,7 +193,7 @@ def flight_duty(
     >>> card.verdict.met, round(card.largest["rate_deg_per_s"], 1)
     (True, 0.3)
     """
-    instance("asked", request, SizingRequest, "see load_sizing")
+    instance("request", request, SizingRequest, "see load_sizing")
     one_of("law", law, LAWS)
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")

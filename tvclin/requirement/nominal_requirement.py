@@ -74,7 +74,7 @@ def required_deflection(
     wind: History,
     dead_band: ArrayLike = 1.0,
     *,
-    complete: History | None = None,
+    two_sided: History | None = None,
 ) -> RequiredDeflection:
     """Return the required deflection [rad] of linear theory in a wind of one sign.
 
@@ -89,7 +89,7 @@ def required_deflection(
         Wind angle of attack that does not change its sign; batches broadcast.
     dead_band : array_like
         K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
-    complete : History, optional
+    two_sided : History, optional
         The same wind with what blows to the other side, where `wind` is its part to one side. The
         minimum and the trim law meet it; what drifts to the other side first may cost deflection.
 
@@ -127,19 +127,20 @@ def required_deflection(
     boundary = boundary_limit(plant, wind, K, "literal")
     needs = open_loop_requirements(plant, wind, K, boundary)
     law_wind = wind
-    if complete is not None:
-        instance("whole", complete, History, "the wind with what blows to the other side")
-        if complete.batch != wind.batch:
+    if two_sided is not None:
+        instance("two_sided", two_sided, History, "the wind with what blows to the other side")
+        if two_sided.batch != wind.batch:
             raise InputError(
-                f"whole must be the same winds as wind, of shape {wind.batch}; got {complete.batch}"
+                f"whole must be the same winds as wind, of shape {wind.batch}; got"
+                f" {two_sided.batch}"
             )
-        law_wind = complete
-        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], minimum_peaks(plant, complete))
+        law_wind = two_sided
+        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], minimum_peaks(plant, two_sided))
     open_loop = np.max(list(needs.values()), axis=0)
     rate, paired = leading_pole(plant)
     single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)
     limited = (K == 1.0) & single_pole
-    if plant.model == "fixed-path" and complete is None:
+    if plant.model == "fixed-path" and two_sided is None:
         limited = limited & _has_second_rise(wind)
     second_rise = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
     cases = np.broadcast_to(limited | second_rise, open_loop.shape)

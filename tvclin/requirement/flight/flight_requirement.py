@@ -298,7 +298,10 @@ class FlightRequirement:
 
 
 def flight_requirement(
-    mode: FlightMode, wind: NominalWind, dead_bands: FloatArray, complete: NominalWind | None = None
+    mode: FlightMode,
+    wind: NominalWind,
+    dead_bands: FloatArray,
+    two_sided: NominalWind | None = None,
 ) -> FlightRequirement:
     """Return the deflections that a wind requires of a vehicle along its flight.
 
@@ -310,13 +313,13 @@ def flight_requirement(
         One wind that ends.
     dead_bands : ndarray
         K, each in [0, 1], ``(k,)``.
-    complete : NominalWind or FlightWind, optional
+    two_sided : NominalWind or FlightWind, optional
         The same with what blows to the other side, where `wind` is its part to one: what a law with
         K = 1 encounters.
     """
     times = wind.history.probe_times(_SAMPLES_BETWEEN)
     trim = np.abs(mode.trim_per_wind(times) * wind.history(times))
-    trimmed = requirement_of_parts(mode, complete or wind, 1.0)
+    trimmed = requirement_of_parts(mode, two_sided or wind, 1.0)
     required, _, exits = np.transpose(
         [trimmed if K == 1.0 else requirement_of_parts(mode, wind, K) for K in dead_bands.tolist()]
     )
@@ -403,7 +406,7 @@ def frozen_requirement(
 
     def largest() -> FloatArray:
         nonlocal paired
-        limit = required_deflection(plant, wind, dead_bands, complete=complete)
+        limit = required_deflection(plant, wind, dead_bands, two_sided=complete)
         statuses = dict.fromkeys(np.ravel(limit.status).tolist())
         said.extend(status for status in statuses if status not in (OK, STABLE))
         paired = PAIRED_POLES in statuses

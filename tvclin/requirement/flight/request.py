@@ -292,7 +292,7 @@ class SizingRequest:
         """
         if self.count is not None:
             return requirement_among("count", self.count, sizing.required)
-        instance("found", sizing, Sizing, "see sizing()")
+        instance("sizing", sizing, Sizing, "see sizing()")
         if sign is not None:
             one_of("sign", sign, (*SIGNS, FROZEN))
         base, worst = base_requirement(sizing), sizing.worst
@@ -424,7 +424,7 @@ class SizingRequest:
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
         """Return the controllability ratio of a sizing; None without a limit or any known trim."""
         instance("case", case, Case, "of a wind and a nozzle")
-        instance("found", sizing, Sizing, "see sizing()")
+        instance("sizing", sizing, Sizing, "see sizing()")
         if case.nozzle.limit is None or np.all(np.isnan(sizing.required[TRIM])):
             return None
         gust = self._flight_winds(case).gust
