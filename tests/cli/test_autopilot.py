@@ -34,11 +34,14 @@ def test_margins_equal_the_library():
     assert all(one["source"] for one in document["criteria"]["limits"])
 
 
+GAIN_MARGINS = ("aero_margin_dB", "gain_increase_dB")
+
+
 def test_criteria_decide_the_exit_code():
     gains = ("margins", "--natural-frequency", "1")
     assert run(*gains).exit_code == 0
-    assert run(*gains, "--phase-deg", "80").exit_code == 1
-    assert run(*gains, "--delay-margin-ms", "2000").exit_code == 1
+    assert run(*gains, "--set", "criteria.phase_margin_deg=80").exit_code == 1
+    assert run(*gains, "--set", "criteria.delay_margin_ms=2000").exit_code == 1
     assert "NOT MET" in run("margins").output
 
 
@@ -48,7 +51,8 @@ def test_a_gain_margin_may_be_asked_for_in_decibels():
     margins = tv.design_gains(plant.coefficients, **rule).margins(plant)
     least = min(margins.aero_margin_dB, 20.0 * np.log10(margins.gain_increase))
     for asked, code in ((least - 1e-6, 0), (least + 1e-6, 1)):
-        result = run("margins", "--natural-frequency", "1", "--gain-db", repr(float(asked)))
+        both = [("--set", f"criteria.{name}={float(asked)!r}") for name in GAIN_MARGINS]
+        result = run("margins", "--natural-frequency", "1", *both[0], *both[1])
         assert result.exit_code == code
 
 
@@ -74,7 +78,7 @@ def test_no_margins_and_notes_fit_a_terminal(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     gains = ("--attitude-gain", "2", "--rate-gain", "1.5")
     lost = run("margins", *gains, "--delay-ms", "900")
-    endless = run("margins", *gains, "--actuator-frequency", "0")
+    endless = run("margins", *gains, "--set", "nozzle.actuator_frequency_rad_per_s=0")
     assert "NO MARGINS" in lost.output
     assert "Note: gain-increase margin inf" in endless.output
     for result in (lost, endless):
@@ -264,8 +268,14 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
             "--natural-frequency must be between 1e-09 and",
         ),
         (
-            ["margins", "--natural-frequency", "1", "--actuator-frequency", "1e200"],
-            "natural_frequency must be between 1e-09 and 1e+09",
+            [
+                "margins",
+                "--natural-frequency",
+                "1",
+                "--set",
+                "nozzle.actuator_frequency_rad_per_s=1e200",
+            ],
+            "actuator_frequency must be between 1e-09 and 1e+09",
         ),
         (
             ["margins", "--natural-frequency", "1", "--delay-ms", "1e-200"],
@@ -327,14 +337,15 @@ def test_flown_margins_need_a_limit_that_is_enough():
 
 
 def test_an_autopilot_says_by_what_it_is_judged() -> None:
-    given = ("autopilot", "configuration-i", "--gain-db", "4", "--delay-margin-ms", "20")
+    given = ("autopilot", "configuration-i", "--set", "criteria.delay_margin_ms=20")
+    given += tuple(w for name in GAIN_MARGINS for w in ("--set", f"criteria.{name}=4"))
     printed, told = run(*given), json.loads(run(*given, "--json").stdout)["criteria"]
 
     asked = {one["margin"]: (one["limit"], one["source"]) for one in told["limits"]}
-    assert asked["delay_margin"] == (0.02, "the command line")
-    assert asked["gain_increase_dB"] == (4.0, "the command line")
+    assert asked["delay_margin"] == (0.02, "the study file")
+    assert asked["gain_increase_dB"] == (4.0, "the study file")
     assert asked["phase_margin_deg"][0] == 30.0
-    assert asked["phase_margin_deg"][1] != "the command line"  # it was not changed
+    assert asked["phase_margin_deg"][1] != "the study file"  # it was not changed
     words = "(aero margin 4 dB, gain increase 4 dB, phase margin 30 deg, delay margin 20 ms)"
     assert words in " ".join(printed.output.split())
 
@@ -363,6 +374,6 @@ def test_an_actuator_is_called_assumed_until_it_is_specified_even_by_the_same_nu
         shown = CliRunner().invoke(app, ["study", f"{tmp_path}/s.toml"])
         assert (said in shown.stdout) is assumed
 
-    options = ["--actuator-frequency", "25.1"]
+    options = ["--set", "nozzle.actuator_frequency_rad_per_s=25.1"]
     assert said in CliRunner().invoke(app, ["margins"]).stdout
     assert said not in CliRunner().invoke(app, ["margins", *options]).stdout

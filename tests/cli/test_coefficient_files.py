@@ -131,13 +131,15 @@ def test_a_wrong_file_is_one_sentence(tmp_path: Path, text: str, said: str) -> N
 
 
 def test_an_actuator_in_hertz_is_the_one_in_radians() -> None:
+    both = (
+        "nozzle.actuator_frequency_Hz=4",
+        f"nozzle.actuator_frequency_rad_per_s={8.0 * np.pi!r}",
+    )
     one, other = (
-        json.loads(run("margins", "--json", option, value).stdout)["autopilot"]["actuator"]
-        for option, value in (
-            ("--actuator-hz", "4"),
-            ("--actuator-frequency", repr(8.0 * np.pi)),
-        )
+        json.loads(run("margins", "--json", "--set", key).stdout)["autopilot"]["actuator"]
+        for key in both
     )
 
     assert one == other
-    assert run("margins", "--actuator-hz", "4", "--actuator-frequency", "25").exit_code == 2
+    refused = run("margins", "--set", both[0], "--set", both[1])
+    assert "exclude each other" in refused.output

@@ -12,7 +12,7 @@ from tvclin.cli.app import app
 from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 GAINS = ("--attitude-gain", "0.2", "--rate-gain", "0.2", "--delay-ms", "20")
-FREQUENCY = ("--actuator-frequency", "10")
+FREQUENCY = ("--set", "nozzle.actuator_frequency_rad_per_s=10")
 """Of an actuator slow enough to keep the second and third mode small."""
 
 
@@ -57,17 +57,28 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
 
 
 def test_modes_are_judged_where_the_command_line_asks_it_of_them():
-    own = ("--gain-db", "3", "--phase-deg", "20")
+    own = (
+        "criteria.aero_margin_dB=3",
+        "criteria.gain_increase_dB=3",
+        "criteria.phase_margin_deg=20",
+    )
+    own = tuple(word for key in own for word in ("--set", key))
     assert margins(*own).exit_code == 0
-    document = json.loads(margins(*own, "--mode-gain-db", "6", "--json").stdout)
+    document = json.loads(margins(*own, "--set", "criteria.mode_gain_margin_dB=6", "--json").stdout)
     judged = {(one["band"], one["margin"]): one for one in document["criteria"]["limits"]}
     second = autopilot().band_margins(booster()).mode("bending 2").gain_margin_dB
     found = judged["bending 2", "mode_gain_margin_dB"]
     assert found["surplus"] == pytest.approx(second - 6.0, rel=1e-9)
     assert [key[0] for key, one in judged.items() if not one["met"]] == ["bending 2"]
-    free = margins(*own, "--mode-gain-db", "6").output
-    assert "bending 1: phase-stabilised, without a required margin (--mode-phase-deg)" in free
-    failed = margins(*own, "--mode-gain-db", "6", "--mode-phase-deg", "30")
+    free = margins(*own, "--set", "criteria.mode_gain_margin_dB=6").output
+    assert "bending 1: phase-stabilised, without a required margin (mode_phase_margin_deg" in free
+    failed = margins(
+        *own,
+        "--set",
+        "criteria.mode_gain_margin_dB=6",
+        "--set",
+        "criteria.mode_phase_margin_deg=30",
+    )
     assert "nothing is asked" not in failed.output
     assert failed.exit_code == 1
     assert re.search(rf"bending 2 .* 6 dB +{second - 6.0:.3g} NOT MET", failed.output)
@@ -75,7 +86,8 @@ def test_modes_are_judged_where_the_command_line_asks_it_of_them():
 
 
 def test_an_unstable_flexible_vehicle_says_which_mode_is_lost():
-    result = margins("--actuator-frequency", "15")
+    slower = ("--set", "nozzle.actuator_frequency_rad_per_s=15")
+    result = run("margins", "made-up-booster", *GAINS, *slower)
     assert result.exit_code == 1
     assert "NO MARGINS: the closed loop is unstable: 2 closed-loop poles" in result.output
     assert re.search(r"bending 2 +unstable", result.output)
@@ -95,11 +107,16 @@ def test_rigid_leaves_the_structure_out():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("made-up-booster", "--rigid", "--mode-gain-db", "6"), "--mode-gain-db needs modes"),
-        (("configuration-i", "--mode-phase-deg", "6"), "--mode-phase-deg needs modes"),
+        (("configuration-i", "--set", "criteria.mode_phase_margin_deg=6"), "needs [[bending]]"),
         (("made-up-booster", "--rigid", "--detuned"), "--detuned needs modes"),
-        (("made-up-booster", "--actuator-frequency", "0"), "actuator of second order"),
-        (("made-up-booster", "--mode-gain-db", "-6"), "--mode-gain-db must be zero or positive"),
+        (
+            ("made-up-booster", "--set", "nozzle.actuator_frequency_rad_per_s=0"),
+            "actuator of second order",
+        ),
+        (
+            ("made-up-booster", "--set", "criteria.mode_gain_margin_dB=-6"),
+            "mode_gain_margin_dB must be",
+        ),
     ],
 )
 def test_what_does_not_go_together_is_one_sentence(arguments, message):
@@ -131,7 +148,14 @@ def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
     file = tmp_path / "one.toml"
     file.write_text(read_vehicle_text("configuration-i")[0] + ONE_MODE)
     loop = ("--natural-frequency", "1.5", "--delay-ms", "10", "--sample-rate", "100")
-    asked = (str(file), *loop, "--notch-hz", "9,0.05,0.5", "--mode-gain-db", "10")
+    asked = (
+        str(file),
+        *loop,
+        "--set",
+        'autopilot.filter=[{kind="notch", frequency_Hz=9, zero_damping=0.05, pole_damping=0.5}]',
+        "--set",
+        "criteria.mode_gain_margin_dB=10",
+    )
     nominal, moved = run("margins", *asked), run("margins", *asked, "--detuned", "--json")
     assert (nominal.exit_code, moved.exit_code) == (0, 1)
     document = json.loads(moved.stdout)
@@ -147,12 +171,22 @@ def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
     file.write_text(read_vehicle_text("configuration-i")[0] + ONE_MODE)
     shown = " ".join(run("margins", *asked, "--detuned").output.split())
     assert f"with detuned modes: NOT MET in {len(missed)} of {len(found['rows'])} rows" in shown
-    assert "Criteria classic, changed by the command line: MET" in shown
+    assert "Criteria classic, changed by the study file: MET" in shown
 
 
 @pytest.mark.thorough
 def test_detuned_modes_are_those_of_the_library():
-    asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
+    asked = (
+        "--detuned",
+        "--set",
+        "criteria.mode_gain_margin_dB=1",
+        "--set",
+        "criteria.aero_margin_dB=3",
+        "--set",
+        "criteria.gain_increase_dB=3",
+        "--set",
+        "criteria.phase_margin_deg=20",
+    )
     document = json.loads(margins(*asked, "--json").stdout)["detuned"]
     limits = {"aero_margin_dB": 3, "gain_increase_dB": 3, "phase_margin_deg": 20}
     criteria = tv.control.Criteria.custom(**limits, mode_gain_margin_dB=1)

@@ -40,7 +40,14 @@ def test_gains_are_sought_and_their_winds_listed():
 
 def test_gains_are_sought_for_the_samples_and_filters_that_are_given():
     """What `margins` says of the gains, given with the same samples, is what was designed for."""
-    loop = ("--sample-rate", "25", "--delay-ms", "20", "--notch-hz", "9,0.05,0.5")
+    loop = (
+        "--sample-rate",
+        "25",
+        "--delay-ms",
+        "20",
+        "--set",
+        'autopilot.filter=[{kind="notch", frequency_Hz=9, zero_damping=0.05, pole_damping=0.5}]',
+    )
     found = run("autopilot", "--least", "--crossover", "2", *loop, "--json")
     assert found.exit_code == 0
     document = json.loads(found.stdout)
@@ -113,7 +120,10 @@ def test_the_keys_of_a_box_carry_their_units():
         (["autopilot", "--least", "--design", "lqr"], "not both"),
         (["autopilot", "--least", "--damping", "0.7"], "not both"),
         (["autopilot", "--least", "--attitude-gain", "0.7"], "not both"),
-        (["autopilot", "--least", "--actuator-frequency", "0"], "give one of these"),
+        (
+            ["autopilot", "--least", "--set", "nozzle.actuator_frequency_rad_per_s=0"],
+            "give one of these",
+        ),
         (["margins", "--design", "least-nozzle", "--damping", "0.7"], "give no damping"),
         (["margins", "--box", "delay"], "KEY=LO..HI"),
         (["margins", "--box", "delay_ms=a..b"], "two numbers beside the dots"),
@@ -150,7 +160,12 @@ def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
 
 @pytest.mark.thorough
 def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
-    notch = ("made-up-launcher", "--notch-hz", "5.6,0.05,0.7", "--json")
+    notch = (
+        "made-up-launcher",
+        "--set",
+        'autopilot.filter=[{kind="notch", frequency_Hz=5.6, zero_damping=0.05, pole_damping=0.7}]',
+        "--json",
+    )
     found = json.loads(run("autopilot", "--least", "--crossover", "2", *notch).stdout)
     own = found["autopilot"]
     gains = ("--attitude-gain", own["attitude_gain"], "--rate-gain", own["rate_gain_s"])

@@ -22,8 +22,8 @@ def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
     hertz, radians, usual = (
         json.loads(run(*given, *more).stdout)
         for more in (
-            ("--actuator-hz", 1.5),
-            ("--actuator-frequency", 2 * np.pi * 1.5),
+            ("--set", "nozzle.actuator_frequency_Hz=1.5"),
+            ("--set", "nozzle.actuator_frequency_rad_per_s", 2 * np.pi * 1.5),
             (),
         )
     )
@@ -40,12 +40,14 @@ def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
         (("size", "--window", 20), "--window needs a sounding"),
         (("fly", "--engine", "planar", "--rigid"), "--rigid needs --engine linear"),
         (("fly", "--engine", "sixdof", "--rigid"), "--rigid needs --engine linear"),
-        (("fly", "--engine", "planar", "--actuator-hz", 3), "--actuator-hz needs --engine linear"),
         # one of several options of nearly one name
         (("study", "--peak-deg", 0), "--peak-deg must be other than zero; got 0 deg"),
         (("study", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
         (("size", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
-        (("autopilot", "--actuator-damping", -1), "--actuator-damping must be positive; got -1"),
+        (
+            ("autopilot", "--set", "nozzle.actuator_damping=-1"),
+            "damping must be positive; got -1",
+        ),
     ],
 )
 def test_what_has_no_meaning_is_refused(arguments, words):

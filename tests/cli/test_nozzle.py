@@ -59,15 +59,19 @@ def test_json_equals_the_library() -> None:
         (("--law", "trim"), 2, "--limit-deg"),
         (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
         (("--attitude-gain", "1"), 2, "--law"),
-        (("--travel-limit-deg", "1"), 2, "--law"),
-        (("--limit-deg", "1", "--law", "trim", "--torque-limit", "1e4"), 2, "mass_kg and arm_m"),
+        (("--set", "nozzle.travel_limit_deg=1"), 0, "is left out here"),
         (
-            ("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "1"),
+            ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.torque_limit_N_m=1e4"),
+            2,
+            "mass_kg and arm_m",
+        ),
+        (
+            ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.travel_limit_deg=1"),
             1,
             "the required travel of a flight",
         ),
         (
-            ("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "2"),
+            ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.travel_limit_deg=2"),
             0,
             "MET: the required travel of a flight",
         ),

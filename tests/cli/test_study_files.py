@@ -76,8 +76,20 @@ AS_OPTIONS = (
     *("--gust", "0.5", "1", "--gust-at", "2.5"),
 )
 LOOP = (
-    *("--natural-frequency", "1.2", "--actuator-frequency", "30", "--delay-ms", "10"),
-    *("--sample-rate", "80", "--low-pass-hz", "9"),
+    *(
+        "--natural-frequency",
+        "1.2",
+        "--set",
+        "nozzle.actuator_frequency_rad_per_s=30",
+        "--delay-ms",
+        "10",
+    ),
+    *(
+        "--sample-rate",
+        "80",
+        "--set",
+        'autopilot.filter=[{kind="low-pass", frequency_Hz=9}]',
+    ),
 )
 
 

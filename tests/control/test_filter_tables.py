@@ -115,7 +115,12 @@ def margins(*more):
     return CliRunner().invoke(app, ["margins", "made-up-booster", *gains, *more])
 
 
-FILTERS = ("--notch-hz", "5.1,0.06,0.6", "--low-pass-hz", "2.1,0.95")
+FIRST = "autopilot.filter.1"
+_NOTCH = '{kind="notch", frequency_Hz=5.1, zero_damping=0.06, pole_damping=0.6}'
+FILTERS = (
+    "--set",
+    f'autopilot.filter=[{_NOTCH}, {{kind="low-pass", frequency_Hz=2.1, damping=0.95}}]',
+)
 
 
 MADE = tv.vehicle.Filter
@@ -192,11 +197,13 @@ def test_a_filter_can_be_built_again_from_the_numbers_that_tables_show(filter):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--notch-hz", "12,0.05"), "--notch-hz must be 3 numbers with commas between"),
-        (("--notch-hz", "12,a,1"), "--notch-hz must be 3 numbers with commas between"),
-        (("--low-pass-hz", "1,2,3"), "--low-pass-hz must be 1 or 2 numbers"),
-        (("--low-pass-hz", "-1"), "--low-pass-hz must be positive"),
-        (("--notch-hz", "12,0.05,-1"), "pole_damping must be"),
+        (("--set", f"{FIRST}.kind=notch", "--set", f"{FIRST}.frequency_Hz=12"), "zero_damping"),
+        (
+            ("--set", f"{FIRST}.kind=low-pass", "--set", f"{FIRST}.frequency_Hz=-1"),
+            "must be between",
+        ),
+        (("--set", f"{FIRST}.kind=nich"), "did you mean 'notch'"),
+        (("--set", f"{FIRST}.freqency_Hz=3"), "did you mean frequency_Hz"),
         (("--sample-rate", "0"), "--sample-rate must be"),
     ],
 )

@@ -39,8 +39,8 @@ def actuator_notes(case: Case) -> Iterator[str]:
     if case.nozzle.actuator is USUAL_ACTUATOR:
         yield (
             f"an actuator of {USUAL_ACTUATOR.natural_frequency:g} rad/s and damping"
-            f" {USUAL_ACTUATOR.damping:g} is assumed (--actuator-frequency, or"
-            " actuator_frequency_rad_per_s in [nozzle]; 0: none)"
+            f" {USUAL_ACTUATOR.damping:g} is assumed"
+            " (actuator_frequency_rad_per_s in [nozzle] gives another; 0: none)"
         )
 
 
@@ -51,7 +51,7 @@ def _better(case: Case, criteria: Criteria) -> str:
         return (
             f"gains that satisfy the criteria {criteria.name}: neither poles at 1.5 to 6 times the"
             " unstable one nor lqr; tvclin autopilot --least seeks them, and a bending mode may"
-            " need a notch (--notch-hz)"
+            " need a notch ([[autopilot.filter]])"
         )
     if rule.design is not None:
         words = f'--design {rule.design}, or design = "{rule.design}" in [autopilot]'

@@ -30,11 +30,11 @@ OPTIONS: dict[str, tuple[str, ...]] = {
         *("--winds", "--winds-time", "--winds-format", "--units", "--above-ground"),
         *("--window", "--bias", "--bias-month"),
     ),
-    "actuator": ("--actuator-frequency", "--actuator-hz", "--actuator-damping"),
+    "actuator": (),
     "rate limit": ("--rate-limit-deg",),
     "delay": ("--delay-ms",),
     "sample rate": ("--sample-rate",),
-    "filters": ("--notch-hz", "--low-pass-hz"),
+    "filters": (),
     "gains": (
         *("--design", "--natural-frequency", "--damping"),
         *("--attitude-gain", "--rate-gain", "--alpha-gain", "--integral-gain"),

@@ -205,10 +205,7 @@ def _sentence(error: Exception) -> str | None:
     if isinstance(error, InputError):
         return str(error)
     if type(error).__name__ == "NoSuchOption":
-        from tvclin.case.features import refusal
-
-        context = getattr(error, "ctx", None)
-        return context and refusal(str(context.info_name), str(vars(error)["option_name"]))
+        return _unknown_option(getattr(error, "ctx", None), str(vars(error)["option_name"]))
     if isinstance(error, OSError) and error.errno != EPIPE:
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):
@@ -219,6 +216,19 @@ def _sentence(error: Exception) -> str | None:
             " nearer to those of configuration-i"
         )
     return None
+
+
+def _unknown_option(context: Any, option: str) -> str | None:
+    """Return the message on an unknown option: who takes it, or its key; None for a misspelling."""
+    from tvclin.case.features import refusal
+    from tvclin.cli.settings import key_instead
+
+    if context is None:
+        return None
+    command, taken = str(context.info_name), [item.name for item in context.command.params]
+    return refusal(command, option) or (
+        key_instead(command, option) if "settings" in taken else None
+    )
 
 
 def _say(words: str) -> None:

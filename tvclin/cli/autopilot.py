@@ -15,15 +15,15 @@ from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficien
 from tvclin.case.autopilot_assumptions import gain_notes
 from tvclin.case.case import Case
 from tvclin.cli.criteria import CriteriaOptions
-from tvclin.cli.gains import GAINS, LoopOptions, with_gains
+from tvclin.cli.gains import GAINS, with_gains
 from tvclin.cli.inputs import case_of, chosen, note_nominal_pressure, only_with
 from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
     MOTION,
-    SAMPLE_RATE,
     STUDY,
+    TIMING,
     At,
     Given,
     Rigid,
@@ -132,8 +132,7 @@ def autopilot(
     winds: WindOptions = GROUP,
     limits: Given = BOTH_LIMITS,
     gains: Given = GAINS,
-    loop: LoopOptions = GROUP,
-    samples: Given = SAMPLE_RATE,
+    timing: Given = TIMING,
     criteria: CriteriaOptions = GROUP,
     least: LeastOptions = GROUP,
     rigid: Rigid = False,
@@ -156,9 +155,7 @@ def autopilot(
     Exit code 0: the criteria are MET, and the limit is SUFFICIENT or not given; 1: they are NOT
     MET, as of an unstable loop, the limit is NOT SUFFICIENT, or that is NOT KNOWN; 2: bad input.
     """
-    changes = [
-        options.over for options in (limits, samples, motion, sign, criteria, least, gains, loop)
-    ]
+    changes = [options.over for options in (limits, timing, motion, sign, criteria, least, gains)]
     case = case_of(vehicle, *changes, wind=winds.over, told=("autopilot",), rigid=rigid, time=time)
     with waiting("seeking gains and the worst duration"):
         sought = least.found(case, case.held_to)

@@ -10,7 +10,7 @@ from tvclin.base.errors import nonnegative, number, one_of, positive
 from tvclin.base.lines import listed
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import note_left_out, only_with
-from tvclin.cli.options import GROUP, MODEL, NOZZLE, STUDY, AsJson, Given, asked, to_write
+from tvclin.cli.options import BOTH_LIMITS, GROUP, MODEL, STUDY, AsJson, Given, asked, to_write
 from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, PlaneOptions, flight_asked
@@ -31,7 +31,7 @@ def card(
         f"The law that is flown: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}.",
         shown="that of the study file, or trim",
     ),
-    sheet: Given = Given(NOZZLE, at="nozzle"),
+    sheet: Given = BOTH_LIMITS,
     noise_deg: float = asked(
         "Noise of the rate gyro, rms for each sample: it makes travel.", 0.0, metavar="DEG/S"
     ),

@@ -78,8 +78,8 @@ class WhatFlies:
             only_with("--engine planar or sixdof", along_trajectory=along)
         else:
             unused = rigid and self.engine is not None
-            only_with("--engine linear", **vars(flies.loop), rigid=unused)
-            for group in (flies.samples, rate_limit):
+            only_with("--engine linear", rigid=unused)
+            for group in (flies.timing, rate_limit):
                 group.only_with("--engine linear")
         aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
         note_left_out(case, "fly", *aside, *["fly --engine planar"] * (engine != "linear"))

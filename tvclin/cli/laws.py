@@ -64,7 +64,7 @@ def laws(
 
     It takes about a second for each law and wind, and a minute more for a figure. A vehicle file
     with bending, slosh, engine inertia or sensor lags makes a flexible vehicle, which flies with an
-    actuator; a rigid one does where an actuator is given. --rigid leaves all that out.
+    actuator; a rigid one without, as its bounds. --rigid leaves all that out.
 
     A gust blows on top of each wind; a sounding, --winds, in place of them all. Gains are those of
     the law autopilot.
@@ -87,7 +87,7 @@ def laws(
         vehicle, *changes, wind=wind_options.over, told=("laws",), rigid=rigid, time=time
     )
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
-    if case.laws is not None and not flies.samples.values:
+    if case.laws is not None and "sample_rate" not in flies.timing.values:
         hardware["sample_rate"] = case.laws.sample_rate
         note_left_out(case, "laws with a rate in [laws]")
     peak, duration, winds = _winds(wind_options, wind, case)

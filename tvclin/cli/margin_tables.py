@@ -22,8 +22,8 @@ from tvclin.vehicle.structure import Structure
 
 _MAX_POLE_DISTANCE_RATIO = 0.05
 """Largest distance of a pole with approximate delay from an exact pole, over its magnitude."""
-_OPTIONS = {"gain": "--mode-gain-db", "phase": "--mode-phase-deg"}
-"""Option of the required margin of a mode, by its stabilisation."""
+_KEYS = {"gain": "mode_gain_margin_dB", "phase": "mode_phase_margin_deg"}
+"""Key of the required margin of a mode, by its stabilisation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +84,12 @@ def _print_bands(bands: BandMargins, criteria: Criteria) -> None:
     judged_modes = {
         judgement.band for judgement in judged if judgement.band and not isnan(judgement.value)
     }
-    for word, option in _OPTIONS.items():
+    for word, key in _KEYS.items():
         free = [mode.name for mode in bands.modes if mode.stabilised == word]
         if criteria.has_mode_limits and free and judged_modes.isdisjoint(free):
             say(
-                f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({option});"
-                " the margins of the whole loop count"
+                f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({key} in"
+                " [criteria]); the margins of the whole loop count"
             )
 
 

@@ -13,14 +13,14 @@ from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.base.tables import known
 from tvclin.case.autopilot_assumptions import gain_notes
 from tvclin.cli.criteria import MODES, CriteriaOptions
-from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.gains import GAINS
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
     MOTION,
-    SAMPLE_RATE,
+    TIMING,
     At,
     Given,
     Rigid,
@@ -172,7 +172,6 @@ def margins(
     vehicle: Source = "configuration-i",
     time: At = None,
     gains: Given = GAINS,
-    loop: LoopOptions = GROUP,
     criteria: CriteriaOptions = GROUP,
     rigid: Rigid = False,
     detuned: bool = switch(
@@ -190,7 +189,7 @@ def margins(
     ),
     limits: Given = BOTH_LIMITS,
     winds: WindOptions = GROUP,
-    samples: Given = SAMPLE_RATE,
+    timing: Given = TIMING,
     shown: Shown = GROUP,
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
@@ -211,7 +210,7 @@ def margins(
     one_of("--chart", chart, _CHARTS)
     if not flown:
         limits.only_with("--flown")
-    changes = [options.over for options in (limits, samples, motion, criteria, gains, loop)]
+    changes = [options.over for options in (limits, timing, motion, criteria, gains)]
     case = case_of(vehicle, *changes, wind=winds.over, rigid=rigid, time=time)
     only_with(MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)

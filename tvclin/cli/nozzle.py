@@ -8,9 +8,9 @@ from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure
 from tvclin.cli.options import (
+    BOTH_LIMITS,
     GROUP,
     MOTION,
-    NOZZLE,
     At,
     Given,
     Rigid,
@@ -28,15 +28,12 @@ from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.studyfile.study_plan import StudyPlan
 
-_FLIGHT_LIMITS = ("acceleration_limit", "travel_limit", "torque_limit", "power_limit")
-"""Limits that only a flight can exceed: the theory has no bound for them."""
-
 
 def nozzle(
     vehicle: Source = "configuration-i",
     time: At = None,
     winds: WindOptions = GROUP,
-    limits: Given = Given(NOZZLE, at="nozzle"),
+    limits: Given = BOTH_LIMITS,
     law: str | None = asked(
         f"Also fly this law with both limits: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}."
         " It needs a deflection limit.",
@@ -66,8 +63,6 @@ def nozzle(
     """
     from tvclin import plots
 
-    if law is None:
-        limits.only_with("--law", *_FLIGHT_LIMITS)
     if law is None and not laws:
         flies.only_with("--law")
     elif law is not None and one_of("--law", law, LAWS) != AUTOPILOT and not laws:

@@ -9,9 +9,6 @@ from tvclin.base.errors import InputError
 _UNIT = re.compile(r"_(deg|rad|m|m2|s|ms|hz|per_rad|percent)$")
 """Unit at the end of a parameter's name."""
 _ARGUMENTS: dict[str, tuple[str, ...]] = {
-    "--actuator-frequency": ("natural_frequency",),
-    "--actuator-hz": ("natural_frequency",),
-    "--actuator-damping": ("damping",),
     "--gust": ("peak", "duration"),
     "--gust-speed": ("speed", "duration"),
     "--peak-speed": ("speed",),
@@ -27,6 +24,11 @@ _PAIR = re.compile(r"\b(with|between) (\w+) and (\w+)\b")
 """Two arguments in a sentence: leave these rows out with start and stop."""
 _IN_A_FILE = re.compile(r"(\S+\.toml|\[)")
 """Beginning of a line about a key of a file."""
+
+
+def without_unit(name: str) -> str:
+    """Return the name of a parameter without its unit."""
+    return _UNIT.sub("", name)
 
 
 def named(error: ValueError, options: Iterable[Any], values: Mapping[str, Any]) -> ValueError:
@@ -77,7 +79,7 @@ def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
     by_name: dict[str, list[str]] = {}
     others: dict[str, list[str]] = {}
     for option in options:
-        by_name.setdefault(_UNIT.sub("", option.name.strip("_")), []).append(option.opts[0])
+        by_name.setdefault(without_unit(option.name.strip("_")), []).append(option.opts[0])
         for name in _ARGUMENTS.get(option.opts[0], ()):
             others.setdefault(name, []).append(option.opts[0])
     return {

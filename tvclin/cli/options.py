@@ -215,7 +215,7 @@ MODEL, PLANE, SIGN = (Given(STUDY, (name,)) for name in ("model", "plane", "sign
 LIMIT = Given(NOZZLE, ("limit",), "nozzle")
 RATE_LIMIT = Given(NOZZLE, ("rate_limit",), "nozzle")
 BOTH_LIMITS = Given(NOZZLE, ("limit", "rate_limit"), "nozzle")
-SAMPLE_RATE = Given(DESIGN, ("sample_rate",), "design")
+TIMING = Given(DESIGN, ("sample_rate", "delay"), "design")
 
 
 @dataclass(frozen=True)

@@ -31,20 +31,9 @@ _WIND_KEYS: dict[str, tuple[str, ...]] = {
 _OTHER_KEYS: dict[str, tuple[str, ...]] = {
     "--stop": ("nozzle.stop",),
     "--at": ("study.time",),
-    "--actuator-frequency": ("nozzle.actuator_frequency",),
-    "--actuator-hz": ("nozzle.actuator_frequency",),
-    "--actuator-damping": ("nozzle.actuator_damping",),
-    "--delay-ms": ("autopilot.delay",),
-    "--notch-hz": ("autopilot.filter",),
-    "--low-pass-hz": ("autopilot.filter",),
-    "--criteria": ("criteria.name",),
-    "--gain-db": ("criteria.aero_margin_dB", "criteria.gain_increase_dB"),
-    "--phase-deg": ("criteria.phase_margin_deg",),
-    "--delay-margin-ms": ("criteria.delay_margin",),
-    "--mode-gain-db": ("criteria.mode_gain_margin_dB",),
-    "--mode-phase-deg": ("criteria.mode_phase_margin_deg",),
+    "--criteria": ("criteria",),
 }
-"""Options that are no declared fields, and their keys without units."""
+"""Options that are no declared fields, and their keys without units, or their table."""
 _HEADINGS = {
     "studyfile.study_plan.StudyPlan": "study",
     "case.nozzle.Nozzle": "nozzle",
@@ -149,7 +138,7 @@ def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
     flags = [option.opts[0] for option in options if is_set(option, values)]
     for key, _ in pairs(settings):
         for flag in flags:
-            if quantity_name(key) in keys.get(flag, ()):
+            if {quantity_name(key), key.partition(".")[0]} & set(keys.get(flag, ())):
                 raise InputError(f"give {flag} or --set {key}, not both")
 
 
@@ -161,6 +150,19 @@ def _edited(source: str | None, settings: Sequence[tuple[str, str]]) -> str:
     if source is None:
         only_with("a vehicle or a study file", set=settings)
     return with_settings(str(source), settings)
+
+
+def key_instead(command: str, option: str) -> str | None:
+    """Return the message that names the key of a study file for an unknown option; None if none."""
+    from tvclin.cli.option_names import without_unit
+    from tvclin.studyfile.keys import all_keys
+
+    name = without_unit(option.strip("-").replace("-", "_"))
+    for key in all_keys():
+        last = key.name.rpartition(".")[2]
+        if last == name or last.startswith(f"{name}_"):
+            return f"tvclin {command} takes no {option}: --set {key.name} VALUE gives it"
+    return None
 
 
 def _field_keys() -> dict[str, tuple[str, ...]]:

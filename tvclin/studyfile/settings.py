@@ -58,6 +58,8 @@ _ALTERNATIVES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "availability": (("persistence",), ("persistence_hours",)),
 }
 """Quantities of a table of which the first group excludes the second."""
+_ASSUMED = {"criteria": {"name": "classic"}}
+"""Keys that a new table begins with, so that one number changes what is assumed without it."""
 _TEXTS = (WIND_TABLE, SOUNDING_TABLE, VEHICLE_TABLE, DOCUMENT_TABLE)
 """Tables whose words are texts, also where they look like numbers."""
 _REMOVAL = "none"
@@ -222,7 +224,7 @@ def _put(tables: dict[str, Any], setting: Setting) -> None:
             return
         entry, table = row, _row_table(name, rest[0])
     elif entry is None:
-        entry = tables[name] = {}
+        entry = tables[name] = dict(_ASSUMED.get(name, {}))
     elif not isinstance(entry, dict):
         raise InputError(f"{name} is no table in the file")
     if name == "autopilot" and rest[0] == "filter" and len(rest) > 1:
