@@ -191,9 +191,8 @@ def availability(
     if csv is not None:
         result.to_csv(csv)
     draw(plot, lambda: plots.availability_chart(result, source))
-    yes = (
-        all(day.go for day in today) if today else any(share.judged for share in result.fraction())
-    )
+    judged_any = any(share.judged for share in result.fraction())
+    yes = all(day.go for day in today) if today else judged_any
     answer(as_json, lambda: _document(result, today), lambda: _print(result, today, source), yes)
 
 
