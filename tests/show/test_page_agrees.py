@@ -127,9 +127,9 @@ def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
 def _head(shown, wind, limit, each) -> None:
     assert close(shown["facts.limit_deg"], limit)
     if "verdict.required_deg" in shown:
-        sized = [one for one in each.values() if np.isfinite(one.needs)]
+        sized = [one for one in each.values() if np.isfinite(one.required_deflection)]
         failed = [one for one in sized if one.yes is False] or sized
-        worst = max(float(np.degrees(one.needs)) for one in failed)
+        worst = max(float(np.degrees(one.required_deflection)) for one in failed)
         assert close(shown["verdict.required_deg"], worst)
         assert close(shown["verdict.surplus_deg"], abs(worst - limit))
     peak = shown["basis.peak_deg"]

@@ -14,7 +14,7 @@ from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.studyfile import study_verdict as verdict
 from tvclin.studyfile.findings import Findings, find
-from tvclin.studyfile.questions import all_yes, asked_table, questions, sufficient
+from tvclin.studyfile.questions import all_yes, questions, questions_table, sufficient
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
 LOOSE = tv.control.Criteria.custom("loose", aero_margin_dB=3.0)
@@ -55,15 +55,15 @@ def test_a_limit_that_covers_the_wind_alone_is_not_sufficient_for_a_probability(
 
 def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> None:
     found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path", design=DESIGN)
-    rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in asked_table(found).rows}
+    rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in questions_table(found).rows}
     parts = {one.name: one.measure.required / one.measure.available for one in questions(found)}
     ranks = [(rows[name][0] not in NO, -parts[name]) for name in rows]
     assert ranks == sorted(ranks)
     for one in questions(found):
         needed, there, left = (float(cell.split()[0]) for cell in rows[one.name][1:4])
         assert left == pytest.approx(there - needed, abs=1.01e-3)
-        if one.needs == one.needs:  # a deflection
-            assert needed == pytest.approx(float(np.degrees(one.needs)), abs=5.01e-4)
+        if one.required_deflection == one.required_deflection:  # a deflection
+            assert needed == pytest.approx(float(np.degrees(one.required_deflection)), abs=5.01e-4)
             assert there == 0.4
 
 

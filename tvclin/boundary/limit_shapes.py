@@ -519,6 +519,7 @@ class Cluster(LimitShape):
         return float(self._sum(still, np.asarray(sign))) if self.hold_roll else 0.0
 
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
+        """Return the sum of the support functions of all moving engines, by their shares."""
         moving = [(engine, share) for engine, share in self._shares if engine.state == "moving"]
         supports = [
             share * engine.stop.support(d + rho * self._arm(engine)) for engine, share in moving

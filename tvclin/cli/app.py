@@ -75,6 +75,7 @@ def _named(command: Any) -> Any:
 
     @wraps(run)
     def call(*given: Any, **values: Any) -> Any:
+        """Run a command; its `ValueError` names the option that is at fault."""
         from tvclin.cli.settings import check_settings
 
         try:

@@ -67,7 +67,7 @@ def loads(
     case = case_of(vehicle, *changes, wind=winds.over, told=("loads",), rigid=rigid, time=time)
     flown = _flown(case, names)
     with waiting("angle over load"):
-        front = _front(case)
+        front = _trade_off(case)
     title = winds.title(case, vehicle)
     shown.write(
         lambda: plots.load_curves(front, flown),
@@ -83,8 +83,8 @@ def loads(
     )
 
 
-def _front(case: StudyPlan) -> LoadTradeOff:
-    """Return the front of the load of a file, or of the angle of attack."""
+def _trade_off(case: StudyPlan) -> LoadTradeOff:
+    """Return the trade-off curve of limit over load, by the load limit of a file if it has one."""
     if case.load is not None:
         return case.load.trade_off(case)
     limit, rate = case.nozzle.limit, case.nozzle.rate_limit

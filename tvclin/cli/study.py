@@ -142,10 +142,10 @@ def _print_questions(findings: Findings) -> None:
     if len(asked_questions) < 2:
         say_notes(loop_notes(findings))
         return
-    from tvclin.studyfile.questions import asked_table
+    from tvclin.studyfile.questions import questions_table
 
     say("")
-    print_tables(asked_table(findings))
+    print_tables(questions_table(findings))
     say(f"Verdict: {overall(findings)}")
     days = () if findings.availability is None else findings.availability.notes
     say_notes((*nominal_notes(findings), *loop_notes(findings), *days))

@@ -266,6 +266,7 @@ class _Drawn:
 
     @property  # type: ignore[misc]
     def __class__(self) -> Any:
+        """Class for `isinstance`: `ControlPlot` of python-control, imported on first use."""
         from control import ControlPlot
 
         return ControlPlot

@@ -196,10 +196,10 @@ def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVe
         return build_vehicle(source, f"[{where}.vehicle]")
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
-    return load_vehicle_at(beside(source, folder), time)
+    return load_vehicle_at(vehicle_source(source, folder), time)
 
 
-def beside(source: str, folder: Path) -> str | Path:
+def vehicle_source(source: str, folder: Path) -> str | Path:
     """Return the name of a vehicle of the package, or a path, in `folder` if the file exists."""
     if isinstance(source, EditedSource):
         return source

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from tvclin.requirement.flight.sizing import Sizing
     from tvclin.requirement.flight.total import DeflectionTotal
 
-Told = Callable[[float, float], None]
+Progress = Callable[[float, float], None]
 """Progress of a result: called with the steps done and the steps in total."""
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Function that returns the plant that flies and its autopilot."""
@@ -190,7 +190,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
         reasons: dict[str, str] = {}
         requests = _requests(plan)
 
-        def result(name: str, compute: Callable[[Any, Told], Any]) -> Any:
+        def result(name: str, compute: Callable[[Any, Progress], Any]) -> Any:
             if name not in requests:
                 return None
 
@@ -223,7 +223,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             flight=result("flight", partial(_flight, plan)),
             card=result("card", partial(_card, plan)),
             availability=result(
-                "availability", lambda request, told: request.availability(plan, told)
+                "availability", lambda request, progress: request.availability(plan, progress)
             ),
             rates=result("rates", lambda limit, _: _rates(plan, study, limit)),
             loads=result(
@@ -256,7 +256,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
 
 
 def _trials(
-    plan: StudyPlan, study: Study, loop: Loop, request: LawsRequest, told: Told
+    plan: StudyPlan, study: Study, loop: Loop, request: LawsRequest, progress: Progress
 ) -> tuple[LawTrial, ...]:
     from tvclin.design.standard_trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of
@@ -277,7 +277,7 @@ def _trials(
         {name: laws[name] for name in request.names},
         {name: winds[name] for name in request.winds},
         loads=False,
-        progress=told,
+        progress=progress,
         **nozzle,
     )
 
@@ -339,15 +339,17 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     return plan.plant, specified_autopilot(plan, study.history, plan.held_to)
 
 
-def _flight(plan: StudyPlan, request: SizingRequest, told: Told) -> tuple[Sizing, DeflectionTotal]:
-    sizing = request.sizing(plan, told)
+def _flight(
+    plan: StudyPlan, request: SizingRequest, progress: Progress
+) -> tuple[Sizing, DeflectionTotal]:
+    sizing = request.sizing(plan, progress)
     return sizing, request.total(plan, sizing)
 
 
-def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightDuty:
+def _card(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:
     from tvclin.nozzle.duty_over_flight import flight_duty
 
-    return flight_duty(plan, request, str(request.card), progress=told)
+    return flight_duty(plan, request, str(request.card), progress=progress)
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:

@@ -19,13 +19,13 @@ from tvclin.ensembles.availability.availability_request import (
 from tvclin.ensembles.availability.sounding_winds import PairGrowth
 from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest, SoundingRequest
 from tvclin.studyfile.campaign_file import (
-    beside,
     design_of,
     dispersions_of,
     nozzle_of,
     parse_campaign,
     question_of,
     subject_of,
+    vehicle_source,
 )
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.studyfile.title_block import DOCUMENT_TABLE, Document
@@ -184,10 +184,10 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
             f" {shown(source)}"
         )
-    flight = {"schedule": load_schedule(beside(source, folder)), "source": source}
+    flight = {"schedule": load_schedule(vehicle_source(source, folder)), "source": source}
     named = isinstance(vehicle, str)
-    same = named and Path(beside(source, folder)) == Path(beside(vehicle, folder))
-    if same or not _is_vehicle(beside(source, folder)):
+    same = named and Path(vehicle_source(source, folder)) == Path(vehicle_source(vehicle, folder))
+    if same or not _is_vehicle(vehicle_source(source, folder)):
         return flight
     name = vehicle if named else vehicle.get("name") or "given by its numbers"
     return flight | {"another": name}

@@ -28,28 +28,30 @@ _CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
 class Measure(Record):
     """Required and available value of a question, both in `unit`, the unit that is shown.
 
-    `digits` is the number of digits behind the point. `at_most`: the available value must not be
-    above the required value, in place of not below.
+    `digits` is the number of digits behind the point. `is_upper_limit`: the available value must
+    not be above the required value, in place of not below.
     """
 
     required: float = field(metadata=spec())
     available: float = field(metadata=spec())
     unit: str = field(default="deg", metadata=spec())
     digits: int = 3
-    at_most: bool = False
+    is_upper_limit: bool = False
 
     @property
     def remaining(self) -> float:
         """Available minus required value; negative where it is insufficient."""
-        return (self.available - self.required) * (-1.0 if self.at_most else 1.0)
+        return (self.available - self.required) * (-1.0 if self.is_upper_limit else 1.0)
 
     @property
     def ratio(self) -> float:
         """Required over available value; above one where it is insufficient."""
-        over, under = (
-            (self.available, self.required) if self.at_most else (self.required, self.available)
+        numerator, denominator = (
+            (self.available, self.required)
+            if self.is_upper_limit
+            else (self.required, self.available)
         )
-        return over / under if under else float("inf") if over > 0.0 else 0.0
+        return numerator / denominator if denominator else float("inf") if numerator > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -58,15 +60,15 @@ class Question(Record):
 
     `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
     "probability", "autopilot", "margins" or "flexible flight"; the answer is None where it is not
-    known, and `line` is why. `needs` is the required deflection [rad], NaN for a question without
-    one, and `whose` its subject with the verb, in words. `measure` holds the required and the
-    available value: by default `needs` and the limit.
+    known, and `line` is why. `required_deflection` is the required deflection [rad], NaN for a
+    question without one, and `whose` its subject with the verb, in words. `measure` holds the
+    required and the available value: by default `required_deflection` and the limit.
     """
 
     name: str = field(metadata=spec())
     yes: bool | None = field(metadata=spec())
     line: Line = field(metadata=spec(name="why", of="text"))
-    needs: float = float("nan")
+    required_deflection: float = float("nan")
     whose: str = ""
     measure: Measure | None = field(default=None, metadata=spec())
 
@@ -92,48 +94,50 @@ def questioned(plan: StudyPlan) -> StudyPlan:
     return replace(plan, laws=None, availability=archive)
 
 
-def questions(found: Findings) -> tuple[Question, ...]:
+def questions(findings: Findings) -> tuple[Question, ...]:
     """Return the questions of a plan with their answers, in the order of the plan."""
-    limit = found.study.limit
+    limit = findings.study.limit
     return tuple(
-        replace(question, measure=_of_angles(question.needs, limit))
-        if question.measure is None and limit is not None and not np.isnan(question.needs)
+        replace(question, measure=_of_angles(question.required_deflection, limit))
+        if question.measure is None
+        and limit is not None
+        and not np.isnan(question.required_deflection)
         else question
-        for question in _in_linear_range(found)
+        for question in _in_linear_range(findings)
     )
 
 
-def sufficient(found: Findings) -> bool | None:
+def sufficient(findings: Findings) -> bool | None:
     """Return whether every answer is yes; None where one is not known, or no limit was given."""
-    answers = [question.yes for question in questions(found)]
+    answers = [question.yes for question in questions(findings)]
     if False in answers:
         return False
-    return None if found.study.limit is None or None in answers else True
+    return None if findings.study.limit is None or None in answers else True
 
 
-def overall(found: Findings) -> str:
+def overall(findings: Findings) -> str:
     """Return the answers that are not yes by their words, or the verdict where all are."""
     others: dict[str, list[str]] = {}
-    for question in questions(found):
+    for question in questions(findings):
         if question.yes is not True:
             others.setdefault(question.answer, []).append(question.name)
     if not others:
-        return "no limit was given" if found.study.limit is None else sufficiency(True)
+        return "no limit was given" if findings.study.limit is None else sufficiency(True)
     return "; ".join(f"{word}: {', '.join(names)}" for word, names in sorted(others.items()))
 
 
-def all_yes(found: Findings) -> bool:
+def all_yes(findings: Findings) -> bool:
     """Return whether no question has another answer than yes."""
-    return all(question.yes is True for question in questions(found))
+    return all(question.yes is True for question in questions(findings))
 
 
-def nominal_notes(found: Findings) -> Iterator[str]:
+def nominal_notes(findings: Findings) -> Iterator[str]:
     """Say which answers are at nominal pressure, where a head wind sets the requirement."""
-    flown = found.head is not None and found.head.stop is not None
+    flown = findings.head is not None and findings.head.stop is not None
     names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
-    nominal = [q.name for q in questions(found) if q.yes and q.name in names]
-    if nominal and found.study.ratio_to_nominal > 1.0:
-        for words in nominal_pressure(found.plan):
+    nominal = [q.name for q in questions(findings) if q.yes and q.name in names]
+    if nominal and findings.study.ratio_to_nominal > 1.0:
+        for words in nominal_pressure(findings.plan):
             yield f"{listed(nominal)}: {words}"
 
 
@@ -141,21 +145,21 @@ _IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flex
 """Questions whose answers rest on the wind of the study."""
 
 
-def loop_notes(found: Findings) -> Iterator[str]:
+def loop_notes(findings: Findings) -> Iterator[str]:
     """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
-    if found.margins is None and found.card is None:
+    if findings.margins is None and findings.card is None:
         return
     from tvclin.case.autopilot_assumptions import (  # late: it designs autopilots
         actuator_notes,
         gain_notes,
     )
 
-    margins = found.margins
+    margins = findings.margins
     if margins is not None:
-        satisfied = bool(found.criteria.are_satisfied(margins))
-        yield from gain_notes(found.plan, found.criteria, satisfied)
+        satisfied = bool(findings.criteria.are_satisfied(margins))
+        yield from gain_notes(findings.plan, findings.criteria, satisfied)
     else:
-        yield from actuator_notes(found.plan)
+        yield from actuator_notes(findings.plan)
 
 
 def _in_linear_range(findings: Findings) -> Iterator[Question]:
@@ -349,11 +353,11 @@ def _also(nominal: bool | None, head: bool | None) -> bool | None:
     return True if nominal and head else None if nominal else nominal
 
 
-def without_stop(found: Findings) -> float:
+def without_stop(findings: Findings) -> float:
     """Return the peak deflection [rad] of the autopilot without a stop; NaN without autopilot."""
-    if found.comparison is None:
+    if findings.comparison is None:
         return float("nan")
-    return float(found.comparison.peak_deflection * found.study.plane_ratio)
+    return float(findings.comparison.peak_deflection * findings.study.plane_ratio)
 
 
 def _margins(findings: Findings) -> Question:
@@ -431,11 +435,11 @@ _MAX_NAMED_CHANGES = 3
 """Number of changes that are named of those that miss the criteria."""
 
 
-def asked_table(found: Findings) -> Table:
+def questions_table(findings: Findings) -> Table:
     """Return every question with its answer, and below them the values that are not judged."""
-    judged = sorted(questions(found), key=_worst_first)
+    judged = sorted(questions(findings), key=_worst_first)
     rows = [_row(question, question.answer) for question in judged]
-    rows += [_row(question, _NOT_JUDGED) for question in beside(found)]
+    rows += [_row(question, _NOT_JUDGED) for question in unjudged_values(findings)]
     return Table("Every question, and its answer, worst first", HEAD, tuple(rows))
 
 
@@ -471,22 +475,24 @@ def _shown(key: str, name: str, measure: Measure) -> Line:
     return minimum_limit(line) if name == "required" and unit == "deg" else line
 
 
-def beside(found: Findings) -> Iterator[Question]:
+def unjudged_values(findings: Findings) -> Iterator[Question]:
     """Yield the values that no criterion bounds, as questions without an answer."""
-    margins = found.margins
-    if isinstance(margins, BandMargins) and not found.criteria.has_mode_limits:
+    margins = findings.margins
+    if isinstance(margins, BandMargins) and not findings.criteria.has_mode_limits:
         yield from _modes(margins)
-    if found.flexible is not None and found.flexible.detuned is not None:
-        d = found.flexible.detuned
+    if findings.flexible is not None and findings.flexible.detuned is not None:
+        d = findings.flexible.detuned
         missed = [name for name, fine in zip(d.changes, d.satisfied, strict=True) if not fine]
         more = ", ..." * (len(missed) > _MAX_NAMED_CHANGES)
         named = f": {', '.join(missed[:_MAX_NAMED_CHANGES])}{more}" if missed else ""
         words = f"{len(missed)} of {len(d.changes)} changes of one mode miss the criteria{named}"
         yield Question("modes detuned", None, (words,))
-    if found.availability is not None and found.availability.limit is not None:
-        request = found.plan.availability
+    if findings.availability is not None and findings.availability.limit is not None:
+        request = findings.plan.availability
         if request is not None and request.least_part is None:
-            words = f"{found.availability.fraction()}; no least_part is asked in [availability]"
+            words = (
+                f"{findings.availability.fraction()}; no least_part is specified in [availability]"
+            )
             yield Question("availability", None, (words,))
 
 

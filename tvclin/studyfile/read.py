@@ -143,9 +143,9 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
             f"{called(name)} has the numbers of its vehicle, and no flight with them: name a"
             " vehicle file with a table [flight]"
         )
-    from tvclin.studyfile.campaign_file import beside
+    from tvclin.studyfile.campaign_file import vehicle_source
 
-    return beside(vehicles[0], Path(name).parent)
+    return vehicle_source(vehicles[0], Path(name).parent)
 
 
 def _is_default(wind: ShapedWind) -> bool:

@@ -19,7 +19,7 @@ from tvclin.base.files import called
 from tvclin.base.tables import FileTable, known
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.control.autopilot.design_rules import FILTER_TABLE, GIVEN_GAINS, RULE_KEYS
-from tvclin.studyfile.campaign_file import TABLES, beside
+from tvclin.studyfile.campaign_file import TABLES, vehicle_source
 from tvclin.studyfile.title_block import DOCUMENT_TABLE
 from tvclin.vehicle.linear_vehicle import COEFFICIENTS_TABLE
 from tvclin.vehicle.vehicle_file import (
@@ -98,13 +98,13 @@ def with_settings(source: str, settings: Iterable[tuple[str, str]]) -> str:
     >>> tv.load_study(source).design.rate_gain
     0.8
     """
-    given = [_setting(key, value) for key, value in settings]
-    keys = [setting.key for setting in given]
+    assigned = [_setting(key, value) for key, value in settings]
+    keys = [setting.key for setting in assigned]
     for key in keys:
         if keys.count(key) > 1:
             raise InputError(f"--set {key} is given twice; keep one")
-    of_vehicle = [setting for setting in given if setting.parts[0] in VEHICLE_TABLES]
-    of_study = [setting for setting in given if setting.parts[0] in STUDY_TABLES]
+    of_vehicle = [setting for setting in assigned if setting.parts[0] in VEHICLE_TABLES]
+    of_study = [setting for setting in assigned if setting.parts[0] in STUDY_TABLES]
     tables = source_tables(source)
     if {"study", "campaign"} & tables.keys():
         return EditedSource(source, _study(tables, Path(source).parent, of_study, of_vehicle))
@@ -176,7 +176,7 @@ def _study(
         return tables | {"study": home | _changed({"vehicle": vehicle}, of_vehicle)}
     if not isinstance(vehicle, str):
         raise InputError(f"--set {of_vehicle[0].key} needs a vehicle in [study]")
-    file = str(beside(vehicle, folder))
+    file = str(vehicle_source(vehicle, folder))
     edited = _vehicle(file, source_tables(file), of_vehicle)
     flight = tables.get("schedule")
     if isinstance(flight, dict) and flight.get("source") == vehicle:
@@ -201,7 +201,7 @@ def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
         with naming(f"--set {setting.key}"):
             _put(tables, setting)
     for setting in settings:
-        if setting.value is not None and not _is_there(tables, setting):
+        if setting.value is not None and not _exists(tables, setting):
             others = [other.key for other in settings if other.value is not None]
             others.remove(setting.key)
             raise InputError(f"--set {setting.key} and {others[-1]} exclude each other; keep one")
@@ -310,8 +310,10 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
     excluded, groups = {quantity}, _ALTERNATIVES.get(name, ((), ()))
     if value is not None and quantity in (*groups[0], *groups[1]):
         excluded |= set(groups[quantity in groups[0]])
-    for other in [other for other in entry if _quantity(table, other) in excluded]:
-        del entry[other]
+    for excluded_key in [
+        excluded_key for excluded_key in entry if _quantity(table, excluded_key) in excluded
+    ]:
+        del entry[excluded_key]
     if value is None:
         return
     if key in table.lists and isinstance(value, str):
@@ -328,7 +330,7 @@ def _quantity(table: FileTable, key: str) -> str:
     return table.keys.get(key, (key,))[0]
 
 
-def _is_there(tables: Mapping[str, Any], setting: Setting) -> bool:
+def _exists(tables: Mapping[str, Any], setting: Setting) -> bool:
     """Return whether the key of a setting is in the tables."""
     key, entry = setting.parts[-1], tables.get(setting.parts[0])
     rows = entry if isinstance(entry, list) else [entry]

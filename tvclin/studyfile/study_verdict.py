@@ -10,9 +10,9 @@ from tvclin.requirement.study_tables import survivable
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import (
     Question,
-    asked_table,
     measured,
     questions,
+    questions_table,
     sufficient,
     without_stop,
 )
@@ -36,8 +36,8 @@ def sentence(findings: Findings) -> Line:
     failed = [question for question in answers if question.yes is False]
     unknown = [question for question in answers if question.yes is None and study.limit is not None]
     open_questions = failed or unknown or answers
-    sized = [question for question in open_questions if not np.isnan(question.needs)]
-    worst = max(sized, key=lambda question: question.needs, default=None)
+    sized = [question for question in open_questions if not np.isnan(question.required_deflection)]
+    worst = max(sized, key=lambda question: question.required_deflection, default=None)
     if study.limit is None and not failed:
         return _needed(study)
     if study.limit is not None and worst is not None and (failed or not unknown):
@@ -45,7 +45,9 @@ def sentence(findings: Findings) -> Line:
     first = open_questions[0]
     word = first.answer
     said = f"{word}: {first.text.partition('; ')[0]}"
-    if first.measure is not None and first.whose and np.isnan(first.needs):  # it needs a rate
+    if (
+        first.measure is not None and first.whose and np.isnan(first.required_deflection)
+    ):  # it needs a rate
         needed, available = measured("verdict", first.measure)[:2]
         return (f"{word}: {first.whose} ", *needed, " and has ", *available, ".")
     if study.limit is None:
@@ -72,14 +74,14 @@ def _needed(study: Study) -> Line:
 
 def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
     """Return the verdict with a limit: its surplus over the requirement, or its deficit."""
-    if not worst.needs:
+    if not worst.required_deflection:
         return (_NOTHING,)
-    if np.isinf(worst.needs):
+    if np.isinf(worst.required_deflection):
         return (_NONE if worst.name == "wind" else f"{sufficiency(False)}: {worst.text}.",)
-    needed = degrees("verdict.required", worst.needs, unit="deg")
+    needed = degrees("verdict.required", worst.required_deflection, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
-    difference = abs(limit - worst.needs)
-    percent = 100.0 * difference / worst.needs
+    difference = abs(limit - worst.required_deflection)
+    percent = 100.0 * difference / worst.required_deflection
     by: Line = degrees("verdict.surplus", difference, unit="deg")
     if float(np.degrees(difference)) < _ANGLE_RESOLUTION_DEG:
         by = (f"less than {_ANGLE_RESOLUTION_DEG:g} deg",)
@@ -115,7 +117,7 @@ def basis(findings: Findings) -> Line:
     if (
         s.required_deflection
         and s.governs != Reason.BOUNDARY
-        and len(asked_table(findings).rows) < 2
+        and len(questions_table(findings).rows) < 2
     ):
         line += (f" The required deflection is set by {s.governs}.",)
     if any(TRUSTS in note for note in s.notes):
@@ -165,7 +167,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
     """Return the numbers shown with the verdict, each with its label."""
     s = findings.study
     rows: list[tuple[str, Line]] = []
-    if len(asked_table(findings).rows) < 2:  # else it is one of its rows
+    if len(questions_table(findings).rows) < 2:  # else it is one of its rows
         need = minimum_limit(degrees("facts.required", s.required_deflection, unit="deg"))
         rows.append(("required deflection", need))
     if s.limit is not None:

@@ -29,10 +29,10 @@ class Document:
     revision: str = ""
 
     def __post_init__(self) -> None:
-        for one in fields(self):
-            value = getattr(self, one.name)
+        for item in fields(self):
+            value = getattr(self, item.name)
             if not isinstance(value, str):
-                raise InputError(f"{one.name} in [document] must be a text; got {shown(value)}")
+                raise InputError(f"{item.name} in [document] must be a text; got {shown(value)}")
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Self:
@@ -43,7 +43,7 @@ class Document:
         InputError
             For an unknown key, and a value that is no text.
         """
-        given = DOCUMENT_TABLE.read(table)
-        if isinstance(given.get("date"), date):
-            given["date"] = given["date"].isoformat()
-        return cls(**given)
+        values = DOCUMENT_TABLE.read(table)
+        if isinstance(values.get("date"), date):
+            values["date"] = values["date"].isoformat()
+        return cls(**values)

@@ -183,13 +183,16 @@ def _own_slope(sheet: Sheet) -> dict[str, Column]:
 
 
 def _unread(sheet: Sheet) -> list[str]:
-    """Return notes on columns that are not read."""
-    one, parts = next((h for h in sheet.headings if letters(_UNREAD) in h.names), None), []
+    """Return notes on columns of damping and of an ambiguous rate, which are not read."""
+    ambiguous = next((h for h in sheet.headings if letters(_UNREAD) in h.names), None)
+    parts = []
     if not any(letters(_DAMPING) in h.names for h in sheet.headings):
         parts = [h for h in sheet.headings if h.names[0].startswith(letters(_DAMPING))]
     notes = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
-    if one is not None:
-        notes += [f"not read: column {one.text}, for its name does not say which rate it refers to"]
+    if ambiguous is not None:
+        notes += [
+            f"not read: column {ambiguous.text}, for its name does not say which rate it refers to"
+        ]
     return notes
 
 

@@ -138,7 +138,7 @@ class RateProgram:
 
     @cached_property
     def _rows(self) -> Callable[[bool], tuple[Any, Any]]:
-        """Inequality and equality rows of the program of the rate (True), or of the others."""
+        """Function from True (the program of the minimum rate) or False to its constraint rows."""
         return cache(self._rows_of)
 
     def _rows_of(self, of_rate: bool) -> tuple[Any, Any]:

@@ -276,7 +276,11 @@ def _signs(active: float) -> tuple[float, ...]:
 
 
 def first_missed_end(result: Any, ends: list[End]) -> tuple[float, Regime] | None:
-    """Return time [s] and next regime of the first end within a solver step; None without one."""
+    """Return time [s] and next regime of the first end of a regime that the solver stepped over.
+
+    Such an end lies within a solver step, with the same sign of its event function at both sides;
+    None without such an end. `result`: solution of `solve_ivp`. `ends`: ends of the regime.
+    """
     from scipy.optimize import brentq, minimize_scalar
 
     offsets = np.diff(result.t)[:, np.newaxis] * np.arange(_TIMES_PER_STEP) / _TIMES_PER_STEP

@@ -220,7 +220,10 @@ class _Substeps(NamedTuple):
     free: FloatArray
 
     def stepped(self, steps: AnyArray, states: AnyArray) -> AnyArray:
-        """Return steps times states as columns ``(n, m)``; `steps` has a matrix for each `once`."""
+        """Return the products of step matrices and states, as columns ``(n, m)``.
+
+        `steps`: matrices of the distinct times `once`. `states`: ``(m, n)``.
+        """
         columns = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
         if self.once.size > _MAX_LOOPED_TIMES:
             width = max(_MAX_NUMBERS // max(steps[0].size, 1), 1)

@@ -24,9 +24,9 @@ from tvclin.requirement.study import Study
 from tvclin.requirement.study_response import study_response
 from tvclin.show.report.figures import inline_svg
 from tvclin.studyfile import assumptions, autopilot_tables, study_verdict
-from tvclin.studyfile.findings import Findings, Told, find
+from tvclin.studyfile.findings import Findings, Progress, find
 from tvclin.studyfile.glossary import equation_table, glossary_table
-from tvclin.studyfile.questions import asked_table, loop_notes, sufficient
+from tvclin.studyfile.questions import loop_notes, questions_table, sufficient
 from tvclin.studyfile.read import load_study
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle import Vehicle
@@ -47,7 +47,7 @@ _NAMES: dict[str, Any] = {
     **{
         function.__name__: function
         for function in (
-            asked_table,
+            questions_table,
             assumptions.study_warnings,
             assumptions.general_assumptions,
             band_table,
@@ -103,7 +103,7 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
     return page_of(plan)[0]
 
 
-def page_of(plan: StudyPlan, progress: Told | None = None) -> tuple[str, Findings]:
+def page_of(plan: StudyPlan, progress: Progress | None = None) -> tuple[str, Findings]:
     """Return the page of a plan, and its findings; same exceptions as `report_html`."""
     environment = _environment()
     findings = find(plan, progress)
