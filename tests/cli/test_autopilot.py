@@ -57,8 +57,16 @@ def test_a_gain_margin_may_be_asked_for_in_decibels():
 
 
 def test_only_gains_that_are_used_are_shown():
-    gains = ("margins", "--attitude-gain", "0.7", "--rate-gain", "0.9", "--alpha-gain", "0.25")
-    shown = run(*gains, "--integral-gain", "0.05").output
+    gains = (
+        "margins",
+        "--attitude-gain",
+        "0.7",
+        "--rate-gain",
+        "0.9",
+        "--set",
+        "autopilot.alpha_gain=0.25",
+    )
+    shown = run(*gains, "--set", "autopilot.integral_gain_per_s=0.05").output
     assert re.search(r"alpha gain b0\W+0\.25\b", shown)
     assert re.search(r"integral gain aI\W+0\.05 1/s", shown)
     assert "integral gain" not in run(*gains).output

@@ -92,8 +92,6 @@ VALUES = {
     "damping": ["0.9"],
     "attitude_gain": ["1.1"],
     "rate_gain": ["1.1"],
-    "alpha_gain": ["0.1"],
-    "integral_gain": ["0.03"],
     "delay_ms": ["15"],
     "criteria": ["aircraft"],
     "three_gains": [None],
@@ -117,11 +115,6 @@ VALUES = {
     "from_": ["69"],
     "to": ["73"],
     "every": ["0.4"],
-    "count": ["trim"],
-    "dispersion": ["0.1"],
-    "thrust_offset_deg": ["0.1"],
-    "gravity_offset_m": ["0.1"],
-    "reserve": ["0.1"],
 }
 SLOW = ("least", "flown", "disperse", "varying", "laws")
 """Searches, which `test_least` and the tests of flown margins ask for."""

@@ -69,7 +69,7 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
             (("--wind", "rectangular", "--load-deg", "4"), 2, "5 deg"),
             (("--law", "trim"), 2, "--limit-deg"),
             (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
-            (("--alpha-gain", "1"), 2, "--law"),
+            (("--attitude-gain", "1"), 2, "--law"),
         ],
         *(0, 3, 5, 6, 7, 8, 9, 10),
     ),
@@ -84,7 +84,9 @@ def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, word
 def test_a_gain_on_the_angle_of_attack_relieves_the_load() -> None:
     plain = ("--limit-deg", "2", "--law", "autopilot", "--attitude-gain", "0.4", "--rate-gain", "1")
     loads = [
-        json.loads(run(*plain, "--alpha-gain", gain, "--json").stdout)["flown"][0]["load_deg"]
+        json.loads(run(*plain, "--set", "autopilot.alpha_gain", gain, "--json").stdout)["flown"][0][
+            "load_deg"
+        ]
         for gain in ("0", "-0.1", "0.1")
     ]
     assert len(set(loads)) == 3

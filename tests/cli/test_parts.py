@@ -44,7 +44,7 @@ VALUES = {
         "--set",
         'autopilot.filter=[{kind="notch", frequency_Hz=5, zero_damping=0.05, pole_damping=0.5}]',
     ),
-    "gains": ("--integral-gain", 0.05),
+    "gains": ("--set", "autopilot.integral_gain_per_s", 0.05),
     "dispersion": ("--disperse",),
     "limit": ("--limit-deg", 0.3),
 }

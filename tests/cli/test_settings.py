@@ -175,6 +175,8 @@ def test_keys_that_exclude_each_other_are_refused():
         ("margins", ("--rate-gain", "1"), ("autopilot.rate_gain_s", "2")),
         ("margins", ("--delay-ms", "1"), ("autopilot.delay_s", "2")),
         ("size", ("--every", "20"), ("size.every_s", "10")),
+        ("margins", ("--natural-frequency", "1"), ("autopilot.rate_gain_s", "2")),
+        ("margins", ("--attitude-gain", "1"), ("autopilot.design", "lqr")),
     ],
 )
 def test_a_key_beside_its_own_option_is_refused(command, option, key):

@@ -37,7 +37,14 @@ def test_a_dead_band_below_one_is_said_to_trust_a_forecast() -> None:
 
 
 def test_json_equals_the_library() -> None:
-    offsets = ("--dispersion", "0.3", "--thrust-offset-deg", "0.1", "--gravity-offset-m", "0.05")
+    offsets = (
+        "--set",
+        "size.dispersion_percent=30",
+        "--set",
+        "size.thrust_offset_deg=0.1",
+        "--set",
+        "size.gravity_offset_m=0.05",
+    )
     result = run(
         "size", "configuration-ii", *FAST, *offsets, "--limit-deg", "0.4", "--json",
         "--peak-speed", "60",
@@ -82,8 +89,8 @@ def test_json_equals_the_library() -> None:
 def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
     table, picture = tmp_path / "a.csv", tmp_path / "a.png"
     given = ("size", "configuration-i", *FAST, "--csv", str(table), "--plot", str(picture))
-    enough = run(*given, "--limit-deg", "0.6", "--reserve", "0.1")
-    short = run("size", "configuration-i", *FAST, "--limit-deg", "0.5", "--count", "trim")
+    enough = run(*given, "--limit-deg", "0.6", "--set", "size.reserve_percent=10")
+    short = run("size", "configuration-i", *FAST, "--limit-deg", "0.5", "--set", "size.count=trim")
 
     assert enough.exit_code == 0
     assert re.search(r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve\n", enough.output)
@@ -289,7 +296,10 @@ def test_dispersions_are_found_in_a_sounding(plane) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("configuration-i", "--count", "trim", "--disperse", *FAST), "--disperse needs a dead"),
+        (
+            ("configuration-i", "--set", "size.count=trim", "--disperse", *FAST),
+            "--disperse needs a dead",
+        ),
         (("nowhere.csv",), "nowhere.csv"),
         (
             ("configuration-i", "--from", "90", "--to", "60"),
@@ -302,9 +312,12 @@ def test_dispersions_are_found_in_a_sounding(plane) -> None:
         ),
         (("configuration-i", "--every", "0"), "every must be positive"),
         (("configuration-i", "--every", "1e-9"), "at most 10000 flight times"),
-        (("configuration-i", "--count", "K=1", *FAST), "count must be one of trim"),
+        (("configuration-i", "--set", "size.count=K=1", *FAST), "count must be one of trim"),
         (("configuration-i", "--limit-deg", "-1"), "--limit-deg must be positive"),
-        (("configuration-i", "--reserve", "1", *FAST), "reserve must be a part of the limit"),
+        (
+            ("configuration-i", "--set", "size.reserve_percent=100", *FAST),
+            "reserve must be a part of the limit",
+        ),
         (("configuration-i", "--wind", "square"), "wind must be one of"),
         (("configuration-i", "--winds", "no.csv", "--azimuth-deg", "90"), "no.csv"),
         (("configuration-i", "--winds", WIND), "--winds needs --azimuth-deg"),
@@ -382,7 +395,7 @@ def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
     given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
     along = json.loads(run(*given, "--every", "20", "--varying", "--json").stdout)
     beside = json.loads(
-        run(*given, "--every", "20", "--varying", "--count", "K = 1", "--json").stdout
+        run(*given, "--every", "20", "--varying", "--set", "size.count=K = 1", "--json").stdout
     )
     wind = {name: one["total"]["lines"][1] for name, one in (("a", along), ("f", beside))}
 

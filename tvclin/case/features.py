@@ -37,7 +37,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "filters": (),
     "gains": (
         *("--design", "--natural-frequency", "--damping"),
-        *("--attitude-gain", "--rate-gain", "--alpha-gain", "--integral-gain"),
+        *("--attitude-gain", "--rate-gain"),
     ),
     "dispersion": ("--disperse",),
     "limit": ("--limit-deg",),

@@ -25,7 +25,7 @@ class GainOptions(Given):
 
 GAINS = GainOptions(
     DESIGN,
-    ("design", "natural_frequency", "damping", *GIVEN_GAINS, "integral_gain"),
+    ("design", "natural_frequency", "damping", "attitude_gain", "rate_gain"),
 )
 
 

@@ -168,6 +168,7 @@ def key_instead(command: str, option: str) -> str | None:
 def _field_keys() -> dict[str, tuple[str, ...]]:
     """Return the keys without units of the options of declared fields, by option."""
     from tvclin.cli.options import Given
+    from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS
 
     keys: dict[str, tuple[str, ...]] = {}
     for kind, heading in _HEADINGS.items():
@@ -176,4 +177,7 @@ def _field_keys() -> dict[str, tuple[str, ...]]:
             home = "campaign" if item.name in _CAMPAIGN else heading
             home = "question" if item.name in _QUESTION else home
             keys[flag] = (*keys.get(flag, ()), f"{home}.{item.called}")
+            for group, others in ((GIVEN_GAINS, RULE_KEYS), (RULE_KEYS, GIVEN_GAINS)):
+                if heading == "autopilot" and item.name in group:  # a rule replaces gains
+                    keys[flag] += tuple(f"autopilot.{other}" for other in others)
     return keys

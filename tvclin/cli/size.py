@@ -48,6 +48,8 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.soundings.sounding_files import read_sounding
 
+_FIELDS = ("window", "start", "stop", "every", "dead_bands", "varying")
+"""Fields of `SizingRequest` that have an option."""
 _MAX_WIND_COLUMNS = 6
 """Largest number of winds with a column each, for the width of a terminal."""
 SOURCE = (
@@ -157,7 +159,7 @@ def size(
     planes: PlaneOptions = GROUP,
     sign: Given = SIGN,
     limits: Given = BOTH_LIMITS,
-    question: Given = Given("requirement.flight.request.SizingRequest", at="sizing"),
+    question: Given = Given("requirement.flight.request.SizingRequest", _FIELDS, "sizing"),
     disperse: bool = switch(
         "--disperse",
         "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",
