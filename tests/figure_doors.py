@@ -130,7 +130,13 @@ def figures(folder: Path) -> dict[str, Door]:
         "flight_chart": Door(plots.flight_chart, {"curves": curves, "title": "a"}),
         "flight_curves": Door(
             plots.flight_curves,
-            {"flight": beside, "limit": 0.01, "name": "a", "parameters": "b", "beside": "linear"},
+            {
+                "flight": beside,
+                "limit": 0.01,
+                "name": "a",
+                "parameters": "b",
+                "reference": "linear",
+            },
         ),
         "flown_margins_chart": Door(plots.flown_margins_chart, {"flown_margins": flown}),
         "laws_chart": Door(

@@ -212,7 +212,7 @@ def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
     result = run(command, "made-up-booster")
     assert "are of the rigid vehicle, without the structure in its file" in result.stderr
     assert f"fast pole by {moved.fast_pole:+.2f} percent" in result.stderr
-    assert f"needs by {moved.trim_price:+.2f} percent" in result.stderr
+    assert f"required deflection by {moved.trim_price:+.2f} percent" in result.stderr
     assert "rigid" not in run(command, "configuration-i").stderr
 
 

@@ -326,7 +326,7 @@ def test_a_vehicle_with_structure_says_what_is_rigid_here(panel: Any) -> None:
         tv.load_vehicle("made-up-booster"), plant, "drift-exact"
     ).shift()
     assert "Boundaries and the open-loop response are of the rigid" in structured.notes.value
-    assert f"needs by {bends.trim_price:+.2f} percent" in structured.notes.value
+    assert f"required deflection by {bends.trim_price:+.2f} percent" in structured.notes.value
     structured.controls["structure"].value = False
     assert "structure" not in structured.notes.value
 

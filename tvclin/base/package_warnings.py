@@ -1,4 +1,4 @@
-"""Warnings of this package, each sentence once, without those of other packages."""
+"""Warnings of this package, each sentence once, without warnings of other packages."""
 
 import warnings
 from collections.abc import Callable, Iterator

@@ -1,7 +1,7 @@
 """Text files and tables of other programs: a line of column names, and rows of cells below it.
 
 Errors name the line. One reader for winds, soundings and schedules: any separator, decimal commas,
-quoted cells, comments and lines of other text above the names. Units are those of `units`.
+quoted cells, comments and lines of other text above the names. Units are the same as in `units`.
 """
 
 from __future__ import annotations

@@ -263,7 +263,7 @@ def boundary_limit(
 def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Any:
     """Return the relative error of the boundary when a wind is replaced by its equivalent triangle.
 
-    It holds for the given plant: the triangle's boundary deflection over that of the wind itself,
+    It holds for the given plant: the triangle's boundary deflection relative to the wind itself,
     minus one. Negative where the triangle is optimistic; NaN where no deflection is required.
 
     Parameters

@@ -71,13 +71,13 @@ _MAX_CELLS = 160
 _CELLS_PER_TIME_CONSTANT = 10.0
 """Cells in the time constant of the fastest mode, between these numbers."""
 _WIDTH_RATIO = 1.15
-"""Width of each cell after the wind over that of the one before."""
+"""Width of each cell after the wind relative to the one before."""
 _SPAN_OVER_TIME_CONSTANT = 20.0
 """Time of the last node after the wind, over the time constant of the slowest unstable mode."""
 _MAX_DEFLECTION: float = float(np.pi / 2)
 """Largest deflection [rad] of the programs of minimum load."""
 _NEGLIGIBLE_LOAD = 1e-9
-"""Load, relative to that of the optimal deflection, below which it is zero."""
+"""Load, relative to the optimal deflection, below which it is zero."""
 _LOAD_PROGRAMS = 5
 """Largest number of programs of the minimum load."""
 _MIN_LOAD_DECREASE = 0.01
@@ -89,7 +89,7 @@ _MAX_ZERO_NODES = 300
 _NEWTON_STEPS = 6
 """Largest number of Newton steps to the load at a limit."""
 _MIN_START_LOAD = 0.02
-"""Smallest load at which they begin, relative to that of the optimal deflection."""
+"""Smallest load at which they begin, relative to the optimal deflection."""
 _RELATIVE_TOLERANCE = 1e-3
 """Relative distance to a floor within which the floor sets a limit."""
 ANGLE, TURN, BOTH = "the minimum angle", "turning in time", "both together"
@@ -136,7 +136,7 @@ class LoadTradeOff(TradeOff):
     required_load : float
         Minimum load [rad] of a control with that limit, or with any; infinite without one.
     angle : float
-        Largest wind angle [rad]. Above 30 deg the trade-off is that of the linear equations alone,
+        Largest wind angle [rad]. Above 30 deg the trade-off holds for the linear equations only,
         and the lower bound is NaN.
     """
 

@@ -13,7 +13,7 @@ With an acceleration limit c too, from rest to rest, v is the rate that is reach
 
     d0 = d f(p d/v) f(p v/c),    v = min(r, sqrt(c d)).
 
-Where a second pole contributes the limits are those of `optimum_with_rate_limit`.
+Where a second pole contributes the limits are the same as in `optimum_with_rate_limit`.
 """
 
 from __future__ import annotations
@@ -186,7 +186,7 @@ class RateTradeOff(TradeOff):
     required_rate : float
         The minimum rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
     angle : float
-        Largest wind angle [rad]. Above 30 deg the trade-off is that of the linear equations alone,
+        Largest wind angle [rad]. Above 30 deg the trade-off holds for the linear equations only,
         and the lower bound is NaN.
     """
 
@@ -318,8 +318,8 @@ def rate_trade_off(
     Notes
     -----
     Where other unstable poles contribute, such as the flight path's after long winds,
-    the limits are those of `optimum_with_rate_limit`. Without a forecast the bound is that of a
-    state that must be recoverable after a stop and after the remaining wind, y* of
+    the limits are the same as in `optimum_with_rate_limit`. Without a forecast the bound is that of
+    a state that must be recoverable after a stop and after the remaining wind, y* of
     `forecast_free_limit` in the place of d0.
 
     Examples

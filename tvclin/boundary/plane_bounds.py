@@ -52,7 +52,7 @@ _DIRECTIONS = 180
 _GRID_POINTS = 33
 """Points of a refined grid in each of its two variables."""
 _REFINEMENT_FACTOR = 8.0
-"""Width of a refined grid over that of the next."""
+"""Width of a refined grid relative to the next."""
 _GRID_REFINEMENTS = 5
 """Number of refined grids."""
 _CELLS = 500

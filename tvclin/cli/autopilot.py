@@ -58,7 +58,7 @@ _COMPARED = (
 )
 """Fields of a comparison with trim that JSON has."""
 _DURATION_RATIOS = (1.0, 0.5, 2.0)
-"""Durations of the winds, over that of the case; a single wind would be overfitted."""
+"""Durations of the winds, relative to the case; a single wind would be overfitted."""
 
 
 @dataclass(frozen=True)

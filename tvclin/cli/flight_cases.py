@@ -47,7 +47,7 @@ class Compared:
     case: Any
     flight: FlightComparison
     limit: float
-    beside: str
+    reference: str
     columns: tuple[str, ...]
     boundary: tuple[float | None, float] | None
     heads: list[str]
@@ -57,7 +57,7 @@ class Compared:
 
     def both(self, values: Any) -> dict[str, Any]:
         """Return the values of the flight and of its comparison, by name."""
-        return dict(zip(("flown", self.beside), values, strict=True))
+        return dict(zip(("flown", self.reference), values, strict=True))
 
     def show(self, shown: ShownCurves) -> bool:
         """Write and print the flight, and return whether it survived."""
@@ -66,7 +66,7 @@ class Compared:
         said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
         shown.write(
             lambda: flight_curves(
-                self.flight, self.limit, "fly", said.replace("\n", ", "), self.beside
+                self.flight, self.limit, "fly", said.replace("\n", ", "), self.reference
             ),
             lambda numbers: flight_chart(numbers, said),
         )
@@ -288,7 +288,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         case=case,
         flight=flight,
         limit=limit,
-        beside="linear",
+        reference="linear",
         columns=("flown", "linear"),
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
         heads=case.heads,

@@ -114,7 +114,7 @@ def _compared(
         case=case,
         flight=flight,
         limit=limit,
-        beside="rigid",
+        reference="rigid",
         columns=("flexible", "rigid") if case.bends else ("flown",),
         boundary=(abs(boundaries[0].deflection), abs(boundaries[-1].deflection))
         if boundaries

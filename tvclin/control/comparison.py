@@ -337,7 +337,7 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
         One plant of any model; trim, boundaries and minimum are computed for the rigid vehicle.
     autopilot : Autopilot
         One autopilot, here without deflection limit. With a sample rate the margins are those of
-        the sampled loop, and the peaks those of the continuous loop.
+        the sampled loop, and the peaks for the continuous loop.
     wind : History
         One wind that ends.
 

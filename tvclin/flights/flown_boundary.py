@@ -64,7 +64,7 @@ def planar_verdict(
     """Return the verdict of planar flights.
 
     `frozen`: whether parameters are frozen; else they vary along the nominal flight of `condition`.
-    The other parameters are those of `fly_planar`; the wind ends. `InputError` in the same cases as
+    The other same parameters as `fly_planar`; the wind ends. `InputError` in the same cases as
     `fly_planar`, and for an aerodynamically stable vehicle.
     """
     _check_frozen(frozen, condition)
@@ -122,7 +122,7 @@ def _check_frozen(frozen: bool, condition: object) -> None:
 
 
 def _sixdof_outputs(*given: Any, **options: Any) -> tuple[FloatArray, FloatArray]:
-    """Return times [s] and outputs of a flight in JSBSim; parameters are those of `fly_sixdof`."""
+    """Return times [s] and outputs of a flight in JSBSim; same parameters as `fly_sixdof`."""
     flight = fly_sixdof(*given, **options)
     return np.asarray(flight.time), np.array(flight.outputs)
 

@@ -328,7 +328,7 @@ def fly_sampled(
 ) -> SampledFlight:
     """Return a sampled flight and its outcome, and those of the rigid vehicle.
 
-    Parameters and exceptions are those of `fly`; `nozzle`: deflection_limit, rate_limit, actuator,
+    Same parameters and exceptions as `fly`; `nozzle`: deflection_limit, rate_limit, actuator,
     sample_rate and delay.
     """
     plants = (plant, plant.rigid)

@@ -146,7 +146,7 @@ def release_time(plant: Plant, wind: History, times: FloatArray, attitude: Float
     `plant`, `wind`: plant and wind of the flight. `times`, `attitude`: samples of a flight that
     survives [s, rad], ``(n,)``; NaN for missing ones.
 
-    The criterion is that of `response_end`, with linear interpolation between the samples.
+    The criterion is the same as in `response_end`, with linear interpolation between the samples.
     """
     valid = np.isfinite(attitude)
     times, towards = times[valid], _wind_sign(plant, wind) * attitude[valid]

@@ -216,7 +216,7 @@ class FlexiblePlant(Shown, Hinted):
     def matrices(self) -> Matrices:
         """Return A, B, C, D with the leading axes of the batch.
 
-        The order is that of `states`, `inputs` and `outputs`.
+        The order is the same as in `states`, `inputs` and `outputs`.
         """
         airframe_A, airframe_B = self._airframe
         outputs, feedthrough = self._output_matrices(airframe_A.shape[-1])

@@ -19,7 +19,7 @@ from tvclin.control.comparison import TrimComparison
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one
+from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_single
 from tvclin.plots.style import (
     ANGLES,
     COLOURS,
@@ -92,7 +92,7 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     import control
     import matplotlib.pyplot as plt
 
-    require_one("step_chart", autopilot, plant)
+    require_single("step_chart", autopilot, plant)
     margins = _margins(autopilot, plant)
     status, words = margins.status, loop_words(autopilot, plant)
     closed = autopilot.close(plant)[list(_STEP), "attitude_command"]
@@ -164,7 +164,7 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
     The horizon is the end of the wind plus a settling time.
     """
     instance("wind", wind, History, "such as TriangularWind")
-    require_one("wind_chart", autopilot, plant, wind=wind)
+    require_single("wind_chart", autopilot, plant, wind=wind)
     margins = _margins(autopilot, plant)
     answer, status = autopilot.wind_response(plant, wind), margins.status
     start, stop = _wind_horizon(autopilot, plant, wind, margins)
@@ -180,8 +180,8 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
     plot = draw(curves, Look(title, _ORDINATES, _STYLES, across=1))
     if peak is not None:
         trim = float(curves.column(_TRIM, "deflection")[0])
-        part = f", {abs(peak.y / trim):.2f} x trim" if trim else ""
-        marks = [replace(peak, text=f"peak {peak.y:.3g} deg at {peak.x:.3g} s{part}")]
+        trim_ratio = f", {abs(peak.y / trim):.2f} x trim" if trim else ""
+        marks = [replace(peak, text=f"peak {peak.y:.3g} deg at {peak.x:.3g} s{trim_ratio}")]
         panel = plot.axes[list(curves.panels).index("deflection"), 0]
         draw_marks(panel, marks)
         write_numbers((panel, marks))

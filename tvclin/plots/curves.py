@@ -111,9 +111,9 @@ class Curves:
         for column in self.columns:
             if (column.label, column.panel) == (label, panel):
                 return column.values
-        known = ", ".join(repr((c.label, c.panel)) for c in self.columns)
+        available = ", ".join(repr((c.label, c.panel)) for c in self.columns)
         raise InputError(
-            f"label and panel must be one of {known}; got {shown(label)}, {shown(panel)}"
+            f"label and panel must be one of {available}; got {shown(label)}, {shown(panel)}"
         )
 
     def csv(self) -> str:

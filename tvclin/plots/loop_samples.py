@@ -167,7 +167,7 @@ def _samples(
     return LoopSamples(loop, margins, bands, airframe, omega, response, phase, words, order)
 
 
-def require_one(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
+def require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
     """Raise `InputError` unless autopilot, plant and all others are single."""
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     check_plant(plant)
@@ -177,7 +177,7 @@ def require_one(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
 def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
     """Raise `InputError` for batches, in the name of a figure."""
     shapes = {"autopilot": autopilot.batch, "plant": plant.batch}
-    shapes |= {name: other.batch for name, other in others.items()}
+    shapes |= {name: value.batch for name, value in others.items()}
     if any(shapes.values()):
         shown = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise InputError(

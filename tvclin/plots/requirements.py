@@ -51,8 +51,8 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
-        most = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
-        columns.append(Column(_LIMIT, np.full(order.size, most), "deg"))
+        largest = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
+        columns.append(Column(_LIMIT, np.full(order.size, largest), "deg"))
         styles[_LIMIT] = {"color": WARM, "ls": "-", "lw": 1.4}
     winds = sizing.winds[0] if len(sizing.winds) == 1 else f"the worst of {len(sizing.winds)} winds"
     words = f"{sizing.model}, {PLANE_TEXTS[sizing.plane]}, {winds}"
@@ -109,23 +109,26 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
         Where no sounding is judged, or none needs a deflection.
     """
     instance("availability", availability, Availability, "see availability")
-    most = np.nanmax(availability.upper, initial=0.0)
-    if not most > 0.0:
+    largest = np.nanmax(availability.upper, initial=0.0)
+    if not largest > 0.0:
         raise InputError("availability must hold a sounding that asks for deflection, to be drawn")
-    limits = np.linspace(0.0, _WIDER * max(float(most), availability.limit), _LIMITS)
+    limits = np.linspace(0.0, _WIDER * max(float(largest), availability.limit), _LIMITS)
     azimuths = np.degrees(np.atleast_1d(availability.azimuth)).tolist()
     multiple = len(azimuths) > 1
-    parts = [part if isinstance(part, tuple) else (part,) for part in availability.curve(limits)]
+    parts = [
+        by_azimuth if isinstance(by_azimuth, tuple) else (by_azimuth,)
+        for by_azimuth in availability.curve(limits)
+    ]
     if multiple:
         values = {
-            f"{azimuth:.4g} deg": [part[a].fraction for part in parts]
+            f"{azimuth:.4g} deg": [by_azimuth[a].fraction for by_azimuth in parts]
             for a, azimuth in enumerate(azimuths)
         }
     else:
         values = {
-            _UPPER: [part[0].upper for part in parts],
-            _FLOWN: [part[0].fraction for part in parts],
-            _LOWER: [part[0].lower for part in parts],
+            _UPPER: [by_azimuth[0].upper for by_azimuth in parts],
+            _FLOWN: [by_azimuth[0].fraction for by_azimuth in parts],
+            _LOWER: [by_azimuth[0].lower for by_azimuth in parts],
         }
     columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())
     station = availability.soundings.station or "an archive"

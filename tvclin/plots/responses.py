@@ -106,16 +106,18 @@ def response_curves(
             single(what, history.batch)
     if isinstance(response, Responses):
         rows = dict(zip(response.labels, response.outputs, strict=True))
-    elif "TimeResponseData" not in [one.__name__ for one in type(response).__mro__]:
+    elif "TimeResponseData" not in [base.__name__ for base in type(response).__mro__]:
         raise InputError(
             f"response must be Responses or control.TimeResponseData; got {shown(response)}"
         )
     else:
         labels = (*response.output_labels, *response.input_labels)
-        both = (np.reshape(rows, (-1, response.time.size)) for rows in (response.y, response.u))
-        rows = dict(zip(labels, np.concatenate(list(both)), strict=True))
+        data = (np.reshape(rows, (-1, response.time.size)) for rows in (response.y, response.u))
+        rows = dict(zip(labels, np.concatenate(list(data)), strict=True))
     inputs = {"deflection": deflection, "wind": wind}
-    rows |= {label: one(response.time) for label, one in inputs.items() if one is not None}
+    rows |= {
+        label: history(response.time) for label, history in inputs.items() if history is not None
+    }
     size = float(np.degrees(max(np.nanmax(np.abs(row)) for row in rows.values())))
     columns = []
     for label, row in rows.items():
@@ -138,11 +140,11 @@ def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
     If it reaches half with neither sign, the line is that of the larger peak. `deflection`: in deg.
     """
     reach = {"upper limit": np.nanmax(deflection), "lower limit": -np.nanmin(deflection)}
-    least = min(0.5 * np.degrees(limit), max(reach.values()))
+    threshold = min(0.5 * np.degrees(limit), max(reach.values()))
     return [
         Column(label, np.full(deflection.size, sign * np.degrees(limit)), "deg", "deflection")
-        for (label, far), sign in zip(reach.items(), (1.0, -1.0), strict=True)
-        if far >= least
+        for (label, peak), sign in zip(reach.items(), (1.0, -1.0), strict=True)
+        if peak >= threshold
     ]
 
 
@@ -192,7 +194,7 @@ def study_response_chart(response: StudyResponse) -> "ControlPlot":
 
 
 def flight_curves(
-    flight: FlightComparison, limit: float, name: str, parameters: str, beside: str = "linear"
+    flight: FlightComparison, limit: float, name: str, parameters: str, reference: str = "linear"
 ) -> Curves:
     """Return attitude, angle of attack and deflection, flown and linear, and the wind, in degrees.
 
@@ -204,15 +206,15 @@ def flight_curves(
         Its deflection limit [rad].
     name, parameters : str
         Name and parameters of the curves, see `Curves`.
-    beside : {"linear", "rigid"}
+    reference : {"linear", "rigid"}
         Name of the flight compared with.
     """
     instance("flight", flight, FlightComparison, "see compare_flight")
-    limit, beside = _limit(limit), one_of("beside", beside, ("linear", "rigid"))
+    limit, reference = _limit(limit), one_of("reference", reference, ("linear", "rigid"))
     columns = [
         Column(label, np.degrees(rows[row]), "deg", panel)
         for panel, row in _FLOWN.items()
-        for label, rows in (("flown", flight.flown), (beside, flight.linear))
+        for label, rows in (("flown", flight.flown), (reference, flight.linear))
     ]
     columns += _limit_columns(np.degrees(flight.flown[_FLOWN["deflection"]]), limit)
     wind = Column("wind", np.degrees(flight.wind(flight.times)), "deg", "wind")

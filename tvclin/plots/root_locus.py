@@ -220,22 +220,26 @@ class LocusPoles:
 
         return cls(closed(np.zeros(1))[0], to_s(zeros), closed)
 
-    def refined(self, factors: FloatArray, near: float, far: float) -> FloatArray:
-        """Return factors, rising, between which no pole nearer to zero than `far` goes far.
+    def refined(self, factors: FloatArray, min_size: float, max_size: float) -> FloatArray:
+        """Return gain factors, rising, between which poles below `max_size` take small steps.
 
-        Those at which two poles meet on the real axis are among them.
+        The factors at which two poles meet on the real axis are included.
 
-        `factors`: to begin with, rising. `near`, `far`: sizes [1/s]: of a pole below the first its
-        step is measured by that.
+        `factors`: initial factors, rising. `min_size`: size of a pole [1/s] below which its step is
+        relative to `min_size`. `max_size`: size of a pole [1/s] above which steps may be larger.
         """
         for _ in range(_ROUNDS):
             poles = self.closed(factors)
             steps = np.abs(poles[1:, :, np.newaxis] - poles[:-1, np.newaxis, :]).min(axis=-1)
             sizes = np.abs(poles[1:])
-            least = np.minimum(_STEP * np.maximum(sizes, near), _APART * _pole_distances(poles[1:]))
-            coarse = (steps > np.maximum(least, 0.02 * _STEP * near)) & (sizes < 2.0 * far)
-            places = np.flatnonzero(np.any(coarse, axis=-1))
-            between = np.linspace(factors[places], factors[places + 1], _PARTS + 1)
+            max_step = np.minimum(
+                _STEP * np.maximum(sizes, min_size), _APART * _pole_distances(poles[1:])
+            )
+            coarse = (steps > np.maximum(max_step, 0.02 * _STEP * min_size)) & (
+                sizes < 2.0 * max_size
+            )
+            coarse_steps = np.flatnonzero(np.any(coarse, axis=-1))
+            between = np.linspace(factors[coarse_steps], factors[coarse_steps + 1], _PARTS + 1)
             factors = np.unique(np.concatenate([factors, between.ravel()]))
         for _ in range(2):
             factors = self._with_meetings(factors)
@@ -358,7 +362,10 @@ def root_locus_chart(
         shown[0] = plain if len(radii) > 1 else marks
         poles_of_modes = ((complex(mode.pole), mode.name) for mode in samples.modes)
         begun = "modes in the vehicle (factor 0)"
-        named = (Mark(p.real, p.imag, one, MODE[0], begun, MODE[1]) for p, one in poles_of_modes)
+        named = (
+            Mark(p.real, p.imag, mode_name, MODE[0], begun, MODE[1])
+            for p, mode_name in poles_of_modes
+        )
         shown.append([*plain, *named_once(named)])
     for axes, drawn in zip(panels[0], shown, strict=True):
         lines += draw_marks(axes, drawn)
@@ -461,9 +468,13 @@ def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
     """Set the frame to the upper half plane up to the fastest mode, as wide as for factor 1."""
     poles = np.array([mode.pole for mode in samples.modes])
     ends = np.array([mode.closed_pole for mode in samples.modes])
-    both = np.concatenate([poles, ends])
-    width = 2.0 * float(np.nanmax(np.abs(both.real)))
-    _frame(axes, (-width, 0.6 * width), (0.0, _HEIGHT_OVER_MODE * float(np.nanmax(both.imag))))
+    poles_and_ends = np.concatenate([poles, ends])
+    width = 2.0 * float(np.nanmax(np.abs(poles_and_ends.real)))
+    _frame(
+        axes,
+        (-width, 0.6 * width),
+        (0.0, _HEIGHT_OVER_MODE * float(np.nanmax(poles_and_ends.imag))),
+    )
     axes.set_title("modes, real axis stretched", fontsize="medium")
 
 

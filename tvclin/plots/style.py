@@ -474,9 +474,9 @@ def _cost(box: "Bbox", point: FloatArray, obstacles: _Obstacles) -> float:
     covered = np.all((points >= room.min) & (points <= room.max), axis=-1)
     return (
         _OUTSIDE * out
-        + _LABEL * sum(bool(box.overlaps(other)) for other in obstacles.labels)
+        + _LABEL * sum(bool(box.overlaps(label)) for label in obstacles.labels)
         + _MARK * int(np.sum(covered))
-        + _LEADER * sum(leader.intersects_bbox(other, filled=True) for other in obstacles.labels)
+        + _LEADER * sum(leader.intersects_bbox(label, filled=True) for label in obstacles.labels)
         + sum(cost for path, cost in obstacles.curves if path.intersects_bbox(box, filled=False))
     )
 

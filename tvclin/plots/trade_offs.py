@@ -66,7 +66,7 @@ _LOADS: dict[str, Style] = {
 }
 _FLOWN: tuple[Style, ...] = tuple(
     {"color": colour, **_POINT, "marker": marker}
-    for colour, marker in zip((one for one in COLOURS[1:] if one != WARM), "s^vDP", strict=False)
+    for colour, marker in zip((c for c in COLOURS[1:] if c != WARM), "s^vDP", strict=False)
 )
 _MARGINS: dict[str, Style] = {
     "boundary, K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
@@ -150,7 +150,7 @@ def load_chart(
         Title of the figure.
     """
     curves = load_curves(trade_off, flown)
-    styles = _LOADS | dict(zip([one.law for one in flown], _FLOWN, strict=False))
+    styles = _LOADS | dict(zip([load.law for load in flown], _FLOWN, strict=False))
     plot = draw(curves, Look(title, "deflection [deg]", styles))
     axes = plot.axes.flat[0]
     axes.set_xlim(0.0, 1.03 * float(curves.abscissa.max()))
@@ -229,7 +229,7 @@ def laws_chart(
     Parameters
     ----------
     plant : Plant or FlexiblePlant
-        One plant; required limits and lower bounds are those of the rigid vehicle.
+        One plant; required limits and lower bounds are for the rigid vehicle.
     laws : mapping of str to Law
         Laws by name, such as `standard_laws`.
     peak : float

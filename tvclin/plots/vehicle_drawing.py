@@ -224,7 +224,7 @@ class _Line:
     points: FloatArray  # (41, 2)
     style: Style
     text: str = ""
-    place: float = 1.0  # where on the line the text stands, 0 to 1
+    text_position: float = 1.0  # where on the line the text stands, 0 to 1
     shift: tuple[float, float] = (0.0, 0.0)
     arrow: str = ""  # as matplotlib's arrowstyle
 
@@ -244,13 +244,15 @@ def figure_1(
     """
     import matplotlib.pyplot as plt
 
-    given = {
+    angles_deg = {
         "attitude_deg": attitude_deg,
         "flight_path_deg": flight_path_deg,
         "wind_deg": wind_deg,
         "deflection_deg": deflection_deg,
     }
-    angles = np.radians([number(*one, between(-360.0, 360.0), "deg") for one in given.items()])
+    angles = np.radians(
+        [number(*item, between(-360.0, 360.0), "deg") for item in angles_deg.items()]
+    )
     drawn = _body(*angles) | _forces(*angles) | _speeds(*angles) | _arcs(*angles) | _arms(*angles)
     columns = tuple(
         Column(f"{name} {axis}", line.points[:, i])
@@ -286,19 +288,24 @@ def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
         start = 0 if line.arrow == "<|-|>" else -3
         axes.annotate("", (x[-1], y[-1]), (x[start], y[start]), arrowprops=head)
     if line.text:
-        i = round(line.place * (x.size - 1))
-        place = (x[i] + line.shift[0], y[i] + line.shift[1])
+        i = round(line.text_position * (x.size - 1))
+        text_position = (x[i] + line.shift[0], y[i] + line.shift[1])
         axes.text(
-            *place, line.text, color=line.style["color"], fontsize=12, ha="center", va="center"
+            *text_position,
+            line.text,
+            color=line.style["color"],
+            fontsize=12,
+            ha="center",
+            va="center",
         )
 
 
-def _body(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+def _body(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
     """Return the lines of vehicle, axis and nozzle."""
     u, n = _axes_of(attitude)
     corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
-    outline = [a * u + side * _RADIUS * n for a, side in corners]
-    aft, across = _axes_of(attitude + turned)
+    outline = [a * u + sign * _RADIUS * n for a, sign in corners]
+    aft, across = _axes_of(attitude + deflection)
     gimbal = _TAIL * u
     nozzle = [gimbal + s * w * across - d * aft for s, w, d in _NOZZLE]
     reach = np.array([9.6, 0.0])
@@ -315,10 +322,10 @@ def _body(attitude: float, path: float, wind: float, turned: float) -> dict[str,
 _NOZZLE = ((-1, 0.2, 0.0), (-1, 0.5, 1.1), (1, 0.5, 1.1), (1, 0.2, 0.0), (-1, 0.2, 0.0))
 
 
-def _forces(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+def _forces(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
     """Return the lines of the forces."""
     u, n = _axes_of(attitude)
-    along = _axes_of(attitude + turned)[0]
+    along = _axes_of(attitude + deflection)[0]
     gimbal, centre, nose = _TAIL * u, _ARM_A * u, _NOSE * u
     return {
         "thrust": _Line(
@@ -341,7 +348,7 @@ def _forces(attitude: float, path: float, wind: float, turned: float) -> dict[st
     }
 
 
-def _speeds(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+def _speeds(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
     """Return the lines of flight speed, wind and air speed."""
     speed = _SPEED * _axes_of(path)[0]
     relative = speed[1] / np.sin(path + wind) * _axes_of(path + wind)[0]
@@ -359,7 +366,7 @@ def _speeds(attitude: float, path: float, wind: float, turned: float) -> dict[st
     }
 
 
-def _arcs(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
     """Return the arcs of the angles."""
     u = _axes_of(attitude)[0]
     into_wind, back = path + wind, attitude + np.pi
@@ -373,7 +380,7 @@ def _arcs(attitude: float, path: float, wind: float, turned: float) -> dict[str,
             _arc(4.0, into_wind, attitude), _ANGLE, r"$\alpha$", 0.25, (0.25, 0.35), "-|>"
         ),
         "delta": _Line(
-            _arc(3.6, back, back + turned) + _TAIL * u,
+            _arc(3.6, back, back + deflection) + _TAIL * u,
             _ANGLE,
             r"$\delta$",
             0.5,
@@ -383,7 +390,7 @@ def _arcs(attitude: float, path: float, wind: float, turned: float) -> dict[str,
     }
 
 
-def _arms(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+def _arms(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
     """Return the lines of the moment arms."""
     u, n = _axes_of(attitude)
     off = 1.6 * n
@@ -464,7 +471,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     stations = _stations(vehicle)
     figure, axes = plt.subplots(layout="constrained")
     lines: list[Any] = []
-    for name in dict.fromkeys(one.label.rpartition(" ")[0] for one in curves.columns):
+    for name in dict.fromkeys(item.label.rpartition(" ")[0] for item in curves.columns):
         style: Style = {"color": INK, "lw": 1.6} if name == "body" else {"color": WARM, "lw": 1.4}
         xy = (curves.column(f"{name} {axis}") for axis in "xy")
         lines += axes.plot(*xy, label=name, **style)
@@ -489,8 +496,8 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
             "", (end, below), (0.0, below), arrowprops={"arrowstyle": "<|-|>", **_DIMENSION}
         )
         label = f"${name}$ = {abs(end):.4g} m"
-        place: Style = {"ha": "center", "va": "top", "fontsize": 10, "color": COLOURS[0]}
-        axes.text(end / 2.0, below - 0.4 * radius, label, **place)
+        text_position: Style = {"ha": "center", "va": "top", "fontsize": 10, "color": COLOURS[0]}
+        axes.text(end / 2.0, below - 0.4 * radius, label, **text_position)
     axes.set_title(literal(curves.parameters))
     axes.set_aspect("equal")
     axes.set_ylim((-4.2 if below > -3.0 * radius else -6.2) * radius, top)
@@ -522,17 +529,17 @@ def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
     half = [(aft, radius), (shoulder, radius), (tip, 0.0)]
     drawn = {"body": [*half, *((x, -y) for x, y in reversed(half)), half[0]]}
     bell = [(0.0, 0.3), (-1.0, 0.8), (-1.0, -0.8), (0.0, -0.3)]
-    for side in (1.0,) if limit is None else (1.0, -1.0):
-        angle = side * (limit or 0.0)
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        corners = [turn @ (x * _BELL * length, y * radius) for x, y in bell]
-        name = "nozzle" if side > 0.0 else "nozzle to the other side"
+    for sign in (1.0,) if limit is None else (1.0, -1.0):
+        angle = sign * (limit or 0.0)
+        rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        corners = [rotation @ (x * _BELL * length, y * radius) for x, y in bell]
+        name = "nozzle" if sign > 0.0 else "nozzle at the opposite limit"
         drawn[name] = [(-float(vehicle.control_arm) + x, y) for x, y in corners]
     columns = tuple(
         Column(f"{name} {axis}", values, "m")
         for name, corners in drawn.items()
         for axis, values in zip("xy", _polyline(corners, _OUTLINE_PARAMETER.size).T, strict=True)
     )
-    turned = "" if limit is None else f", nozzle at its stops of {np.degrees(limit):.3f} deg"
-    words = f"{vehicle.name or 'vehicle'}, lengths to scale{turned}"
+    deflection = "" if limit is None else f", nozzle at its stops of {np.degrees(limit):.3f} deg"
+    words = f"{vehicle.name or 'vehicle'}, lengths to scale{deflection}"
     return Curves("vehicle", words, "part of the line [-]", _OUTLINE_PARAMETER, columns)

@@ -30,7 +30,7 @@ class StudyPlan(Case):
     """Specification of a study and its page: a case, with the requests about it.
 
     The structure of the vehicle counts for the margins and flights of the autopilot and of laws;
-    boundaries are those of the rigid vehicle.
+    boundaries are for the rigid vehicle.
 
     Attributes
     ----------

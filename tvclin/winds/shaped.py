@@ -59,8 +59,8 @@ class ShapedWind:
     duration : float
         Nominal duration [s].
     heading : float, optional
-        Direction [rad] from which it blows, clockwise from that of the flight: pi is a tail wind,
-        pi/2 a wind from the right. With it the peak is the size of the vector of both planes.
+        Direction [rad] from which it blows, clockwise from the direction of flight: pi is a tail
+        wind, pi/2 a wind from the right. With it the peak is the size of the vector of both planes.
     gust : History, optional
         Gust on top of the wind and in its direction, such as `OneMinusCosineGust`. Where peak and
         duration are dispersed it keeps its size, and its time from the middle of the wind.

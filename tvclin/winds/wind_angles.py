@@ -156,7 +156,7 @@ def angle_in_plane(
 def sines_by_heading(heading: float, attitude: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the sines of the wind angles in pitch and in yaw, divided by V_w/V_R.
 
-    `heading`: direction [rad] from which a horizontal wind blows, clockwise from that of the
+    `heading`: direction [rad] from which a horizontal wind blows, clockwise from the heading of the
     flight: pi is a tail wind, pi/2 a wind from the right. `attitude`: attitudes of flights above
     the horizontal [rad]. Both results have the shape of `attitude`.
     """

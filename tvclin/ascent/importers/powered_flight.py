@@ -180,7 +180,7 @@ _MIN_EXHAUST_SPEED = 500.0
 _MASS_ROUNDING = 2e-3
 """Rounding of a mass with four digits or three decimals, over the mass."""
 _MAX_GIMBAL_OVER_GRAVITY = 5.0
-"""Largest station of a gimbal in metres, over that of the centre of gravity."""
+"""Largest station of a gimbal in metres, relative to the centre of gravity."""
 
 
 def _check_angle_of_attack(flight: Flight) -> None:

@@ -237,7 +237,7 @@ class Autopilot(Feedback):
     def closed_loop_poles(self, plant: AnyPlant) -> ComplexArray:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
-        Parameters, exceptions and warnings are those of `close`.
+        Same parameters, exceptions and warnings as `close`.
         """
         return self._closed("closed_loop_poles", plant).poles
 
@@ -392,7 +392,7 @@ class Autopilot(Feedback):
     def wind_response_function(self, plant: AnyPlant) -> Callable[[History], WindResponse]:
         """Return the function from a wind to its `wind_response`, for many winds.
 
-        Parameters and exceptions are those of `wind_response`.
+        Same parameters and exceptions as `wind_response`.
         """
         self._require_single("wind_response", plant)
         A, B, C, D = (loop := closed_loop(self, plant)).matrices()

@@ -211,7 +211,7 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
 def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
     """Return the numerator ``(..., n)`` from wind to deflection of the open loop.
 
-    Denominator and delay are those of `rational_loop`.
+    Denominator and delay are the same as in `rational_loop`.
     """
     return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _actuator(autopilot)[0])
 

@@ -350,7 +350,7 @@ class SampledLoop(Loop):
     def response(self, omega: ArrayLike) -> AnyArray:
         """Return L(e^(j omega h)) at frequencies below half the sample rate [rad/s].
 
-        Parameters and exceptions are those of `Loop.response`.
+        Same parameters and exceptions as `Loop.response`.
         """
         highest = float(np.pi / np.max(self.period))
         frequencies = within("omega", omega, -highest, highest, "rad/s")
@@ -372,7 +372,7 @@ class SampledLoop(Loop):
     def analysis(self, *, delays: bool = True) -> LoopAnalysis:
         """Return verdict, crossings and peaks at frequencies of the s plane.
 
-        Parameters are those of `Loop.analysis`.
+        Same parameters as `Loop.analysis`.
         """
         w_plane = super().analysis(delays=delays)
         half = 0.5 * self.period.reshape(-1)

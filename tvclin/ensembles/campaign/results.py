@@ -156,7 +156,7 @@ class CampaignResults(Tabled):
         output : str, optional
             A name of `angles`; by default the first.
         probability, confidence : float, optional
-            Probability and confidence; by default those of the campaign.
+            Probability and confidence; by default the values of the campaign.
 
         Raises
         ------
@@ -176,7 +176,7 @@ class CampaignResults(Tabled):
         Parameters
         ----------
         limit : float, optional
-            By default that of the campaign, for an output that is a deflection.
+            By default the limit of the campaign, for an output that is a deflection.
         output, confidence
             Same parameters as in `quantile`.
 
@@ -205,7 +205,7 @@ class CampaignResults(Tabled):
         Parameters
         ----------
         confidence : float, optional
-            Confidence of the interval; by default that of the campaign.
+            Confidence of the interval; by default the value of the campaign.
         """
         return self._flight_probability(0, confidence)
 
@@ -215,7 +215,7 @@ class CampaignResults(Tabled):
         Parameters
         ----------
         confidence : float, optional
-            Confidence of the interval; by default that of the campaign.
+            Confidence of the interval; by default the value of the campaign.
         """
         return self._flight_probability(1, confidence)
 

@@ -420,7 +420,7 @@ def one_flight(
     gain: float = 1.0,
     until: float = np.inf,
 ) -> Batch:
-    """Return the batch of a single flight; parameters are those of `Batch`."""
+    """Return the batch of a single flight; same parameters as `Batch`."""
     return Batch(plant, hardware, wind, law_batch(law, ()), limit, (), gain, until)
 
 

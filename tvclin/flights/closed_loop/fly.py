@@ -298,7 +298,7 @@ def fly_nozzle(
 ) -> NozzleFlight:
     """Return the motion of a nozzle in the flight of a law.
 
-    Parameters are those of `fly_many`. `InputError` for a wind of too many samples or times.
+    Same parameters as `fly_many`. `InputError` for a wind of too many samples or times.
     """
     onset, end, h = float(wind.onset), float(wind.end), 1.0 / sample_rate
     per_sample = times_per_sample(plant, actuator, h)

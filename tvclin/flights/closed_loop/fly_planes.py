@@ -247,7 +247,7 @@ def fly_planes(
     delay : float
         Computing delay [s], see `fly_many`.
     yaw_plant : Plant, optional
-        Plant of the yaw plane; by default that of the pitch plane.
+        Plant of the yaw plane; by default the plant of the pitch plane.
 
     Returns
     -------

@@ -136,7 +136,7 @@ class Prediction:
 Place = Earth | InitialState | None
 
 _HOLD_OVER_AIRFRAME_FREQUENCY = 4.0
-"""Natural frequency of the nominal flight's attitude hold, over that of the airframe."""
+"""Natural frequency of the nominal flight's attitude hold, relative to the airframe."""
 _MIN_HOLD_FREQUENCY = 1.0
 """Smallest natural frequency of that hold [rad/s]."""
 

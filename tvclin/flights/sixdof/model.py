@@ -196,7 +196,7 @@ def _metrics(root: Element, vehicle: Vehicle) -> None:
 
 
 def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
-    """Add the aerodynamic forces, times `load`, the dynamic pressure over that of the vehicle."""
+    """Add the aerodynamic forces, times `load`, the dynamic pressure relative to the vehicle."""
     aerodynamics = SubElement(root, "aerodynamics")
     slope = -float(vehicle.normal_force_slope) / POUND_FORCE
     forces: dict[str, Tree] = {

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _FRAME_OVER_ATTITUDE = 1.1
 """Ordinate of a frame over the largest attitude shown, before rounding."""
 _MAX_OVER_FRAME = 20.0
-"""Largest ordinate drawn over that of the frame; a longer curve would stall the renderer."""
+"""Largest ordinate drawn relative to the frame; a longer curve would stall the renderer."""
 _MAX_ATTITUDE_DEG = 90.0
 """Largest attitude [deg] of a frame."""
 

@@ -89,8 +89,8 @@ def add_gust(
 
     Notes
     -----
-    The shape is that of `LayeredGust`, over height. The package suggests no size: it is given by
-    the design criteria.
+    The shape is the same as in `LayeredGust`, over height. The package suggests no size: it is
+    given by the design criteria.
     """
     instance("profile", profile, WindProfile, "see read_sounding")
     low, angle = number("base", base, unit="m"), bearing("azimuth", azimuth)
