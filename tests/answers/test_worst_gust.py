@@ -29,8 +29,8 @@ def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> 
     assert scanned.max() <= found.nominal_deflection * (1.0 + 1e-4)
     assert abs(times[scanned.argmax()] - found.wind_in_plane.gust_at) <= times[1]
     assert middle.nominal_deflection < found.nominal_deflection
-    assert any("when it asks for most" in note for note in found.notes)
-    assert not any("when it asks for most" in note for note in middle.notes)
+    assert any("at the worst time" in note for note in found.notes)
+    assert not any("at the worst time" in note for note in middle.notes)
 
 
 def test_a_gust_against_the_wind_stays_in_its_middle(configuration_i) -> None:

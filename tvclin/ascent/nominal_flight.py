@@ -154,6 +154,7 @@ class NominalFlight:
         return self._integrated(begin, self.start), self._integrated(begin, self.stop)
 
     def _integrated(self, begin: FloatArray, end: float) -> Any:
+        """Return the function from times [s] to states, from state `begin` to the time `end`."""
         from scipy.integrate import solve_ivp
 
         def leaves(t: float, states: FloatArray) -> float:

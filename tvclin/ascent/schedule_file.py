@@ -117,6 +117,7 @@ Row = tuple[str, dict[str, Any]]
 
 
 def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
+    """Return the schedule of rows of keys and values; `InputError` for fewer than two times."""
     source = called(source)
     rows, notes = _moving(rows)
     if len(rows) < 2:
@@ -182,6 +183,7 @@ def _pop_flight_columns(row: dict[str, Any]) -> tuple[float, float | None]:
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
+    """Return the rows of a schedule in CSV."""
     sheet = sheet_in(lines_of(text, source), _known_keys, "keys, such as time_s,weight_N")
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
@@ -206,6 +208,7 @@ def _column(source: str, labels: list[str], key: str, cells: tuple[str, ...]) ->
 
 
 def _cell(source: str, label: str, key: str, text: str) -> Any:
+    """Return the value of a cell of a CSV file: a number, or a text."""
     if text and key == "name":
         return text
     try:
@@ -234,6 +237,7 @@ def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
 
 
 def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
+    """Return the rows of a schedule in TOML."""
     source = called(source)
     times = table.get("time_s")
     if not isinstance(times, list):

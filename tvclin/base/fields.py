@@ -281,6 +281,7 @@ def fields_of(record: Any) -> tuple[Field, ...]:
 
 @cache
 def _fields_of(kind: Any) -> tuple[Field, ...]:
+    """Return the fields of a class, cached."""
     specified: dict[str, tuple[Field, ...]] = {}
     if is_dataclass(kind):
         specified = {x.name: x.metadata.get(_SPECIFICATION, ()) for x in fields(kind)}

@@ -305,6 +305,7 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
 
 
 def _check_wind(wind: History) -> None:
+    """Raise `InputError` for a wind that changes its sign or never ends."""
     if not np.all(wind.constant_sign):
         low, high = wind.extent
         raise InputError(

@@ -512,6 +512,7 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
 
 
 def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
+    """Return constraints and optima of a plant in a wind; `InputError` without a real fast pole."""
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
     poles = constraints.poles

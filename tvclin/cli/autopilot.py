@@ -305,6 +305,7 @@ class _Answer:
             print_least(self.sought)
 
     def _judge(self) -> None:
+        """Print the verdicts on criteria and limit, with the autopilot requirement."""
         word = satisfaction(self.criteria_satisfied)
         more = "" if self.criteria_satisfied else " (tvclin margins says by how much)"
         say(f"Criteria {self.case.held_to.name}: {word}{more} ({self.case.held_to.description})")

@@ -205,6 +205,7 @@ def _document(result: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
 
 
 def _print(result: Availability, launch: tuple[Today, ...], source: str) -> None:
+    """Print the fractions of soundings that fly, placards, and the verdict on a launch."""
     name = result.judge.flight.vehicle.name or source
     say(f"{name}, {result.model}, {PLANE_TEXTS[result.plane]}: {result.soundings!r}\n")
     azimuths = [f"{angle:.4g}" for angle in np.degrees(np.atleast_1d(result.azimuth)).tolist()]

@@ -103,6 +103,7 @@ class Compared:
         ]
 
     def _document(self) -> dict[str, Any]:
+        """Return the flight and its comparison with the boundary, for JSON."""
         case, ends = self.case, self._ends()
         return {
             "vehicle": case.case.vehicle.name,

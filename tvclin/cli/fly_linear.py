@@ -154,6 +154,7 @@ RINGS_MEANS = (
 
 
 def _word(status: str) -> str:
+    """Return the outcome of a flight in words."""
     if status == NOT_KNOWN:
         return survival(None)
     fate = {"survived": "", "lost": "", "rings": ", it rings"}.get(

@@ -95,6 +95,7 @@ def _trade_off(case: StudyPlan) -> LoadTradeOff:
 def _print(
     title: str, front: LoadTradeOff, flown: list[FlownLoad], required: CaseRequirement | None
 ) -> None:
+    """Print the trade-off of limit and load, and the flown loads."""
     say(title)
     print_tables(*front.tables())
     say_notes(front.notes)

@@ -118,6 +118,7 @@ def _print(
     flown: FlownDuty | None,
     required: CaseRequirement | None,
 ) -> None:
+    """Print trade-off, requirements of laws and duty of the nozzle, with the verdict."""
     said = [result for result in (front, needed, flown) if result is not None]
     say(title)
     print_tables(*(table for result in said for table in result.tables()))

@@ -56,6 +56,7 @@ def in_options(
 
 
 def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set[str]) -> str:
+    """Return a line of a message with names of parameters replaced by options of the command."""
     if _IN_A_FILE.match(line):
         return line
     for name, options in candidates.items():

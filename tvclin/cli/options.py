@@ -35,6 +35,7 @@ def to_write(file: Path | None) -> Path | None:
 
 
 def _to_draw(file: Path | None) -> Path | None:
+    """Return the file of a figure; `InputError` if it cannot be written or has no known format."""
     if to_write(file) is not None:
         from tvclin.plots.style import figure_format
 

@@ -44,6 +44,7 @@ def lines(what: str) -> Progress:
     first: tuple[float, float] | None = None
 
     def tell(done: float, total: float) -> None:
+        """Show the fraction of the work that is done."""
         nonlocal first, last
         now = monotonic()
         first = first or (now, done)

@@ -225,6 +225,7 @@ def _title(case: Held) -> str:
 
 
 def _print(case: Held, largest: Extremes, shown: ResponseEnd) -> None:
+    """Print the response, its verdict by condition (4b), and the required deflection."""
     say(case.words)
     caption = f"{case.case.vehicle.name}: exact response"
     wind_covered = _covers_the_wind(case, shown)
@@ -257,6 +258,7 @@ def _covers_the_wind(case: Held, shown: ResponseEnd) -> bool:
 
 
 def _document(case: Held, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
+    """Return the response, its verdict and the required deflection, for JSON."""
     verdict, wind_covered = case.verdict, _covers_the_wind(case, shown)
     needed = None if case.required is None else np.degrees(case.required.required_deflection)
     peak = {

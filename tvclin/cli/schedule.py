@@ -188,6 +188,7 @@ def _columns(file: Path) -> dict[str, Any]:
 
 
 def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
+    """Return times and moments of inertia of options such as 0:24."""
     try:
         pairs = [tuple(map(float, text.split(":"))) for text in texts]
         times, inertias = zip(*pairs, strict=True)
@@ -209,6 +210,7 @@ def _write(schedule: FlightSchedule, file: Path, output: Path) -> None:
 
 
 def _print(schedule: FlightSchedule) -> None:
+    """Print the schedule and its notes."""
     first, last = schedule.span
     times = np.array([first, 0.5 * (first + last), last])
     c = Coefficients.from_vehicle(schedule.at(times))

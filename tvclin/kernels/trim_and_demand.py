@@ -139,7 +139,12 @@ def equations_at_ratio(
 def costate_step(
     matrix: Any, wind: Any, h: float, costate: Any, s: int, state: Any, rates: Any
 ) -> None:
-    """Write p, R and F at the begin of a step, from those at its end, in the same scale."""
+    """Write costate p, control reach R and wind integral F at the begin of a step, by Runge-Kutta.
+
+    The step goes backwards from row `s + 1` of `costate` to row `s`, with the scale of that row:
+    dp/dt = -p A, dR/dt = -|p.b|, dF/dt = -p.w alpha_w. `matrix`: columns ``[A b w]`` at begin,
+    middle and end of the step. `h`: its length [s]. `state`, `rates`: work arrays.
+    """
     m = matrix.shape[1]
     for stage in range(4):
         q, part = 2 - (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)

@@ -60,6 +60,7 @@ class ConstantDeflection(History):
         object.__setattr__(self, "start", plain(start))
 
     def _pieces(self) -> Pieces:
+        """Pieces of a deflection at the limit, whose sign changes at each switching time."""
         limit, start = np.broadcast_arrays(self.limit, self.start)
         return linear_pieces(start[..., np.newaxis], limit[..., np.newaxis], 0.0)
 
@@ -102,6 +103,7 @@ class BangBang(History):
         object.__setattr__(self, "switch_times", times)
 
     def _pieces(self) -> Pieces:
+        """Pieces of a deflection at the limit, whose sign changes at each switching time."""
         limit, start = np.asarray(self.limit), np.asarray(self.start)
         count = self.switch_times.shape[-1]
         shape = np.broadcast_shapes(limit.shape, start.shape, self.switch_times.shape[:-1])

@@ -167,9 +167,11 @@ def _wind_sign(plant: Plant, wind: History) -> float:
 def _overturning_time(
     times: FloatArray, towards: FloatArray, wind: History, smallest: float
 ) -> float:
-    """Return when an attitude goes over to the side opposite the wind; infinite if never.
+    """Return the time [s] from which the attitude stays opposite to the wind; infinite if never.
 
-    It counts from the end of the wind on, for before it the vehicle leans into the wind.
+    It is at least the end of the wind, before which the vehicle leans into the wind. `towards`:
+    attitude [rad] with the sign of the wind, at `times`. `smallest`: fraction of the peak wind
+    angle below which an attitude counts as zero.
     """
     before = np.flatnonzero(towards >= -smallest * abs(float(wind.peak)))
     if not before.size or before[-1] == times.size - 1:

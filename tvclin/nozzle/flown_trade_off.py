@@ -87,6 +87,7 @@ class FlownTradeOff(Shown):
         lower = {} if bounds is None else {"any law, at least": bounds}
 
         def cells(k: int) -> Iterator[Line]:
+            """Yield the cells of the row of a rate limit, by index."""
             yield degrees(f"laws.{k}.rate", rates[k])
             for name, values in (self.limits | lower).items():
                 shown = degrees(f"laws.{k}.{name}", values[k])
@@ -169,6 +170,7 @@ def flown_trade_offs(
             progress(done + winds / most, total)
 
     def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
+        """Return the flown boundary of a law at a rate limit [rad/s]."""
         nonlocal done
         options = {
             **case.hardware,
@@ -183,6 +185,7 @@ def flown_trade_offs(
         return boundary
 
     def answer(case: Case, minimum: RateTradeOff) -> FlownTradeOff:
+        """Return the flown trade-off of all laws in a case."""
         boundaries = {name: [flown(case, name, float(r)) for r in minimum.rates] for name in names}
         return FlownTradeOff(
             minimum=minimum,

@@ -307,6 +307,7 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
     column, widths = s[..., np.newaxis], pieces.widths
 
     def at(t: FloatArray) -> AnyArray:
+        """Return the integrals from times t [s] to the end, for each s; infinite if divergent."""
         index, u = locate(pieces, t)
         before_first = u < 0.0
         u = np.maximum(u, 0.0)

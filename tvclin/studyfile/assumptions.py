@@ -82,6 +82,7 @@ def general_assumptions(findings: Findings) -> Iterator[str]:
 
 
 def _wind(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption that the wind is given."""
     days = "; on how many days of an archive it flies is a question of its own, see below"
     if findings.availability is None:
         days = "; tvclin availability counts the days of an archive of soundings"
@@ -93,6 +94,7 @@ def _wind(findings: Findings) -> Iterator[Assumption]:
 
 
 def _sign(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption on the direction of the wind and its dynamic pressure."""
     s = findings.study
     if s.direction != FROZEN:
         words = f"A {s.direction} wind changes the dynamic pressure. That is counted: it requires "
@@ -104,6 +106,7 @@ def _sign(findings: Findings) -> Iterator[Assumption]:
 
 
 def _linear(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption of linear aerodynamics, with the largest angle of attack."""
     s, c = findings.study, findings.comparison
     angle = abs(
         float(
@@ -156,6 +159,7 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
 
 
 def _frozen(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption of constant parameters during the wind, and their effect."""
     still = "Mass, thrust, air and speed stay as they are while the wind blows"
     if findings.flight is None:
         complete = isinstance(findings.study.vehicle, Vehicle)

@@ -238,6 +238,7 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
 
 
 def _dispersion(row: dict[str, Any]) -> Dispersion:
+    """Return the distribution of a table [[dispersion]]."""
     table = spread_table(row.get("parameter"))
     keys = table.read(row)
     parameter, shape = keys.pop("parameter"), keys.pop("shape", "normal")

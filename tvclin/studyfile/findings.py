@@ -258,6 +258,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
 def _trials(
     plan: StudyPlan, study: Study, loop: Loop, request: LawsRequest, progress: Progress
 ) -> tuple[LawTrial, ...]:
+    """Return the trials of the requested laws in the standard winds."""
     from tvclin.design.standard_trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of
 
@@ -289,6 +290,7 @@ def _comparison(study: Study, loop: Loop) -> TrimComparison:
 
 
 def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
+    """Return margins, boundaries and flight of the autopilot with the flexible vehicle."""
     from tvclin.case.flexible_autopilot import flexible_answer
 
     (plant, autopilot), criteria = loop(), plan.held_to
@@ -361,6 +363,7 @@ def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
 
 
 def _dispersed(plan: StudyPlan, study: Study, request: Dispersions) -> DispersedStudy:
+    """Return the dispersed study of a plan."""
     from tvclin.ensembles.dispersed_study import disperse_study
 
     return disperse_study(

@@ -466,6 +466,7 @@ def measured(key: str, measure: Measure) -> tuple[Line, ...]:
 
 
 def _shown(key: str, name: str, measure: Measure) -> Line:
+    """Return a number of a measure as a cell, in its unit."""
     value, unit = getattr(measure, name), measure.unit
     suffix = _SUFFIXES.get(unit, unit.replace("/", "_per_").replace(" ", "_"))
     key += f"_{suffix}" if suffix else ""

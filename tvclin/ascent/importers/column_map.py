@@ -131,6 +131,7 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
 
 
 def _check_complete(mapped: Wanted) -> None:
+    """Raise `InputError` for a map without time, or with missing or doubly given quantities."""
     if "time" not in mapped or not isinstance(mapped["time"][2], str):
         raise InputError("columns must name the column of the time, as time = 'Time (s)'")
     for name in (*_DIRECT, *_FACTORS):
@@ -172,6 +173,7 @@ def mapped_columns(
 def _column(
     sheet: Sheet, name: str, dimension: str, key: str, factor: float | None, source: str | float
 ) -> Column:
+    """Return a column of the sheet by its name or letter, or a constant column from a number."""
     if not isinstance(source, str):
         value = float(source) * (1.0 if factor is None else factor)
         return Column(np.full(sheet.line.size, value), f"given, {key} = {source:g}")

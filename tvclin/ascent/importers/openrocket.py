@@ -171,6 +171,7 @@ def _altitude(sheet: Sheet, ground: float | None) -> Column:
 
 
 def _own_slope(sheet: Sheet) -> dict[str, Column]:
+    """Return the column of the slope of the normal force; `InputError` without it."""
     heading = sheet.find(_SLOPE)
     if heading is not None:
         return {"normal_force_coefficient_slope": sheet.numbers(heading, "per angle")}
@@ -343,6 +344,7 @@ def read_openrocket(
 
 
 def _wind(flight: Flight) -> list[str]:
+    """Return the columns of the wind along the flight."""
     if "sound" not in flight.columns:
         return []
     through_air = flight["mach"] * flight["sound"]

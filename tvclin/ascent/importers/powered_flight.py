@@ -409,6 +409,7 @@ def above_sea(above_ground: Column, source: str, ground: float | None) -> Column
 
 
 def _stable(vehicle: Vehicle) -> tuple[str, ...]:
+    """Return a note on times at which the vehicle is aerodynamically stable."""
     arm = np.asarray(vehicle.aerodynamic_arm)
     if np.all(arm > 0.0):
         return ()

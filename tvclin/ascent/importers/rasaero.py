@@ -124,6 +124,7 @@ def read_rasaero(
 
 
 def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:
+    """Return times [s] and moments of inertia [kg m^2]; `InputError` unless a pair of rows."""
     if not isinstance(given, tuple | list) or len(given) != 2:
         raise InputError(
             "moment_of_inertia must be a pair, of times [s] and of moments of inertia [kg m^2]"

@@ -178,6 +178,7 @@ def _generic(rocket: Any) -> list[str]:
 
 
 def _attribute(one: Any, name: str) -> Any:
+    """Return an attribute of an object of RocketPy; `InputError` without it."""
     found = getattr(one, name, None)
     if found is None:
         raise InputError(

@@ -171,6 +171,7 @@ def read_log(
 
 
 def _sheet(path: str | PathLike[str], wanted: Wanted | None) -> Sheet:
+    """Return the sheet of a log of a simulation, from text or a MAT file."""
     if a_path("path", path).suffix.lower() == ".mat":
         return _matlab_sheet(path)
 

@@ -161,6 +161,7 @@ def _check_single(plant: Plant, wind: History) -> None:
 
 
 def _check_times(wind: History, start: float, horizon: float | None) -> tuple[float, float]:
+    """Raise `InputError` for times that do not fit the constraints."""
     begin = number("start", start, unit="s")
     if horizon is None or (isinstance(horizon, float) and np.isposinf(horizon)):
         return begin, np.inf

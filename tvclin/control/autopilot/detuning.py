@@ -293,6 +293,7 @@ def _stable_ranges(
     """Return the stable range of each mode's frequency factor, by bisection on the poles."""
 
     def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
+        """Return whether the loop is unstable with factors on mode frequencies, ``(n,)``."""
         frequency = np.ones((factors.size, len(names)))
         frequency[np.arange(factors.size), modes] = factors
         damping = np.ones_like(frequency)

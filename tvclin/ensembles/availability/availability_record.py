@@ -206,6 +206,7 @@ class Availability(Tabled):
         fractions = within("fractions", scalar_or_row("fractions", fractions), 0.0, 1.0)
 
         def limits(lower: FloatArray, upper: FloatArray) -> FloatArray:
+            """Return the limits [rad] sufficient for the fractions, in one azimuth."""
             judged = ~np.isnan(upper)
             if not np.any(judged):
                 return np.full(fractions.shape, np.nan)

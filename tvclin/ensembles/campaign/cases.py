@@ -153,6 +153,7 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
     status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
 
     def answer(which: IndexArray, case_by_case: bool) -> None:
+        """Compute the outputs and statuses of cases by index."""
         selected = batch(campaign, cases.take(which))
         for name, values in compute(campaign, selected, case_by_case=case_by_case).items():
             answers[name][which] = values
@@ -168,6 +169,7 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
             )
 
     def refused(case: np.intp, error: Exception) -> None:
+        """Write the status of a case that cannot be computed."""
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
     divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))

@@ -452,6 +452,7 @@ def _counted(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
     evaluations = count(1)
 
     def counted(t: float, *state: Any) -> FloatArray:
+        """Return the rates of the states; `InputError` after too many evaluations."""
         if next(evaluations) > _MAX_EVALUATIONS:
             raise InputError(
                 f"the flight takes more than {_MAX_EVALUATIONS} evaluations of its equations, at"

@@ -136,7 +136,7 @@ class FlownMargins(Shown):
     @property
     @derived()
     def spare(self) -> float:
-        """Limit over boundary."""
+        """Ratio of the deflection limit to the boundary."""
         return self.limit / self.boundary
 
     @property
@@ -342,6 +342,7 @@ class _Flights:
         """Return the status over all winds for each value of a change, ``(n,)``."""
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
+            """Return the outcomes of flights with factors on gain or delays."""
             plant, options = self.plant, self.options
             by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]
             if name == "delay":

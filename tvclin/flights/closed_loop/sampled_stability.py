@@ -252,6 +252,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         dD = step(1.0, 2.0) - M_1 - dA
 
     def response(angles: Any) -> ComplexArray:
+        """Return the frequency response of the opened loop at angles on the unit circle [rad]."""
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)
         M = A_1 + delay * D_1

@@ -104,6 +104,7 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
     status: list[Words] = []
 
     def lost(values: FloatArray) -> BoolArray:
+        """Return whether flights with limits ``(n, 1)`` diverge; each limit is flown once."""
         column, is_lost = values[:, 0], np.zeros(values.shape, np.bool_)
         new = column < top if tried else column <= top  # the first scan includes the top
         tried.append(column[new])

@@ -332,6 +332,7 @@ def _steering(
     memory, limits = np.zeros(len(steps.states), complex), np.array([limit])
 
     def command_of(planes: list[Measurement]) -> tuple[float, float]:
+        """Return the commands [rad] in pitch and yaw, and update the state of the law."""
         nonlocal memory
         pitch, yaw = planes
         measured = np.array(pitch) + 1j * np.array(yaw)

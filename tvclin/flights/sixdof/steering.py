@@ -109,6 +109,7 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     reach, servo, last_command = max_rate * step, np.zeros(driven.size), 0.0
 
     def followed(k: int, measured: Measurement) -> float:
+        """Return the deflection [rad] of the actuator at sample `k`, and update its state."""
         nonlocal servo, last_command
         servo_next = free @ servo + driven * last_command
         if max_rate < np.inf:
@@ -131,6 +132,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     mode = 0.0
 
     def command(k: int, measured: Measurement) -> float:
+        """Return the commanded deflection [rad] at sample `k`."""
         nonlocal memory, mode
         if noise is not None:
             measured = measured._replace(attitude_rate=measured.attitude_rate + noise[k])

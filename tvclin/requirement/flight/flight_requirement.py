@@ -405,6 +405,7 @@ def frozen_requirement(
     paired = False
 
     def largest() -> FloatArray:
+        """Return required deflections [rad] at all dead bands, and collect their statuses."""
         nonlocal paired
         limit = required_deflection(plant, wind, dead_bands, two_sided=complete)
         statuses = dict.fromkeys(np.ravel(limit.status).tolist())

@@ -170,6 +170,7 @@ def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
 def _place_vector(
     wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float
 ) -> dict[str, PlacedWind]:
+    """Return the components of a wind placed at a flight time [s], by plane."""
     if isinstance(wind, MeasuredPlanes):
         measured = {plane: wind.part(plane, vehicle) for plane in PLANES}
         calm = (

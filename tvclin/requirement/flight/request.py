@@ -141,6 +141,7 @@ class FlightWinds:
         case = self.case
 
         def encountered(vehicle: Vehicle) -> History | PlaneWind:
+            """Return the pulse that a vehicle encounters, in the plane or as a vector."""
             pulse_wind = self.case_of(vehicle, pulse).wind_at(self.dead_band)
             attitude = float(np.asarray(vehicle.attitude))
             if case.planes != BOTH:

@@ -449,6 +449,7 @@ def _along(
     along: dict[bytes, FlightRequirement] = {}  # without a window one wind meets every flight time
 
     def of_wind(wind: PlacedWind) -> FlightRequirement:
+        """Return the requirement of a wind with varying parameters, once for equal winds."""
         if wind.calm:
             none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
             return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)

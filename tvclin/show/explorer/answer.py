@@ -86,6 +86,7 @@ class Cached:
         return self.cache[plain]
 
     def _computed(self, plain: tuple[Any, ...]) -> Part:
+        """Return the computed part with its warnings, or the message of an `InputError`."""
         said: list[str] = []
         with pass_warnings(said.append):
             try:
@@ -286,6 +287,7 @@ def _neglected(choices: Choices) -> list[str]:
 def _verdict(
     c: Choices, requirement: CaseRequirement | None, outcome: str | None, computed: bool
 ) -> str:
+    """Return the sentences on required deflection, limit and flight of the law."""
     flown = (
         ""
         if outcome is None

@@ -313,6 +313,7 @@ def _rule(design: AutopilotDesign) -> str:
 
 
 def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
+    """Return the autopilot design of the values of the controls."""
     rule, chains = v["design"], design.chains if v["filters"] else {}
     gains: Any = {"design": rule}
     if rule == OWN:
@@ -404,6 +405,7 @@ def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
 
 
 def _wind(wind: Any) -> list[tuple[str, Table]]:
+    """Return the tables of a study file for a wind and its gust."""
     assert isinstance(wind, ShapedWind)
     peak = _peak(float(wind.peak), wind.speed)
     table: Table = {"shape": wind.shape, **peak, "duration_s": wind.duration}
@@ -427,6 +429,7 @@ def _peak(angle: float, speed: float | None) -> Table:
 
 
 def _nozzle(choices: Choices) -> Table:
+    """Return the tables of a study file for the nozzle of the choices."""
     nozzle = choices.plan.nozzle
     servo = nozzle.actuator
     return _without_none(
@@ -441,6 +444,7 @@ def _nozzle(choices: Choices) -> Table:
 
 
 def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
+    """Return the tables of a study file for the autopilot of the choices."""
     design = choices.plan.autopilot_design
     table = {
         "design": design.design,

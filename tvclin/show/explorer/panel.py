@@ -102,6 +102,7 @@ class Panel:
         return {field: control.value for field, control in self.controls.items()}
 
     def _show(self, _change: Any = None) -> None:
+        """Start the computation for the present choices, after a pause; show errors at once."""
         if self._setting_gains:
             return
         if self._timer is not None:
@@ -160,6 +161,7 @@ class Panel:
         self.image.value = self._picture.png(result)
 
     def _write_study(self, _button: Any) -> None:
+        """Write the choices as a study file and show the commands that read it."""
         name = self.controls["vehicle"].value
         try:
             path = write_study(self.choices, name, self._sources[name])
@@ -174,6 +176,7 @@ class Panel:
         end()
 
     def _arranged(self, widgets: Any) -> Any:
+        """Return the layout of controls and outputs."""
         groups = [[self.controls[field] for field in group] for group in _GROUPS.values()]
         tabs = widgets.Tab([widgets.VBox(group) for group in groups], selected_index=1)
         for index, name in enumerate(_GROUPS):
@@ -260,6 +263,7 @@ def _paragraphs(*texts: str, weight: str = "normal") -> str:
 
 
 def _margins(result: Answer) -> str:
+    """Return the gains and margins of the autopilot, in a sentence."""
     m, plan = result.margins, result.choices.plan
     if m is None:
         return "Margins: none."

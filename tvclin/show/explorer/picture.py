@@ -127,6 +127,7 @@ def new_picture() -> Picture:
 
 
 def _lines(axes: dict[str, "Axes"]) -> dict[str, Any]:
+    """Return the empty lines of the figure by name, to be set by each answer."""
     edge = {"color": WARM, "ls": "--", "lw": 1.4}
     looks: dict[str, dict[str, Any]] = {
         "boundary.curve": {"color": COLOURS[0], "lw": 2.0},

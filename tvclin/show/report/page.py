@@ -118,6 +118,7 @@ def section_html(findings: Findings, name: str) -> str:
 
 
 def _page(findings: Findings, environment: "Environment") -> str:
+    """Return the page of findings as HTML."""
     names = _names(findings)
     sections = environment.get_template("sections.html").render(names)
     assumed = assumptions.assumptions(findings)
@@ -139,7 +140,7 @@ def _page(findings: Findings, environment: "Environment") -> str:
 
 
 def _names(findings: Findings) -> dict[str, Any]:
-    """Return what the sections are made of: findings, their tables and notes, and plots."""
+    """Return the names of the template: findings, study, plan and the origin of the study."""
     return {
         "findings": findings,
         "study": findings.study,
@@ -173,6 +174,7 @@ def _plane_vectors(study: Study) -> "ControlPlot | None":
 
 
 def _environment() -> "Environment":
+    """Return the environment of the templates; `InputError` without jinja2 or latex2mathml."""
     try:
         import latex2mathml  # noqa: F401
         from jinja2 import Environment, PackageLoader, StrictUndefined
