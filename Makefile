@@ -26,9 +26,9 @@ suite:
 	$(SUITE) -m "not thorough"
 
 thorough: export PYTHONDONTWRITEBYTECODE =
-thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every notebook
+thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every page and notebook
 	$(SUITE) -m thorough --share=$$(($(DAY) % $(SHARES)))/$(SHARES) \
-	  $$(grep -rlE "thorough|tests.turns" --include="test_*.py" tests)
+	  docs $$(grep -rlE "thorough|tests.turns" --include="test_*.py" tests)
 
 # With SHARES=2 half of them, by turns, a day each.
 SHARES := 1

@@ -1,6 +1,8 @@
-"""What pytest may not collect where something is not installed, and what it runs first."""
+"""What pytest may not collect where something is missing, what is run first, what is thorough."""
 
 from importlib.util import find_spec
+
+import pytest
 
 _NEEDED = {
     "numba": ["tvclin/kernels/code_cache.py"],
@@ -20,6 +22,13 @@ COMPILING = ("test_response_cases.py", "test_flights.py", "test_switches.py")
 """Of tests/kernels: these compile most of the kernels, which all others then find compiled."""
 
 
+QUICK_PAGES = ("README.md", "start.md", "how-a-number-is-made.md")
+"""Of these a usual run runs the examples; other pages, whose claims have tests, are thorough."""
+
+
 def pytest_collection_modifyitems(items):
     """Run first what compiles; with a file to a worker nothing is compiled twice."""
     items.sort(key=lambda item: item.path.name not in COMPILING)
+    for item in items:
+        if item.path.suffix == ".md" and item.path.name not in QUICK_PAGES:
+            item.add_marker(pytest.mark.thorough)

@@ -9,6 +9,7 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.case.case import Case
 from tvclin.cli.app import app
@@ -162,7 +163,7 @@ def test_vectors_are_solved_only_where_they_can_count(excess):
     assert sum(map(len, solved)) < (100 if excess < 0.1 else 1999)
 
 
-@pytest.mark.parametrize("both", [False, True], ids=["pitch", "both"])
+@pytest.mark.parametrize("both", usual([False, True], 0), ids=["pitch", "both"])
 def test_what_dispersions_add_in_any_wind_is_that_of_a_loop_over_vehicles(
     nominal, both, monkeypatch
 ):
@@ -247,6 +248,7 @@ def test_what_cannot_be_is_told(parameter, nominal, possible):
     np.testing.assert_array_equal(found.possible, possible(found.values[parameter]))
 
 
+@pytest.mark.thorough
 def test_the_command_line_says_the_same(nominal):
     arguments = ["study", "--disperse", "--cases", "1800", "--seed", "2", "--limit-deg", "0.42"]
     arguments += ["--model", "fixed-path", "--sign", "frozen"]

@@ -145,6 +145,7 @@ def test_control_c_while_workers_start_prints_no_traceback(tmp_path, seconds):
     assert (done.stdout, done.stderr) == ("stopped\n", "")
 
 
+@pytest.mark.thorough
 def test_the_command_line_runs_on_workers(tmp_path):
     file = tmp_path / "my.toml"
     CliRunner().invoke(app, ["campaign", "init", str(file)])

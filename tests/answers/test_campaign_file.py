@@ -14,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.ensembles.campaign.folder import _KINDS, begin, read, read_manifest, written
@@ -371,7 +372,7 @@ BOTH = {
 }
 
 
-@pytest.mark.parametrize("name", BOTH)
+@pytest.mark.parametrize("name", usual(BOTH, 0, 3, 6))
 def test_a_study_and_a_campaign_of_one_file_disperse_the_same_cases(name):
     """One gust, one model, one draw: every case to the last digit."""
     tables = dict(BOTH[name])
@@ -408,6 +409,7 @@ def test_a_gust_without_a_time_is_where_the_nominal_vehicle_requires_most():
     assert required(plan.wind.gust_at) > 1.005 * required(3.75)
 
 
+@pytest.mark.thorough
 def test_a_gust_costs_a_campaign_a_megabyte_for_each_case():
     """The largest trim deflection, four megabytes each, is that of the cases alone that fly."""
     plan = campaign(gust={"peak_deg": 1.0, "duration_s": 2.0}, **SPREAD)

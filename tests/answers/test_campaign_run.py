@@ -79,12 +79,12 @@ def same(first, second):
         np.testing.assert_array_equal(first.column(name), second.column(name), err_msg=name)
 
 
-@pytest.mark.parametrize("chunk", [97, 256, 700, 5000])
+@pytest.mark.parametrize("chunk", usual([97, 256, 700, 5000], 2))
 def test_the_chunk_changes_no_bit(plan, whole, tmp_path, chunk):
     same(whole, tv.run_campaign(replace(plan, chunk=chunk), tmp_path))
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
     time = np.linspace(0.0, 20.0, 12)
     winds = 0.08 * np.sin(np.pi * time / 20.0) * np.linspace(0.2, 1.0, 9)[:, np.newaxis]
@@ -137,7 +137,7 @@ def test_a_part_of_no_damping_is_refused(plan):
         )
 
 
-@pytest.mark.parametrize("method", ["sobol", "latin"])
+@pytest.mark.parametrize("method", usual(["sobol", "latin"], 1))
 def test_other_ways_to_draw_do_not_know_the_chunk_either(plan, tmp_path, method):
     first, second = (
         tv.run_campaign(replace(plan, method=method, chunk=chunk), tmp_path / str(chunk))
@@ -312,7 +312,7 @@ def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp
     same(whole, tv.ensembles.resume_campaign(tmp_path))
 
 
-@pytest.mark.parametrize("what", ["folder", "full folder", "pipe"])
+@pytest.mark.parametrize("what", usual(["folder", "full folder", "pipe"], 1))
 def test_what_stands_in_the_place_of_a_chunk_is_moved_aside(plan, whole, tmp_path, what):
     tv.run_campaign(plan, tmp_path, shard="1/3")
     file = chunk_file(tmp_path, 0)
@@ -336,7 +336,9 @@ def test_a_folder_that_is_removed_while_it_is_worked_in_is_not_made_anew(plan, t
     assert not folder.exists()
 
 
-@pytest.mark.parametrize("damage", [lambda text: text[:50], lambda text: text.replace("11", "12")])
+@pytest.mark.parametrize(
+    "damage", usual([lambda text: text[:50], lambda text: text.replace("11", "12")], 0)
+)
 def test_a_damaged_manifest_says_how_it_is_mended(plan, whole, tmp_path, damage):
     tv.run_campaign(plan, tmp_path)
     file, made = tmp_path / NAME, chunk_file(tmp_path, 0).stat().st_mtime_ns
@@ -471,6 +473,7 @@ def test_a_stable_case_needs_nothing(plan, tmp_path):
         np.testing.assert_array_equal(found.column(name) == 0.0, stable)
 
 
+@pytest.mark.thorough
 def test_it_stops_when_converged_and_at_the_same_place(plan, tmp_path):
     until = replace(plan, until=0.01, cases=20_000, chunk=64)
     first = tv.run_campaign(until, tmp_path / "one")

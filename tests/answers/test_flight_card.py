@@ -7,6 +7,7 @@ import pytest
 
 import tvclin as tv
 from tests.small_launcher import write
+from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.control.laws.law import NoisyLaw
 from tvclin.flights.closed_loop.fly import fly_nozzle
@@ -320,11 +321,14 @@ card = "trim"
 
 @pytest.mark.parametrize(
     ("limit", "rate", "torque", "answers"),
-    [
-        (1.0, 5.0, 3e4, {"whole flight": True, "nozzle card": True}),
-        (1.0, 5.0, 1e3, {"whole flight": True, "nozzle card": False}),
-        (1.0, 0.12, 3e4, {"whole flight": False, "nozzle card": False}),
-    ],
+    usual(
+        [
+            (1.0, 5.0, 3e4, {"whole flight": True, "nozzle card": True}),
+            (1.0, 5.0, 1e3, {"whole flight": True, "nozzle card": False}),
+            (1.0, 0.12, 3e4, {"whole flight": False, "nozzle card": False}),
+        ],
+        1,
+    ),
 )
 def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rate, torque, answers):
     file = tmp_path / "study.toml"
@@ -337,6 +341,7 @@ def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rat
         assert measure.required > measure.available == pytest.approx(rate)
 
 
+@pytest.mark.thorough
 def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_sufficient(tmp_path):
     write(tmp_path / "pad.csv")
     study = STUDY.format(limit=5.0, rate=20.0, torque=3e4)

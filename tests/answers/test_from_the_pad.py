@@ -42,7 +42,7 @@ def costates(flight, model, times):
         yield y
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact", "drift-and-speed"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact", "drift-and-speed"], 1))
 def test_costate_and_reach_are_those_of_the_adjoint_equation(flight, model) -> None:
     """Also through the first seconds, in which two modes oscillate together."""
     part = tv.FlightSchedule(flight.at([4.0, 8.0, 15.0, 30.0, 45.0, 60.0]))

@@ -203,6 +203,7 @@ def largest_z(autopilot, factor):
     return float(np.abs(np.linalg.eigvals(step)).max())
 
 
+@pytest.mark.thorough
 def test_gains_of_a_sampled_autopilot_keep_their_margins_in_steps():
     """A gain twice as high, or half as high, by the exponential matrices of one sample."""
     found = tv.minimum_deflection_gains(plant(), triangles(4)[0], sample_rate=15.0, **NOZZLE)
@@ -223,6 +224,7 @@ def test_filters_of_every_place_are_those_of_the_gains_that_are_tried():
     assert {name: getattr(tried, name) for name in chains} == chains
 
 
+@pytest.mark.thorough
 def test_the_race_finds_the_boundary_of_each_row():
     asked = problem(limits=True, stops=2, sample_rate=60.0)
     points = np.array([[0.45, 0.5], [0.5, 0.6], [0.4, 0.55]])

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import by_turns, usual
 from tvclin.cli.app import app
 from tvclin.winds.wind_angles import BEYOND_LINEAR, DOUBTFUL
 
@@ -30,21 +31,24 @@ def study(deg: float, **options) -> tv.Study:
 
 @pytest.mark.parametrize(
     ("command", "options", "words"),
-    [
-        ("study", (), "Limit 12.000 deg: NOT KNOWN"),
-        ("nozzle", (), "Verdict: NOT KNOWN"),
-        ("nozzle", ("--law", "trim"), "NOT KNOWN"),
-        ("fly", (), "Flown at nominal dynamic pressure: NOT KNOWN"),
-        (
-            "fly",
-            ("--engine", "linear", "--law", "trim"),
-            "Flown at nominal dynamic pressure: NOT KNOWN",
-        ),
-        ("loads", ("--law", "trim"), "Verdict: NOT KNOWN"),
-        ("autopilot", (), "Limit 12 deg: NOT KNOWN"),
-        ("size", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
-        ("card", ("--from", "66", "--to", "66"), "NOT KNOWN"),
-    ],
+    usual(
+        [
+            ("study", (), "Limit 12.000 deg: NOT KNOWN"),
+            ("nozzle", (), "Verdict: NOT KNOWN"),
+            ("nozzle", ("--law", "trim"), "NOT KNOWN"),
+            ("fly", (), "Flown at nominal dynamic pressure: NOT KNOWN"),
+            (
+                "fly",
+                ("--engine", "linear", "--law", "trim"),
+                "Flown at nominal dynamic pressure: NOT KNOWN",
+            ),
+            ("loads", ("--law", "trim"), "Verdict: NOT KNOWN"),
+            ("autopilot", (), "Limit 12 deg: NOT KNOWN"),
+            ("size", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
+            ("card", ("--from", "66", "--to", "66"), "NOT KNOWN"),
+        ],
+        *(0, 3, 8),
+    ),
 )
 def test_no_command_judges_a_wind_of_60_degrees(command, options, words) -> None:
     code, said = run(command, *WIDE, *options)
@@ -83,7 +87,7 @@ def test_the_vector_of_a_wind_with_a_direction_counts() -> None:
     assert "at 40 deg" in slanting.notes[0]
 
 
-@pytest.mark.parametrize("deg", [5.0, 30.0, 52.0])
+@pytest.mark.parametrize("deg", usual([5.0, 30.0, 52.0], 1))
 def test_no_survivable_peak_is_beyond_the_linear_range(deg) -> None:
     """With 12 deg: 30.463 deg where 30 are asked for, and 171.024 where 52 are, it was."""
     found = study(deg, limit=np.radians(12.0))
@@ -111,6 +115,7 @@ def test_no_angle_of_a_study_is_extrapolated() -> None:
         assert set(one["deflection_deg"]) == {None}
 
 
+@pytest.mark.thorough
 def test_at_30_degrees_itself_linear_theory_still_answers() -> None:
     assert study(30.0, limit=np.radians(12.0)).sufficient is True
     assert study(30.0001, limit=np.radians(12.0)).sufficient is None
@@ -132,14 +137,15 @@ def test_no_deflection_is_enough_in_a_box_that_reaches_beyond_the_range() -> Non
     assert np.degrees(worst["at"]["wind_peak"]) == pytest.approx(31.0)
 
 
-@pytest.mark.parametrize("deg", [10.0, 10.1])
-@pytest.mark.parametrize(
-    "command",
-    [("study",), ("nozzle",), ("fly",), ("loads",), ("respond",), ("optimum",), ("size",)],
+@by_turns(
+    "deg,command",
+    [10.0, 10.1],
+    ["study", "respond", "nozzle", "fly", "loads", "optimum", "size"],
+    each=7,
 )
 def test_above_ten_degrees_each_answer_has_the_doubt(command, deg) -> None:
-    times = ("--from", "66", "--to", "66") if command == ("size",) else ()
-    _, said = run(*command, "configuration-i", "--peak-deg", str(deg), *times)
+    times = ("--from", "66", "--to", "66") if command == "size" else ()
+    _, said = run(command, "configuration-i", "--peak-deg", str(deg), *times)
     assert (DOUBTFUL in said) is (deg > 10.0)
 
 

@@ -8,6 +8,7 @@ import sympy as sp
 from scipy.integrate import quad, simpson, solve_ivp
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.case.flexible_autopilot import specified_law
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.nozzle.duty import duty_of_motion
@@ -176,7 +177,7 @@ def by_small_steps(case, law):
     return np.array(rows).T
 
 
-@pytest.mark.parametrize("rate", [None, 0.9])
+@pytest.mark.parametrize("rate", usual([None, 0.9], 1))
 def test_the_card_of_a_flight_is_that_of_an_integration_by_small_steps(rate):
     """Torque and power by the nozzle's own equation, with friction, offsets and the vehicle."""
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
@@ -274,6 +275,7 @@ def between_samples(case, gains, sample_rate, points=200):
     return [np.array([row[k] for row in rows]) for k in range(6)]
 
 
+@pytest.mark.thorough
 def test_between_slow_samples_the_card_follows_a_quick_actuator():
     """Samples at 12.5 Hz and an actuator of 20 Hz: it turns and comes to rest between two."""
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)

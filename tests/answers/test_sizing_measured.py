@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.base.lines import text
 from tvclin.base.quantities import WIND_KNOWN
@@ -60,7 +61,7 @@ def test_where_the_wind_is_not_known_nothing_is(flight) -> None:
     assert np.interp([first, last], flight.times, flight.height) == pytest.approx([5e3, 15e3])
 
 
-@pytest.mark.parametrize(("limit", "verdict"), [(None, None), (0.9, None), (0.2, False)])
+@pytest.mark.parametrize(("limit", "verdict"), usual([(None, None), (0.9, None), (0.2, False)], 1))
 def test_a_flight_above_the_last_level_is_never_called_sized(flight, limit, verdict) -> None:
     """Not beside a wind that is known throughout either; what is too little stays too little."""
     winds = {"balloon": low(flight), "pulse": tv.TriangularWind(peak=0.05, duration=7.5)}

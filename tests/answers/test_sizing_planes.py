@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.requirement.plane_requirement import rectangle
 from tvclin.winds.wind_angles import angles_from_speed, angles_from_vector_size
 
@@ -38,7 +39,7 @@ def test_of_equal_planes_a_round_stop_takes_the_norm_of_the_scalar_answer(flight
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
-@pytest.mark.parametrize("varying", [False, True])
+@pytest.mark.parametrize("varying", usual([False, True], 0))
 def test_a_wind_along_one_plane_asks_for_the_same_to_the_last_bit(flight, model, varying) -> None:
     options = {"times": [66.0], "model": model, "varying": varying}
     for stop in ("round", "square"):

@@ -5,6 +5,7 @@ import pytest
 
 import tvclin as tv
 from tests.small_launcher import rows, sounding, write
+from tests.turns import usual
 from tvclin import InputError
 from tvclin.base.lines import text
 from tvclin.requirement.flight.total import DeflectionTotal, Line
@@ -159,7 +160,7 @@ def test_the_controllability_ratio_is_that_of_its_parts():
     assert asked.ratio(tv.Case(vehicle=booster), asked.sizing(case)) is None
 
 
-@pytest.mark.parametrize("window", [None, 20.0])
+@pytest.mark.parametrize("window", usual([None, 20.0], 0))
 def test_in_a_sounding_the_controllability_ratio_pairs_each_angle_with_the_vehicle_of_its_time(
     tmp_path, window
 ):

@@ -90,6 +90,7 @@ def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
         assert getattr(study, name) == getattr(campaign, name), name
 
 
+@pytest.mark.thorough
 def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     file, sounding = tmp_path / "my.toml", tmp_path / "wyoming.txt"
     file.write_text(FLIGHT)
@@ -221,6 +222,7 @@ def test_the_study_of_a_file_is_that_of_its_options(tmp_path: Path) -> None:
     assert by_file.exit_code == by_options.exit_code
 
 
+@pytest.mark.thorough
 def test_an_option_counts_more_than_the_file(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(example())

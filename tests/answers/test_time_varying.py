@@ -40,7 +40,9 @@ def test_frozen_vehicles_require_what_the_exact_theory_says(
         assert found == pytest.approx(exact, abs=FOURTH_ORDER * trim)
 
 
-@pytest.mark.parametrize(("model", "cells"), [("drift-exact", 2e-5), ("drift-and-speed", 6e-4)])
+@pytest.mark.parametrize(
+    ("model", "cells"), usual([("drift-exact", 2e-5), ("drift-and-speed", 6e-4)], 0)
+)
 def test_slow_modes_require_the_minimum_over_all_modes(configuration_i, model, cells) -> None:
     """A minute of wind; the deflection of the dual is constant in steps, never too good by that."""
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=60.0)
@@ -92,7 +94,7 @@ def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
     np.testing.assert_allclose(ratios, 16.0, rtol=1 / 3)
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 0))
 def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> None:
     """LSODA with the vehicle of each time, from the onset to the end, and the costate there."""
     flight = tv.load_schedule("configuration-i")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.control.margins.margins import loop_margins
 
 VEHICLE = tv.load_vehicle("configuration-i")
@@ -97,7 +98,7 @@ def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
     assert 0.8 * worst.value < inside < worst.value
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_no_margin_of_a_random_point_is_worse(model):
     box = {
         "thrust": part("thrust", 0.05),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 
 GUST = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)
 SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
@@ -15,7 +16,7 @@ def study(configuration_i, **given):
     )
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 @pytest.mark.parametrize("shape", SHAPES)
 def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> None:
     """The limit is that of eq (4b) at each time; the time is known to 1e-4 of the duration."""

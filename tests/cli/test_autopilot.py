@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.design.standard_trials import _limit, law_trials, standard_laws
@@ -167,6 +168,7 @@ def test_a_limit_is_judged():
     assert run(*gains, "0.7").exit_code == 0
 
 
+@pytest.mark.thorough
 def test_a_sufficient_limit_that_a_longer_wind_exceeds_is_said_to_be_exceeded():
     longer = json.loads(run("autopilot", "--json").stdout)["worst_duration"]
     assert longer["peak_deflection_deg"] > 0.95
@@ -184,7 +186,7 @@ def test_the_comparison_is_drawn(tmp_path):
     assert "</svg>" in file.read_text()
 
 
-@pytest.mark.parametrize("chart", ["nichols", "bode", "nyquist", "root-locus"])
+@pytest.mark.parametrize("chart", usual(["nichols", "bode", "nyquist", "root-locus"], 0))
 def test_charts_are_written(chart, tmp_path):
     file = tmp_path / "chart.png"
     run("margins", "--natural-frequency", "1", "--chart", chart, "--plot", str(file))
@@ -210,6 +212,7 @@ def test_laws_are_flown_in_the_winds_asked_for():
         assert one["growth"] < 0.0
 
 
+@pytest.mark.thorough
 def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monkeypatch):
     """Nothing is flown: the bound, and the chart of the laws, belong to the winds alone."""
     monkeypatch.setattr("tvclin.design.standard_trials.law_trials", lambda *_, **__: [])
@@ -225,6 +228,7 @@ def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monke
     assert "</svg>" in file.read_text()
 
 
+@pytest.mark.thorough
 def test_a_boundary_beyond_the_range_is_no_number():
     """Of a puff of 10 ms next to nothing is needed; two samples a second are too few."""
     plain = ("--wind", "triangle", "--model", "fixed-path", "--sample-rate")
@@ -344,6 +348,7 @@ def test_flown_margins_need_a_limit_that_is_enough():
     assert "NO MARGINS" in unstable.output
 
 
+@pytest.mark.thorough
 def test_an_autopilot_says_by_what_it_is_judged() -> None:
     given = ("autopilot", "configuration-i", "--set", "criteria.delay_margin_ms=20")
     given += tuple(w for name in GAIN_MARGINS for w in ("--set", f"criteria.{name}=4"))

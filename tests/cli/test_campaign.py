@@ -96,6 +96,7 @@ def test_replay_is_the_case_to_the_bit(place):
     assert f"Case {worst}: {said}" in run("replay", place / "results", worst).output
 
 
+@pytest.mark.thorough
 def test_resume_names_what_is_damaged_and_mends_it(place, tmp_path):
     folder = tmp_path / "results"
     assert run("run", place / "my.toml", "-o", folder, "--shard", "1/2").exit_code == 0
@@ -120,6 +121,7 @@ def test_it_stops_when_converged(place, tmp_path):
     assert "256 of 600 cases are done; the answer has converged" in result.output
 
 
+@pytest.mark.thorough
 def test_a_terminal_sees_a_bar_and_others_nothing(place, tmp_path):
     arguments = ["campaign", "run", str(place / "my.toml"), "-o"]
     quiet = CliRunner().invoke(app, [*arguments, str(tmp_path / "one")])

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 
 BOOSTER = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
@@ -40,15 +41,18 @@ def _file(folder: Path, text: str) -> str:
 
 @pytest.mark.parametrize(
     "command",
-    [
-        ["poles"],
-        ["boundary"],
-        ["optimum"],
-        ["respond", "--model", "drift", "--limit-deg", "0.4"],
-        ["study", "--model", "drift-exact", "--limit-deg", "0.4", "--sign", "frozen"],
-        ["margins"],
-        ["autopilot", "--natural-frequency", "1.5"],
-    ],
+    usual(
+        [
+            ["poles"],
+            ["boundary"],
+            ["optimum"],
+            ["respond", "--model", "drift", "--limit-deg", "0.4"],
+            ["study", "--model", "drift-exact", "--limit-deg", "0.4", "--sign", "frozen"],
+            ["margins"],
+            ["autopilot", "--natural-frequency", "1.5"],
+        ],
+        *(0, 1, 4, 5),
+    ),
 )
 def test_the_coefficients_of_a_vehicle_give_its_numbers(command: list[str], all_of_it: str) -> None:
     whole, known = (

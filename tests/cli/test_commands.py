@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
-from tests.turns import by_turns
+from tests.turns import by_turns, drawn
 from tvclin.base.files import write_text
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.cli.app import NAMES, app
@@ -84,6 +83,7 @@ def test_the_study_prints_the_report_numbers() -> None:
         assert number in result.output
 
 
+@pytest.mark.thorough
 def test_a_damped_vehicle_is_shown_with_its_pole(tmp_path) -> None:
     mine = tmp_path / "mine.toml"
     mine.write_text(template() + "\n", encoding="utf-8")
@@ -213,7 +213,7 @@ def test_a_file_from_init_can_be_studied_and_is_not_overwritten(tmp_path: Path) 
     assert before == file.read_text()
 
 
-@by_turns("command,kind", ["study", "poles", "boundary"], ["png", "svg", "pdf"], each=3)
+@by_turns("command,kind", ["study", "poles", "boundary"], ["png", "svg", "pdf"], each=5)
 def test_figures_are_written(tmp_path: Path, command: str, kind: str) -> None:
     file = tmp_path / f"figure.{kind}"
 
@@ -274,8 +274,7 @@ WORDS = st.one_of(
 )
 
 
-@given(st.lists(WORDS, max_size=6))
-@settings(max_examples=80, deadline=None)
+@drawn(20, 80, st.lists(WORDS, max_size=6))
 def test_rubbish_never_ends_in_a_traceback(arguments: list[str]) -> None:
     if "init" in arguments or "--plot" in arguments:
         return
@@ -325,6 +324,7 @@ def loaded_by(commands: list[str], folder: Path) -> set[str]:
     return set(run.stderr.splitlines()[-1].split())
 
 
+@pytest.mark.thorough
 def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -> None:
     commands = ["vehicles", "poles", "boundary", "optimum", "respond", "study", "fly", "margins"]
     commands += ["margins --delay-ms 40", "margins --json", "autopilot", "autopilot --json"]
@@ -345,6 +345,7 @@ def test_a_study_imports_neither_scipy_nor_numba() -> None:
     assert not {"scipy", "numba", "matplotlib", "control"} & set(out.stderr.split())
 
 
+@pytest.mark.thorough
 def test_a_study_of_a_fixed_path_in_calm_air_loads_neither_flights_nor_other_commands() -> None:
     """With drift the trim law is flown, and a head wind changes the parameters."""
     code = (
@@ -396,6 +397,7 @@ def test_no_help_holds_square_brackets_which_would_vanish() -> None:
     assert [text for text in found if "[" in text] == []
 
 
+@pytest.mark.thorough
 def test_a_limit_that_does_not_exist_is_said_in_the_same_words_everywhere(tmp_path: Path) -> None:
     slow = tmp_path / "slow.toml"
     text = template().replace("velocity_m_per_s = 540.0", "velocity_m_per_s = 45.0")

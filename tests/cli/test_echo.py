@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.vehicle.vehicle_file import template
 
@@ -51,7 +52,7 @@ DOUBTED = {
 }
 
 
-@pytest.mark.parametrize("doubt", DOUBTED)
+@pytest.mark.parametrize("doubt", usual(DOUBTED, 0))
 def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: str) -> None:
     """A booster flies with T/W of 1.05 to 5; a mass in kg, as a weight in N, makes that 10.3."""
     for changed in (True, False):

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.vehicle.vehicle_file import read_vehicle_text
 
@@ -206,7 +207,9 @@ def test_detuned_modes_are_those_of_the_library():
     assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)
 
 
-@pytest.mark.parametrize("command", ["study", "poles", "autopilot", "optimum", "boundary"])
+@pytest.mark.parametrize(
+    "command", usual(["study", "poles", "autopilot", "optimum", "boundary"], 0, 1)
+)
 def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
     moved = booster().shift()
     result = run(command, "made-up-booster")

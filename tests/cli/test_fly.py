@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.cli.app import app
 
@@ -55,8 +56,8 @@ def test_the_report_control_is_flown_beside_the_linear_theory():
             assert both[one] == pytest.approx(peak, rel=1e-9)
 
 
-@pytest.mark.parametrize("engine", ["planar", "sixdof"])
-@pytest.mark.parametrize("until", [2, 6])
+@pytest.mark.parametrize("engine", usual(["planar", "sixdof"], 0))
+@pytest.mark.parametrize("until", usual([2, 6], 1))
 def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_end(
     engine, until, tmp_path
 ):
@@ -99,7 +100,16 @@ def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
 
 @pytest.mark.parametrize(
     ("law", "needs"),  # as `tvclin laws` prints, over B times the peak
-    [("trim", 0.654), ("dead-band", 0.542), ("autopilot", 1.257), ("recoverable-attitude", 0.390)],
+    usual(
+        [
+            ("trim", 0.654),
+            ("dead-band", 0.542),
+            ("autopilot", 1.257),
+            ("recoverable-attitude", 0.390),
+        ],
+        0,
+        3,
+    ),
 )
 def test_every_law_survives_in_one_plane_with_a_tenth_more_than_it_needs(law, needs):
     found = document("--law", law, "--until", 1)

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.flexible import MODE_AND_TANK
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.vehicle.vehicle_file import read_vehicle_text
 
@@ -70,6 +71,7 @@ def test_the_flexible_vehicle_flies_with_limits_beside_the_rigid_one(mine, tmp_p
     assert "rigid" in curves.read_text()
 
 
+@pytest.mark.thorough
 def test_without_a_limit_the_flight_has_a_tenth_more_than_the_boundary_of_the_law(mine):
     document = json.loads(run(mine, *GAINS, *NOTCH, "--boundary", "--json").stdout)
     plant = plant_of(mine)
@@ -107,6 +109,7 @@ def test_margins_that_are_flown_are_those_of_the_flexible_vehicle(mine):
         assert found[name]["value"] == pytest.approx(getattr(expected, name).value, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
     beside = json.loads(run(mine, *GAINS, *NOTCH, "--limit-deg", 0.45, "--json").stdout)
     more = ("--engine", "linear", "--rigid", "--limit-deg", 0.45, "--json")
@@ -122,7 +125,7 @@ def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
     assert not quiet.stderr
 
 
-@pytest.mark.parametrize("law", ["trim", "dead-band", "recoverable-attitude"])
+@pytest.mark.parametrize("law", usual(["trim", "dead-band", "recoverable-attitude"], 2))
 def test_every_law_flies_a_flexible_vehicle_with_filters(mine, law):
     result = run(mine, "--law", law, *NOTCH, "--limit-deg", 0.6, "--json")
     document, plant = json.loads(result.stdout), plant_of(mine)
@@ -154,12 +157,14 @@ def test_what_does_not_go_together_is_one_sentence(arguments, message):
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.thorough
 def test_the_figure_has_the_rigid_vehicle_beside_the_flexible_one(mine, tmp_path):
     picture = tmp_path / "flown.svg"
     assert run(mine, *GAINS, *NOTCH, "--limit-deg", 0.45, "--plot", picture).exit_code == 0
     assert picture.stat().st_size > 10_000
 
 
+@pytest.mark.thorough
 def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     every = tv.design.standard_laws
     monkeypatch.setattr(

@@ -38,6 +38,7 @@ def test_gains_are_sought_and_their_winds_listed():
     assert "crossover" in least["active"]
 
 
+@pytest.mark.thorough
 def test_gains_are_sought_for_the_samples_and_filters_that_are_given():
     """What `margins` says of the gains, given with the same samples, is what was designed for."""
     loop = (
@@ -59,6 +60,7 @@ def test_gains_are_sought_for_the_samples_and_filters_that_are_given():
     assert own["sample_rate_Hz"] == judged["autopilot"]["sample_rate_Hz"] == 25.0
 
 
+@pytest.mark.thorough
 def test_a_study_file_designs_with_its_samples_and_filters(tmp_path):
     file = tmp_path / "least.toml"
     lag = '[[autopilot.filter]]\nkind = "low-pass"\non = "rate"\nfrequency_rad_per_s = 60\n'
@@ -78,6 +80,7 @@ def test_a_study_file_asks_for_them(tmp_path):
     assert tv.CRITERIA["classic"].are_satisfied(found.margins)
 
 
+@pytest.mark.thorough
 def test_the_worst_margins_of_a_box_are_judged():
     fine = ("margins", "--natural-frequency", "1", "--delay-ms", "20")
     good = run(*fine, "--box", "thrust=-3%..3%", "--box", "delay_ms=0..40")

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 
 FAST = ("--limit-deg", "2", "--json")
@@ -16,7 +17,7 @@ def run(*arguments):
     return CliRunner().invoke(app, [str(one) for one in arguments])
 
 
-@pytest.mark.parametrize("law", ["trim", "autopilot"])
+@pytest.mark.parametrize("law", usual(["trim", "autopilot"], 0))
 def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
     given = ("fly", "configuration-i", "--engine", "linear", "--law", law, *FAST)
     hertz, radians, usual = (

@@ -3,6 +3,7 @@
 import pytest
 from typer.testing import CliRunner
 
+from tests.turns import usual
 from tvclin.cli.app import app
 
 COMMANDS = {
@@ -17,14 +18,14 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", usual(COMMANDS, 0, 1, 2, 3))
 def test_the_first_line_names_the_model(command: str) -> None:
     said = CliRunner().invoke(app, [command, "configuration-i", *COMMANDS[command]])
     lines = said.stdout.strip().splitlines()
     assert "drift-exact" in " ".join(lines[:2]), said.output  # a long title is broken in two
 
 
-@pytest.mark.parametrize("command", sorted({*COMMANDS} - {"size"}))
+@pytest.mark.parametrize("command", usual([one for one in COMMANDS if one != "size"], 0, 1, 2))
 def test_where_no_path_is_known_it_is_fixed(tmp_path, command: str) -> None:
     file = tmp_path / "course.toml"
     file.write_text("[coefficients]\nmu_alpha_per_s2 = 0.228\nmu_delta_per_s2 = 1.317\n")

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.nozzle.duty_over_flight import FlownDuty
 
@@ -38,44 +39,51 @@ def test_json_equals_the_library() -> None:
 
 @pytest.mark.parametrize(
     ("options", "code", "words"),
-    [
-        (
-            ("--limit-deg", "0.35", "--rate-limit-deg", "2"),
-            0,
-            "Lower bound, wind known at this rate limit",
-        ),
-        (
-            ("--limit-deg", "0.21", "--rate-limit-deg", "0.5"),
-            1,
-            "NOT SUFFICIENT, below the lower bound",
-        ),
-        (("--limit-deg", "0.35"), 0, "Lower bound, wind known: 0.199 deg"),
-        (("--limit-deg", "0.1"), 1, "NOT SUFFICIENT, below the lower bound"),
-        (("--rate-limit-deg", "2"), 0, "required deflection 0.412 deg, see study"),
-        ((), 0, "a limit below it is never sufficient"),
-        (("--limit-deg", "0.35", "--rate-limit-deg", "0.5", "--law", "trim"), 1, "trim is lost"),
-        (("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot"), 0, "survives"),
-        (("--rate-limit-deg", "0.05"), 2, "more than 0.101665 deg/s"),
-        (("--law", "trim"), 2, "--limit-deg"),
-        (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
-        (("--attitude-gain", "1"), 2, "--law"),
-        (("--set", "nozzle.travel_limit_deg=1"), 0, "is left out here"),
-        (
-            ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.torque_limit_N_m=1e4"),
-            2,
-            "mass_kg and arm_m",
-        ),
-        (
-            ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.travel_limit_deg=1"),
-            1,
-            "the required travel of a flight",
-        ),
-        (
-            ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.travel_limit_deg=2"),
-            0,
-            "MET: the required travel of a flight",
-        ),
-    ],
+    usual(
+        [
+            (
+                ("--limit-deg", "0.35", "--rate-limit-deg", "2"),
+                0,
+                "Lower bound, wind known at this rate limit",
+            ),
+            (
+                ("--limit-deg", "0.21", "--rate-limit-deg", "0.5"),
+                1,
+                "NOT SUFFICIENT, below the lower bound",
+            ),
+            (("--limit-deg", "0.35"), 0, "Lower bound, wind known: 0.199 deg"),
+            (("--limit-deg", "0.1"), 1, "NOT SUFFICIENT, below the lower bound"),
+            (("--rate-limit-deg", "2"), 0, "required deflection 0.412 deg, see study"),
+            ((), 0, "a limit below it is never sufficient"),
+            (
+                ("--limit-deg", "0.35", "--rate-limit-deg", "0.5", "--law", "trim"),
+                1,
+                "trim is lost",
+            ),
+            (("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot"), 0, "survives"),
+            (("--rate-limit-deg", "0.05"), 2, "more than 0.101665 deg/s"),
+            (("--law", "trim"), 2, "--limit-deg"),
+            (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
+            (("--attitude-gain", "1"), 2, "--law"),
+            (("--set", "nozzle.travel_limit_deg=1"), 0, "is left out here"),
+            (
+                ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.torque_limit_N_m=1e4"),
+                2,
+                "mass_kg and arm_m",
+            ),
+            (
+                ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.travel_limit_deg=1"),
+                1,
+                "the required travel of a flight",
+            ),
+            (
+                ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.travel_limit_deg=2"),
+                0,
+                "MET: the required travel of a flight",
+            ),
+        ],
+        *(0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13),
+    ),
 )
 def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:
     result = run(*options)
@@ -162,7 +170,7 @@ def test_a_hinge_without_what_turns_about_it_is_refused(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("limit", "rate", "yes"), [(0.6, 10.0, True), (0.25, 0.2, False), (0.3, 0.2, None)]
+    ("limit", "rate", "yes"), usual([(0.6, 10.0, True), (0.25, 0.2, False), (0.3, 0.2, None)], 1, 2)
 )
 def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, limit, rate, yes):
     """At nominal pressure and, if it survives there, at that of a head wind's peak throughout."""
@@ -197,6 +205,7 @@ def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, 
     }
 
 
+@pytest.mark.thorough
 def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:
     """Of a study file only those of its table."""
     file, figure = Path(study_file(tmp_path, "")), tmp_path / "laws.png"

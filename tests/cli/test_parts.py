@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.archives import Balloon, jet, write
+from tests.turns import usual
 from tvclin.case.features import NOTED, OPTIONS, QUESTIONS, REFUSED, omission_notes, table, use_of
 from tvclin.cli.app import app
 from tvclin.ensembles.campaign.cases import evaluate
@@ -134,12 +135,12 @@ BY_FILE = ("study", "report", "campaign", "explore")
 
 def tried(questions):
     """Return the questions; those that search or fly much are left to the thorough tests."""
-    slow = {"margins", "nozzle", "loads", "card", "size", "laws", "autopilot", "availability"}
-    mark = pytest.mark.thorough
-    return [pytest.param(one, marks=mark) if one in slow else one for one in questions]
+    quick = {"poles", "boundary", "optimum"}
+    places = [k for k, one in enumerate(questions) if one in quick]
+    return usual(questions, *places)
 
 
-@pytest.mark.parametrize("question", tried(q for q in QUESTIONS if q not in BY_FILE))
+@pytest.mark.parametrize("question", tried([q for q in QUESTIONS if q not in BY_FILE]))
 def test_every_part_is_computed_told_or_refused(question, files):
     base = asked(question, files.plain, files.station, *BASE.get(question, ()))
     assert base.exit_code in (0, 1), base.output
@@ -164,6 +165,19 @@ def test_every_part_is_computed_told_or_refused(question, files):
         if not right:
             wrong[part] = (kind, result.exit_code, changed, said[:300])
     assert not wrong, wrong
+
+
+@pytest.mark.parametrize("question", [q for q in QUESTIONS if q not in BY_FILE])
+def test_every_part_that_the_table_refuses_is_refused_at_the_door(question, files):
+    """With the options of a case that the other parts are tried on; nothing is computed."""
+    refused = [one for one in OPTIONS if one != WORK and use_of(question, one) == REFUSED]
+    for part in refused:
+        vehicle = {"structure": files.bent, "damping": files.damped}.get(part, files.plain)
+        options = (*BASE.get(question, ()), *VALUES.get(part, ()))
+        options = OTHERWISE.get((question, part), options)
+        result = asked(question, vehicle, files.station, *options)
+        assert result.exit_code == 2, (part, result.output)
+        assert "tvclin" in " ".join(result.output.split()), (part, result.output)
 
 
 WIND = {"shape": "triangular", "peak_deg": 5.0, "duration_s": 7.5}
@@ -257,7 +271,7 @@ IN_FLIGHT = ("gust", "head wind", "heading", "shape of the stop", "rate limit", 
 """Parts that count in flown margins alone."""
 
 
-@pytest.mark.parametrize("question", tried(OF_ONE_TIME))
+@pytest.mark.parametrize("question", usual(OF_ONE_TIME, 2, 3))
 def test_every_part_of_a_study_file_is_computed_or_told(question, files):
     folder = files.plain.parent
 

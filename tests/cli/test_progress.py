@@ -83,6 +83,7 @@ def test_a_study_tells_of_its_answers(monkeypatch: pytest.MonkeyPatch, tmp_path:
     assert " answers" not in said.stdout
 
 
+@pytest.mark.thorough
 def test_the_report_tells_of_each_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = reproduce.FIGURES["sketch-a"]
     monkeypatch.setattr(reproduce, "FIGURES", dict.fromkeys("abc", drawn))
@@ -127,6 +128,7 @@ def _without_numba(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(choice, "_plain_work", choice._PlainWork())
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_without_numba_a_command_says_so_once_and_its_page_has_the_same_bytes(
     request: pytest.FixtureRequest, tmp_path: Path

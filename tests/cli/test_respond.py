@@ -45,12 +45,15 @@ def attitude(parts, *times):
 
 @pytest.mark.parametrize(
     ("model", "factor"),
-    [
-        *((model, 1.0) for model in ("fixed-path", "drift", "drift-exact", "drift-and-speed")),
-        ("fixed-path", 0.9),
-        ("drift", 1.1),
-        ("drift-exact", 0.9),
-    ],
+    usual(
+        [
+            *((model, 1.0) for model in ("fixed-path", "drift", "drift-exact", "drift-and-speed")),
+            ("fixed-path", 0.9),
+            ("drift", 1.1),
+            ("drift-exact", 0.9),
+        ],
+        *(0, 6),
+    ),
 )
 def test_json_equals_the_library(model, factor):
     found = document("--model", model, "--capability", factor)
@@ -107,7 +110,7 @@ def test_the_peak_is_the_one_that_the_report_quotes():
     assert found["back_at_zero"]["time_s"] / TAU == pytest.approx(1.0802, abs=1e-3)
 
 
-@pytest.mark.parametrize("peak", [5.0, -5.0])
+@pytest.mark.parametrize("peak", usual([5.0, -5.0], 0))
 @pytest.mark.parametrize("shape", ["triangular", "rectangular"])
 def test_extremes_do_not_depend_on_the_points(peak, shape):
     coarse, fine = (
@@ -181,7 +184,7 @@ def test_the_csv_is_the_exact_response(tmp_path):
     assert np.all(values[:, 6] == pytest.approx(-0.391, abs=5e-4))
 
 
-@pytest.mark.parametrize("limit", [0.3, 0.36, 0.45, 0.8], ids="limit {}".format)
+@pytest.mark.parametrize("limit", usual([0.3, 0.36, 0.45, 0.8], 1, 3), ids="limit {}".format)
 def test_the_frame_of_the_figure_holds_every_curve_whole_with_the_limit(
     limit, monkeypatch, tmp_path
 ):
@@ -290,6 +293,7 @@ def test_a_limit_that_survives_and_turns_the_vehicle_over_is_explained():
     assert words not in short
 
 
+@pytest.mark.thorough
 def test_a_response_at_nominal_pressure_says_what_a_head_wind_adds(tmp_path) -> None:
     """For the usual wind at 44.83 deg of attitude; none of a weak wind, in yaw or of one sign."""
     wind = np.sin(np.radians(5.0)) / np.sin(np.radians(39.83))
@@ -303,6 +307,7 @@ def test_a_response_at_nominal_pressure_says_what_a_head_wind_adds(tmp_path) -> 
         assert CliRunner().invoke(app, ["respond", "configuration-i", *more]).stderr == ""
 
 
+@pytest.mark.thorough
 def test_what_a_table_of_winds_does_not_say_is_told_or_given(tmp_path):
     """Configuration I flies at 12 km; 39,400 ft at 67 mph are the same as the site's and m/s."""
     feet, metres = tmp_path / "feet.csv", tmp_path / "metres.csv"

@@ -30,6 +30,7 @@ FLOWN = ("--winds", WIND, "--azimuth-deg", "90")
 FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
 
 
+@pytest.mark.thorough
 def test_a_dead_band_below_one_is_said_to_trust_a_forecast() -> None:
     said = "K below 1 trusts a forecast"
     assert said not in run("size", "configuration-ii", *FAST).output
@@ -112,6 +113,7 @@ def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
     assert any(line.split()[-1:] == ["1~"] for line in result.output.splitlines())
 
 
+@pytest.mark.thorough
 def test_the_frozen_vehicle_stands_beside_the_one_that_changes_with_how_far_it_is_off() -> None:
     along = ("size", "configuration-i", "--duration", "35", "--from", "66", "--to", "66")
     result = run(*along)
@@ -122,6 +124,7 @@ def test_the_frozen_vehicle_stands_beside_the_one_that_changes_with_how_far_it_i
     assert f"{off:.1f}" in table.split()
 
 
+@pytest.mark.thorough
 def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() -> None:
     """Flown through along the schedule; the wind of this file blows to one side."""
     schedule = tv.load_schedule("configuration-i")
@@ -156,6 +159,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     )
 
 
+@pytest.mark.thorough
 def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tmp_path) -> None:
     """Enough where the wind is known is not enough; a pulse joins only where one is named."""
     given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--every", "20")
@@ -274,7 +278,7 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
     assert lines["dispersions"] == pytest.approx(part * lines["wind"], rel=1e-9)
 
 
-@pytest.mark.parametrize("plane", ["pitch", "both"])
+@pytest.mark.parametrize("plane", usual(["pitch", "both"], 0))
 def test_dispersions_are_found_in_a_sounding(plane) -> None:
     given = ("size", "configuration-i", "--winds", WIND, "--azimuth-deg", "30", *FAST)
     more = ("--plane", plane, "--model", "fixed-path", "--disperse", "--json")
@@ -295,43 +299,46 @@ def test_dispersions_are_found_in_a_sounding(plane) -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [
-        (
-            ("configuration-i", "--set", "size.count=trim", "--disperse", *FAST),
-            "--disperse needs a dead",
-        ),
-        (("nowhere.csv",), "nowhere.csv"),
-        (
-            ("configuration-i", "--from", "90", "--to", "60"),
-            "the last flight time must not be before",
-        ),
-        (("configuration-i", "--to", "900"), "time must be between 41 and 116 s"),
-        (
-            ("configuration-i", "--peak-deg", "5", "--peak-speed", "40"),
-            "give --peak-deg or --peak-speed, not both",
-        ),
-        (("configuration-i", "--every", "0"), "every must be positive"),
-        (("configuration-i", "--every", "1e-9"), "at most 10000 flight times"),
-        (("configuration-i", "--set", "size.count=K=1", *FAST), "count must be one of trim"),
-        (("configuration-i", "--limit-deg", "-1"), "--limit-deg must be positive"),
-        (
-            ("configuration-i", "--set", "size.reserve_percent=100", *FAST),
-            "reserve must be a part of the limit",
-        ),
-        (("configuration-i", "--wind", "square"), "wind must be one of"),
-        (("configuration-i", "--winds", "no.csv", "--azimuth-deg", "90"), "no.csv"),
-        (("configuration-i", "--winds", WIND), "--winds needs --azimuth-deg"),
-        (("configuration-i", "--azimuth-deg", "90"), "name one with --winds"),
-        (
-            ("configuration-i", "--winds", BAD, "--azimuth-deg", "90"),
-            "bad.csv, line 3: direction must be between 0 and 360 degrees; got 400",
-        ),
-        (("configuration-i", *FLOWN, "--window", "0", *FAST), "window must be positive"),
-        (
-            ("configuration-i", "--winds", LOW, "--azimuth-deg", "90", *FAST),
-            "low.csv: the flight does not reach the wind: it goes from 3045.19",
-        ),
-    ],
+    usual(
+        [
+            (
+                ("configuration-i", "--set", "size.count=trim", "--disperse", *FAST),
+                "--disperse needs a dead",
+            ),
+            (("nowhere.csv",), "nowhere.csv"),
+            (
+                ("configuration-i", "--from", "90", "--to", "60"),
+                "the last flight time must not be before",
+            ),
+            (("configuration-i", "--to", "900"), "time must be between 41 and 116 s"),
+            (
+                ("configuration-i", "--peak-deg", "5", "--peak-speed", "40"),
+                "give --peak-deg or --peak-speed, not both",
+            ),
+            (("configuration-i", "--every", "0"), "every must be positive"),
+            (("configuration-i", "--every", "1e-9"), "at most 10000 flight times"),
+            (("configuration-i", "--set", "size.count=K=1", *FAST), "count must be one of trim"),
+            (("configuration-i", "--limit-deg", "-1"), "--limit-deg must be positive"),
+            (
+                ("configuration-i", "--set", "size.reserve_percent=100", *FAST),
+                "reserve must be a part of the limit",
+            ),
+            (("configuration-i", "--wind", "square"), "wind must be one of"),
+            (("configuration-i", "--winds", "no.csv", "--azimuth-deg", "90"), "no.csv"),
+            (("configuration-i", "--winds", WIND), "--winds needs --azimuth-deg"),
+            (("configuration-i", "--azimuth-deg", "90"), "name one with --winds"),
+            (
+                ("configuration-i", "--winds", BAD, "--azimuth-deg", "90"),
+                "bad.csv, line 3: direction must be between 0 and 360 degrees; got 400",
+            ),
+            (("configuration-i", *FLOWN, "--window", "0", *FAST), "window must be positive"),
+            (
+                ("configuration-i", "--winds", LOW, "--azimuth-deg", "90", *FAST),
+                "low.csv: the flight does not reach the wind: it goes from 3045.19",
+            ),
+        ],
+        *(1, 2, 3, 4, 5, 6, 8, 10, 11, 12, 13, 14, 15, 16),
+    ),
 )
 def test_bad_input_is_one_sentence_and_exit_code_2(arguments, words) -> None:
     result = run("size", *arguments)
@@ -403,6 +410,7 @@ def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
     assert wind["f"]["deflection_deg"] == along["worst"]["K = 1"]["deflection_deg"]
 
 
+@pytest.mark.thorough
 def test_a_sounding_is_chosen_by_its_time() -> None:
     """Of a file of several, each by itself; and each of two is that of the library."""
     noon, midnight = "2024-02-15 12", "2024-02-16 00"
@@ -429,6 +437,7 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
         assert (result.exit_code, said in result.output) == (2, True), result.output
 
 
+@pytest.mark.thorough
 def test_it_says_which_options_would_tell_more() -> None:
     two = run("size", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42", "--frozen")
     pulse = run("size", "--every", "60")
@@ -439,6 +448,7 @@ def test_it_says_which_options_would_tell_more() -> None:
     assert "in each wind" not in pulse.output
 
 
+@pytest.mark.thorough
 def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
     schedule, given = tv.load_schedule("configuration-i"), (*FAST, "--gust-plateau", "0.5")
     by_speed = json.loads(run("size", *given, "--gust-speed", "9", "2", "--json").stdout)
@@ -471,6 +481,7 @@ def test_gusts_and_signs_without_meaning_are_refused(given, words) -> None:
     assert words in " ".join(result.stderr.split())
 
 
+@pytest.mark.thorough
 def test_both_planes_stand_beside_each_plane_alone() -> None:
     given = ("--wind-direction-deg", "270", "--azimuth-deg", "45", "--peak-speed", "50", *FAST)
     both = run("size", "configuration-i", "--plane", "both", "--stop", "square", *given)

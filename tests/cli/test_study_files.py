@@ -166,9 +166,7 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
     }
 
 
-@pytest.mark.parametrize(
-    "command", usual(["respond", "optimum", "autopilot", "margins", "fly"], 0, 1, 2, 4)
-)
+@pytest.mark.parametrize("command", usual(["respond", "optimum", "autopilot", "margins", "fly"], 0))
 def test_a_study_file_and_options_give_the_same_answer(command, file):
     own = {
         "respond": ("--model", "drift", "--limit-deg", "2", "--dead-band", "0.5"),
@@ -197,6 +195,7 @@ def test_a_model_that_is_not_flown_is_told():
     assert not list(omission_notes(fast, "margins"))
 
 
+@pytest.mark.thorough
 def test_an_option_counts_more_than_the_file(file):
     over = ("--natural-frequency", "1.5", "--delay-ms", "0", "--limit-deg", "3", "--plane", "pitch")
     found = asked("autopilot", file, *over)

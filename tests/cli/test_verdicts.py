@@ -13,6 +13,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.base.quantities import QUANTITIES, satisfaction, sufficiency, survival
 from tvclin.cli.app import app
 from tvclin.studyfile.glossary import TERMS
@@ -37,28 +38,47 @@ def run(*arguments: str) -> Result:
 
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
-    [
-        (("study", "configuration-i", *WIND, *LIMIT), 1, (REQUIRED, "Limit 0.400 deg: NOT SUFF")),
-        (("boundary", "configuration-i"), 0, (f"y_BR {NOMINAL}",)),
-        (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, "that: SURVIVED", NOMINAL)),
-        (("fly", "configuration-i", *WIND, *LIMIT), 0, (SEE, f"Flown {NOMINAL}: SURVIVED")),
-        (("nozzle", "configuration-i", *WIND, *LIMIT), 0, (SEE, "wind known: 0.199 deg", NOMINAL)),
-        (("loads", "configuration-i", *WIND, *LIMIT), 0, (SEE, "wind known: 0.199 deg", NOMINAL)),
-        (("optimum", "configuration-i", *WIND), 0, (SEE, "lower bound, wind known", NOMINAL)),
-        (
-            ("autopilot", "configuration-i", *WIND, *LIMIT),
-            1,
-            (f".690 deg {NOMINAL}; without a limit it uses 0.895", SEE, "Limit 0.4 deg: NOT SUFF"),
-        ),
-        (
-            ("margins", "configuration-i", *WIND, "--limit-deg", "1.2", "--flown"),
-            1,
-            (f"{NOMINAL}, with a limit of 1.2 deg", "Criteria classic: NOT MET"),
-        ),
-        (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
-        (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
-        (("card", "configuration-i", *WIND, *LIMIT, *AT), 1, ("NOT SURVIVED: trim is lost",)),
-    ],
+    usual(
+        [
+            (
+                ("study", "configuration-i", *WIND, *LIMIT),
+                1,
+                (REQUIRED, "Limit 0.400 deg: NOT SUFF"),
+            ),
+            (("boundary", "configuration-i"), 0, (f"y_BR {NOMINAL}",)),
+            (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, "that: SURVIVED", NOMINAL)),
+            (("fly", "configuration-i", *WIND, *LIMIT), 0, (SEE, f"Flown {NOMINAL}: SURVIVED")),
+            (
+                ("nozzle", "configuration-i", *WIND, *LIMIT),
+                0,
+                (SEE, "wind known: 0.199 deg", NOMINAL),
+            ),
+            (
+                ("loads", "configuration-i", *WIND, *LIMIT),
+                0,
+                (SEE, "wind known: 0.199 deg", NOMINAL),
+            ),
+            (("optimum", "configuration-i", *WIND), 0, (SEE, "lower bound, wind known", NOMINAL)),
+            (
+                ("autopilot", "configuration-i", *WIND, *LIMIT),
+                1,
+                (
+                    f".690 deg {NOMINAL}; without a limit it uses 0.895",
+                    SEE,
+                    "Limit 0.4 deg: NOT SUFF",
+                ),
+            ),
+            (
+                ("margins", "configuration-i", *WIND, "--limit-deg", "1.2", "--flown"),
+                1,
+                (f"{NOMINAL}, with a limit of 1.2 deg", "Criteria classic: NOT MET"),
+            ),
+            (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
+            (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
+            (("card", "configuration-i", *WIND, *LIMIT, *AT), 1, ("NOT SURVIVED: trim is lost",)),
+        ],
+        *(0, 1, 2, 3, 4, 6, 10, 11),
+    ),
     ids=lambda value: value[0] if isinstance(value, tuple) and value[0].isalpha() else "",
 )
 def test_no_command_calls_a_limit_sufficient_that_is_not(arguments, code, words) -> None:
@@ -84,6 +104,7 @@ seed = 1
 """
 
 
+@pytest.mark.thorough
 def test_page_and_campaign_of_one_case_say_what_the_study_says(tmp_path) -> None:
     file, page = tmp_path / "one.toml", tmp_path / "page.html"
     file.write_text(FILE, encoding="utf-8")
@@ -100,7 +121,7 @@ def test_page_and_campaign_of_one_case_say_what_the_study_says(tmp_path) -> None
     assert shown["success"]["estimate"] == 0.0
 
 
-@pytest.mark.parametrize("command", NUMBERED)
+@pytest.mark.parametrize("command", usual(NUMBERED, 0, 1, 2))
 def test_json_has_the_required_deflection_under_one_name(command) -> None:
     limit = () if command == "optimum" else LIMIT
     document = json.loads(run(command, "configuration-i", *WIND, *limit, "--json").stdout)

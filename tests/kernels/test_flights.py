@@ -5,7 +5,6 @@ import pytest
 
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, Plant
-from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.flights.closed_loop import sampled
 from tvclin.flights.closed_loop.batch import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
@@ -150,16 +149,19 @@ def test_threads_change_nothing(monkeypatch):
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
-def test_the_rows_that_judge_are_the_unstable_coordinates(model):
+def test_the_rows_that_judge_are_left_eigenvectors_scaled_to_the_deflection(model):
+    """By `numpy.linalg.eig`: z' = s (z - delta/B) in calm air, of the fastest pole first."""
     plant = Plant.from_vehicle(VEHICLE, model)
-    modes, judges = unstable_coordinates(plant), outcome_criteria(plant)
-    N, states = modes.left_eigenvectors.shape
-    np.testing.assert_allclose(
-        judges.rows[0, :N, :states], modes.left_eigenvectors, rtol=1e-9, atol=1e-12
-    )
+    judges, (A, inputs) = outcome_criteria(plant), plant.matrices()[:2]
+    poles, vectors = np.linalg.eig(A.T)
+    unstable = sorted(np.flatnonzero(poles.real > 1e-9), key=lambda k: -poles[k].real)
+    s, rows = poles[unstable].real, vectors[:, unstable].real.T
+    rows *= (-s / plant.coefficients.B / (rows @ inputs[:, 0]))[:, np.newaxis]
+    states = rows.shape[1]
+    np.testing.assert_allclose(judges.rows[0, : s.size, :states], rows, rtol=1e-9, atol=1e-12)
     assert not np.any(judges.rows[..., states:])
-    assert not np.any(judges.rows[0, N:])
-    assert judges.ratio[0] == pytest.approx(modes.ratio, rel=1e-12)
+    assert not np.any(judges.rows[0, s.size :])
+    assert judges.ratio[0] == pytest.approx(s[1] / s[0] if s.size == 2 else 0.0, rel=1e-9)
 
 
 def test_a_plant_with_a_pair_or_without_an_unstable_pole_is_not_judged():

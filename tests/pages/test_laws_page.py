@@ -96,7 +96,7 @@ def test_a_measured_number_is_what_its_setting_gives(words: str) -> None:
             ("design peak 20 percent too low", (1.0, 0.8)),
             ("$B$ and design peak 10 percent too low", (0.9, 0.9)),
         ],
-        *(0, 4),
+        4,
     ),
 )
 def test_what_the_trust_gains_and_costs(label: str, believed: tuple[float, float]) -> None:

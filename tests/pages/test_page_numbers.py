@@ -34,7 +34,8 @@ def triangle(vehicle: tv.Vehicle, degrees: float = 1.0) -> tv.TriangularWind:
     return tv.TriangularWind(peak=degrees * DEGREE, duration=4.0 / beta)
 
 
-@pytest.mark.parametrize("law", usual(LAWS, 3))
+@pytest.mark.thorough
+@pytest.mark.parametrize("law", LAWS)
 def test_the_laws_flown_on_both_pages(law: str) -> None:
     vehicle = FLIGHT[0]
     plant, found = tv.Plant.from_vehicle(vehicle, "drift-exact"), []

@@ -8,6 +8,7 @@ import pytest
 
 import tvclin as tv
 from tests.show.pages import section
+from tests.turns import usual
 from tvclin.base.lines import Number, text
 from tvclin.studyfile import study_verdict as verdict
 from tvclin.studyfile.assumptions import assumptions, study_warnings
@@ -43,7 +44,7 @@ def test_a_vehicle_that_changes_by_more_than_a_tenth_is_not_marked_as_frozen(
     assert check.state == ("doubt" if percent > 10.0 else "ok")
 
 
-@pytest.mark.parametrize(("rate", "state"), [(20.0, "ok"), (0.2, "doubt")])
+@pytest.mark.parametrize(("rate", "state"), usual([(20.0, "ok"), (0.2, "doubt")], 1))
 def test_a_rate_that_theory_or_autopilot_exceeds_is_not_marked_as_holding(
     rate, state, tmp_path
 ) -> None:
@@ -51,6 +52,7 @@ def test_a_rate_that_theory_or_autopilot_exceeds_is_not_marked_as_holding(
     assert check_of(answers, "The boundary does not count the rate limit").state == state
 
 
+@pytest.mark.thorough
 def test_the_head_counts_its_doubtful_assumptions_and_the_notes_below(tmp_path) -> None:
     answers = found("[size]\nfrom_s = 66\nto_s = 66\n", tmp_path, peak=12.0)
     page = tv.report_html(answers.plan)

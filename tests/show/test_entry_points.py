@@ -99,7 +99,7 @@ def required_along_flight(document: dict[str, Any], dead_band: float) -> float:
     return max(rows[key][0][0] for key in directions or [f"{label}, varying"])
 
 
-@pytest.mark.parametrize("seed", usual(range(40), 0, 1, 2))
+@pytest.mark.parametrize("seed", usual(range(40), 0))
 def test_every_entry_point_says_the_same(seed: int, tmp_path: Path) -> None:
     case = random_case(np.random.default_rng(seed))
     vehicle, tables = case["vehicle"], case["tables"]

@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.explored import moved, values
+from tests.turns import usual
 from tvclin.case.features import COMPUTED, NOTED, OPTIONS, use_of
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import AUTOPILOT
@@ -176,7 +177,7 @@ def test_each_part_that_the_table_calls_computed_is_asked() -> None:
     assert use_of("explore", "structure") == NOTED
 
 
-@pytest.mark.parametrize("arm", [-3.0, 0.0])
+@pytest.mark.parametrize("arm", usual([-3.0, 0.0], 0))
 @pytest.mark.parametrize("law", CONTROLS)
 def test_what_cannot_be_answered_says_why(few: None, arm: float, law: str) -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=arm)
@@ -256,6 +257,7 @@ def test_a_moved_widget_changes_what_is_asked_and_shown(panel: Any) -> None:
         assert shown() != before or field == "design", field
 
 
+@pytest.mark.thorough
 def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
     for field, value in {"model": "drift", "law": "dead-band", "dead_band": 0.0}.items():
         panel.controls[field].value = value
@@ -320,6 +322,7 @@ def test_in_a_notebook_the_panel_is_there_before_its_curve(
     assert known == sorted(known)
 
 
+@pytest.mark.thorough
 def test_a_vehicle_with_structure_says_what_is_rigid_here(panel: Any) -> None:
     structured, plant = opened("made-up-booster"), tv.load_vehicle("made-up-booster").structure
     bends = tv.FlexiblePlant.from_vehicle(
@@ -430,6 +433,7 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[list[str]]:
     return given
 
 
+@pytest.mark.thorough
 def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[str]]) -> None:
     path = Path("explore-configuration-ii.ipynb")
     for said in ("Wrote", "Opening"):

@@ -17,7 +17,6 @@ from urllib.request import Request, urlopen
 import pytest
 
 import tvclin as tv
-from tests.turns import usual
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
 
@@ -198,7 +197,8 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
     assert gone(kernels)
 
 
-@pytest.mark.parametrize("ended", usual([signal.SIGINT, signal.SIGTERM], 0))
+@pytest.mark.thorough
+@pytest.mark.parametrize("ended", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_jupyterlab_and_its_kernels(
     in_a_terminal: Started, ended: signal.Signals
 ) -> None:

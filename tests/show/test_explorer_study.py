@@ -91,7 +91,6 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: Any) -> tuple[Answ
 
 
 _SHORT = ("rigid", "flexible, filtered, sampled", "both planes", "rate limited")
-_SHORT += ("gust against, a head wind",)
 _PLACES = [list(CASES).index(name) for name in _SHORT]
 every = pytest.mark.parametrize("written", usual(CASES, *_PLACES), indirect=True)
 

@@ -152,6 +152,7 @@ def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> fl
     return abs(float(gone.y[0, -1]))
 
 
+@pytest.mark.thorough
 def test_an_autopilot_is_judged_in_the_air_that_a_head_wind_meets() -> None:
     """What survives at nominal pressure alone is lost there; what is sufficient survives."""
     design = tv.AutopilotDesign(design="poles", natural_frequency=1.1, damping=0.7)
@@ -212,7 +213,7 @@ def test_what_has_no_answer_is_no_yes() -> None:
 
 
 @pytest.mark.usefixtures("few_durations")
-@pytest.mark.parametrize(("limit", "code"), usual([(0.3, 1), (0.4, 1), (0.6, 0)], 1, 2))
+@pytest.mark.parametrize(("limit", "code"), usual([(0.3, 1), (0.4, 1), (0.6, 0)], 1))
 def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
     file = tmp_path / "s.toml"
     file.write_text(

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.pages import Page, section
+from tests.turns import usual
 from tvclin.base.lines import Number, as_sentence, text
 from tvclin.cli.app import app
 from tvclin.design.standard_trials import law_trials
@@ -362,6 +363,7 @@ def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page)
     assert shown["response.angle_of_attack_s"] == pytest.approx(times[attack.argmin()], abs=1e-3)
 
 
+@pytest.mark.thorough
 def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.studyfile.StudyPlan) -> None:
     lost = replace(plan, nozzle=tv.Nozzle(limit=0.001), wind=replace(plan.wind, duration=20.0))
     found = find(lost)
@@ -436,6 +438,7 @@ def test_formulas_are_mathml_and_the_glossary_has_what_stands_on_the_page(html: 
     assert "<math" in glossary
 
 
+@pytest.mark.thorough
 def test_the_same_inputs_give_the_same_bytes(plan: tv.studyfile.StudyPlan, html: str) -> None:
     again = tv.report_html(plan)
     for _ in range(2):
@@ -525,6 +528,7 @@ def test_names_are_escaped() -> None:
     assert html.count("<svg") == html.count("</svg>") == 5
 
 
+@pytest.mark.thorough
 def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_path) -> None:
     """On a page that sounding and gust make too much for the limit, and the seal tells apart."""
     (tmp_path / "w.csv").write_text(
@@ -587,6 +591,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
     assert (result.exit_code, "NOT known to be sufficient" in result.output) == (1, True)
 
 
+@pytest.mark.thorough
 def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(
     plan: tv.studyfile.StudyPlan,
 ) -> None:
@@ -706,10 +711,13 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
 
 @pytest.mark.parametrize(
     ("change", "duration", "dead_band", "said"),
-    [
-        ({}, 60.0, 0.5, "survived with a control that lets go of it"),
-        ({"velocity": 45.0, "attitude": 1.5}, 7.5, 1.0, "Trim stays within the limit"),
-    ],
+    usual(
+        [
+            ({}, 60.0, 0.5, "survived with a control that lets go of it"),
+            ({"velocity": 45.0, "attitude": 1.5}, 7.5, 1.0, "Trim stays within the limit"),
+        ],
+        0,
+    ),
 )
 def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
     plan: tv.studyfile.StudyPlan,
@@ -769,6 +777,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -
     assert "trusts a forecast of the wind" in beside
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_has_what_a_head_and_a_tail_wind_need() -> None:
     vehicle = tv.load_vehicle("configuration-i")

@@ -164,6 +164,7 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     assert "NOT sufficient" in run("report", many, "-o", tmp_path / "b.html").output
 
 
+@pytest.mark.thorough
 def test_without_a_limit_or_an_altitude_there_is_a_reason(folder) -> None:
     found = find(parse_study(document(None), folder))
     assert "judged for a limit" in found.reasons["availability"]

@@ -101,6 +101,7 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
     assert margin["margin.gain_increase_dB"] == pytest.approx(bands.margins.gain_increase_dB)
 
 
+@pytest.mark.thorough
 def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(found, plan):
     shown, autopilot = section(found, "margins").values, plan.autopilot
     assert shown["gains.attitude"] == autopilot.attitude_gain
@@ -118,6 +119,7 @@ def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(found, plan):
         assert shown[f"gains.filters.{k}.rest"] == pytest.approx(one(0.0).real, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
     gains = replace(plan.autopilot, actuator=None, delay=0.0)
@@ -141,6 +143,7 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found
     )
 
 
+@pytest.mark.thorough
 def test_the_whole_page_holds_the_section_and_what_went_in(page):
     html, found = page
     assert 'id="flexible"' in html

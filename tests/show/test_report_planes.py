@@ -7,6 +7,7 @@ import pytest
 
 import tvclin as tv
 from tests.show.pages import Page
+from tests.turns import usual
 from tvclin.show.report.page import page_of
 from tvclin.studyfile.parse import parse_study
 
@@ -23,7 +24,7 @@ def values(html: str) -> dict[str, float]:
     return {name: float(value) for name, value in found}
 
 
-@pytest.mark.parametrize("stop", [None, "square"])
+@pytest.mark.parametrize("stop", usual([None, "square"], 1))
 def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None:
     head = {"vehicle": "configuration-i"}
     nozzle = {} if stop is None else {"stop": stop}
@@ -41,6 +42,7 @@ def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None
     assert ("in both planes with one stop" in html) is (stop is not None)
 
 
+@pytest.mark.thorough
 def test_a_wind_without_a_direction_has_no_such_section() -> None:
     plain = {key: value for key, value in WIND.items() if key in ("peak_deg", "duration_s")}
     head = {"vehicle": "configuration-i", "model": "fixed-path"}
