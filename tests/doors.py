@@ -249,7 +249,7 @@ def doors(folder: Path) -> dict[str, Door]:
         return tv.run_campaign(folder=given, **others)
 
     pulse = {"peak": 0.09, "duration": 7.5}
-    span = {"start": 0.5, "stop": 5.0, "most_rows": 50}
+    span = {"start": 0.5, "stop": 5.0, "max_rows": 50}
     simulated = {"gimbal_station": 2.95, "ground": 0.0, **span}
     bending = {"frequency": 13.6, "damping": 0.005, "modal_mass": 5.1e4}
     bending |= {"gimbal_displacement": 1.0, "gimbal_slope": -0.068, "attitude_slope": 0.27}
@@ -688,8 +688,8 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "MeasuredWind.__call__": Door(tv.ascent.MeasuredWind(sampled), {"vehicle": booster}),
         "MeasuredWind.samples": Door(tv.ascent.MeasuredWind(sampled).samples, {"vehicle": booster}),
-        "MeasuredWind.to_both_sides": Door(
-            tv.ascent.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
+        "MeasuredWind.of_both_signs": Door(
+            tv.ascent.MeasuredWind(sampled).of_both_signs, {"vehicle": booster}
         ),
         "Nozzle": Door(
             tv.Nozzle,
@@ -1236,7 +1236,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "columns": None,
                 "start": 2.0,
                 "stop": 8.0,
-                "most_rows": 50,
+                "max_rows": 50,
             },
         ),
         "SimulatedFlight.write_wind": Door(

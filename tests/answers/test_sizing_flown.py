@@ -57,7 +57,7 @@ def test_flown_trim_laws_survive_at_the_sized_limit(name: str, soundings: int) -
             vehicle = schedule.at(time)
             plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
             law = tv.TrimLaw(tv.Plant(plant.coefficients, "fixed-path"))
-            wind = met.to_both_sides(vehicle)
+            wind = met.of_both_signs(vehicle)
             # At what is required a flight is on the edge: half a percent above it decides.
             options = {"deflection_limit": 1.005 * limit, "sample_rate": 200.0}
             outcome = tv.fly_many(plant, law, wind, **options).status

@@ -171,7 +171,7 @@ def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     profile = tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height)
     met = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
     mode, vehicle = FlightMode(flight, model, "pitch", flight.span), flight.at(75.0)
-    winds = (NominalWind(one(vehicle)) for one in (met, met.to_both_sides))
+    winds = (NominalWind(one(vehicle)) for one in (met, met.of_both_signs))
     need = flight_requirement(mode, next(winds), np.ones(1), next(winds)).required[0]
 
     lost = trim_law_is_lost(flight, met.wind, model, need * np.array([0.997, 1.003]))

@@ -416,7 +416,7 @@ def test_many_rows_are_thinned_to_straight_lines_within_a_thousandth(tmp_path) -
     kept_rows[:, column("CP")] = 96.0
     body = [",".join(f"{x:.12g}" for x in row) for row in kept_rows]
     file = written(tmp_path, [*LINES[: HEADER + 1], *body])
-    whole, thin, few = (read(file, most_rows=n) for n in (1000, 200, 5))
+    whole, thin, few = (read(file, max_rows=n) for n in (1000, 200, 5))
     assert whole.times.size == fine.size
     assert thin.times.size <= 200
     assert few.times.size == 5

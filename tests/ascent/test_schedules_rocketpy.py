@@ -19,7 +19,7 @@ G = 9.80665
 def test_numbers_are_those_of_point_masses_and_forces(forward: float) -> None:
     """At any time by moments about the nose, in both of RocketPy's orientations."""
     flight = Flight(Rocket(forward))
-    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=forward * -1.2, most_rows=401)
+    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=forward * -1.2, max_rows=401)
     t = float(found.times[200])
     mass = 23.0 + 6.0 * (1.0 - t / BURN)
     p = mass - 23.0
@@ -140,7 +140,7 @@ def test_inertia_and_arms_of_the_package_itself(real: tuple[float, Any]) -> None
     """From its parts, each about the common centre of mass, by parallel axes."""
     forward, flight = real
     rocket, motor = flight.rocket, flight.rocket.motor
-    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=-1.2 * forward, most_rows=401)
+    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=-1.2 * forward, max_rows=401)
     for t in found.times[[0, 200, -2]]:
         parts = [
             (23.0, 0.0, 18.0),

@@ -20,7 +20,7 @@ from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.flights.sixdof.airframe import Airframe
 from tvclin.flights.sixdof.engine import Engine
 from tvclin.flights.sixdof.fly_sixdof import SixDof
-from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, nominal_course, planet_xml
+from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, nominal_trajectory, planet_xml
 
 pytest.importorskip("jsbsim")
 
@@ -285,7 +285,7 @@ def test_the_boundary_along_the_trajectory_is_that_of_planar_flights(
 def test_the_nominal_flight_of_the_engine_is_the_gravity_turn(configuration_i):
     """Mass, air, speed and path at its end, and no angle of attack; the air to a part in 10^5."""
     times = np.arange(62.0, 72.0, 0.01)
-    course = nominal_course(configuration_i, CONDITION, times)
+    course = nominal_trajectory(configuration_i, CONDITION, times)
     airframe = Airframe(course.vehicle, "pitch", True, 0.01, course.departure)
     still = np.zeros(times.size)
     rows = airframe.fly(lambda k, seen: 0.0, still, still, course.rows)

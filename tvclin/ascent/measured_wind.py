@@ -127,7 +127,7 @@ class MeasuredWind:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
         return self._around(vehicle, 0.0)
 
-    def to_both_sides(self, vehicle: Vehicle) -> History:
+    def of_both_signs(self, vehicle: Vehicle) -> History:
         """Return the wind around the vehicle's time [s] with the angles of both signs."""
         return self._around(vehicle, np.inf)
 
@@ -181,7 +181,12 @@ class MeasuredPlanes:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
         calm = next(iter(self.parts.values())).wind * 0.0
         parts = {plane: self.part(plane, vehicle) for plane in PLANES}
-        return PlaneWind(**{k: calm if one is None else one(vehicle) for k, one in parts.items()})
+        return PlaneWind(
+            **{
+                k: calm if component is None else component(vehicle)
+                for k, component in parts.items()
+            }
+        )
 
     def part(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
         """Return the wind of one plane with its component of the gust; None for a calm plane."""
@@ -193,15 +198,19 @@ class MeasuredPlanes:
 
     def _direction(self, vehicle: Vehicle) -> dict[str, float]:
         """Return the unit vector, by plane, of the largest wind around a vehicle's time."""
-        cut = {plane: one.samples(vehicle) for plane, one in self.parts.items()}
+        cut = {plane: component.samples(vehicle) for plane, component in self.parts.items()}
         times = np.unique(np.concatenate([time for time, _ in cut.values()]))
-        angles = {plane: np.interp(times, *one) for plane, one in cut.items() if one[0].size}
-        size = np.sqrt(sum(one**2 for one in angles.values()) + np.zeros(times.shape))
+        angles = {
+            plane: np.interp(times, *component)
+            for plane, component in cut.items()
+            if component[0].size
+        }
+        size = np.sqrt(sum(component**2 for component in angles.values()) + np.zeros(times.shape))
         if not np.any(size):
             return dict.fromkeys(PLANES, 0.0)
         at = int(np.argmax(size))
         return dict.fromkeys(PLANES, 0.0) | {
-            plane: float(one[at] / size[at]) for plane, one in angles.items()
+            plane: float(component[at] / size[at]) for plane, component in angles.items()
         }
 
 
@@ -299,16 +308,17 @@ def _speeds(
     """Return the wind speeds of a sounding, and of a bias, at times [s] of a flight."""
     height = np.interp(time, schedule.time, schedule.height)
     speed, path = (
-        np.interp(time, schedule.time, one) for one in (schedule.speed, schedule.flight_path_angle)
+        np.interp(time, schedule.time, component)
+        for component in (schedule.speed, schedule.flight_path_angle)
     )
     wind, mean = (
         {
-            "pitch": np.interp(height, one.height, one.in_plane(azimuth)) / speed,
-            "yaw": np.interp(height, one.height, one.cross_plane(azimuth)) / speed,
+            "pitch": np.interp(height, component.height, component.in_plane(azimuth)) / speed,
+            "yaw": np.interp(height, component.height, component.cross_plane(azimuth)) / speed,
         }
-        if one is not None
+        if component is not None
         else dict.fromkeys(PLANES, np.zeros(time.shape))
-        for one in (profile, bias)
+        for component in (profile, bias)
     )
     return SoundingSpeeds(time, path, wind, mean)
 

@@ -164,7 +164,7 @@ class NominalFlight:
         leaves.terminal = True  # type: ignore[attr-defined]
         if end == self._time:
             return lambda t: begin if np.ndim(t) == 0 else np.outer(begin, np.ones(np.size(t)))
-        found = solve_ivp(
+        solution = solve_ivp(
             self.rates,
             (self._time, end),
             begin,
@@ -174,12 +174,14 @@ class NominalFlight:
             dense_output=True,
             events=leaves,
         )
-        if found.status:
+        if solution.status:
             raise InputError(
-                f"the nominal flight does not reach t = {end:.6g} s: at {found.t[-1]:.6g} s it is"
-                f" at {found.y[2, -1]:.6g} m with {found.y[0, -1]:.6g} m/s; ask for a shorter span"
+                f"the nominal flight does not reach t = {end:.6g} s: at {solution.t[-1]:.6g} s"
+                " it is"
+                f" at {solution.y[2, -1]:.6g} m with {solution.y[0, -1]:.6g} m/s; ask for a"
+                " shorter span"
             )
-        return found.sol
+        return solution.sol
 
 
 def nominal_flight(
@@ -211,10 +213,11 @@ def nominal_flight(
         number(name, value, between(-MAX_TIME, MAX_TIME), "s")
         for name, value in (("start", start), ("stop", stop))
     )
-    own = _time_of(vehicle)
-    if not begin <= own <= end or begin == end:
+    vehicle_time = _time_of(vehicle)
+    if not begin <= vehicle_time <= end or begin == end:
         raise InputError(
-            f"start and stop must lie around the vehicle's time, {own:.6g} s; got {begin:.6g} and"
+            f"start and stop must lie around the vehicle's time, {vehicle_time:.6g} s; got"
+            f" {begin:.6g} and"
             f" {end:.6g} s"
         )
     return _integrated_once(vehicle, condition, begin, end)

@@ -137,8 +137,8 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     names = [name for name in NUMBERS if getattr(first, name) is not None]
     columns: dict[str, Any] = {name: [getattr(v, name) for v in vehicles] for name in names}
     nominal, altitude = zip(*others, strict=True)
-    known = None if altitude[0] is None else altitude
-    return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known, notes)
+    known_keys = None if altitude[0] is None else altitude
+    return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known_keys, notes)
 
 
 def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
@@ -184,7 +184,7 @@ def _pop_flight_columns(row: dict[str, Any]) -> tuple[float, float | None]:
 
 def _csv_rows(text: str, source: str) -> list[Row]:
     """Return the rows of a schedule in CSV."""
-    sheet = sheet_in(lines_of(text, source), _known_keys, "keys, such as time_s,weight_N")
+    sheet = sheet_in(lines_of(text, source), _number_of_known_keys, "keys, such as time_s,weight_N")
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
         if keys.count(key) > 1:
@@ -194,10 +194,10 @@ def _csv_rows(text: str, source: str) -> list[Row]:
     return _rows({k: _column(called(source), labels, k, c) for k, c in columns}, labels)
 
 
-def _known_keys(headings: Headings) -> float:
+def _number_of_known_keys(headings: Headings) -> float:
     """Return the number of keys of vehicle files and schedules in a line."""
-    known = {*VEHICLE_TABLE.every_key, *_FLIGHT_COLUMNS.keys}
-    return float(sum(heading.text in known for heading in headings))
+    known_keys = {*VEHICLE_TABLE.every_key, *_FLIGHT_COLUMNS.keys}
+    return float(sum(heading.text in known_keys for heading in headings))
 
 
 def _column(source: str, labels: list[str], key: str, cells: tuple[str, ...]) -> Any:

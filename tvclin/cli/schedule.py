@@ -66,7 +66,11 @@ class Rows:
 
     start: float | None = asked("Earliest time, in s.", flag="--from")
     stop: float | None = asked("Latest time, in s.", flag="--to")
-    most_rows: int = asked("Most rows to write; a longer flight is thinned to straight lines.", 200)
+    max_rows: int = asked(
+        "Most rows to write; a longer flight is thinned to straight lines.",
+        200,
+        flag="--most-rows",
+    )
 
 
 @source.command()

@@ -47,7 +47,7 @@ def read_table(
     *,
     start: float | None = None,
     stop: float | None = None,
-    most_rows: int = MOST_ROWS,
+    max_rows: int = MOST_ROWS,
 ) -> FlightSchedule:
     """Return the flight schedule of any table, by a map from quantities to its columns.
 
@@ -63,7 +63,7 @@ def read_table(
         angle_of_attack, altitude and nominal_deflection.
     start, stop : float, optional
         Earliest and latest time [s], as of one stage of several; by default the first burn.
-    most_rows : int
+    max_rows : int
         Largest number of rows; a longer flight is thinned to straight lines.
 
     Returns
@@ -94,7 +94,7 @@ def read_table(
     sheet = read_sheet(path, "a table of a flight", fit_of(wanted), missing)
     read = mapped_columns(sheet, wanted, QUANTITIES)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=read, notes=sheet.notes)
-    return schedule_of_flight(powered(flight, start, stop), "mapped table", most_rows)
+    return schedule_of_flight(powered(flight, start, stop), "mapped table", max_rows)
 
 
 Wanted = dict[str, tuple[str, float | None, str | float]]
@@ -108,16 +108,16 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
             "columns must be a dict of quantities and the names of their columns, as"
             f" {{'time': 'Time (s)'}}; got {shown(columns)}"
         )
-    known = FileTable("columns", dict(quantities)).keys
+    known_columns = FileTable("columns", dict(quantities)).keys
     mapped: Wanted = {}
     for key, source in columns.items():
         bare = key if isinstance(key, str) and key in quantities else None
-        if bare is None and key not in known:
+        if bare is None and key not in known_columns:
             raise InputError(
                 f"columns must be among {', '.join(QUANTITIES)}, with or without a unit; got"
                 f" {shown(key)}"
             )
-        name, factor = (bare, None) if bare is not None else known[key]
+        name, factor = (bare, None) if bare is not None else known_columns[key]
         if name in mapped:
             raise InputError(f"columns has {name} twice, as {mapped[name][0]} and {key}; keep one")
         if not isinstance(source, str):
@@ -145,11 +145,13 @@ def _check_complete(mapped: Wanted) -> None:
 
 def fit_of(wanted: Wanted) -> Fit:
     """Return the function that counts the columns of a line that a map names; 0 without a time."""
-    names = {" ".join(one[2].split()) for one in wanted.values() if isinstance(one[2], str)}
+    names = {
+        " ".join(heading[2].split()) for heading in wanted.values() if isinstance(heading[2], str)
+    }
     time = " ".join(str(wanted["time"][2]).split())
 
     def fit(headings: Headings) -> float:
-        here = {name for one in headings for name in (one.text, one.name)}
+        here = {name for heading in headings for name in (heading.text, heading.name)}
         return len(names & here) if time in here else 0.0
 
     return fit
@@ -167,7 +169,9 @@ def mapped_columns(
     sheet: Sheet, wanted: Wanted, quantities: Mapping[str, str]
 ) -> dict[str, Column]:
     """Return the columns of a sheet by the quantities of a map."""
-    return {name: _column(sheet, name, quantities[name], *one) for name, one in wanted.items()}
+    return {
+        name: _column(sheet, name, quantities[name], *heading) for name, heading in wanted.items()
+    }
 
 
 def _column(
@@ -181,7 +185,7 @@ def _column(
     if heading is None:
         raise InputError(
             f"{sheet.text.source} has no column {shown(source)}, which columns has for {key}; it"
-            f" has {shown(', '.join(one.text for one in sheet.headings))}"
+            f" has {shown(', '.join(heading.text for heading in sheet.headings))}"
         )
     if name == "normal_force_coefficient_slope" and _is_coefficient(heading):
         raise InputError(

@@ -88,7 +88,7 @@ def _variables(content: memoryview, order: str, name: str) -> Iterator[tuple[str
         matrix = _Matrix.of(element, order)
         value = matrix.structure() if matrix.kind == _STRUCTURE else matrix.numbers()
         arrays = value.values() if isinstance(value, dict) else [] if value is None else [value]
-        remaining, count = remaining - len(element), count + sum(one.size for one in arrays)
+        remaining, count = remaining - len(element), count + sum(entry.size for entry in arrays)
         if count > MAX_NUMBERS:
             raise too_large(name, f"{MAX_NUMBERS // 1_000_000} million numbers")
         if matrix.name:
@@ -96,11 +96,13 @@ def _variables(content: memoryview, order: str, name: str) -> Iterator[tuple[str
         at = end
 
 
-def _unpacked(packed: memoryview, order: str, most: int, name: str) -> tuple[int, memoryview]:
+def _unpacked(
+    packed: memoryview, order: str, max_numbers: int, name: str
+) -> tuple[int, memoryview]:
     """Return type and bytes of the element that is compressed, no more than its tag states."""
     stream = zlib.decompressobj()
     kind, size = _tag(memoryview(stream.decompress(packed, _TAG)), 0, order)
-    if size > most:
+    if size > max_numbers:
         raise too_large(name, f"{MAX_BYTES // 1_000_000} MB when it is unpacked")
     body = stream.decompress(stream.unconsumed_tail, size) if size else b""
     beyond = stream.decompress(stream.unconsumed_tail, 1)  # reads the checksum at the end
@@ -148,12 +150,12 @@ class _Elements:
             raise _DamagedError
         return np.frombuffer(raw, stored)
 
-    def whole(self) -> list[int]:
+    def complete(self) -> list[int]:
         """Return the next element as whole numbers, none of them negative."""
-        found = self.numbers()
-        if found.dtype.kind not in "iu" or np.any(found < 0):
+        matches = self.numbers()
+        if matches.dtype.kind not in "iu" or np.any(matches < 0):
             raise _DamagedError
-        return [int(one) for one in found]
+        return [int(entry) for entry in matches]
 
     def text(self) -> str:
         """Return the next element as a text."""
@@ -177,38 +179,38 @@ class _Matrix:
     def of(cls, data: memoryview, order: str) -> _Matrix:
         """Return the matrix in the bytes of an element."""
         elements = _Elements(data, order)
-        flags = elements.whole()
+        flags = elements.complete()
         if len(flags) != 2:
             raise _DamagedError
         kind = flags[0] & 0xFF
-        shape = () if kind == _OPAQUE else tuple(elements.whole())
+        shape = () if kind == _OPAQUE else tuple(elements.complete())
         return cls(kind, bool(flags[0] & _COMPLEX), shape, _name(elements.text()), elements)
 
     def numbers(self) -> AnyArray | None:
         """Return its real numbers without axes of length one; None for any other class."""
         if self.kind not in _NUMBERS or self.is_complex:
             return None
-        found = self.elements.numbers()
-        if found.size != math.prod(self.shape):
+        matches = self.elements.numbers()
+        if matches.size != math.prod(self.shape):
             raise _DamagedError
-        return found.reshape([n for n in self.shape if n != 1], order="F")
+        return matches.reshape([n for n in self.shape if n != 1], order="F")
 
     def structure(self) -> dict[str, AnyArray] | None:
         """Return the fields of a single structure that are numbers; None for several in one."""
         if math.prod(self.shape) != 1:
             return None
-        length, names = self.elements.whole(), self.elements.text()
+        length, names = self.elements.complete(), self.elements.text()
         if len(length) != 1 or not length[0] or len(names) % length[0]:
             raise _DamagedError
-        found = {}
+        matches = {}
         for at in range(0, len(names), length[0]):
             kind, data = self.elements.next()
             if kind != _MATRIX:
                 raise _DamagedError
             numbers = _Matrix.of(data, self.elements.order).numbers() if len(data) else None
             if numbers is not None:
-                found[_name(names[at : at + length[0]])] = numbers
-        return found
+                matches[_name(names[at : at + length[0]])] = numbers
+        return matches
 
 
 def _name(text: str) -> str:

@@ -62,13 +62,13 @@ def read_slopes(path: str | PathLike[str]) -> tuple[FloatArray, Column]:
         "names with Mach; give the table that RASAero II (aero plots) or OpenRocket (component"
         " analysis) exports over Mach"
     )
-    sheet = read_sheet(path, "a table of slopes over Mach", _over_mach, missing)
+    sheet = read_sheet(path, "a table of slopes over Mach", _at_mach_numbers, missing)
     potential = sheet.find("CN Potential")
     return _potential(sheet, potential) if potential is not None else _analysed(sheet)
 
 
-def _over_mach(headings: Headings) -> float:
-    return float(any(set(one.names) & {"mach", "machnumber"} for one in headings[:2]))
+def _at_mach_numbers(headings: Headings) -> float:
+    return float(any(set(component.names) & {"mach", "machnumber"} for component in headings[:2]))
 
 
 def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
@@ -79,8 +79,8 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
     mach = sheet.numbers(_mach_of(sheet), "number").values
     alpha = sheet.numbers(angle, "angle", {"": DEGREE}).values
     force = sheet.numbers(heading, "number").values
-    least = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
-    first = np.array([alpha[i] == least.get(mach[i]) for i in range(mach.size)])
+    smallest = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
+    first = np.array([alpha[i] == smallest.get(mach[i]) for i in range(mach.size)])
     if not np.any(first):
         raise InputError(
             f"{sheet.text.source} holds no angle of attack above zero; export it with Alpha 0, 2, 4"
@@ -92,30 +92,32 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
 
 def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
     """Return the slope of the whole rocket: the only column, or the sum of the others."""
-    found = [one for one in sheet.headings if _SLOPE.fullmatch(one.name)]
-    if not found:
-        near = [
-            one.text for one in sheet.headings if letters(one.name).startswith(("cn", "normal"))
+    columns = [component for component in sheet.headings if _SLOPE.fullmatch(component.name)]
+    if not columns:
+        nearest = [
+            component.text
+            for component in sheet.headings
+            if letters(component.name).startswith(("cn", "normal"))
         ]
-        is_none = f"; {near[0]} is a coefficient, not its slope" if near else ""
+        is_none = f"; {nearest[0]} is a coefficient, not its slope" if nearest else ""
         raise InputError(
             f"{sheet.text.source} has no slope of the normal force coefficient{is_none}: it must"
             " have a column CN Potential (RASAero II) or CN alpha (OpenRocket's component analysis)"
         )
-    slopes = [sheet.numbers(one, "per angle").values for one in found]
-    if len(found) > 1 and not np.allclose(slopes[0], np.sum(slopes[1:], axis=0), rtol=1e-2):
+    slopes = [sheet.numbers(component, "per angle").values for component in columns]
+    if len(columns) > 1 and not np.allclose(slopes[0], np.sum(slopes[1:], axis=0), rtol=1e-2):
         raise InputError(
-            f"{sheet.text.source} holds {len(found)} columns CN alpha, the first of them not the"
+            f"{sheet.text.source} holds {len(columns)} columns CN alpha, the first of them not the"
             " sum of the others; export that of the whole rocket alone"
         )
     mach = sheet.numbers(_mach_of(sheet), "number").values
-    return _checked(mach, slopes[0], f"{sheet.text.source}, column {found[0].text}")
+    return _checked(mach, slopes[0], f"{sheet.text.source}, column {columns[0].text}")
 
 
 def _mach_of(sheet: Sheet) -> Heading:
-    found = sheet.find("Mach", "Mach number")
-    assert found is not None  # by `_over_mach`
-    return found
+    columns = sheet.find("Mach", "Mach number")
+    assert columns is not None  # by `_at_mach_numbers`
+    return columns
 
 
 def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArray, Column]:
@@ -124,8 +126,8 @@ def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArr
             "normal_force_coefficient_slope must hold as many slopes as Mach numbers, two or more;"
             f" got {slope.size} and {mach.size}"
         )
-    known = np.isfinite(mach) & np.isfinite(slope)
-    if not np.all(known) or np.any(np.diff(mach) <= 0.0) or np.any(slope < 0.0):
+    is_known = np.isfinite(mach) & np.isfinite(slope)
+    if not np.all(is_known) or np.any(np.diff(mach) <= 0.0) or np.any(slope < 0.0):
         raise InputError(
             "the Mach numbers of normal_force_coefficient_slope must rise, and no slope may be"
             f" missing or negative; got another row in what is {origin}"

@@ -66,8 +66,8 @@ def _export(path: str | PathLike[str]) -> Sheet:
     names = [letters(name) for _, name in _NEEDED.values()]
 
     def fit(headings: Headings) -> float:
-        here = {name for one in headings if one.unit is not None for name in one.names}
-        with_units = sum(one.unit is not None for one in headings)
+        here = {name for heading in headings if heading.unit is not None for name in heading.names}
+        with_units = sum(heading.unit is not None for heading in headings)
         if "time" not in here and with_units < _WITH_UNITS:
             return 0.0
         return 1.0 + sum(name in here for name in names)
@@ -80,12 +80,12 @@ def _export(path: str | PathLike[str]) -> Sheet:
 
 
 def _columns(
-    sheet: Sheet, ground: float | None, own_slope: bool
+    sheet: Sheet, ground: float | None, slope_column: bool
 ) -> tuple[dict[str, Column], list[str]]:
     """Return the columns of an export by name, in SI units, and notes on those that are not read.
 
-    `ground`: elevation of the launch site [m]. `own_slope`: whether the slope of the normal force
-    coefficient is to be read too.
+    `ground`: elevation of the launch site [m]. `slope_column`: whether the slope of the normal
+    force coefficient is to be read too.
     """
     _check_names(sheet)
     columns = {
@@ -96,7 +96,7 @@ def _columns(
     columns["altitude"] = _altitude(sheet, ground)
     columns |= _air(sheet, notes) | _attitude(sheet, columns["velocity"], notes)
     columns |= sheet.optional("damping", _DAMPING, "damping moment", notes)
-    return columns | (_own_slope(sheet) if own_slope else {}), notes
+    return columns | (_slope_column(sheet) if slope_column else {}), notes
 
 
 def _check_names(sheet: Sheet) -> None:
@@ -104,7 +104,7 @@ def _check_names(sheet: Sheet) -> None:
     missing = [name for _, name in _NEEDED.values() if sheet.find(name) is None]
     if not missing:
         return
-    others = [one.text for one in sheet.headings if not _OF_OPENROCKET & set(one.names)]
+    others = [heading.text for heading in sheet.headings if not _OF_OPENROCKET & set(heading.names)]
     if "Time" in missing and others:
         raise sheet.error(
             f"the names of columns are translated ({', '.join(map(shown, others[:_QUOTED]))});"
@@ -120,16 +120,16 @@ def _check_names(sheet: Sheet) -> None:
 
 def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
     """Return pressure and temperature, or density, or pressure; and any speed of sound."""
-    found = sheet.optional("sound", "Speed of sound", "speed", notes)
+    columns = sheet.optional("sound", "Speed of sound", "speed", notes)
     pressure = sheet.optional("pressure", "Air pressure", "pressure", notes)
     if pressure:
         pressure |= sheet.optional("temperature", "Air temperature", "temperature", notes)
     if "temperature" in pressure:
-        return found | pressure
+        return columns | pressure
     if density := sheet.optional("density", _DENSITY, "density", notes):
-        return found | density
+        return columns | density
     if pressure:
-        return found | pressure
+        return columns | pressure
     why = "".join(f" ({note})" for note in notes)
     raise InputError(
         f"{sheet.text.source} has neither a column Air density nor Air pressure, of which the"
@@ -141,8 +141,8 @@ def _attitude(sheet: Sheet, speed: Column, notes: list[str]) -> dict[str, Column
     """Return the attitude above the horizon, or the path angle where it is not exported."""
     heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
     if heading is not None:
-        found = sheet.numbers(heading, "angle")
-        attitude = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
+        columns = sheet.numbers(heading, "angle")
+        attitude = {"attitude": Column(columns.values, f"{columns.origin}, above the horizon")}
         return attitude | sheet.optional("climb", "Vertical velocity", "speed", notes)
     vertical = sheet.find("Vertical velocity")
     if vertical is None:
@@ -170,13 +170,17 @@ def _altitude(sheet: Sheet, ground: float | None) -> Column:
     return above_sea(above_ground, sheet.text.source, ground)
 
 
-def _own_slope(sheet: Sheet) -> dict[str, Column]:
+def _slope_column(sheet: Sheet) -> dict[str, Column]:
     """Return the column of the slope of the normal force; `InputError` without it."""
     heading = sheet.find(_SLOPE)
     if heading is not None:
         return {"normal_force_coefficient_slope": sheet.numbers(heading, "per angle")}
-    near = sheet.find(_COEFFICIENT)
-    is_none = f"; {near.text} is the coefficient of the flight, not its slope" if near else ""
+    coefficient = sheet.find(_COEFFICIENT)
+    is_none = (
+        f"; {coefficient.text} is the coefficient of the flight, not its slope"
+        if coefficient
+        else ""
+    )
     raise InputError(
         f"{sheet.text.source} has no column {_SLOPE}{is_none}: give"
         " normal_force_coefficient_slope, a number per rad or a table over Mach"
@@ -189,7 +193,9 @@ def _unread(sheet: Sheet) -> list[str]:
     parts = []
     if not any(letters(_DAMPING) in h.names for h in sheet.headings):
         parts = [h for h in sheet.headings if h.names[0].startswith(letters(_DAMPING))]
-    notes = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
+    notes = [
+        f"not read: column {component.text}, for it is a part of the damping" for component in parts
+    ]
     if ambiguous is not None:
         notes += [
             f"not read: column {ambiguous.text}, for its name does not say which rate it refers to"
@@ -208,10 +214,10 @@ def _damping(flight: Flight) -> tuple[dict[str, Column], list[str]]:
     damping = flight.columns["damping"]
     exit_arm = flight["gimbal_station"] - flight["gravity_station"]
     jet = -np.gradient(flight["mass"], flight["time"]) * exit_arm**2
-    least = int(np.argmin(damping.values))
-    if damping.values[least] < 0.0:
+    smallest = int(np.argmin(damping.values))
+    if damping.values[smallest] < 0.0:
         return {}, [
-            f"not read: {damping.origin}, for it is negative at {flight['time'][least]:g} s:"
+            f"not read: {damping.origin}, for it is negative at {flight['time'][smallest]:g} s:"
             " OpenRocket before August 2026 subtracts the jet damping instead of adding it; the"
             " damping is left out"
         ]
@@ -238,10 +244,10 @@ def _rounded(sheet: Sheet, flight: Flight) -> list[str]:
         if any("e" in cell.lower() for cell in written):
             continue
         decimals = max(len(cell.partition(".")[2]) for cell in written)
-        part = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
-        if part.max() >= _ROUGH:
+        component = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
+        if component.max() >= _ROUGH:
             notes.append(
-                f"{heading.text} is written with {decimals} decimals, {100 * part.max():.2g}"
+                f"{heading.text} is written with {decimals} decimals, {100 * component.max():.2g}"
                 " percent of it; export more, or another unit"
             )
     return notes
@@ -250,7 +256,7 @@ def _rounded(sheet: Sheet, flight: Flight) -> list[str]:
 def _free(sheet: Sheet, flight: Flight) -> BoolArray:
     """Return which rows are free flight: beyond the rod, with a centre of pressure, ``(n,)``."""
     events = [_ROD.search(content) for content in sheet.text.lines]
-    times = [float(one[1]) for one in events if one is not None]
+    times = [float(heading[1]) for heading in events if heading is not None]
     cleared = min((time for time in times if np.isfinite(time)), default=-np.inf)
     return np.isfinite(flight["pressure_station"]) & (flight["time"] >= cleared)
 
@@ -271,7 +277,7 @@ def read_openrocket(
     reference_area: float | None = None,
     start: float | None = None,
     stop: float | None = None,
-    most_rows: int = MOST_ROWS,
+    max_rows: int = MOST_ROWS,
 ) -> FlightSchedule:
     """Return the flight schedule of a simulation that OpenRocket exported.
 
@@ -291,7 +297,7 @@ def read_openrocket(
         altitude above the sea, and not for another.
     reference_area : float, optional
         The area [m^2] on which a given slope is; that of the file where it is not given.
-    start, stop, most_rows
+    start, stop, max_rows
         Parameters of `read_table`.
 
     Returns
@@ -327,7 +333,7 @@ def read_openrocket(
     gimbal = number("gimbal_station", gimbal_station, finite, "m")
     slope = normal_force_coefficient_slope
     sheet = _export(path)
-    columns, notes = _columns(sheet, ground, own_slope=slope is None)
+    columns, notes = _columns(sheet, ground, slope_column=slope is None)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
     flight = powered(flight, start, stop, _free(sheet, flight))
     if slope is not None:
@@ -340,7 +346,7 @@ def read_openrocket(
     damping, damping_notes = _damping(flight)
     notes += [*_unread(sheet), *damping_notes, *_rounded(sheet, flight), *_wind(flight)]
     flight = flight.with_columns(**damping).noted(*notes, *sheet.notes)
-    return schedule_of_flight(flight, "OpenRocket simulation", most_rows)
+    return schedule_of_flight(flight, "OpenRocket simulation", max_rows)
 
 
 def _wind(flight: Flight) -> list[str]:

@@ -87,13 +87,13 @@ def powered(
     inside = (time >= low) & (time <= high)
     later = np.append(np.diff(time) > 0.0, True)  # of rows at one time the last counts
     index = np.flatnonzero(inside & later)
-    known = np.nan_to_num(thrust[index], nan=0.0)
-    most = max(known, default=0.0)
-    if not most > 0.0:
+    is_known = np.nan_to_num(thrust[index], nan=0.0)
+    largest = max(is_known, default=0.0)
+    if not largest > 0.0:
         raise InputError(
             f"{flight.source} has no thrust between start and stop; give the times of a burn"
         )
-    out = np.isfinite(thrust[index]) & (known < _BURNING * most)
+    out = np.isfinite(thrust[index]) & (is_known < _BURNING * largest)
     moving = ~(flight["velocity"][index] <= 0.0)
     launched = True if free is None else free[index]
     first = np.flatnonzero(~out & moving & launched)
@@ -156,10 +156,13 @@ def _omitted(
             f"{plural(time.size - last, 'row')} after it left out: thrust below"
             f" {100 * _BURNING:g} percent of its largest from {time[last]:g} s on"
         )
-        again = np.nan_to_num(flight["thrust"][index[last:]]) > 0.5 * max(flight["thrust"][index])
-        if np.any(again):
+        restarted = np.nan_to_num(flight["thrust"][index[last:]]) > 0.5 * max(
+            flight["thrust"][index]
+        )
+        if np.any(restarted):
             notes.append(
-                f"the thrust comes back at {time[last + int(np.argmax(again))]:g} s: that burn is"
+                f"the thrust comes back at {time[last + int(np.argmax(restarted))]:g} s: that"
+                " burn is"
                 " read with start (--from) at that time"
             )
     if np.any(twice):
@@ -211,9 +214,9 @@ def _check_attitude(flight: Flight, attitude: FloatArray) -> None:
 
 def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> None:
     """Raise `InputError` for a gimbal ahead of the centre of gravity, and one not in metres."""
-    ahead = np.flatnonzero(gravity >= gimbal)
-    if ahead.size:
-        i = ahead[0]
+    forward = np.flatnonzero(gravity >= gimbal)
+    if forward.size:
+        i = forward[0]
         raise InputError(
             f"gimbal_station must lie behind the centre of gravity, {gravity[i]:.4g} m from the"
             f" nose tip at {flight['time'][i]:g} s; got {gimbal[i]:.6g} m"
@@ -294,15 +297,15 @@ _FIELDS = (
 """Columns of a schedule beyond its time, in the order of its notes."""
 
 
-def schedule_of_flight(flight: Flight, name: str, most_rows: int = MOST_ROWS) -> FlightSchedule:
+def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> FlightSchedule:
     """Return the schedule of a powered flight, whose columns are the quantities of `read_table`.
 
     The speed upwards, `climb`, is compared with the attitude where it is given. `InputError` for
     implausible numbers.
     """
-    most = whole_number("most_rows", most_rows)
-    if most < 2:
-        raise InputError(f"most_rows must be 2 or more; got {most}")
+    largest = whole_number("max_rows", max_rows)
+    if largest < 2:
+        raise InputError(f"max_rows must be 2 or more; got {largest}")
     columns = vehicle_columns(flight)
     values = {key: column.values for key, column in columns.items()}
     if "angle_of_attack" in flight.columns:
@@ -312,7 +315,7 @@ def schedule_of_flight(flight: Flight, name: str, most_rows: int = MOST_ROWS) ->
     _check_masses(flight, values["weight"])
     _check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
     time = flight["time"]
-    rows, error = thinned_rows(time, values, most)
+    rows, error = thinned_rows(time, values, largest)
     thin = f"thinned to {rows.size} rows: straight lines are within {100 * error:.2g} percent"
     thinned = (thin,) if rows.size < time.size else ()
     others = {key: values.pop(key)[rows] for key in _NOT_OF_VEHICLE if key in values}
@@ -418,26 +421,26 @@ def _stable(vehicle: Vehicle) -> tuple[str, ...]:
             "stable throughout: the centre of pressure lies behind the centre of gravity, and a"
             " fixed path needs no deflection; does the vehicle that is steered have these fins?",
         )
-    part = int(np.sum(arm <= 0.0))
-    return (f"stable at {part} of {arm.size} times, where a fixed path needs no deflection",)
+    count = int(np.sum(arm <= 0.0))
+    return (f"stable at {count} of {arm.size} times, where a fixed path needs no deflection",)
 
 
 def thinned_rows(
-    time: FloatArray, values: dict[str, FloatArray], most: int
+    time: FloatArray, values: dict[str, FloatArray], largest: int
 ) -> tuple[IndexArray, float]:
     """Return the indices of thinned rows, and the largest error of lines between them, relative.
 
-    All rows up to `most`; else the first and the last, and repeatedly the row of largest error.
+    All rows up to `largest`; else the first and the last, and repeatedly the row of largest error.
     """
-    if time.size <= most:
+    if time.size <= largest:
         return np.arange(time.size), 0.0
     sizes = {key: float(np.abs(value).max()) for key, value in values.items()}
     table = np.array([values[key] / size for key, size in sizes.items() if size > 0.0])
-    kept = np.array([0, time.size - 1])
+    selected = np.array([0, time.size - 1])
     while True:
-        lines = np.array([np.interp(time, time[kept], row[kept]) for row in table])
-        far = np.abs(lines - table).max(axis=0)
-        worst = int(np.argmax(far))
-        if far[worst] <= _LINE_TOLERANCE or kept.size >= most:
-            return kept, float(far[worst])
-        kept = np.sort(np.append(kept, worst))
+        lines = np.array([np.interp(time, time[selected], row[selected]) for row in table])
+        distant = np.abs(lines - table).max(axis=0)
+        worst = int(np.argmax(distant))
+        if distant[worst] <= _LINE_TOLERANCE or selected.size >= largest:
+            return selected, float(distant[worst])
+        selected = np.sort(np.append(selected, worst))

@@ -51,7 +51,7 @@ def read_rasaero(
     ground: float | None = None,
     start: float | None = None,
     stop: float | None = None,
-    most_rows: int = MOST_ROWS,
+    max_rows: int = MOST_ROWS,
 ) -> FlightSchedule:
     """Return the flight schedule of a flight that RASAero II exported.
 
@@ -68,7 +68,7 @@ def read_rasaero(
         dC_N/dalpha [1/rad], on RASAero's own area: most often its aerodynamics as a table.
     ground : float
         Elevation of the launch site above the sea [m], from -450 to 9000.
-    start, stop, most_rows
+    start, stop, max_rows
         Parameters of `read_table`.
 
     Returns
@@ -120,7 +120,7 @@ def read_rasaero(
             f" {flight.origin('drag_coefficient')}; dC_N/dalpha = {slope.origin}",
         ),
     )
-    return schedule_of_flight(flight, "RASAero II flight", most_rows)
+    return schedule_of_flight(flight, "RASAero II flight", max_rows)
 
 
 def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:

@@ -43,7 +43,7 @@ def schedule_from_rocketpy(
     without: tuple[str, ...] = (),
     start: float | None = None,
     stop: float | None = None,
-    most_rows: int = MOST_ROWS,
+    max_rows: int = MOST_ROWS,
 ) -> FlightSchedule:
     """Return the flight schedule of a flight of RocketPy.
 
@@ -56,7 +56,7 @@ def schedule_from_rocketpy(
     without : tuple of str
         Names of aerodynamic surfaces to leave out of slope and centre of pressure, such as fins
         that the steered vehicle does not have. Drag and mass stay.
-    start, stop, most_rows
+    start, stop, max_rows
         Parameters of `read_table`, within the time from the rail to burnout.
 
     Returns
@@ -91,8 +91,8 @@ def schedule_from_rocketpy(
     columns |= {k: _sampled(flight, name, time, "flight") for k, name in _OF_FLIGHT.items()}
     columns |= {k: _sampled(rocket, name, time, "rocket") for k, name in _OF_ROCKET.items()}
     for key, name in _ANGLES.items():
-        found = _sampled(flight, name, time, "flight")
-        columns[key] = Column(np.radians(found.values), f"{found.origin}, in degrees")
+        surfaces = _sampled(flight, name, time, "flight")
+        columns[key] = Column(np.radians(surfaces.values), f"{surfaces.origin}, in degrees")
     simulated = Flight(
         source="the RocketPy flight",
         places=tuple(f"the RocketPy flight at {t:.4g} s" for t in time),
@@ -102,7 +102,7 @@ def schedule_from_rocketpy(
     slope, centre, notes = _aerodynamics(rocket, simulated["mach"], names)
     simulated = simulated.with_columns(**_of_vehicle(simulated, rocket, gimbal, slope, centre))
     simulated = simulated.noted(*notes, *_generic(rocket))
-    return schedule_of_flight(simulated, "RocketPy flight", most_rows)
+    return schedule_of_flight(simulated, "RocketPy flight", max_rows)
 
 
 def _of_vehicle(
@@ -144,18 +144,19 @@ def _aerodynamics(
     moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values
     surfaces = list(_attribute(rocket, "aerodynamic_surfaces")) if without else []
     for name in without:
-        found = [pair for pair in surfaces if getattr(pair[0], "name", None) == name]
-        if not found:
-            known = ", ".join(str(getattr(pair[0], "name", "")) for pair in surfaces)
+        surfaces = [pair for pair in surfaces if getattr(pair[0], "name", None) == name]
+        if not surfaces:
+            is_known = ", ".join(str(getattr(pair[0], "name", "")) for pair in surfaces)
             raise InputError(
-                f"without must name aerodynamic surfaces of the rocket, {known}; got {shown(name)}"
+                f"without must name aerodynamic surfaces of the rocket, {is_known}; got"
+                f" {shown(name)}"
             )
-        for surface, position in found:
+        for surface, position in surfaces:
             # the part of a surface on its own radius: (r/R)^2 clalpha, at its position less cpz
-            own = _attribute(surface, "rocket_radius") / _attribute(rocket, "radius")
-            part = own**2 * _sampled(surface, "clalpha", mach, "surface").values
+            rocket_slope = _attribute(surface, "rocket_radius") / _attribute(rocket, "radius")
+            component = rocket_slope**2 * _sampled(surface, "clalpha", mach, "surface").values
             station = position.z - _attribute(rocket, "_csys") * _attribute(surface, "cpz")
-            slope, moment = slope - part, moment - part * station
+            slope, moment = slope - component, moment - component * station
     if np.any(slope <= 0.0):
         raise InputError(
             "without must leave a slope of the normal force; nothing is left of the rocket's"
@@ -168,29 +169,29 @@ def _generic(rocket: Any) -> list[str]:
     """Return a note on surfaces that RocketPy omits from slope and centre of pressure."""
     pairs = getattr(rocket, "aerodynamic_surfaces", ())
     names = [
-        str(getattr(one, "name", ""))
-        for one, _ in pairs
-        if any(kind.__name__ == "GenericSurface" for kind in type(one).__mro__)
+        str(getattr(surface, "name", ""))
+        for surface, _ in pairs
+        if any(kind.__name__ == "GenericSurface" for kind in type(surface).__mro__)
     ]
     if not names:
         return []
     return [f"RocketPy leaves generic surfaces out of slope and pressure: {', '.join(names)}"]
 
 
-def _attribute(one: Any, name: str) -> Any:
+def _attribute(record: Any, name: str) -> Any:
     """Return an attribute of an object of RocketPy; `InputError` without it."""
-    found = getattr(one, name, None)
-    if found is None:
+    value = getattr(record, name, None)
+    if value is None:
         raise InputError(
-            f"flight must be a Flight of RocketPy, with {name} in its {type(one).__name__}; got"
-            f" {shown(one)}"
+            f"flight must be a Flight of RocketPy, with {name} in its {type(record).__name__}; got"
+            f" {shown(record)}"
         )
-    return found
+    return value
 
 
-def _sampled(one: Any, name: str, at: FloatArray, called: str) -> Column:
+def _sampled(surface: Any, name: str, at: FloatArray, called: str) -> Column:
     """Return the values of a function of time or Mach number, ``(n,)``."""
-    function: Callable[[float], Any] = _attribute(one, name)
+    function: Callable[[float], Any] = _attribute(surface, name)
     try:
         values = np.array([float(function(float(x))) for x in at])
     except Exception:  # whatever a stranger's function may raise

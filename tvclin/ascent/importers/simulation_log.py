@@ -106,7 +106,7 @@ def read_log(
     *,
     start: float | None = None,
     stop: float | None = None,
-    most_rows: int = MOST_ROWS,
+    max_rows: int = MOST_ROWS,
 ) -> SimulatedFlight:
     """Return the schedule and the wind of a simulation's log.
 
@@ -120,13 +120,13 @@ def read_log(
         Map of `read_table`, with wind_angle, wind_speed (along the flight, from behind positive)
         and flight_path_angle. Without it columns are known by our names, with the unit behind them
         (``thrust_kN``) or in parentheses (``thrust (kN)``); others are left out, with a note.
-    start, stop, most_rows
+    start, stop, max_rows
         Parameters of `read_table`.
     =======
         See `read_table`, and wind_angle, wind_speed (along the flight, from behind positive) and
         flight_path_angle. Without it columns are known by our names, with the unit behind them
         (``thrust_kN``) or in parentheses (``thrust (kN)``); others are left out, with a note.
-    start, stop, most_rows
+    start, stop, max_rows
         See `read_table`.
     >>>>>>> 85c645e5 (Name the required deflection's marches, curves and notes by the field's words)
 
@@ -165,8 +165,8 @@ def read_log(
     others = {k: v for k, v in flight.columns.items() if k not in (*_WIND, "angle_of_attack")}
     flight = replace(flight, columns=others).noted(f"wind: {how}", *notes)
     name = Path(a_path("path", path)).stem
-    schedule = schedule_of_flight(flight, name, most_rows)
-    rows, _ = thinned_rows(flight["time"], {"wind": angle}, most_rows)
+    schedule = schedule_of_flight(flight, name, max_rows)
+    rows, _ = thinned_rows(flight["time"], {"wind": angle}, max_rows)
     return SimulatedFlight(schedule, SampledWind(time=flight["time"][rows], angle=angle[rows]))
 
 
@@ -210,15 +210,19 @@ def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
 def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
     """Return the quantities of headings with a key of ours, or its name and a unit, by text."""
     keys = FileTable("columns", _KNOWN).keys
-    found = {one.text: keys[one.text][0] for one in headings if one.text in keys}
-    plain = {one.text: one.name for one in headings if one.name in _KNOWN and one.unit is not None}
-    units = {one.text: one.unit for one in headings}
+    columns = {heading.text: keys[heading.text][0] for heading in headings if heading.text in keys}
+    plain = {
+        heading.text: heading.name
+        for heading in headings
+        if heading.name in _KNOWN and heading.unit is not None
+    }
+    units = {heading.text: heading.unit for heading in headings}
     odd = {
         text
         for text, name in plain.items()
         if name in _OPTIONAL and unit_of(units[text] or "", WRITTEN[_KNOWN[name]]) is None
     }
-    return {text: name for text, name in plain.items() if text not in odd} | found
+    return {text: name for text, name in plain.items() if text not in odd} | columns
 
 
 def _by_our_names(sheet: Sheet) -> dict[str, str | float]:

@@ -105,12 +105,12 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
 
     def lost(values: FloatArray) -> BoolArray:
         """Return whether flights with limits ``(n, 1)`` diverge; each limit is flown once."""
-        column, is_lost = values[:, 0], np.zeros(values.shape, np.bool_)
+        column, diverged = values[:, 0], np.zeros(values.shape, np.bool_)
         new = column < top if tried else column <= top  # the first scan includes the top
         tried.append(column[new])
         status.append(survives(column[new]))
-        is_lost[new, 0] = status[-1] != SURVIVED
-        return is_lost
+        diverged[new, 0] = status[-1] != SURVIVED
+        return diverged
 
     steps = (step / float(PARTS) ** np.arange(1, LEVELS + 1)).tolist()
     levels = [(fine, ABOVE * PARTS, PARTS) for fine in steps]
@@ -169,9 +169,9 @@ def _highest_losses(
             steps = np.arange(first, last + 1)
             steps = steps[(steps % stride != 0) | (stride == 1)]
             values = start + step * steps[:, np.newaxis]
-            is_lost = lost(values)
-            highest = np.maximum(highest, np.where(is_lost, values, -np.inf).max(axis=0))
-            losses = steps[is_lost.any(axis=1)]
+            diverged = lost(values)
+            highest = np.maximum(highest, np.where(diverged, values, -np.inf).max(axis=0))
+            losses = steps[diverged.any(axis=1)]
             first, last = last + 1, int(losses.max(initial=last - clear)) + clear
         ends.append(float(start[0] + step * (first - 1)))
     return highest, ends

@@ -183,7 +183,7 @@ class Airframe:
         steering: Steering,
         speeds: FloatArray,
         angles: FloatArray,
-        course: FloatArray | None = None,
+        trajectory: FloatArray | None = None,
     ) -> FloatArray:
         """Return the `OUTPUTS` of a flight from the nominal state [rad, rad/s], ``(m, 5)``.
 
@@ -192,11 +192,11 @@ class Airframe:
 
         `steering`: function of the deflection. `speeds`: wind speed [m/s] at each step, along the
         flight or to its right, ``(n,)``, m <= n; the first is zero. `angles`: wind angle [rad],
-        ``(n,)``. `course`: `OUTPUTS` in pitch of the nominal flight, ``(n, 5)``; without it the
+        ``(n,)``. `trajectory`: `OUTPUTS` in pitch of the nominal flight, ``(n, 5)``; without it the
         nominal flight is straight.
         """
-        nominal = self._nominal_rows(len(speeds), course)
-        return self._flown(steering, speeds, angles, nominal, course)
+        nominal = self._nominal_rows(len(speeds), trajectory)
+        return self._flown(steering, speeds, angles, nominal, trajectory)
 
     def fly_both(
         self,
@@ -236,7 +236,7 @@ class Airframe:
                 break
         return np.array(rows)
 
-    def _nominal_rows(self, count: int, course: FloatArray | None) -> Iterator[Row]:
+    def _nominal_rows(self, count: int, trajectory: FloatArray | None) -> Iterator[Row]:
         """Return an iterator over the outputs of the nominal flight, step by step."""
         attitude, path = self._begin()
         start = (attitude, 0.0, path, 0.0, 0.0)
@@ -245,9 +245,9 @@ class Airframe:
         if len(self._nominal) < count:
             hold, zeros = _hold_steering(*self._gains), np.zeros(count)
             reference = np.tile(start, (count, 1))
-            if course is not None and self._plane == "pitch":
-                reference = course
-            flown = self._flown(hold, zeros, zeros, _plain_rows(reference), course)
+            if trajectory is not None and self._plane == "pitch":
+                reference = trajectory
+            flown = self._flown(hold, zeros, zeros, _plain_rows(reference), trajectory)
             self._nominal = list(_plain_rows(flown + reference[: len(flown)]))
         if len(self._nominal) < count:
             raise InputError(
@@ -267,12 +267,12 @@ class Airframe:
         speeds: FloatArray,
         angles: FloatArray,
         nominal: Iterator[Row],
-        course: FloatArray | None,
+        trajectory: FloatArray | None,
     ) -> FloatArray:
         """Return the `OUTPUTS` of a flight, minus given nominal outputs, ``(m, 5)``."""
         self._begin()
         h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
-        hold_other_plane = self._attitude_hold(course)
+        hold_other_plane = self._attitude_hold(trajectory)
         prediction = Prediction(self._senses[self._plane], h, turn=h * next(nominal)[1])
         rows: list[Row] = [(0.0,) * len(OUTPUTS)]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
@@ -287,7 +287,7 @@ class Airframe:
                 break
         return np.array(rows)
 
-    def _attitude_hold(self, course: FloatArray | None) -> Callable[[], None]:
+    def _attitude_hold(self, trajectory: FloatArray | None) -> Callable[[], None]:
         """Return the function that holds the nose on the path in the other plane, before a step."""
         if self._gains is None:
             return lambda: None
@@ -295,8 +295,8 @@ class Airframe:
         (angles, rates, _), bend = self._senses[other_plane], self._bend[other_plane]
         on_lean, on_rate = self._gains
         reference: Iterator[Row] = repeat((0.0, 0.0))
-        if course is not None and other_plane == "pitch":
-            reference = _plain_rows(course[1:, [1, 4]])
+        if trajectory is not None and other_plane == "pitch":
+            reference = _plain_rows(trajectory[1:, [1, 4]])
 
         def hold() -> None:
             path_rate, deflection = next(reference)

@@ -34,7 +34,7 @@ from tvclin.flights.engine_interface import (
     warn_of_the_end,
 )
 from tvclin.flights.sixdof.airframe import Place, reused_airframe
-from tvclin.flights.sixdof.model import Earth, NominalCourse, nominal_course
+from tvclin.flights.sixdof.model import Earth, NominalTrajectory, nominal_trajectory
 from tvclin.flights.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
@@ -61,14 +61,14 @@ class Air:
 
     `wind`: the wind angle [rad]. `times`: times of the steps [s], ``(n,)``; the first lies before
     the flight. `angles`, `speeds`: means over each step: wind angle [rad], and wind speed [m/s]
-    along the flight or to its right. `course`: the nominal flight where parameters vary.
+    along the flight or to its right. `trajectory`: the nominal flight where parameters vary.
     """
 
     wind: History
     times: FloatArray
     angles: FloatArray
     speeds: FloatArray
-    course: NominalCourse | None
+    trajectory: NominalTrajectory | None
 
 
 @dataclass(frozen=True)
@@ -124,9 +124,9 @@ class SixDof:
         if self.condition is None:
             speeds = self._speeds(angles, self.vehicle.velocity, self.vehicle.attitude)
             return Air(wind, times, angles, speeds, None)
-        course = nominal_course(self.vehicle, self.condition, times)
-        speeds = self._speeds(angles, course.speeds, course.rows[:, 2])
-        return Air(wind, times, angles, speeds, course)
+        trajectory = nominal_trajectory(self.vehicle, self.condition, times)
+        speeds = self._speeds(angles, trajectory.speeds, trajectory.rows[:, 2])
+        return Air(wind, times, angles, speeds, trajectory)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
         """Return the steering of a command within a limit [rad].
@@ -151,8 +151,12 @@ class SixDof:
         """Return the outputs [rad, rad/s] at the steps, ``(m, 5)``; `InputError` for NaN."""
         place: Place = self.earth
         vehicle, reference = self.vehicle, None
-        if air.course is not None:
-            vehicle, place, reference = air.course.vehicle, air.course.departure, air.course.rows
+        if air.trajectory is not None:
+            vehicle, place, reference = (
+                air.trajectory.vehicle,
+                air.trajectory.departure,
+                air.trajectory.rows,
+            )
         numbers = vehicle.replace(name="", time=None)  # all that the engine knows of it
         with reused_airframe(numbers, self.plane, self.drift, self.step, place) as airframe:
             rows = airframe.fly(steering, air.speeds, air.angles, reference)

@@ -33,7 +33,7 @@ class InitialState:
 
 
 @dataclass(frozen=True, eq=False)
-class NominalCourse:
+class NominalTrajectory:
     """Nominal flight as a reference for JSBSim.
 
     `vehicle`: the vehicle at the start. `departure`: initial state. `speeds`: speed [m/s] at each
@@ -47,9 +47,9 @@ class NominalCourse:
     rows: FloatArray
 
 
-def nominal_course(
+def nominal_trajectory(
     vehicle: Vehicle, condition: FlightCondition, times: FloatArray
-) -> NominalCourse:
+) -> NominalTrajectory:
     """Return the nominal flight through a vehicle's state at its time, at equidistant times [s].
 
     `InputError` as `nominal_flight`.
@@ -68,7 +68,7 @@ def nominal_course(
         mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),
     )
     rows = np.stack([states[1], turns, states[1], zeros, nominal.deflection(times)], axis=-1)
-    return NominalCourse(nominal.vehicle_at(start), departure, states[0], rows)
+    return NominalTrajectory(nominal.vehicle_at(start), departure, states[0], rows)
 
 
 @dataclass(frozen=True)
@@ -217,12 +217,12 @@ def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
 
 def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
     """Add the thrust: the control force turns with the deflection, the rest acts along the body."""
-    thrust, turned = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
+    thrust, rotated = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
     pitch, yaw = DEFLECTIONS["pitch"], DEFLECTIONS["yaw"]
     forces: dict[str, Tree] = {
-        "x": ("sum", thrust - turned, ("product", turned, ("cos", pitch), ("cos", yaw))),
-        "y": ("product", turned, ("sin", yaw)),
-        "z": ("product", -turned, ("sin", pitch)),
+        "x": ("sum", thrust - rotated, ("product", rotated, ("cos", pitch), ("cos", yaw))),
+        "y": ("product", rotated, ("sin", yaw)),
+        "z": ("product", -rotated, ("sin", pitch)),
     }
     for axis, force in forces.items():
         name = f"tvclin/nozzle-{axis}-lbs"

@@ -99,7 +99,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         first, last = wind.known
         if not first <= time <= last:
             return PlacedWind(wind.wind * 0.0, 0.0, known=False)
-        signed = wind.to_both_sides(vehicle)
+        signed = wind.of_both_signs(vehicle)
         values = signed(signed.probe_times())
         has_both_signs = values.min() < 0.0 < values.max()
         return PlacedWind(
