@@ -97,27 +97,9 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     sounding.write_text((SOUNDINGS / "wyoming.txt").read_text())
     options = ["--peak-deg", 4, "--winds", sounding, "--azimuth-deg", 90, "--model", "drift"]
     options += ["--gust", 1, 2, "--from", 70, "--to", 90, "--every", 20, "--window", 16]
-    options += [
-        "--dead-band",
-        1,
-        "--varying",
-        "--set",
-        "size.dispersion_part",
-        0.2,
-        "--set",
-        "size.thrust_offset_deg",
-        0.1,
-    ]
-    options += [
-        "--set",
-        "size.gravity_offset_m",
-        0.02,
-        "--set",
-        "size.reserve_part",
-        0.1,
-        "--limit-deg",
-        0.6,
-    ]
+    budget = ("dispersion_percent=20", "thrust_offset_deg=0.1", "gravity_offset_m=0.02")
+    options += [w for key in (*budget, "reserve_percent=10") for w in ("--set", f"size.{key}")]
+    options += ["--dead-band", 1, "--varying", "--limit-deg", 0.6]
     by_file = run("size", file, "--json")
     by_options = run("size", "configuration-ii", *options, "--json")
     one, other = json.loads(by_file.stdout), json.loads(by_options.stdout)
