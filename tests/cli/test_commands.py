@@ -241,7 +241,7 @@ def test_figures_are_written(tmp_path: Path, command: str, kind: str) -> None:
         ["study", "--plane", "roll"],
         ["study", "--cases", "100"],
         ["study", "--seed", "1"],
-        ["study", "--gust-at", "3"],
+        ["study", "--set", "gust.peak_time_s=3"],
         ["study", "--plot", "figure.xyz"],
         ["study", "--plot", "/nowhere/at/all/figure.png"],
         ["study", "."],

@@ -21,8 +21,6 @@ REFUSED = {
     "--peak-deg": ("study", V, "--peak-deg", "1e9"),
     "--peak-speed": ("study", V, "--peak-speed", "1e9"),
     "--gust": ("study", V, "--gust", "1e12", "1"),
-    "--gust-speed": ("study", V, "--gust-speed", "9", "1e12"),
-    "--gust-at": ("respond", V, "--gust", "1", "2", "--gust-at", "1e12"),
     "--stop": ("study", V, "--stop", "nonsense"),
     "--model": ("poles", V, "--model", "nonsense"),
     "--start": ("optimum", V, "--start", "nan"),

@@ -202,6 +202,8 @@ def test_a_flight_schedule_has_no_keys_of_a_vehicle(tmp_path):
     assert code == 2
     assert "flight schedule" in error
     assert ran("poles", str(file), "--at", "60", "--set", "study.plane", "yaw")[0] == 0
+    sized = ("size", str(file), "--limit-deg", "1", "--json")
+    assert ran(*sized, "--set", "size.every_s", "15") == ran(*sized, "--every", "15")
 
 
 def test_the_list_of_keys_has_each_key_once_with_its_help():

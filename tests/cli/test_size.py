@@ -18,6 +18,12 @@ from tvclin.plots import curves_of, sizing_chart
 from tvclin.requirement.flight.request import SizingRequest
 
 
+def gust_of(peak_deg, **more):
+    """Return the options of a gust of 2 s; `more`: further keys."""
+    keys = {"peak_deg": peak_deg, "duration_s": 2} | more
+    return tuple(word for key, value in keys.items() for word in ("--set", f"gust.{key}={value}"))
+
+
 def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
 
@@ -137,9 +143,18 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     placing = {"wyoming.txt": "flight"}  # of the history; a measured wind places itself
     options = {"times": [55.0, 65.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
     expected = tv.size(schedule, winds, **options)
-    given = ("--from", "55", "--to", "65", "--window", "16", "--gust", "1", "2", "--json")
+    given = (
+        "--from",
+        "55",
+        "--to",
+        "65",
+        "--window",
+        "16",
+        *gust_of(1, peak_time_s=3.75),
+        "--json",
+    )
     given += ("--sign", "frozen")  # in the dynamic pressure of calm air, as the histories
-    pulse = ("--duration", "7.5", "--gust-at", "3.75")
+    pulse = ("--duration", "7.5")
     document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
     assert document["winds"][1] == "wyoming.txt"
@@ -371,7 +386,7 @@ def test_the_figure_holds_the_worst_of_all_winds() -> None:
 def test_a_gust_on_top_of_the_wind_is_added_when_it_is_asked_for() -> None:
     document = json.loads(
         run(
-            *("study", "--gust", "1.5", "2", "--gust-at", "3.75", "--model", "fixed-path"),
+            *("study", *gust_of(1.5, peak_time_s=3.75), "--model", "fixed-path"),
             *("--sign", "frozen", "--json"),
         ).stdout
     )
@@ -383,7 +398,7 @@ def test_a_gust_on_top_of_the_wind_is_added_when_it_is_asked_for() -> None:
     assert document["verdict"]["required_deflection_deg"] == pytest.approx(expected, rel=1e-12)
     assert document["gust"]["peak_deg"] == pytest.approx(1.5)
     assert document["trim_deflection_deg"] == pytest.approx(6.5 * float(plant.coefficients.B))
-    late = run("study", "--gust", "1.5", "2", "--gust-at", "6")
+    late = run("study", *gust_of(1.5, peak_time_s=6))
     assert "with a gust of 1.5 deg and 2 s at 6 s" in " ".join(late.output.split())
 
 
@@ -391,7 +406,7 @@ def test_a_gust_that_cannot_be_is_refused() -> None:
     for arguments, words in (
         (("--gust", "0", "2"), "--gust must be other than zero"),
         (("--gust", "1", "-2"), "--gust must be positive"),
-        (("--gust", "-3", "2", "--gust-at", "8"), "must not change its sign"),
+        (gust_of(-3, peak_time_s=8), "must not change its sign"),
     ):
         result = run("study", *arguments)
         assert (result.exit_code, words in result.output) == (2, True), result.output
@@ -450,13 +465,15 @@ def test_it_says_which_options_would_tell_more() -> None:
 
 @pytest.mark.thorough
 def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
-    schedule, given = tv.load_schedule("configuration-i"), (*FAST, "--gust-plateau", "0.5")
-    by_speed = json.loads(run("size", *given, "--gust-speed", "9", "2", "--json").stdout)
+    schedule, given = tv.load_schedule("configuration-i"), FAST
+    gust = ("--set", "gust.peak_speed_m_per_s=9", "--set", "gust.duration_s=2")
+    gust += ("--set", "gust.plateau_s=0.5")
+    by_speed = json.loads(run("size", *given, *gust, "--json").stdout)
     for i, time in enumerate(by_speed["times_s"]):
         vehicle = schedule.at(time)
         peak = np.degrees(tv.angle_from_speed(9.0, vehicle.velocity, vehicle.attitude))
         alone = ("--from", str(time), "--to", str(time), "--dead-band", "1")
-        given = ("--gust", repr(float(peak)), "2", "--gust-plateau", "0.5")
+        given = gust_of(repr(float(peak)), plateau_s=0.5)
         by_angle = json.loads(run("size", *alone, *given, "--json").stdout)
         for name, values in by_angle["required_deg"].items():
             if name.endswith("wind"):  # a speed is another angle in a head or a tail wind
@@ -467,9 +484,9 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (("--gust", "1", "2", "--gust-speed", "9", "2"), "not both"),
-        (("--gust-plateau", "1"), "--gust-plateau needs --gust"),
-        (("--gust", "1", "2", "--gust-plateau", "2"), "must be shorter than the gust"),
+        (("--gust", "1", "2", "--set", "gust.plateau_s=1"), "not both"),
+        (("--set", "gust.plateau_s=1"), "duration"),
+        (gust_of(1, plateau_s=2), "must be shorter than the gust"),
         (("--sign", "up"), "sign"),
         (("--sign", "head", *FLOWN), "--sign needs a pulse"),
         (("--sign", "head", "--wind-direction-deg", "270", "--azimuth-deg", "90"), "leave sign"),

@@ -73,7 +73,7 @@ CASE = tv.Case(
 AS_OPTIONS = (
     *("configuration-i", "--plane", "yaw", "--wind", "rectangular", "--peak-deg", "4"),
     *("--duration", "5", "--wind-direction-deg", "250", "--azimuth-deg", "45"),
-    *("--gust", "0.5", "1", "--gust-at", "2.5"),
+    *("--set", "gust.peak_deg=0.5", "--set", "gust.duration_s=1", "--set", "gust.peak_time_s=2.5"),
 )
 LOOP = (
     *(

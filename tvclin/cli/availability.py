@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from tvclin.ascent.schedule_file import load_schedule
-from tvclin.base.errors import InputError, within
+from tvclin.base.errors import InputError, nonnegative, nonzero, number, within
 from tvclin.cli.inputs import note_source, only_with
 from tvclin.cli.options import (
     GROUP,
@@ -25,11 +25,12 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import FormatOptions, GustOptions, noted_sounding
+from tvclin.cli.wind import FormatOptions, gust_of_option, noted_sounding
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today
 from tvclin.ensembles.availability.sounding_winds import PairGrowth
 from tvclin.vehicle.coefficients import PLANE_TEXTS
+from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.sounding_files import read_soundings
@@ -111,6 +112,35 @@ class JudgedOptions:
             only_with("--today", today_time=self.today_time)
             return None
         return noted_sounding(self.today, self.today_time, **reading)
+
+
+@dataclass(frozen=True)
+class GustOptions:
+    """Options of the gust on each sounding; `grouped` gives them to a command."""
+
+    gust: tuple[float, float] | None = asked(
+        "Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S"
+    )
+    gust_speed: tuple[float, float] | None = asked(
+        "Gust by its peak wind speed, in m/s, and its duration, by eq (B1e).", metavar="M/S S"
+    )
+    gust_plateau: float | None = asked(
+        "How long the gust stays at its peak, a part of its duration, in s.", shown="0"
+    )
+
+    @property
+    def on_top(self) -> tuple[History | None, float | None]:
+        """The gust, and its speed [m/s] where that replaces its angle."""
+        if self.gust is not None and self.gust_speed is not None:
+            raise InputError("give --gust or --gust-speed, not both")
+        speed = self.gust_speed and number("--gust-speed", self.gust_speed[0], nonzero)
+        gust = (1.0, self.gust_speed[1]) if self.gust_speed else self.gust
+        if gust is None:
+            only_with("--gust", gust_plateau=self.gust_plateau)
+            return None, None
+        option = "--gust-speed" if self.gust_speed else "--gust"
+        level = number("--gust-plateau", self.gust_plateau or 0.0, nonnegative, "s")
+        return gust_of_option(gust, level, option), speed
 
 
 def availability(

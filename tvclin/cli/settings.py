@@ -23,10 +23,7 @@ _WIND_KEYS: dict[str, tuple[str, ...]] = {
     "--wind-direction-deg": ("wind.direction",),
     "--azimuth-deg": ("wind.azimuth",),
     "--winds": ("wind.sounding",),
-    "--gust": ("gust.peak", "gust.peak_speed", "gust.duration"),
-    "--gust-speed": ("gust.peak", "gust.peak_speed", "gust.duration"),
-    "--gust-plateau": ("gust.plateau",),
-    "--gust-at": ("gust.peak_time",),
+    "--gust": ("gust",),
 }
 _OTHER_KEYS: dict[str, tuple[str, ...]] = {
     "--stop": ("nozzle.stop",),

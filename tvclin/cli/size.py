@@ -104,8 +104,6 @@ class FlightOptions(BiasOptions, ShapedOptions):
         """Return a plan with the pulse of these options, at each flight time."""
         straight = None if self.wind_direction_deg is None else self.azimuth_deg
         angular = replace(self, peak_speed=None, azimuth_deg=straight)
-        if self.gust_speed is not None:  # each flight time meets it at its own angle
-            angular = replace(angular, gust=(1.0, self.gust_speed[1]), gust_speed=None)
         plan = ShapedOptions.over(angular, plan)
         request, speed = plan.sizing, self.peak_speed
         assert request is not None
@@ -116,10 +114,6 @@ class FlightOptions(BiasOptions, ShapedOptions):
             peak_speed=None if self.peak_deg is not None else chosen(speed, request.peak_speed),
             gust_speed=request.gust_speed if self.gust is None else None,
         )
-        if self.gust_speed is not None:
-            request = replace(request, gust_speed=self.gust_speed[0])
-        if not request.pulse:
-            only_with("a pulse: in a sounding a gust meets each flight time", gust_at=self.gust_at)
         return replace(plan, sizing=request)
 
 

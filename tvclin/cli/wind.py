@@ -11,7 +11,6 @@ from tvclin.base.errors import (
     Faults,
     InputError,
     between,
-    nonnegative,
     nonzero,
     number,
     one_of,
@@ -41,40 +40,18 @@ _WINDOW_S = 20.0
 """Default of --window: length of the part of a sounding that counts [s]."""
 
 
-@dataclass(frozen=True)
-class GustOptions:
-    """Options of a gust; `grouped` gives them to a command."""
+GUST = asked(
+    "Gust (1 - cosine) on top of the wind: its peak and duration; more: --set gust.KEY VALUE.",
+    metavar="DEG S",
+)
 
-    gust: tuple[float, float] | None = asked(
-        "Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S"
-    )
-    gust_speed: tuple[float, float] | None = asked(
-        "Gust by its peak wind speed, in m/s, and its duration, by eq (B1e).", metavar="M/S S"
-    )
-    gust_plateau: float | None = asked(
-        "How long the gust stays at its peak, a part of its duration, in s.", shown="0"
-    )
 
-    def __post_init__(self) -> None:
-        if self.gust is not None and self.gust_speed is not None:
-            raise InputError("give --gust or --gust-speed, not both")
-        if self.gust is None and self.gust_speed is None:
-            at = getattr(self, "gust_at", None)
-            only_with("--gust", gust_at=at, gust_plateau=self.gust_plateau)
-
-    @property
-    def on_top(self) -> tuple[History | None, float | None]:
-        """The gust, and its speed [m/s] where that replaces its angle."""
-        gust, option, speed = self.gust, "--gust", None
-        if self.gust_speed is not None:
-            option = "--gust-speed"
-            speed = number(option, self.gust_speed[0], nonzero)
-            gust = (1.0, self.gust_speed[1])
-        if gust is None:
-            return None, None
-        peak, duration = number(option, gust[0], nonzero), number(option, gust[1], positive)
-        level = number("--gust-plateau", chosen(self.gust_plateau, 0.0), nonnegative, "s")
-        return wind_file.gust_of(float(np.radians(peak)), duration, level), speed
+def gust_of_option(
+    gust: tuple[float, float], plateau: float = 0.0, option: str = "--gust"
+) -> History:
+    """Return the gust of a peak [deg] and a duration [s] of an option, with a plateau [s]."""
+    peak, duration = number(option, gust[0], nonzero), number(option, gust[1], positive)
+    return wind_file.gust_of(float(np.radians(peak)), duration, plateau)
 
 
 @dataclass(frozen=True)
@@ -87,10 +64,10 @@ class _Pulse:
 
 
 @dataclass(frozen=True)
-class PulseOptions(GustOptions, _Pulse):
+class PulseOptions(_Pulse):
     """Options of a pulse but its shape; `grouped` gives them to a command."""
 
-    gust_at: float | None = asked("When the gust peaks, in s.", shown="when it asks for most")
+    gust: tuple[float, float] | None = GUST
     wind_direction_deg: float | None = asked(
         "Where the wind blows from, in deg from north, clockwise; --peak-deg is then the size of"
         " the wind's vector in both planes. Needs --azimuth-deg."
@@ -102,7 +79,6 @@ class PulseOptions(GustOptions, _Pulse):
     def __post_init__(self) -> None:
         if self.peak_deg is not None and self.peak_speed is not None:
             raise InputError("give --peak-deg or --peak-speed, not both")
-        super().__post_init__()
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options in place of its own values."""
@@ -118,25 +94,18 @@ class PulseOptions(GustOptions, _Pulse):
             peak=peak,
             heading=chosen(self._heading, wind.heading),
         )
-        wind = self._gusty(wind, plan)
+        wind = self._gusty(wind)
         if self.peak_speed is not None:
             vehicle = complete_vehicle(plan.vehicle, "--peak-speed")
             speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")
             wind = wind.with_speed(speed, vehicle, plan.plane)
         return replace(plan, wind=wind)
 
-    def _gusty(self, wind: ShapedWind, plan: StudyPlan) -> ShapedWind:
-        """Return a wind with the gust of these options, its angle that for the plan's vehicle."""
-        gust, speed = self.on_top
-        if gust is None:
+    def _gusty(self, wind: ShapedWind) -> ShapedWind:
+        """Return a wind with the gust of these options, at the time of the largest requirement."""
+        if self.gust is None:
             return wind
-        at = None if self.gust_at is None else number("--gust-at", self.gust_at, unit="s")
-        made = replace(wind, gust=gust, gust_at=at)
-        if speed is None:
-            return made
-        return made.with_gust_speed(
-            speed, complete_vehicle(plan.vehicle, "--gust-speed"), plan.plane
-        )
+        return replace(wind, gust=gust_of_option(self.gust), gust_at=None, gust_speed=None)
 
     @property
     def _heading(self) -> float | None:
@@ -287,7 +256,7 @@ class SoundingOptions(BiasOptions):
         from tvclin.requirement.flight.flight_winds import place
 
         assert self.winds is not None
-        fields = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
+        fields = ("duration", "peak_deg", "peak_speed", "wind_direction_deg")
         pulse = {name: getattr(self, name, None) for name in ("wind", *fields)}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
         vehicle, faults = complete_vehicle(plan.vehicle, "--winds"), Faults()
@@ -320,7 +289,7 @@ class SoundingOptions(BiasOptions):
         from tvclin.ascent.measured_wind import fly_through
         from tvclin.ascent.schedule_file import load_schedule
 
-        request, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
+        request, gust = plan.sizing, self._gusty(pulse_of(plan)).gust
         return fly_through(
             noted_sounding(self.winds, self.winds_time, **self.reading),
             load_schedule(vehicle_source(source)) if request is None else request.schedule,

@@ -96,8 +96,8 @@ def gust_placed(specified: ShapedWind, placed: ShapedWind) -> Iterator[str]:
     """Yield the time of a gust that was placed where it requires most."""
     if specified.gust_at is None and placed.gust_at is not None:
         yield (
-            f"the gust is at the worst time, {placed.gust_at:.4g} s (--gust-at, or"
-            " peak_time_s in [gust], gives another time)"
+            f"the gust is at the worst time, {placed.gust_at:.4g} s (peak_time_s in"
+            " [gust] gives another)"
         )
 
 

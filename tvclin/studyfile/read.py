@@ -108,17 +108,14 @@ def load_sizing(
         instance("soundings", soundings, Mapping, "of names to SoundingRequest")
     winds = dict(soundings or {})
     if _is_study(source):
-        plan = load_study(source)
+        document = source_tables(source)
+        plan = (
+            _flight_of_a_vehicle(source, winds) if _of_a_vehicle(document) else load_study(source)
+        )
         if plan.sizing is None:
-            document = source_tables(source)
-            if not _of_a_vehicle(document):
-                raise InputError(
-                    f"{called(source)} has no flight; add [schedule], see tvclin init --study"
-                )
-            plan = load_study(EditedSource(str(source), document | {"size": {}}))
-            pulse = not winds or not _is_default(pulse_of(plan))
-            assert plan.sizing is not None
-            plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse))
+            raise InputError(
+                f"{called(source)} has no flight; add [schedule], see tvclin init --study"
+            )
         sizing = plan.sizing
         assert sizing is not None
         winds = {**sizing.soundings, **winds}
@@ -151,6 +148,29 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
 def _is_default(wind: ShapedWind) -> bool:
     """Return whether a wind without its gust is the one that is assumed."""
     return replace(wind, gust=None, gust_at=None, gust_speed=None) == DEFAULT_WIND
+
+
+def _flight_of_a_vehicle(
+    source: str | PathLike[str], winds: Mapping[str, SoundingRequest]
+) -> StudyPlan:
+    """Return the plan of the flight of a vehicle, or of a schedule, with keys set."""
+    from tvclin.ascent.schedule_file import load_schedule
+
+    document, vehicle = source_tables(source), vehicle_source(source)
+    tables = document | {"size": document.get("size", {})}
+    flight = load_schedule(vehicle) if is_schedule(vehicle) else None
+    time = None if flight is None else flight.span[0]
+    plan = load_study(EditedSource(str(source), tables), time)
+    assert plan.sizing is not None
+    soundings = {**plan.sizing.soundings, **winds}
+    pulse = not soundings or not _is_default(pulse_of(plan))
+    plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse, soundings=soundings))
+    return plan if flight is None else replace(plan, vehicle=flight.vehicle)
+
+
+def is_flight_with_keys(source: str | PathLike[str]) -> bool:
+    """Return whether a source is a flight schedule with keys set, which has no single vehicle."""
+    return _of_a_vehicle(source_tables(source)) and is_schedule(vehicle_source(source))
 
 
 def _of_a_vehicle(document: Mapping[str, Any]) -> bool:
