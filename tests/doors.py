@@ -352,7 +352,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Autopilot.rational_loop": Door(autopilot.rational_loop, {"plant": plant}),
         "Autopilot.respond": Door(autopilot.respond, {**history, "timepts": times}),
         "Availability.curve": Door(available.curve, {"limits": [0.01, 0.02]}),
-        "Availability.placard": Door(available.placard, {"parts": [0.5]}),
+        "Availability.placard": Door(available.placard, {"fractions": [0.5]}),
         "Availability.reaches": Door(available.reaches, {"fraction": 0.5}),
         "Availability.to_csv": Door(available.to_csv, {"path": folder / "available.csv"}),
         "Availability.today": Door(available.today, {"profile": west}),
@@ -647,7 +647,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "gain_trade_off": Door(
-            hasty(tv.design.gain_designs), {"gains": found, "disk_margin": [0.1, 0.2]}
+            hasty(tv.design.gain_trade_off), {"gains": found, "disk_margin": [0.1, 0.2]}
         ),
         "margin_bounds": Door(
             tv.control.margin_bounds, {"plant": plant, "actuator": actuator, "delay": 0.02}

@@ -45,7 +45,7 @@ def figures(folder: Path) -> dict[str, Door]:
         plant, law, wind, np.array([0.8, 1.0, 1.25]), np.array([0.0, 0.1]), sample_rate=20.0
     )
     gains = hasty(tv.minimum_deflection_gains)(plant=plant, winds=wind, actuator=tv.Actuator())
-    least = hasty(tv.design.gain_designs)(gains=gains, disk_margin=[0.1, 0.2])
+    least = hasty(tv.design.gain_trade_off)(gains=gains, disk_margin=[0.1, 0.2])
     load = tv.boundary.load_trade_off(plant, wind, limit=0.014, load=0.05)
     rate = tv.boundary.rate_trade_off(plant, wind, limit=0.014, rate_limit=0.05)
     compared = tv.compare_with_trim(plant, autopilot, wind)

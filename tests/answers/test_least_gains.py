@@ -267,7 +267,7 @@ def test_more_disk_margin_costs_what_another_search_says():
         criteria=tv.control.Criteria.custom(aero_margin_dB=0.0),
         **NOZZLE,
     )
-    front = tv.design.gain_designs(found, [1.2, 1.4])
+    front = tv.design.gain_trade_off(found, [1.2, 1.4])
     assert front.relative[0] == pytest.approx(1.1233, abs=1e-3)
     assert front.relative[1] == np.inf
     assert front.designs[1] is None

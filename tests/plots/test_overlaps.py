@@ -105,7 +105,7 @@ def boundary_map(vehicle):
 
 def least_gains(vehicle):
     found = tv.minimum_deflection_gains(rigid(vehicle), WIND, actuator=tv.Actuator(), delay=0.02)
-    return plots.gain_trade_off_chart([tv.design.gain_designs(found, [0.6, 0.8, 1.0])])
+    return plots.gain_trade_off_chart([tv.design.gain_trade_off(found, [0.6, 0.8, 1.0])])
 
 
 CHARTS = {

@@ -62,7 +62,7 @@ class Columns:
         """Return a CSV line for each position on the axes, and write it if there is a path."""
         shape = tuple(len(column.values) for column in self.axes)
         columns = (*self.axes, *self.columns)
-        cells = [np.broadcast_to(self._over_all(column), shape).ravel() for column in columns]
+        cells = [np.broadcast_to(self._broadcast_axes(column), shape).ravel() for column in columns]
         texts = [[_cell(x) for x in column.tolist()] for column in cells]
         return write_rows([[column.heading for column in columns], *zip(*texts, strict=True)], path)
 
@@ -86,7 +86,7 @@ class Columns:
             attrs=dict(self.about),
         )
 
-    def _over_all(self, column: Column) -> AnyArray:
+    def _broadcast_axes(self, column: Column) -> AnyArray:
         """Return the values of a column in the units of CSV, with all axes of the table."""
         values, axes = np.asarray(column.values), column.axes
         if column.unit == "rad":

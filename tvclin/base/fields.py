@@ -163,11 +163,11 @@ class Field:
     def _each(self, name: str, values: Any) -> tuple[Any, ...]:
         """Return several values that all pass the check."""
         if not self.numeric:
-            return tuple(self.check(name, one) for one in different(name, values))
-        given = finite(name, values)
-        if given.ndim != 1 or not given.size:
+            return tuple(self.check(name, item) for item in different(name, values))
+        requested = finite(name, values)
+        if requested.ndim != 1 or not requested.size:
             raise InputError(f"{name} must hold one number or more")
-        return tuple(self.check(name, given).tolist())
+        return tuple(self.check(name, requested).tolist())
 
     def from_option(self, name: str, value: Any) -> Any:
         """Return the value of an option, which is in its own unit, as the field has it."""
@@ -175,7 +175,7 @@ class Field:
             return self._each(name, tuple(value)) if self.many else self.check(name, value)
         _, unit, factor = optional_unit(self.kind)
         if self.many:
-            return tuple(factor * one_number(name, one, self.check, unit) for one in value)
+            return tuple(factor * one_number(name, item, self.check, unit) for item in value)
         return factor * one_number(name, value, self.check, unit)
 
 

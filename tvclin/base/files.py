@@ -180,8 +180,8 @@ def tables_of(text: str, source: str) -> dict[str, Any]:
     except RecursionError:
         raise InputError(f"{name} is not valid TOML: its lists are nested too deep") from None
     except ValueError:
-        most = sys.get_int_max_str_digits()
-        raise InputError(f"{name} holds a whole number of more than {most} digits") from None
+        largest = sys.get_int_max_str_digits()
+        raise InputError(f"{name} holds a whole number of more than {largest} digits") from None
     _check(document, name)
     return document
 
@@ -229,10 +229,10 @@ def _behind_links(path: Path) -> Path:
         linked = False
     if not linked:
         return path
-    found = Path(os.path.realpath(path))
-    if found.is_symlink():
+    matches = Path(os.path.realpath(path))
+    if matches.is_symlink():
         raise InputError(f"{called(path)} is a link that leads back to itself; name a file")
-    return found
+    return matches
 
 
 def _mode(path: Path) -> int:

@@ -162,5 +162,5 @@ def known(what: str, given: Iterable[str], names: Iterable[str]) -> None:
     faults.tell()
 
 
-def _hint(near: list[str], legal: Iterable[str]) -> str:
-    return f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(legal)}"
+def _hint(similar: list[str], legal: Iterable[str]) -> str:
+    return f"did you mean {' or '.join(similar)}?" if similar else f"known are {', '.join(legal)}"

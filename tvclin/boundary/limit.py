@@ -165,7 +165,7 @@ class BoundaryLimit(Shown):
     deflection: Any = field(
         metadata=specs(
             Field(kind="angle", document=False),
-            Field(kind="angle", of=lambda found: np.abs(found.deflection), card=False),
+            Field(kind="angle", of=lambda value: np.abs(value.deflection), card=False),
         )
     )
     switch_time: Any = field(metadata=spec("time"))

@@ -315,12 +315,12 @@ class SquareShape(PolygonShape):
 
     Parameters
     ----------
-    turn : float
+    rotation : float
         Angle [rad] of the first actuator from the pitch plane; a roll of the body turns it too.
     """
 
-    def __init__(self, turn: float = 0.0) -> None:
-        angle = number("turn", turn, directions, "rad")
+    def __init__(self, rotation: float = 0.0) -> None:
+        angle = number("turn", rotation, directions, "rad")
         PolygonShape.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit_vector(angle)
         )

@@ -170,10 +170,10 @@ class PlanePair:
             oscillation = np.abs(history.pieces.rates).max(initial=0.0) * np.diff(
                 history.knots
             ).max(initial=0.0)
-            most_points = max(_MAX_TIMES // history.knots.size, 8)
+            max_points = max(_MAX_TIMES // history.knots.size, 8)
             times.append(
                 history.probe_times(
-                    int(np.clip(8.0 * oscillation, min(64, most_points), most_points))
+                    int(np.clip(8.0 * oscillation, min(64, max_points), max_points))
                 )
             )
         merged = np.unique(np.concatenate(times))

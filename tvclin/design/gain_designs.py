@@ -137,7 +137,7 @@ def gain_trade_off(
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
     >>> gains = tv.minimum_deflection_gains(plant, wind, actuator=tv.Actuator(), delay=0.02)
-    >>> tv.design.gain_designs(gains, [0.8, 1.2]).relative.round(2)
+    >>> tv.design.gain_trade_off(gains, [0.8, 1.2]).relative.round(2)
     array([1.03, 1.1 ])
     """
     instance("gains", gains, MinimumGains, "see minimum_deflection_gains")

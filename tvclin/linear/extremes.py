@@ -239,15 +239,15 @@ class Loads(Shown):
         return slope * abs(self.peak_angle_of_attack)
 
 
-def response_table(caption: str, found: Extremes, loads: Loads | None) -> Table:
+def response_table(caption: str, extremes: Extremes, loads: Loads | None) -> Table:
     """Return the table of extremes of a response, with loads where it covers the wind."""
     angle = None if loads is None else Point(loads.peak_angle_of_attack, loads.peak_time)
     points = {
-        "with_wind": ("largest attitude error, with the wind", found.with_wind),
-        "against_wind": ("largest attitude error, against the wind", found.against_wind),
-        "back_at_zero": ("attitude last back at zero", found.back_at_zero),
-        "at_wind_end": ("attitude error when the wind ends", found.at_wind_end),
-        "at_end": ("attitude error at the end of what is shown", found.at_end),
+        "with_wind": ("largest attitude error, with the wind", extremes.with_wind),
+        "against_wind": ("largest attitude error, against the wind", extremes.against_wind),
+        "back_at_zero": ("attitude last back at zero", extremes.back_at_zero),
+        "at_wind_end": ("attitude error when the wind ends", extremes.at_wind_end),
+        "at_end": ("attitude error at the end of what is shown", extremes.at_end),
         "angle_of_attack": ("largest angle of attack while the wind blows", angle),
     }
     rows = tuple(

@@ -107,11 +107,11 @@ def unstable_poles(plant: Plant) -> AnyArray:
     return select_unstable(plant.poles)
 
 
-def select_unstable(every: AnyArray) -> AnyArray:
+def select_unstable(all_modes: AnyArray) -> AnyArray:
     """Return the unstable poles of all poles ``(..., N)``, as `unstable_poles` sorts them."""
-    unstable = is_unstable(every)
+    unstable = is_unstable(all_modes)
     count = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
-    poles = np.where(unstable[..., :count], every[..., :count], np.nan)
+    poles = np.where(unstable[..., :count], all_modes[..., :count], np.nan)
     if np.iscomplexobj(poles) and np.all(np.imag(poles) == 0.0):
         poles = np.real(poles)
     return poles

@@ -119,7 +119,7 @@ class LinearSystem:
         feedthrough.
         """
         h, delays = np.asarray(period, float), np.asarray(delay, float)
-        whole, remainder = split_delay(delays, h)
+        complete, remainder = split_delay(delays, h)
         shape = broadcast(system=self.batch, period=h.shape, delay=delays.shape)
         intervals = [h - remainder, remainder] if np.any(remainder) else [h]
         n, transitions = (
@@ -138,11 +138,11 @@ class LinearSystem:
         if len(self.inputs) > 1 or np.any(self.D):
             raise InputError("a delayed system needs one input, which no output follows at once")
         # Delayed commands u[k-1], u[k-2], .., as many as the longest delay has.
-        count = int((whole + (remainder > 0.0)).max(initial=0))
+        count = int((complete + (remainder > 0.0)).max(initial=0))
         input_matrix = np.zeros((*shape, n, 1 + count))  # by u[k], u[k-1], ..
         for k, matrix in enumerate(input_matrices):
             input_matrix += matrix * (
-                np.arange(1 + count) == (whole + k)[..., np.newaxis, np.newaxis]
+                np.arange(1 + count) == (complete + k)[..., np.newaxis, np.newaxis]
             )
         A = np.zeros((*shape, n + count, n + count))
         B = np.zeros((*shape, n + count, 1))
@@ -187,9 +187,11 @@ def split_delay(
 ) -> tuple[IndexArray, FloatArray]:
     """Return the whole samples of a delay, and its remainder [s]."""
     samples = delay / np.where(period > 0.0, period, 1.0)
-    whole = np.floor(samples + WHOLE_SAMPLE_TOLERANCE)
-    remainder = np.where(samples - whole > WHOLE_SAMPLE_TOLERANCE, samples - whole, 0.0) * period
-    return whole.astype(np.intp), remainder
+    complete = np.floor(samples + WHOLE_SAMPLE_TOLERANCE)
+    remainder = (
+        np.where(samples - complete > WHOLE_SAMPLE_TOLERANCE, samples - complete, 0.0) * period
+    )
+    return complete.astype(np.intp), remainder
 
 
 def gain(output: str, factors: Mapping[str, ArrayLike]) -> LinearSystem:

@@ -320,9 +320,11 @@ def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) ->
 def _set_checked(value: Any) -> None:
     """Replace the numbers of a frozen value by checked arrays; None stays None."""
     for item in fields_of(value):
-        given = item.si_value(value)
-        if given is not None:
-            object.__setattr__(value, item.name, plain(item.check(item.name, given, item.si_unit)))
+        value_si = item.si_value(value)
+        if value_si is not None:
+            object.__setattr__(
+                value, item.name, plain(item.check(item.name, value_si, item.si_unit))
+            )
 
 
 def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:

@@ -251,8 +251,8 @@ def build_structure(document: Mapping[str, Any]) -> Structure:
     engine = ENGINE_TABLE.one(document) if ENGINE_TABLE.name in document else None
     sensors = SENSORS_TABLE.read(SENSORS_TABLE.one(document))
     return Structure(
-        bending=_each_built(BENDING_TABLE, document, _bending_mode),
-        slosh=_each_built(SLOSH_TABLE, document, SloshTank),
+        bending=_built_elements(BENDING_TABLE, document, _bending_mode),
+        slosh=_built_elements(SLOSH_TABLE, document, SloshTank),
         engine=None if engine is None else Engine(**ENGINE_TABLE.read(engine)),
         attitude_sensor=_sensor_lag("attitude_sensor", sensors),
         rate_gyro=_sensor_lag("rate_gyro", sensors),
@@ -260,7 +260,7 @@ def build_structure(document: Mapping[str, Any]) -> Structure:
     )
 
 
-def _each_built(
+def _built_elements(
     table: FileTable, document: Mapping[str, Any], make: Callable[..., Any]
 ) -> tuple[Any, ...]:
     """Return the values built from the rows of a repeated table; messages name the row."""

@@ -447,16 +447,19 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     `track`: whether the samples of a single flight are recorded. All arrays are writable: the
     kernel would be compiled again for others.
     """
-    own, (vehicle, encountered) = batch.vehicles, batch.indices
+    batch_shape, (vehicle, encountered) = batch.vehicles, batch.indices
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
     terms = pieces.shape[2]
-    steps = _steps(batch, own, terms)
-    judges, place = outcome_criteria(batch.plant), indices_in(batch.plant.batch, own)
-    cases, noise = _cases(batch, judges, place)
+    steps = _steps(batch, batch_shape, terms)
+    judges, criteria_index = (
+        outcome_criteria(batch.plant),
+        indices_in(batch.plant.batch, batch_shape),
+    )
+    cases, noise = _cases(batch, judges, criteria_index)
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
     N = steps.joint.shape[2]
-    plant = batch.plant.system.cases(np.arange(int(np.prod(own))), own)
+    plant = batch.plant.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
     now = _equilibrium(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
     now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
@@ -467,9 +470,9 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
             A=plant.A,
             gust=np.ascontiguousarray(plant.B[..., 1]),
             fastest=np.abs(plant.poles).max(axis=-1),
-            judges=_widened(judges.rows[place], N),
-            reach=judges.reach[place],
-            ratio=judges.ratio[place],
+            judges=_widened(judges.rows[criteria_index], N),
+            reach=judges.reach[criteria_index],
+            ratio=judges.ratio[criteria_index],
         ),
         winds=Winds(knots, pieces),
         laws=Laws([one or LawNumbers() for one in batch.laws.numbers], *memory, noise),
@@ -479,21 +482,23 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     )
 
 
-def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
+def _steps(batch: Batch, batch_shape: tuple[int, ...], terms: int) -> Steps:
     """Return the steps of vehicles in winds of `terms` polynomial coefficients.
 
     A sample has a part before and a part after the arrival of a delayed command.
     """
-    hardware, every = batch.hardware, np.arange(int(np.prod(own)))
-    plant = batch.plant.system.cases(every, own)
-    length, delay = (_spread(a, own) for a in (hardware.length, hardware.delay))
+    hardware, all_vehicles = batch.hardware, np.arange(int(np.prod(batch_shape)))
+    plant = batch.plant.system.cases(all_vehicles, batch_shape)
+    length, delay = (_spread(a, batch_shape) for a in (hardware.length, hardware.delay))
     late, rest = split_delay(delay, length)
     parts = [length - rest, rest] if np.any(rest) else [length]
     lengths = np.stack([length, *parts], axis=-1)
-    pace = np.minimum(_spread(quickness(hardware.actuator), own), _IDEAL_BANDWIDTH)[:, np.newaxis]
-    substeps = substeps_of(_spread(frequency(hardware.actuator), own), lengths)
+    pace = np.minimum(_spread(quickness(hardware.actuator), batch_shape), _IDEAL_BANDWIDTH)[
+        :, np.newaxis
+    ]
+    substeps = substeps_of(_spread(frequency(hardware.actuator), batch_shape), lengths)
     short = lengths[:, 1:] / substeps
-    moving = plant_with_actuator(batch.plant, hardware.actuator).cases(every, own)
+    moving = plant_with_actuator(batch.plant, hardware.actuator).cases(all_vehicles, batch_shape)
     n = len(plant.states)
     joint = joint_steps(moving, n, lengths[:, 1:], terms)
     return Steps(
@@ -508,17 +513,19 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
     )
 
 
-def _cases(batch: Batch, judges: OutcomeCriteria, place: IntArray) -> tuple[Cases, FloatArray]:
+def _cases(
+    batch: Batch, judges: OutcomeCriteria, criteria_index: IntArray
+) -> tuple[Cases, FloatArray]:
     """Return the parameters of each flight, and rows of noise.
 
-    `place`: index of each vehicle's criteria in `judges`.
+    `criteria_index`: index of each vehicle's criteria in `judges`.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
     h = _spread(batch.hardware.length, batch.vehicles)[vehicle]
     start, end = (a.ravel()[encountered] for a in (batch.wind.onset, batch.wind.end))
-    known = ~np.isnan(judges.reach[place][vehicle])
+    has_reach = ~np.isnan(judges.reach[criteria_index][vehicle])
     waiting, settling = (
-        np.ceil(np.where(known, a[place][vehicle], 0.0) / h)
+        np.ceil(np.where(has_reach, a[criteria_index][vehicle], 0.0) / h)
         for a in (judges.waiting, judges.settling)
     )
     waiting = (
@@ -584,9 +591,9 @@ def _spread(array: float | FloatArray, shape: tuple[int, ...]) -> FloatArray:
 
 def _samples(span: FloatArray, length: FloatArray) -> IntArray:
     """Return the number of samples in a time [s]; `NEVER` for an infinite one."""
-    known = np.isfinite(span)
-    counted = np.ceil(np.where(known, span, 0.0) / length - 1e-9)
-    return np.where(known, np.maximum(counted, 1), NEVER).astype(np.int64)
+    has_reach = np.isfinite(span)
+    counted = np.ceil(np.where(has_reach, span, 0.0) / length - 1e-9)
+    return np.where(has_reach, np.maximum(counted, 1), NEVER).astype(np.int64)
 
 
 def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:

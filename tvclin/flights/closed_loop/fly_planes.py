@@ -284,8 +284,10 @@ def fly_planes(
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
     flat = np.atleast_1d(limit).ravel()
     pair = [
-        plane_flights(one, law, wind, part, flat * side, hardware)
-        for one, part, side in zip(planes, (wind.pitch, wind.yaw), both.plane_limits, strict=True)
+        plane_flights(plane_plant, law, wind, component, flat * plane_limit, hardware)
+        for plane_plant, component, plane_limit in zip(
+            planes, (wind.pitch, wind.yaw), both.plane_limits, strict=True
+        )
     ]
     return _flown_planes(
         flown_in_step(pair, both, flat), float(wind.onset), 1.0 / rate, limit.shape
@@ -355,9 +357,9 @@ def flown_plane_limit(
 def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:
     """Return the plants of pitch and yaw; `InputError` unless each has one or two real poles."""
     planes = plant, plant if yaw_plant is None else yaw_plant
-    for name, one in zip(("plant", "yaw_plant"), planes, strict=True):
-        instance(name, one, Plant, "see Plant.from_vehicle")
-        if one.batch or not np.all(decidable(one)):
+    for name, plane_plant in zip(("plant", "yaw_plant"), planes, strict=True):
+        instance(name, plane_plant, Plant, "see Plant.from_vehicle")
+        if plane_plant.batch or not np.all(decidable(plane_plant)):
             raise InputError(f"{name} must be one plant with one or two real unstable poles")
     return planes
 

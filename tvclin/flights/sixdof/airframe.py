@@ -51,11 +51,11 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
         read(name) for name in ("attitude/psi-rad", "velocities/vt-fps", "aero/beta-rad")
     )
     north, east = read("velocities/v-north-fps"), read("velocities/v-east-fps")
-    ahead, right = cos(heading), sin(heading)
+    cosine, right = cos(heading), sin(heading)
 
     def angles() -> tuple[float, float]:
-        side = east() * ahead - north() * right
-        return asin(cos(theta()) * sin(psi() - heading)), asin(side / speed())
+        lateral = east() * cosine - north() * right
+        return asin(cos(theta()) * sin(psi() - heading)), asin(lateral / speed())
 
     return Senses(angles, lambda: (rate(), push()), lambda: -sideslip())
 
@@ -133,7 +133,7 @@ class Prediction:
         return (*off, self._alpha - nominal[3], deflection)
 
 
-Place = Earth | InitialState | None
+Surroundings = Earth | InitialState | None
 
 _HOLD_OVER_AIRFRAME_FREQUENCY = 4.0
 """Natural frequency of the nominal flight's attitude hold, relative to the airframe."""
@@ -149,23 +149,23 @@ class Airframe:
     an attitude hold of the nose on the flight path; the other plane has this hold in every flight.
 
     `vehicle`: one vehicle. `plane`: plane of wind, deflection and measurements; in yaw to the
-    right. `drift`: whether the flight path may turn. `step`: step [s]. `place`: the Earth, or an
-    initial state with varying parameters; None for a flat planet and frozen parameters.
+    right. `drift`: whether the flight path may turn. `step`: step [s]. `surroundings`: the Earth,
+    or an initial state with varying parameters; None for a flat planet and frozen parameters.
     """
 
     def __init__(
-        self, vehicle: Vehicle, plane: str, drift: bool, step: float, place: Place
+        self, vehicle: Vehicle, plane: str, drift: bool, step: float, surroundings: Surroundings
     ) -> None:
-        earth = place if isinstance(place, Earth) else None
-        departure = place if isinstance(place, InitialState) else None
+        earth = surroundings if isinstance(surroundings, Earth) else None
+        departure = surroundings if isinstance(surroundings, InitialState) else None
         heading = earth.heading if earth else 0.0
         initial = {
             "lat-geod-rad": earth.latitude if earth else 0.0,
-            "h-sl-ft": (place.altitude if place else 0.0) / FOOT,
+            "h-sl-ft": (surroundings.altitude if surroundings else 0.0) / FOOT,
             "psi-true-rad": heading,
             "theta-rad": float(vehicle.attitude),
             "u-fps": float(vehicle.velocity) / FOOT,
-            "q-rad_sec": departure.turn if departure else 0.0,
+            "q-rad_sec": departure.path_rate if departure else 0.0,
         }
         planet = None if earth else planet_xml()
         model = model_xml(vehicle, heading, departure)
@@ -175,7 +175,7 @@ class Airframe:
         self._senses = {name: senses(engine, name, heading) for name in DEFLECTIONS}
         self._blows = {name: wind_setter(engine, name, heading) for name in DEFLECTIONS}
         self._blow, self._plane = self._blows[plane], plane
-        self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if place else None
+        self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if surroundings else None
         self._nominal: list[Row] = []
 
     def fly(
@@ -329,7 +329,7 @@ def _hold_steering(on_lean: float, on_rate: float) -> Steering:
     )
 
 
-_Case = tuple[Vehicle, str, bool, float, Place]
+_Case = tuple[Vehicle, str, bool, float, Surroundings]
 _IDLE: dict[_Case, list[Airframe]] = {}
 _MAX_CASES = 8
 """Largest number of cases whose airframes are kept: an engine holds some megabytes."""

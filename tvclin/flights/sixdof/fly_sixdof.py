@@ -33,7 +33,7 @@ from tvclin.flights.engine_interface import (
     verdict_time,
     warn_of_the_end,
 )
-from tvclin.flights.sixdof.airframe import Place, reused_airframe
+from tvclin.flights.sixdof.airframe import Surroundings, reused_airframe
 from tvclin.flights.sixdof.model import Earth, NominalTrajectory, nominal_trajectory
 from tvclin.flights.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.linear.plant import Plant
@@ -149,16 +149,16 @@ class SixDof:
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs [rad, rad/s] at the steps, ``(m, 5)``; `InputError` for NaN."""
-        place: Place = self.earth
+        surroundings: Surroundings = self.earth
         vehicle, reference = self.vehicle, None
         if air.trajectory is not None:
-            vehicle, place, reference = (
+            vehicle, surroundings, reference = (
                 air.trajectory.vehicle,
                 air.trajectory.departure,
                 air.trajectory.rows,
             )
         numbers = vehicle.replace(name="", time=None)  # all that the engine knows of it
-        with reused_airframe(numbers, self.plane, self.drift, self.step, place) as airframe:
+        with reused_airframe(numbers, self.plane, self.drift, self.step, surroundings) as airframe:
             rows = airframe.fly(steering, air.speeds, air.angles, reference)
         invalid = np.argwhere(~np.isfinite(rows))
         if invalid.size:

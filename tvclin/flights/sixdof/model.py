@@ -22,12 +22,12 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 class InitialState:
     """Initial state of a flight in the standard atmosphere over a flat planet without rotation.
 
-    `altitude`: altitude [m]. `turn`: rate of the flight path [rad/s]. `dynamic_pressure`: dynamic
-    pressure of the vehicle's aerodynamic forces [Pa]. `mass_flow`: mass flow [kg/s].
+    `altitude`: altitude [m]. `path_rate`: rate of the flight path [rad/s]. `dynamic_pressure`:
+    dynamic pressure of the vehicle's aerodynamic forces [Pa]. `mass_flow`: mass flow [kg/s].
     """
 
     altitude: float
-    turn: float
+    path_rate: float
     dynamic_pressure: float
     mass_flow: float
 
@@ -63,7 +63,7 @@ def nominal_trajectory(
     start = float(times[0])
     departure = InitialState(
         altitude=float(states[2, 0]),
-        turn=float(turns[0]),
+        path_rate=float(turns[0]),
         dynamic_pressure=float(nominal.dynamic_pressure(start)),
         mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),
     )
