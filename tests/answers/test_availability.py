@@ -549,6 +549,7 @@ def test_persistence_is_an_angle_or_a_wind_against_the_vehicle(flight, archive) 
     assert angle.today(archive[3]).upper == pytest.approx(angle.upper[3], rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_pairs_of_the_archive_say_how_needs_grow(flight, archive) -> None:
     """The jets grow by 5 m/s in 12 h, and needs nearly in proportion."""
     bare = tv.availability(flight, archive, limit=np.radians(0.3), **PITCH)

@@ -137,6 +137,7 @@ def test_a_part_of_no_damping_is_refused(plan):
         )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("method", usual(["sobol", "latin"], 1))
 def test_other_ways_to_draw_do_not_know_the_chunk_either(plan, tmp_path, method):
     first, second = (

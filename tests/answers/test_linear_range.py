@@ -97,6 +97,7 @@ def test_no_survivable_peak_is_beyond_the_linear_range(deg) -> None:
     assert said["survivable_peak_is_bound"] is True
 
 
+@pytest.mark.thorough
 def test_what_is_survived_below_the_bound_does_not_depend_on_the_wind_in_question() -> None:
     small, wide = (study(deg, limit=np.radians(1.0)) for deg in (5.0, 52.0))
     assert wide.survives_bound is False

@@ -8,7 +8,6 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
-from tests.turns import usual
 from tvclin.boundary.limit_shapes import CircularShape, PolygonShape
 from tvclin.cli.app import app
 from tvclin.requirement.plane_requirement import omitted_fraction, rectangle
@@ -69,7 +68,8 @@ def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
     assert "NOT SUFFICIENT" in both.output
 
 
-@pytest.mark.parametrize("stop", usual([[], ["--stop", "square"]], 0))
+@pytest.mark.thorough
+@pytest.mark.parametrize("stop", [(), ("--stop", "square")])
 def test_a_peak_says_of_what_it_is(stop) -> None:
     """A wind whose vector, or part in the plane, has the peak that is survived needs the limit.
 

@@ -17,7 +17,7 @@ def study(configuration_i, **given):
 
 
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", usual(SHAPES, 0))
 def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> None:
     """The limit is that of eq (4b) at each time; the time is known to 1e-4 of the duration."""
     found = study(configuration_i, wind=shape, model=model)

@@ -68,6 +68,7 @@ def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: st
             assert ("Note: thrust is" in said) is (changed and doubt.startswith("thrust"))
 
 
+@pytest.mark.thorough
 def test_each_row_says_which_peak_the_limit_survives() -> None:
     asked = ["study", "--limit-deg", "0.3", "--model", "drift", "--sign", "frozen"]
     rows = {

@@ -144,6 +144,7 @@ rate_slope_per_m = 0.05
 """
 
 
+@pytest.mark.thorough
 def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
     """A vehicle file whose mode is that of a row misses the criteria as the row does."""
     file = tmp_path / "one.toml"

@@ -55,7 +55,8 @@ def begun(*arguments: str, **environment: str) -> subprocess.CompletedProcess[by
     )
 
 
-@pytest.mark.parametrize("width", ["0", pytest.param("-3", marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("width", ["0", "-3"])
 def test_a_width_that_no_terminal_has_counts_as_none(width: str) -> None:
     error = begun("study", "nobody", COLUMNS=width)
     vehicles = begun("vehicles", COLUMNS=width)

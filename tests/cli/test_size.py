@@ -383,6 +383,7 @@ def test_the_figure_holds_the_worst_of_all_winds() -> None:
     assert curves.column("available limit") == pytest.approx([0.5, 0.5])
 
 
+@pytest.mark.thorough
 def test_a_gust_on_top_of_the_wind_is_added_when_it_is_asked_for() -> None:
     document = json.loads(
         run(

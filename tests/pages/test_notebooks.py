@@ -20,7 +20,7 @@ from tvclin.plots.style import COLOURS
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
-QUICK = ("03_edge_of_stability", "06_laws", "10_your_vehicle")
+QUICK = ("03_edge_of_stability",)
 """Which a usual run executes; a thorough one all."""
 every = pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.stem)
 

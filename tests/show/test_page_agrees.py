@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.archives import Balloon, days, jet, write
+from tests.turns import usual
 from tvclin.plots.boundaries import study_chart
 from tvclin.show.report.page import page_of
 from tvclin.studyfile.findings import Findings
@@ -98,7 +99,7 @@ def close(one: float, other: float) -> bool:
 
 @pytest.mark.parametrize(
     ("asked", "count"),
-    [(REPORT, 7), (COEFFICIENTS, 3), pytest.param(FLEXIBLE, 6, marks=pytest.mark.thorough)],
+    usual([(REPORT, 7), (COEFFICIENTS, 3), (FLEXIBLE, 6)], 1),
     ids=["report", "coefficients", "flexible"],
 )
 def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:

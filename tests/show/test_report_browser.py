@@ -22,10 +22,13 @@ BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
 DRIVER = shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    BROWSER is None or DRIVER is None,
-    reason="no browser: apt-get install chromium chromium-driver",
-)
+pytestmark = [
+    pytest.mark.thorough,
+    pytest.mark.skipif(
+        BROWSER is None or DRIVER is None,
+        reason="no browser: apt-get install chromium chromium-driver",
+    ),
+]
 
 WIDTHS = (390, 1024, 1440)
 SCHEMES = ("light", "dark")
