@@ -92,6 +92,16 @@ def linearised():
     return jacobian
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _coarse_pixels():
+    """Write figures with few pixels, of which no test reads one."""
+    from tvclin.plots import style
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "_DPI", 40)
+        yield
+
+
 @pytest.fixture(scope="module")
 def no_flights():
     """Put still attitudes and one boundary in the place of the flights of figures, which cost."""

@@ -316,12 +316,14 @@ def save_figure(plot: "ControlPlot", path: str | PathLike[str]) -> None:
         kind = figure_format(path)
         drawn = BytesIO()  # not the file: on a full disk the writer of PDF fails in its own way
         with plt.rc_context({"svg.hashsalt": "tvclin"}):
-            plot.figure.savefig(drawn, format=kind, dpi=150)
+            plot.figure.savefig(drawn, format=kind, dpi=_DPI)
         write_whole(path, lambda target: Path(target).write_bytes(drawn.getvalue()))
     finally:
         plt.close(plot.figure)
 
 
+_DPI = 150
+"""Dots per inch of a figure in pixels."""
 _DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
 """Distances of a number from its mark, in points, the preferred first."""
 _DIRECTIONS = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
