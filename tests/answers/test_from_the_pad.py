@@ -153,8 +153,9 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     arm = np.interp(flight.times, *ARMS[name])
     turned = tv.FlightSchedule(flight.vehicle.replace(aerodynamic_arm=arm), altitude=flight.height)
     found = tv.availability(turned, archive(1.0), **PITCH)
-    each = [tv.availability(part, archive(1.0), **PITCH).required[0] for part in turned.parts]
-    assert [np.all(np.diff(np.sign(p.vehicle.aerodynamic_arm[1:-1])) == 0) for p in turned.parts]
+    intervals = turned.one_sign_intervals
+    each = [tv.availability(x, archive(1.0), **PITCH).required[0] for x in intervals]
+    assert [np.all(np.diff(np.sign(x.vehicle.aerodynamic_arm[1:-1])) == 0) for x in intervals]
     assert found.required[0] == pytest.approx(max(each), rel=1e-9)
     assert "aerodynamic moment changes its sign" in " ".join(found.notes)
     met = tv.fly_through(sounding(), turned, azimuth=EAST)

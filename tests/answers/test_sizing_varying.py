@@ -233,7 +233,7 @@ def test_where_a_moment_turns_each_part_of_the_flight_is_judged(configuration_i)
     wind = tv.TriangularWind(peak=0.05, duration=8.0)
     found = tv.size(tv.FlightSchedule(turns), wind, times=[63.0], model="fixed-path", varying=True)
 
-    later = tv.FlightSchedule(turns).parts[1]
+    later = tv.FlightSchedule(turns).one_sign_intervals[1]
     assert later.span[0] == pytest.approx(60.0 + 4.0 * 2.0 / 11.45, rel=1e-12)
     rest = wind.shift(63.0 - 4.0)
     rest = rest - rest.before(later.span[0])

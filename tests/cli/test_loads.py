@@ -110,7 +110,7 @@ def test_a_study_file_asks_the_same_in_each_unit(table: str, tmp_path: Path) -> 
     own = find(load_study(str(file)))
     (asked,) = [one for one in questions(own) if one.name == "load"]
     assert asked.yes
-    assert asked.needs == pytest.approx(np.radians(found["lower_bound_deg"]))
+    assert asked.required_deflection == pytest.approx(np.radians(found["lower_bound_deg"]))
 
 
 @pytest.mark.parametrize(

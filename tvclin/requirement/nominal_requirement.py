@@ -128,7 +128,7 @@ def required_deflection(
     needs = open_loop_requirements(plant, wind, K, boundary)
     law_wind = wind
     if two_sided is not None:
-        instance("two_sided", two_sided, History, "the wind with what blows to the other side")
+        instance("two_sided", two_sided, History, "the wind with both signs")
         if two_sided.batch != wind.batch:
             raise InputError(
                 f"whole must be the same winds as wind, of shape {wind.batch}; got"
