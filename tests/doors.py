@@ -286,7 +286,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "LimitShape.inscribed": Door(square.inscribed, {"sides": 8}),
         "EllipticShape": Door(tv.boundary.EllipticShape, {"pitch": 1.0, "yaw": 0.5}),
         "PolygonShape": Door(tv.boundary.PolygonShape, {"corners": kite.corners}),
-        "SquareShape": Door(tv.boundary.SquareShape, {"turn": 0.3}),
+        "SquareShape": Door(tv.boundary.SquareShape, {"rotation": 0.3}),
         "ClusterEngine": Door(
             tv.boundary.ClusterEngine,
             {"at": 1.0, "share": 1.0, "stop": ellipse, "state": "stuck", "deflection": 0.1},

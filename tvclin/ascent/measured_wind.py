@@ -57,7 +57,7 @@ class SoundingSpeeds:
         Parameters
         ----------
         plane : str
-            Plane of the angle; the wind of the other plane is that of the sounding.
+            Plane of the angle; the other plane has the wind of the sounding.
         angle : ndarray
             Wind angles at nominal speed [rad], eq (B1e), beyond the bias.
         times : ndarray

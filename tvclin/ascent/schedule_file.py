@@ -252,7 +252,7 @@ def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
 
 
 def _rows(table: dict[str, Any], labels: list[str]) -> list[Row]:
-    """Return the rows of columns; a single value is that of every row."""
+    """Return the rows of columns; a single value counts in every row."""
     return [
         (label, {key: v[i] if isinstance(v, list) else v for key, v in table.items()})
         for i, label in enumerate(labels)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray
 
 _CSV_UNITS = {"rad": "deg", "UTC": "utc", "1": "", "": ""}
-"""Units in the headings of CSV that differ from those of a column."""
+"""Units in the headings of CSV that differ from the units of a column."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,5 +31,5 @@ class EditedSource(str):
 
     @property
     def tables(self) -> dict[str, Any] | None:
-        """A copy of the tables; None where they are those of the file."""
+        """A copy of the tables; None where they equal the tables of the file."""
         return deepcopy(self._tables)

@@ -131,7 +131,7 @@ def upper_pole(name: str, pole: complex, digits: int = 5) -> Line:
 
 
 def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -> Line:
-    """Return a complex number; `sign` replaces that of its imaginary part."""
+    """Return a complex number; `sign` replaces the sign of its imaginary part."""
     real = significant(f"{name}.real", value.real, digits)
     if not value.imag:
         return real

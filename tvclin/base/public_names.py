@@ -97,7 +97,7 @@ class Hinted:
 def _hint(kind: str, name: str, attributes: Iterable[str]) -> str:
     """Return the message on an attribute that a record has not, with the public name for it.
 
-    `attributes`: those of the record.
+    `attributes`: attributes of the record.
     """
     if name.startswith("_"):
         return f"{kind!r} object has no attribute {name!r}"

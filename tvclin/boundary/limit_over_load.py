@@ -305,7 +305,7 @@ class LoadLimits:
 
     @property
     def _programmed(self) -> bool:
-        """Whether the minimum load exceeds that of a jump of the wind."""
+        """Whether the minimum load exceeds the minimum load in a jump of the wind."""
         case = self.case
         return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
 

@@ -215,7 +215,7 @@ def _requirement_after_trim(
 
 
 def _governing_requirement(requirements: dict[Reason, float]) -> tuple[float, list[str]]:
-    """Return the largest requirement [rad], and the note if it is not that of the control."""
+    """Return the largest requirement [rad], and the note if the control requires another."""
     governs = max(requirements, key=lambda name: requirements[name])
     more = requirements[governs] > requirements[Reason.BOUNDARY] * (1.0 + ROUNDING)
     return (
@@ -282,7 +282,7 @@ def _dead_band_exit(
     times = pair.times()
 
     def margin(t: FloatArray, floor: float = 0.0) -> FloatArray:
-        """Return the driver's gauge minus K times that of the required deflection [rad]."""
+        """Return the driver's gauge minus K times the gauge of the required deflection [rad]."""
         driver = stop.gauge(pair.trim(t) if literal else pair.moment_driver(t))
         return np.maximum(driver, floor) - K * stop.gauge(pair.required_constant(t))
 

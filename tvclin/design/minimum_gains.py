@@ -188,7 +188,7 @@ def minimum_deflection_gains(
     stops : int
         With limits, number of sudden ends of each wind that must be survived as well.
     sample_rate : float, optional
-        Samples of the autopilot in a second [Hz]: its margins are then those of the sampled loop.
+        Samples of the autopilot in a second [Hz]: its margins are then of the sampled loop.
         Without one the margins are of a continuous autopilot, and flights sample it at 100 Hz. The
         largest deflections of the linear loop are those of the continuous one, either way.
 

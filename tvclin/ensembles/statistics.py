@@ -292,7 +292,7 @@ def survival_fraction(
     `flies`: 1 for a sounding that flies, 0 for one that does not, NaN for unknown. `required`:
     required deflections [rad], whose autocorrelation counts if all soundings fly, or none.
     `season`: the month of a year; only soundings of the same season are compared. ``(n,)`` each.
-    The interval is that of Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up
+    The interval is by Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up
     to the first that is not positive.
     """
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import

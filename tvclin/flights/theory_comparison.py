@@ -178,7 +178,7 @@ def compare_flight(
     condition: FlightCondition | None = None,
     boundary: float | None = None,
 ) -> FlightComparison:
-    """Return a flight of an engine and its verdict, compared with those of linear theory.
+    """Return a flight of an engine and its verdict, compared with linear theory.
 
     Parameters
     ----------
@@ -326,7 +326,7 @@ class SampledFlight(FlightComparison):
 def fly_sampled(
     plant: AnyPlant, law: Law, wind: History, timepts: ArrayLike, **nozzle: Any
 ) -> SampledFlight:
-    """Return a sampled flight and its outcome, and those of the rigid vehicle.
+    """Return a sampled flight and its outcome, for the vehicle and for the rigid vehicle.
 
     Same parameters and exceptions as `fly`; `nozzle`: deflection_limit, rate_limit, actuator,
     sample_rate and delay.

@@ -189,7 +189,7 @@ class FlexiblePlant(Shown, Hinted):
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs: those of `Plant`, then those of the sensors."""
+        """Names of the outputs: outputs of `Plant`, then of the sensors."""
         return (*self.rigid.outputs, "sensed_attitude", "sensed_attitude_rate")
 
     @property

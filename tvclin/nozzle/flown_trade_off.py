@@ -126,7 +126,7 @@ def flown_trade_offs(
     ----------
     cases : mapping of str to Case
         Cases by name, such as a vehicle at several times of its flight, or in several winds.
-        Actuator, sample rate, delay, gains and filters are those of the case; the rate limit of its
+        Actuator, sample rate, delay, gains and filters are from the case; the rate limit of its
         nozzle is flown as well.
     rates : array_like, optional
         Rate limits [rad/s], ``(n,)``; by default 1.25 to 20 times the minimum rate of each case.

@@ -1,4 +1,4 @@
-"""The boundary limit against the duration of the wind: figures 2 and 5, and those of a study."""
+"""The boundary limit against the duration of the wind: figures 2 and 5, and figures of a study."""
 
 from __future__ import annotations
 

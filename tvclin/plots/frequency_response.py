@@ -353,7 +353,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
 def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
     """Return the response along the contour, indented to the right of poles on the axis.
 
-    The contour of a sampled loop is that of its variable w, at frequencies of the s plane.
+    The contour of a sampled loop is in its variable w, at frequencies of the s plane.
     """
     import control
 

@@ -228,7 +228,7 @@ def decisive_frequencies(margins: Margins) -> FloatArray:
 
 
 def mode_frequency(mode: ModeBand) -> float:
-    """Return the frequency of a mode's peak [rad/s]; without a peak that of its alias or pole."""
+    """Return the frequency of a mode's peak [rad/s]; without a peak of its alias or pole."""
     candidates = (mode.peak_frequency, mode.alias, abs(np.imag(mode.pole)))
     return float(next((frequency for frequency in candidates if np.isfinite(frequency)), np.nan))
 

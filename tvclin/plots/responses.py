@@ -137,7 +137,8 @@ def _limit(value: float) -> float:
 def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
     """Return the lines of a limit [rad] with the signs with which a deflection reaches half of it.
 
-    If it reaches half with neither sign, the line is that of the larger peak. `deflection`: in deg.
+    If it reaches half with neither sign, the line has the sign of the larger peak. `deflection`: in
+    deg.
     """
     reach = {"upper limit": np.nanmax(deflection), "lower limit": -np.nanmin(deflection)}
     threshold = min(0.5 * np.degrees(limit), max(reach.values()))

@@ -117,7 +117,7 @@ def _prepare(axes: Axes, radius: float) -> None:
 def _mark_poles(
     axes: Axes, modes: Modes, model: str, row: int, named: tuple[float, float]
 ) -> list[Any]:
-    """Mark the poles of one model, and write the residue beside those of the sizes `named`."""
+    """Mark the poles of one model, and write the residue at poles of the sizes `named`."""
     poles, strength = modes.poles.astype(complex), modes.deflection_residues + 0j
     colour, size = cycle(COLOURS)[row], np.abs(poles)
     mark = {"marker": cycle(MARKS)[row], "ms": 8 - row, "mfc": "none", "mew": 1.6}

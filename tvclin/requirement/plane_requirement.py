@@ -37,7 +37,8 @@ class VectorRequirement:
 
     `trim` is the largest gauge of -B times the wind, `required` the limit of `plane_limit` at each
     dead band, ``(k,)``, `no_forecast` the lower bound of laws without a forecast, and `minimum`
-    that of every control; `notes` say why a number is not defined, or is more than (4b) says.
+    the minimum of every control; `notes` say why a number is not defined, or is more than (4b)
+    says.
     """
 
     trim: float

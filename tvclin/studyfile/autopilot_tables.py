@@ -118,7 +118,7 @@ def law_sample_rate(findings: Findings) -> Line:
 
 
 def autopilot_as_law(findings: Findings) -> Line:
-    """Return how the flight of the autopilot among the laws differs from that of its verdict."""
+    """Return differences of the flight among the laws from the flight of the verdict, in words."""
     plan, s, request = findings.plan, findings.study, findings.plan.laws
     gust = ["the gust"] if s.gust is not None else []
     if findings.stop is None or request is None or "autopilot" not in request.names:

@@ -21,7 +21,7 @@ from tvclin.winds.wind_angles import ATTACK, beyond_linear
 _FLIGHTS = ("flexible flight",)
 """Questions whose answer is the outcome of a flight: survived or not."""
 _CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
-"""Questions whose answer is that of a criterion: satisfied or not. Others have a verdict."""
+"""Questions that are answered by a criterion: satisfied or not. Others have a verdict."""
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,7 @@ def load_sizing(
     source : str or path
         A study file with [schedule], or a source of `load_schedule`.
     soundings : dict of str to SoundingRequest, optional
-        Winds over height, added to those of a study file. Without any wind the default is a
+        Winds over height, added to the winds of a study file. Without any wind the default is a
         triangle of 5 degrees for 7.5 seconds.
 
     Raises
@@ -174,7 +174,7 @@ def is_flight_with_keys(source: str | PathLike[str]) -> bool:
 
 
 def _of_a_vehicle(document: Mapping[str, Any]) -> bool:
-    """Return whether a study is that of a vehicle, or of a schedule, with keys set."""
+    """Return whether a study is of a vehicle, or of a schedule, with keys set."""
     return isinstance(document.get("study", {}).get("vehicle"), EditedSource)
 
 

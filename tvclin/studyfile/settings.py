@@ -165,7 +165,7 @@ def _value(key: str, text: str) -> Any:
 def _study(
     tables: dict[str, Any], folder: Path, of_study: list[Setting], of_vehicle: list[Setting]
 ) -> dict[str, Any]:
-    """Return the tables of a study file with its keys and those of its vehicle set."""
+    """Return the tables of a study file with its keys, and the keys of its vehicle, set."""
     tables = _changed(tables, of_study)
     home = tables["study"] if "vehicle" in tables.get("study", {}) else tables.get("campaign", {})
     vehicle = home.get("vehicle")

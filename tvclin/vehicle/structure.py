@@ -344,7 +344,7 @@ def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
 def _element_tables(caption: str, name: str, elements: Sequence[Any]) -> Iterator[Table]:
     """Yield the table of elements of one kind, a column each; nothing without elements.
 
-    `name`: that of an element.
+    `name`: name of an element.
     """
     if not elements:
         return

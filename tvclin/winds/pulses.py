@@ -331,7 +331,7 @@ class OneMinusCosineGust(Pulse):
 
     Notes
     -----
-    The shape is that of 14 CFR 25.341(a)(2).
+    The shape is defined by 14 CFR 25.341(a)(2).
     """
 
     def _pieces(self) -> Pieces:

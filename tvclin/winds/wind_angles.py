@@ -397,7 +397,7 @@ class EncounteredWind:
 
 
 def _broadcast_column(x: Any, times: FloatArray) -> FloatArray:
-    """Return numbers ``(n,)`` with trailing axes for those of the times."""
+    """Return numbers ``(n,)`` with trailing axes for the axes of the times."""
     return np.reshape(x, (-1,) + (1,) * (times.ndim - 1))
 
 

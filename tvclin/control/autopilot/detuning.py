@@ -166,7 +166,7 @@ def detuned(
         Factors on the frequency of a mode, positive, ``(n,)``, for one mode at a time. Between the
         smallest and the largest, the factor at which the loop becomes unstable is searched.
     criteria : Criteria
-        Criteria of the margins, also those of modes.
+        Criteria of the margins, of the loop and of modes.
 
     Raises
     ------

@@ -312,7 +312,7 @@ def _coefficients(plant: PlantOrVehicle) -> Coefficients:
 
 
 def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
-    """Raise `InputError` for a closed-loop frequency below that of the vehicle alone."""
+    """Raise `InputError` for a closed-loop frequency below the pole frequency of the vehicle."""
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
     specified, bare = np.broadcast_arrays(
@@ -321,7 +321,8 @@ def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -
     if np.any(specified < bare):
         worst = np.unravel_index(np.argmin(specified - bare), bare.shape)
         raise InputError(
-            "natural_frequency must not be below that of the vehicle alone, sqrt(-mu_alpha) ="
+            "natural_frequency must not be below the pole frequency of the vehicle alone,"
+            " sqrt(-mu_alpha) ="
             f" {bare[worst]:.6g} rad/s: the feedback would be positive; got {specified[worst]:.6g}"
         )
 

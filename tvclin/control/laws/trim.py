@@ -40,7 +40,7 @@ class TrimLaw(LinearLaw):
         Designed with drift it holds the nose to the path, which loses the load relief of the drift
         and lets the path diverge with the slow mode.
     gain : float
-        Gain of the feedback on z, over that of trim.
+        Ratio of the feedback gain on z to the gain of trim.
 
     Raises
     ------
@@ -107,14 +107,14 @@ class DeadBandLaw(TrimLaw):
     When the demanded deflection reaches K times the limit, the full limit is commanded until the
     demand has fallen to 0.9 K of the limit; then trim and attitude feedback command the nozzle
     again. The switch acts on the demanded deflection, so with drift it is the literal dead band,
-    not that of (18).
+    not the limit of (18).
 
     Parameters
     ----------
     plant : Plant
         Plant of the design.
     gain : float
-        Gain of the feedback on z, over that of trim. One places the poles about where the
+        Ratio of the feedback gain on z to the gain of trim. One places the poles about where the
         canonical gains do; a larger gain undoes the lean into the wind that the dead band causes.
     dead_band : float
         K, from 0.01 to one.

@@ -99,7 +99,7 @@ def availability(
     known_to : float, optional
         Height [m] to which a sounding must go to be judged.
     utc_offset : float, optional
-        Local time less UTC [h], by which months are counted; that of the archive if not given.
+        Local time less UTC [h], by which months are counted; by default the offset of the archive.
     confidence : float
         Confidence of the intervals, in (0, 1).
     sign : {"frozen"}, optional

@@ -76,7 +76,7 @@ class AvailabilityRequest:
     ) -> Availability:
         """Return the availability of a case; `InputError` without a limit.
 
-        Same exceptions as `availability`. In both planes the limit shape is that of the nozzle, or
+        Same exceptions as `availability`. In both planes the limit shape is from the nozzle, or
         round.
         """
         from tvclin.ensembles.availability.availability import availability

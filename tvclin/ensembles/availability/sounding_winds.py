@@ -204,7 +204,7 @@ class FlightPath:
     ) -> FloatArray:
         """Return the winds [m/s] that turn the nominal path by angles [rad] at times [s].
 
-        With `pressure` the angle is that of the wind triangle, NaN where no horizontal wind turns
+        With `pressure` the angle follows from the wind triangle, NaN where no horizontal wind turns
         the path so far; else it is the angle of eq (B1e).
         """
         speed, climb = self.speed_and_climb(times)

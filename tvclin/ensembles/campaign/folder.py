@@ -271,7 +271,7 @@ def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
 def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyArray]:
     """Return the columns of a chunk by name, ``(n,)`` each.
 
-    The hash in the file is that of the returned arrays, so that damage to values, types, names or
+    The hash in the file is of the returned arrays, so that damage to values, types, names or
     order raises an exception and never changes a number.
 
     Raises

@@ -304,7 +304,7 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
 def _with_filters(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
     """Return the step of one law and its filters, of lengths [s] ``(m,)``, padded to `size` states.
 
-    The law's states come first, then those of each chain.
+    The law's states come first, then the states of each chain.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
     law = connect(blocks, (*SENSED, LAW_OUTPUT), (*LAW_INPUTS, RETURNED))

@@ -59,7 +59,8 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     """Return the largest growth rate [1/s] of an oscillation of each of m loops, ``(m,)``.
 
     Slow modes do not count: real positive eigenvalues of the step, and frequencies below a tenth of
-    the fastest unstable pole, such as that of the path. `f`: flights of the batch, at any sample.
+    the fastest unstable pole, such as the pole of the path. `f`: flights of the batch, at any
+    sample.
     """
     # Flights that differ in their limit alone have the same loop, unless their law depends on it.
     depends = np.array([law is None or law.leans for law in batch.laws.numbers])[f.cases.law]

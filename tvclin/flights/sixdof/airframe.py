@@ -124,7 +124,7 @@ class Prediction:
         )
 
     def moved(self, deflection: float, angle: float, nominal: Row) -> Row:
-        """Return the outputs after a step, minus those of the nominal flight; updates the state."""
+        """Return the outputs after a step, minus the nominal outputs; updates the state."""
         self._push_before, self._path_before = self._push, self._path
         self._deflection, self._blown = deflection, angle
         self._attitude, self._path = attitude, path = self._senses.angles()

@@ -75,7 +75,7 @@ class Sizing(Tabled):
     known : ndarray of bool
         Whether the wind is known, ``(n, m)``.
     covered : ndarray of bool
-        Whether the schedule covers the wind; outside, parameters are those of its nearer end.
+        Whether the schedule covers the wind; outside, parameters are from its nearer end.
     slow_mode : ndarray
         y of eq (C8) for each wind, ``(n, m)``: from one on the slow mode of the flight path
         decides, a single pole is not sufficient, and "minimum" is the two-pole result.

@@ -250,7 +250,7 @@ class _StationStream:
             self.heads.append((time, self.number, int(count), len(self.lines)))
 
     def _time(self, date: str, hour: int, release: bytes) -> Any:
-        """Return the nominal time; without an hour that of release, or noon; None for no date."""
+        """Return the nominal time, without an hour the release or noon; None without a date."""
         note, minutes = "", 60 * hour
         if hour == _MISSING_HOUR:
             released = release.isdigit() and release != _MISSING_RELEASE and int(release) % 100 < 60

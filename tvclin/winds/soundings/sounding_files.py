@@ -80,7 +80,7 @@ def read_sounding(
         Which sounding of a file that holds several, as "2024-01-15 12" [UTC]; the first where it
         is not given, with a note.
     units : str, optional
-        Units of a table that names none, as "ft,mph": those of heights, speeds and directions.
+        Units of a table that names none, as "ft,mph": of heights, speeds and directions.
     above_ground : float, optional
         Elevation of the site above the sea [m], from -450 to 9000, for a table of heights above the
         ground.

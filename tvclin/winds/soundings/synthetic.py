@@ -162,8 +162,8 @@ def synthetic_profile(
     peak_height : float
         Height [m] at which the wind reaches the envelope.
     thickness, change : array_like
-        Shear: decrease of the speed [m/s] below that of the envelope over layers of a thickness
-        [m], both positive and ascending, ``(m,)``. It applies below and above.
+        Shear: decrease of the speed [m/s] below the speed of the envelope over layers of a
+        thickness [m], both positive and ascending, ``(m,)``. It applies below and above.
     azimuth : float
         Direction [rad] towards which the wind blows, from north, clockwise.
 
