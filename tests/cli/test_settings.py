@@ -177,6 +177,8 @@ def test_keys_that_exclude_each_other_are_refused():
         ("size", ("--every", "20"), ("size.every_s", "10")),
         ("margins", ("--natural-frequency", "1"), ("autopilot.rate_gain_s", "2")),
         ("margins", ("--attitude-gain", "1"), ("autopilot.design", "lqr")),
+        ("margins", ("--design", "poles"), ("autopilot.damping", "0.5")),
+        ("respond", ("--winds", "wind.csv"), ("wind.peak_deg", "5")),
     ],
 )
 def test_a_key_beside_its_own_option_is_refused(command, option, key):

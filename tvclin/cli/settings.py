@@ -132,6 +132,8 @@ def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
     from tvclin.studyfile.settings import quantity_name
 
     keys = _WIND_KEYS | _OTHER_KEYS | _field_keys()
+    if all(option.opts[0] != "--every" for option in options):  # a flight meets pulses too
+        keys["--winds"] = ("wind",)
     flags = [option.opts[0] for option in options if is_set(option, values)]
     for key, _ in pairs(settings):
         for flag in flags:
@@ -177,4 +179,5 @@ def _field_keys() -> dict[str, tuple[str, ...]]:
             for group, others in ((GIVEN_GAINS, RULE_KEYS), (RULE_KEYS, GIVEN_GAINS)):
                 if heading == "autopilot" and item.name in group:  # a rule replaces gains
                     keys[flag] += tuple(f"autopilot.{other}" for other in others)
+    keys["--design"] += tuple(f"autopilot.{name}" for name in RULE_KEYS)
     return keys
