@@ -14,8 +14,8 @@ study: $(VENV)/.installed  ## set everything up and size configuration I
 
 # Bytecode is kept whatever the environment says: workers, notebooks and commands begin many times.
 test: export PYTHONDONTWRITEBYTECODE =
-test: $(VENV)/.installed-dev  ## set everything up and pass the tests, with lint beside them
-	$(MAKE) --no-print-directory -j2 lint suite
+test: $(VENV)/.installed-dev  ## set everything up and pass the tests
+	$(MAKE) --no-print-directory suite
 
 # A worker that dies fails the run at once; begun anew, it leaves the others waiting for ever.
 SUITE = $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart 0 -q
@@ -33,7 +33,7 @@ thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of 
 # With SHARES=2 half of them, by turns, a day each.
 SHARES := 1
 
-test-all: test thorough  ## pass the tests, the thorough ones, and half the numbers as on an older processor
+test-all: lint test thorough  ## pass lint, the tests, the thorough ones, and half the numbers as on an older processor
 	$(MAKE) --no-print-directory other-processor NUMBERS="$(HALF)"
 
 # By turns, a day each; PROCESSOR=Prescott takes that one. The halves change when all had their turn.
