@@ -14,6 +14,7 @@ from scipy.signal import lsim
 from scipy.sparse import bmat, eye_array
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.boundary.open_loop import Reason
 from tvclin.requirement.nominal_requirement import required_deflection
 
@@ -101,7 +102,7 @@ def held_to(plant, wind, dead_band, above=(1.003, 1.1, 1.5)):
 
 @pytest.mark.parametrize(
     ("name", "dead_band", "before"),
-    [("configuration-i", 0.5, 0.1325), ("configuration-ii", 0.75, 0.1117)],
+    usual([("configuration-i", 0.5, 0.1325), ("configuration-ii", 0.75, 0.1117)], 0),
 )
 def test_a_long_wind_needs_more_than_the_minimum_from_its_onset(name, dead_band, before):
     plant = tv.Plant.from_vehicle(tv.load_vehicle(name), "drift-exact")

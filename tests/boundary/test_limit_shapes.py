@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import linprog
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import InputError
 from tvclin.boundary import (
     CircularShape,
@@ -125,7 +126,7 @@ PLACES = (1.0 + 0.2j, -0.3 + 1.1j, -1.0 + 0.0j, 0.4 - 0.8j)
 
 
 @pytest.mark.parametrize("dead", [(), (0,), (2, 3)])
-@pytest.mark.parametrize("hold_roll", [True, False])
+@pytest.mark.parametrize("hold_roll", usual([True, False], 1))
 def test_a_linear_program_finds_the_same_limit_with_square_stops(dead, hold_roll):
     stop = SquareShape(0.2)
     found = cluster(dead, PLACES, stop, hold_roll)

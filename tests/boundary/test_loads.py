@@ -188,6 +188,7 @@ def flown_with_little_load(plant, M, most, wind, last):
     return widest, state
 
 
+@pytest.mark.thorough
 def test_a_load_that_a_law_keeps_to_is_not_refused():
     """With M < 0 the law delta = (L - alpha)/M has the load L, of any size, and swings."""
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
@@ -211,7 +212,8 @@ def test_a_load_below_what_was_computed_and_above_what_is_proved_is_not_known():
     assert front.verdict.startswith("NOT KNOWN")
 
 
-@pytest.mark.parametrize("plant", usual([FIXED, exact()], 0))
+@pytest.mark.thorough
+@pytest.mark.parametrize("plant", [FIXED, exact()])
 def test_loads_far_below_the_peak_have_a_limit_too(plant):
     """It falls over the load, and what is not settled is said to be not known.
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 import tvclin
-from tests.turns import by_turns
+from tests.turns import by_turns, usual
 from tvclin import Coefficients, InputError, Plant, TriangularWind
 from tvclin import optimum_deflection as without_limit
 from tvclin.boundary import optimum_with_rate_limit as with_limit
@@ -130,7 +130,7 @@ def test_more_steps_change_little_and_the_answer_settles():
     np.testing.assert_allclose(peaks, peaks[-1], rtol=1e-5)
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact", "drift-and-speed"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact", "drift-and-speed"], 2))
 def test_large_rates_lead_to_the_unlimited_optimum(model):
     plant = configuration(model)
     wind = triangle(plant, 20.0)
@@ -177,7 +177,7 @@ def test_an_early_start_makes_up_for_a_slow_actuator():
 
 
 @pytest.mark.parametrize("horizon", [None, 30.0])
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact", "drift-and-speed"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact", "drift-and-speed"], 0, 1))
 def test_a_rate_too_small_names_the_one_that_would_do(model, horizon):
     plant = configuration(model)
     wind = triangle(plant, 4.0)

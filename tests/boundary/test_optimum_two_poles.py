@@ -58,6 +58,7 @@ def pairs(count):
     return list(zip(poles, demands, strict=True))
 
 
+@pytest.mark.thorough
 def test_two_poles_agree_with_sixty_digits():
     for poles, demands in pairs(200):
         peak, switch = precise_pair(poles, demands)

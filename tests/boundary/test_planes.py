@@ -10,6 +10,7 @@ from scipy.optimize import brentq, linprog
 from scipy.special import hyp2f1
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import InputError
 from tvclin.boundary import (
     CircularShape,
@@ -134,7 +135,7 @@ def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, sw
 
 
 @pytest.mark.parametrize("stop", [CircularShape(), EllipticShape(1.0, 0.5), SquareShape(0.3), KITE])
-@pytest.mark.parametrize("K", [0.3, 1.0])
+@pytest.mark.parametrize("K", usual([0.3, 1.0], 0))
 def test_the_dead_band_is_left_where_quadrature_says(stop, K):
     wind = veering(4.0, 100.0, angle=0.2)
     found = tv.plane_limit(PLANT, wind, stop, dead_band=K)
@@ -263,7 +264,7 @@ def corners_needed(plant, wind, stop, even=60):
     return found.fun * scale
 
 
-@pytest.mark.parametrize("azimuth", [0.5, 1.0, 4.5])
+@pytest.mark.parametrize("azimuth", usual([0.5, 1.0, 4.5], 1))
 def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved(azimuth):
     """In a part of the cells two corners share the deflection."""
     plant, wind, cluster = measured(azimuth)

@@ -117,7 +117,7 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
     assert abs(dominant_pole(one.delayed(late)).real) < 1e-8
 
 
-@pytest.mark.parametrize("late", [0.0, 0.0263])
+@pytest.mark.parametrize("late", usual([0.0, 0.0263], 1))
 def test_far_from_the_stop_they_are_the_linear_margins_of_the_sampled_loop(late):
     """A hold is half a sample late; its error is of the order (omega h)^2, 2e-4 at crossover."""
     found = tv.flights.flown_margins(
@@ -186,7 +186,7 @@ NEAR_REST = {
 }
 
 
-@pytest.mark.parametrize(("case", "expected"), usual(TABLE.items(), 1, 5), ids=str)
+@pytest.mark.parametrize(("case", "expected"), usual(TABLE.items(), 1), ids=str)
 def test_margins_are_those_of_the_table(case, expected):
     name, times = case
     found = margins(LAWS[name], times)
@@ -214,7 +214,7 @@ def flown(change, value, law, limit, rate):
 
 @pytest.mark.parametrize(
     ("name", "change"),
-    [("gain_fall", "gain"), ("effectiveness_fall", "effectiveness"), ("delay", "delay")],
+    usual([("gain_fall", "gain"), ("effectiveness_fall", "effectiveness"), ("delay", "delay")], 0),
 )
 def test_brute_flights_of_changed_gains_plants_and_delays_find_the_same(name, change):
     law, rate, times = LAWS["attitude and rate"], 50.0, 1.08
@@ -289,6 +289,7 @@ def test_effectiveness_with_a_stop_is_gain_with_a_stop_so_many_times_as_far(law)
         np.testing.assert_array_equal(real.status, moments.status)
 
 
+@pytest.mark.thorough
 def test_margins_can_be_read_from_the_map():
     law, times = LAWS["attitude and rate"], 1.08
     found = margins(law, times, rate=50.0)
@@ -307,6 +308,7 @@ def test_margins_can_be_read_from_the_map():
     assert np.all(chart.growth < 0.0)
 
 
+@pytest.mark.thorough
 def test_filters_of_a_law_are_in_its_margins():
     """Far from the stop those of the filtered loop; a bilinear filter is exact at its frequency."""
     shelf = tv.vehicle.Filter.low_pass(6.0, 0.7)
@@ -380,6 +382,7 @@ def test_what_cannot_have_margins_is_refused():
         )
 
 
+@pytest.mark.thorough
 def test_figures_show_the_margins_and_the_map():
     import matplotlib.pyplot as plt
 

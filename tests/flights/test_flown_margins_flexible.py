@@ -7,6 +7,7 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import MODE, TANK
+from tests.turns import usual
 
 VEHICLE = tv.load_vehicle("configuration-i")
 ENGINE = tv.vehicle.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
@@ -25,7 +26,7 @@ def gains(plant):
     return tv.design_gains(plant.coefficients, natural_frequency=1.5, damping=0.7, filters=(NOTCH,))
 
 
-@pytest.fixture(scope="module", params=[None, ENGINE], ids=["light", "engine"])
+@pytest.fixture(scope="module", params=usual([None, ENGINE], 1), ids=["light", "engine"])
 def found(request):
     plant = plant_of(request.param)
     law = tv.SaturatedLaw(gains(plant))

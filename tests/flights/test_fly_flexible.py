@@ -102,6 +102,7 @@ def test_without_limits_a_flight_is_the_integral_of_its_equations():
         np.testing.assert_allclose(flown.outputs[name], wanted[row], rtol=0, atol=1e-9 * scale)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("limit", "rate_limit"),
     usual([(0.0075, np.inf), (0.05, 0.008), (0.0075, 0.008)], 2),
@@ -168,6 +169,7 @@ def test_the_boundary_moves_about_as_the_price_of_trim():
     assert abs(moved) < 5.0
 
 
+@pytest.mark.thorough
 def test_a_map_of_boundaries_is_of_the_flexible_vehicle_too():
     """Each of its boundaries by flights of the plant with that gain and delay, filters and all."""
     law = tv.control.FilteredLaw(

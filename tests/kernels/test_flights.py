@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, Plant
 from tvclin.flights.closed_loop import sampled
 from tvclin.flights.closed_loop.batch import polynomial_pieces
@@ -26,7 +27,7 @@ KINDS = [
     ("lean", {"actuator": SERVO}),
     ("lean", {}),
 ]
-EACH_KIND = pytest.mark.parametrize(("name", "options"), KINDS)
+EACH_KIND = pytest.mark.parametrize(("name", "options"), usual(KINDS, 1, 2, 3))
 
 
 def case(name, size, model="drift-exact"):

@@ -173,7 +173,7 @@ def carried_one_by_one(model: str) -> tuple[Any, ...]:
     return plants, inputs, times, np.array(outputs)
 
 
-@pytest.mark.parametrize("model", usual(MODELS, 0, 2))
+@pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
     plants, inputs, times, expected = carried_one_by_one(model)
     found = tv.attitude_responses(plants, *inputs, times).outputs
@@ -265,7 +265,7 @@ def triangles(plants: tv.Plant, durations: np.ndarray, times: np.ndarray) -> np.
     return tv.attitude_responses(plants, deflection, wind, times).outputs
 
 
-@pytest.mark.parametrize("points", [40, 150, 1300])
+@pytest.mark.parametrize("points", usual([40, 150, 1300], 1))
 def test_slow_and_fast_cases_share_a_batch(points: int) -> None:
     pytest.importorskip("numba")
     plants, durations = dispersed("fixed-path", 9, (40,)), np.geomspace(0.1, 25.0, 40)

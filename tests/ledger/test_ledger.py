@@ -135,14 +135,16 @@ def test_every_record_is_complete(kind, keys):
 
 def test_every_claim_has_a_function_and_every_function_a_claim():
     assert {claim["compute"] for claim in claims.claims()} == set(claims.COMPUTATIONS)
-    assert len(computed()) == len(claims.claims())
 
 
+@pytest.mark.thorough
 def test_the_claims_that_are_not_reproduced_are_these_and_each_has_a_note():
+    assert len(computed()) == len(claims.claims())
     assert {name for name, (_, found) in computed().items() if not found.holds} == NOT_REPRODUCED
     assert all("verdict_note" in computed()[name][0] for name in NOT_REPRODUCED)
 
 
+@pytest.mark.thorough
 def test_a_printed_number_is_reproduced_exactly_where_ours_rounds_to_it():
     checked = 0
     for name, (claim, found) in computed().items():
@@ -162,6 +164,7 @@ def test_a_printed_number_is_reproduced_exactly_where_ours_rounds_to_it():
     assert checked == 22
 
 
+@pytest.mark.thorough
 def test_every_number_of_a_note_is_in_its_claim_or_computed():
     unexplained = []
     for name, (claim, found) in computed().items():
@@ -185,6 +188,7 @@ def test_no_reading_gives_24_percent_or_38():
     assert not [value for value in limits if any(rounds_to(38, n) for n in value.numbers)]
 
 
+@pytest.mark.thorough
 def test_the_first_reading_is_the_one_of_the_claim_and_the_logarithm_gives_28():
     _, found = computed()["drift-24-percent-at-20"]
     assert attempts.reductions_by_drift()[0].numbers == found.values[0].numbers
@@ -288,6 +292,7 @@ def test_the_deviations_quote_what_is_computed():
     assert "15.24" in text
 
 
+@pytest.mark.thorough
 def test_what_reproduce_says_of_drift_is_what_the_claim_computes():
     values = computed()["drift-24-percent-at-20"][1].values[0]
     first, second = (f"{number:.1f}" for number in values.numbers)

@@ -8,6 +8,7 @@ from scipy.linalg import expm
 
 import tvclin as tv
 from tests.damped import damped, fast_pole, plant_of
+from tests.turns import usual
 from tvclin import InputError
 from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.kernels.choice import pinned
@@ -265,7 +266,7 @@ def _answers(model):
     return [*found, flown.peak_attitude, flown.peak_angle_of_attack]
 
 
-@EACH_MODEL
+@pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_without_damping_every_number_is_the_reports_to_the_last_bit(model, monkeypatch):
     with pinned(False):  # machine code that is loaded in between would round otherwise
         now = _answers(model)

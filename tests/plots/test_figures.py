@@ -11,6 +11,7 @@ import pytest
 
 import tvclin as tv
 from tests.report_responses import triangular_attitude, triangular_attitude_with_drift
+from tests.turns import usual
 from tvclin import plots
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.plots.curves import Column, Curves, curves_of
@@ -233,7 +234,9 @@ def test_on_the_boundary_nothing_is_lost_however_long_the_wind():
     assert found.columns[0].values[-1] == pytest.approx(limit, rel=1e-12)
 
 
-@pytest.mark.parametrize("draw", [plots.figure_2, plots.figure_3, plots.figure_5, plots.sketch_c])
+@pytest.mark.parametrize(
+    "draw", usual([plots.figure_2, plots.figure_3, plots.figure_5, plots.sketch_c], 1)
+)
 def test_no_two_curves_of_a_panel_look_alike(draw):
     for panel in draw().lines.flat:
         colours = [line.get_color() for line in panel]

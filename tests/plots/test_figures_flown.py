@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import plots
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.linear.response import attitude_responses
@@ -77,10 +78,13 @@ def test_a_flight_of_trim_alone_is_marked():
 
 @pytest.mark.parametrize(
     ("draw", "name", "K", "tau_beta"),
-    [
-        (plots.figure_10, "configuration-i", 0.5, 4.0),
-        (plots.figure_11, "configuration-ii", 1.0, 2.0),
-    ],
+    usual(
+        [
+            (plots.figure_10, "configuration-i", 0.5, 4.0),
+            (plots.figure_11, "configuration-ii", 1.0, 2.0),
+        ],
+        1,
+    ),
 )
 def test_points_of_figures_10_and_11_are_boundaries_of_the_exact_cubic(draw, name, K, tau_beta):
     engine = chosen_engine(None)

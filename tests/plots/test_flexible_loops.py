@@ -140,7 +140,8 @@ def test_criteria_of_modes_are_judged_in_the_title():
 
 
 @pytest.mark.parametrize(
-    "chart", [plots.nichols_chart, plots.bode_chart, plots.nyquist_chart, plots.root_locus_chart]
+    "chart",
+    usual([plots.nichols_chart, plots.bode_chart, plots.nyquist_chart, plots.root_locus_chart], 0),
 )
 def test_a_loop_is_drawn_without_its_plant(chart):
     loop = HELD.exact_loop(RIGID)
@@ -169,6 +170,7 @@ def test_the_root_locus_of_a_sampled_loop_follows_its_discrete_poles():
     assert "s = ln(z)/h" in plot.figure.get_suptitle()
 
 
+@pytest.mark.thorough
 def test_steps_and_winds_of_a_flexible_loop_are_drawn():
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     drawn = plots.wind_chart(AUTOPILOT, PLANT, wind).curves

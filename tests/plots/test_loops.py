@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tests.turns import by_turns
+from tests.turns import by_turns, usual
 from tvclin import plots
 from tvclin.plots.frequency_response import box_sides
 from tvclin.plots.root_locus import LocusPoles
@@ -206,7 +206,7 @@ def test_the_lines_of_equal_closed_loop_size_are_those_of_python_control():
         np.testing.assert_allclose(20.0 * np.log10(np.abs(loop / (1.0 + loop))), size, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["classic", "aircraft"])
+@pytest.mark.parametrize("name", usual(["classic", "aircraft"], 1))
 def test_the_box_has_the_sides_of_the_criteria(name):
     plot = plots.nichols_chart(*course(**LAG), tv.CRITERIA[name])
     box = plot.axes[0, 0].patches[0]
