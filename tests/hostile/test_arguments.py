@@ -137,6 +137,7 @@ def test_every_argument_of_a_door_is_tried(every: dict[str, Door]) -> None:
         assert asked <= set(door.good), name
 
 
+@pytest.mark.thorough
 def test_every_door_opens_to_its_good_call(every: dict[str, Door]) -> None:
     for name, door in every.items():
         try:

@@ -1,7 +1,7 @@
 """A search for files and options that end in a traceback, in no number, or never.
 
 Every case is one command, run here with mutated files and random options. It takes some hundred
-cases, always the same, an eighth of them in a usual run; TVCLIN_HOSTILE=5000 looks at so many of
+cases, always the same, a sixteenth of them in a usual run; TVCLIN_HOSTILE=5000 looks at so many of
 each kind, at random.
 """
 
@@ -157,10 +157,10 @@ def away():
 
 
 def found(count: int, *strategies: Any) -> Callable:
-    """Return what searches among so many cases where it is thorough, else among an eighth."""
+    """Return what searches among so many cases where it is thorough, else among a sixteenth."""
     more = {"max_examples": MORE, "derandomize": False} if MORE else {}
     return drawn(
-        -(-count // 8),
+        -(-count // 16),
         count,
         *strategies,
         database=None,

@@ -116,19 +116,11 @@ def read_log(
         A text with a line of column names, or a .mat file of version 5 (to MATLAB's -v7) with a
         vector for each, in one structure or by themselves.
     columns : dict of str to str or float, optional
-    <<<<<<< HEAD
         Map of `read_table`, with wind_angle, wind_speed (along the flight, from behind positive)
         and flight_path_angle. Without it columns are known by our names, with the unit behind them
         (``thrust_kN``) or in parentheses (``thrust (kN)``); others are left out, with a note.
     start, stop, max_rows
         Parameters of `read_table`.
-    =======
-        See `read_table`, and wind_angle, wind_speed (along the flight, from behind positive) and
-        flight_path_angle. Without it columns are known by our names, with the unit behind them
-        (``thrust_kN``) or in parentheses (``thrust (kN)``); others are left out, with a note.
-    start, stop, max_rows
-        See `read_table`.
-    >>>>>>> 85c645e5 (Name the required deflection's marches, curves and notes by the field's words)
 
     Returns
     -------
