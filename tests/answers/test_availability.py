@@ -431,6 +431,7 @@ def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
         assert np.array_equal(found.placard()[a], alone.placard())
 
 
+@pytest.mark.thorough
 def test_a_gust_costs_what_it_costs_at_the_peak_of_the_wind_or_more(flight, archive) -> None:
     gust = tv.OneMinusCosineGust(peak=np.radians(0.5), duration=3.0)
     wind = archive[9]

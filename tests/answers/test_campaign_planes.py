@@ -79,6 +79,7 @@ def test_cases_are_those_of_single_studies(model, stop, direction, gust) -> None
                 assert each <= found[name][case]
 
 
+@pytest.mark.thorough
 def test_in_calm_air_they_are_the_same_to_rounding() -> None:
     plan = replace(parse_campaign(TABLES), sign="frozen", cases=3)
     found = evaluate(plan, 0, 3)

@@ -113,6 +113,7 @@ def test_a_differential_evolution_with_single_loops_finds_the_same(two):
     assert found.relative - 1e-4 <= other.fun <= found.relative + 0.02
 
 
+@pytest.mark.thorough
 def test_a_brute_scan_finds_nothing_less(two):
     """Over the whole box, 50 by 50, in the batch engines and the best then exactly."""
     asked, found = problem(crossover=2.0), two

@@ -71,6 +71,7 @@ def test_a_pulse_beyond_the_linear_range_is_not_sized(deg) -> None:
     assert "SUFFICIENT" not in said
 
 
+@pytest.mark.thorough
 def test_a_gust_counts_in_the_angle() -> None:
     """25 deg of wind and 10 of gust at its peak are 35."""
     gust = tv.winds.OneMinusCosineGust(peak=np.radians(10.0), duration=2.0)

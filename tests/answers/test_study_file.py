@@ -453,6 +453,7 @@ def test_the_command_line_refuses_a_bad_study_file(tmp_path: Path) -> None:
     assert run("init", "--study", file).exit_code == 2
 
 
+@pytest.mark.thorough
 def test_the_limit_of_an_option_counts_for_the_whole_flight_too(tmp_path: Path) -> None:
     path = tmp_path / "s.toml"
     path.write_text(

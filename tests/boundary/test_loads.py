@@ -46,6 +46,7 @@ def test_triangles_need_what_a_program_of_their_own_found(plant, tau_beta, loads
     assert lower_bounds == pytest.approx(limits, rel=2e-4)
 
 
+@pytest.mark.thorough
 def test_a_curved_gust_and_rate_limits_need_it_too():
     plant = exact()
     gust = tv.OneMinusCosineGust(peak=-PEAK, duration=4.0 / plant.coefficients.beta)

@@ -52,6 +52,7 @@ DOUBTED = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("doubt", usual(DOUBTED, 0))
 def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: str) -> None:
     """A booster flies with T/W of 1.05 to 5; a mass in kg, as a weight in N, makes that 10.3."""

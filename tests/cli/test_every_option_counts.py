@@ -9,6 +9,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from tests.turns import usual
 from tvclin.cli.app import app
 
 SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
@@ -186,13 +187,17 @@ def test_an_option_changes_the_answer_or_is_refused(count):
 
 @pytest.mark.parametrize(
     ("command", "start", "option", "value"),
-    [
-        ("card", STARTS["card"][0], "seed", "3"),
-        ("card", STARTS["card"][0], "window", "15"),
-        ("card", (*STARTS["card"][0], "--plane", "yaw"), "sign", "tail"),
-        ("size", (*STARTS["size"][0], "--plane", "yaw"), "sign", "tail"),
-        ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "rate_limit_deg", "0.3"),
-    ],
+    usual(
+        [
+            ("card", STARTS["card"][0], "seed", "3"),
+            ("card", STARTS["card"][0], "window", "15"),
+            ("card", (*STARTS["card"][0], "--plane", "yaw"), "sign", "tail"),
+            ("size", (*STARTS["size"][0], "--plane", "yaw"), "sign", "tail"),
+            ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "rate_limit_deg", "0.3"),
+        ],
+        0,
+        1,
+    ),
 )
 def test_what_was_once_ignored_counts(command, start, option, value):
     assert not ignored(command, start, option, value)

@@ -72,6 +72,7 @@ def test_a_study_file_designs_with_its_samples_and_filters(tmp_path):
     assert tv.CRITERIA["classic"].are_satisfied(found.margins(case.plant))
 
 
+@pytest.mark.thorough
 def test_a_study_file_asks_for_them(tmp_path):
     file = tmp_path / "least.toml"
     file.write_text(STUDY)

@@ -44,6 +44,7 @@ def test_a_rate_limit_costs_peak() -> None:
     assert document["with_rate_limit"]["rate_deg_per_s"] <= 0.3 * (1 + 1e-9)
 
 
+@pytest.mark.thorough
 def test_files_hold_the_deflection_that_was_found(tmp_path: Path) -> None:
     table, figure = tmp_path / "best.csv", tmp_path / "best.png"
     result = run("--csv", str(table), "--plot", str(figure))

@@ -86,6 +86,7 @@ def test_a_measured_number_is_what_its_setting_gives(words: str) -> None:
     shown(number, MEASURED[words]())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("label", "believed"),
     usual(

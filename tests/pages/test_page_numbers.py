@@ -53,6 +53,7 @@ def test_the_laws_flown_on_both_pages(law: str) -> None:
     assert beside == row("six-degrees.md", law, 6)[:3]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("label", "number", "options"),
     usual(

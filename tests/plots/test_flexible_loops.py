@@ -184,6 +184,7 @@ def test_steps_and_winds_of_a_flexible_loop_are_drawn():
         plots.step_chart(SAMPLED, PLANT)
 
 
+@pytest.mark.thorough
 def test_the_root_locus_follows_each_mode_to_its_closed_pole():
     plot = plots.root_locus_chart(AUTOPILOT, PLANT)
     curves, bands = plot.curves, AUTOPILOT.band_margins(PLANT)

@@ -115,7 +115,7 @@ def heading(plot):
     return suptitle or plot.axes[0, 0].get_title()
 
 
-@by_turns("name,make", CHARTS, [course, drifting, integrating, weak], each=4)
+@by_turns("name,make", CHARTS, [course, drifting, integrating, weak], each=6)
 def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name, make):
     _, plant = make()
     plot = chart(name, make)

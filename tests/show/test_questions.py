@@ -205,6 +205,7 @@ def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
     assert sufficient(found_for(None, design=DESIGN, criteria=LOOSE)) is None
 
 
+@pytest.mark.thorough
 def test_what_has_no_answer_is_no_yes() -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=-2.0)
     found = found_for(0.4, vehicle=stable, sign=None, design=tv.AutopilotDesign(), criteria=LOOSE)
@@ -212,6 +213,7 @@ def test_what_has_no_answer_is_no_yes() -> None:
     assert headline(found).startswith("NOT KNOWN: ")
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 @pytest.mark.parametrize(("limit", "code"), usual([(0.3, 1), (0.4, 1), (0.6, 0)], 1))
 def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:

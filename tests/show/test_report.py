@@ -515,6 +515,7 @@ def test_each_model_has_the_equation_that_glossary_and_conventions_say(
     assert not others & told
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_names_are_escaped() -> None:
     name = '<script>alert("1")</script> & \'--><b>'

@@ -24,6 +24,7 @@ def values(html: str) -> dict[str, float]:
     return {name: float(value) for name, value in found}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stop", usual([None, "square"], 1))
 def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None:
     head = {"vehicle": "configuration-i"}
