@@ -78,7 +78,7 @@ def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
     assert study["verdict"]["required_deflection_deg"] == pytest.approx(
         np.degrees(abs(boundary.deflection)), rel=1e-12
     )
-    assert "path is held fixed" in study["notes"][0]
+    assert "the flight path is fixed" in study["notes"][0]
     for command in ("optimum", "margins", "autopilot"):
         assert "fixed-path" in run(command, slopes).output
     refused = run("optimum", slopes, "--model", "drift")

@@ -68,7 +68,7 @@ def beyond(answer: Any) -> bool:
     return any(BEYOND_LINEAR in one for one in said) or getattr(answer, "status", "") == NOT_KNOWN
 
 
-DIRECTIONS = {"attitude", "azimuth", "flight_path_angle", "heading", "latitude", "turn"} | {
+DIRECTIONS = {"attitude", "azimuth", "flight_path_angle", "heading", "latitude", "rotation"} | {
     ("PlaneWind.towards", "angle"), ("PlaneWind.veering", "angle"),
 }  # fmt: skip
 """Angles that may be up to a turn; all others are within 90 degrees."""

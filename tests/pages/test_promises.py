@@ -10,6 +10,7 @@ import sys
 import tomllib
 from contextlib import suppress
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 from types import ModuleType
 
@@ -44,6 +45,15 @@ def test_the_map_names_every_chapter_and_every_file() -> None:
         named = set(re.findall(r"`(\w+)/?`", row))
         if chapter not in {"cli", "kernels", "numerics", "plots"}:
             assert files - {"__init__", "__pycache__"} <= named, chapter
+
+
+def test_every_function_of_the_table_of_roads_can_be_called_by_that_name() -> None:
+    page = (ROOT / "docs" / "how-a-number-is-made.md").read_text()
+    cells = re.findall(r"(?m)^\| (`[^|]*) \|", page)
+    names = [name for cell in cells for name in re.findall(r"`([\w.]+)`", cell)]
+    assert len(names) > 15
+    for name in names:
+        assert callable(attrgetter(name)(tvclin)), name
 
 
 def _anchors(page: Path) -> set[str]:

@@ -187,9 +187,9 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
     found["margin.disk_margin.gain"] = m.disk_margin_dB
     found["margin.disk_margin.phase"] = m.disk_phase_deg
     angles = {
-        "deflection_rate": c.peak_deflection_rate,
-        "angle_of_attack": c.peak_angle_of_attack,
-        "attitude": c.peak_attitude,
+        "peak_deflection_rate_deg_s": c.peak_deflection_rate,
+        "peak_angle_of_attack_deg": c.peak_angle_of_attack,
+        "peak_attitude_deg": c.peak_attitude,
     }
     beside = {
         "deflection": c.peak_deflection,
@@ -202,7 +202,7 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
         found
         | {f"wind.{name}_deg": np.degrees(angle) for name, angle in beside.items()}
         | {f"wind.{name}.part": angle / c.trim_deflection for name, angle in beside.items()}
-        | {f"wind.{name}_deg": np.degrees(angle) for name, angle in angles.items()}
+        | {f"wind.{name}": np.degrees(angle) for name, angle in angles.items()}
         | {
             "asked.autopilot_deg": np.degrees(c.peak_deflection),
             "facts.stop_deg": stop,
@@ -213,7 +213,7 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
             "verdict.surplus_deg": stop - 0.4,
             "verdict.surplus_percent": 100.0 * (1.0 - 0.4 / stop),
             "facts.survivable_peak_deg": min(survived, 5.0 * 0.4 / stop),
-            "wind.gain": c.wind_gain,
+            "wind.wind_gain": c.wind_gain,
             "gains.attitude": 2.0 * study.coefficients.B,
             "gains.rate": study.coefficients.B / study.coefficients.beta,
             "gains.actuator_frequency": 25.1,
@@ -327,8 +327,8 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
     for key in needs.values():  # they stand in the table of all questions
         del expected[key]
     seen = {
-        "angle_of_attack_deg": "wind.angle_of_attack_deg",
-        "rate_deg": "wind.deflection_rate_deg",
+        "angle_of_attack_deg": "wind.peak_angle_of_attack_deg",
+        "rate_deg": "wind.peak_deflection_rate_deg_s",
     }
     expected |= {f"assumptions.{name}": expected[key] for name, key in seen.items()}
     expected = {name: value for name, value in expected.items() if np.isfinite(value)}

@@ -186,7 +186,7 @@ def loss_drivers(inputs: dict[str, FloatArray], losses: ArrayLike) -> dict[str, 
     >>> from tvclin.ensembles.statistics import loss_drivers
     >>> thrust = np.linspace(0.95, 1.05, 8)
     >>> driver = loss_drivers({"thrust": thrust}, thrust < 0.98)["thrust"]
-    >>> round(driver.rank, 3), round(driver.sure, 3)
+    >>> round(driver.rank, 3), round(driver.confidence, 3)
     (-0.845, 0.964)
     """
     from scipy.stats import mannwhitneyu

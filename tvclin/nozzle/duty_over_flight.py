@@ -190,7 +190,7 @@ def flight_duty(
     >>> case = tv.Case(vehicle=plan.vehicle, nozzle=tv.Nozzle(limit=np.radians(1.0)))
     >>> request = tv.requirement.SizingRequest(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
     >>> card = tv.nozzle.flight_duty(case, request)
-    >>> card.verdict.met, round(card.largest["rate_deg_per_s"], 1)
+    >>> card.verdict.satisfied, round(card.largest["rate_deg_per_s"], 1)
     (True, 0.3)
     """
     instance("request", request, SizingRequest, "see load_sizing")

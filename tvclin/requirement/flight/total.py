@@ -128,7 +128,7 @@ class DeflectionTotal(Shown):
         """The verdict on the limit, and where the total is not known, each as a line."""
         verdicts: list[Cell] = []
         if self.limit is not None and self.remaining is not None:
-            remaining = degrees("total.left", abs(self.remaining), unit="deg")
+            remaining = degrees("total.remaining", abs(self.remaining), unit="deg")
             words = " remaining after the reserve" if self.reserve else " remaining"
             line: Cell = (f"{sufficiency(True)}, ", *remaining, words)
             if self.sufficient is None:
