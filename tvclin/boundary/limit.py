@@ -201,8 +201,9 @@ def boundary_limit(
     dead_band : array_like
         K, the fraction of the limit up to which the vehicle is trimmed, in [0, 1].
     switch : {"report", "literal"}
-        Condition for the exit of the dead band, as in `trim_then_hold`. They differ on models with
-        drift.
+        Condition for the exit of the dead band, on the wind or on trim, as in `trim_then_hold`.
+        With drift and 0 < K < 1 they differ: `Study` and commands take "literal", so that their
+        rows are those of this function with ``switch="literal"``.
 
     Returns
     -------
@@ -224,6 +225,16 @@ def boundary_limit(
     Notes
     -----
     Eqs (6) to (8), (12), (15a), (16) and (18) are its special cases.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> for switch in ("report", "literal"):
+    ...     print(switch, round(float(tv.boundary_limit(plant, wind, 0.75, switch).limit), 4))
+    report 0.6223
+    literal 0.6242
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
     one_of("switch", switch, SWITCHES)

@@ -105,14 +105,15 @@ def required_deflection(
 
     Notes
     -----
-    The eqs (4b), (17) and (C1). For K = 1 the requirement of the ideal trim law is that of
+    Eqs (4b), (17) and (C1). For K = 1 the requirement of the ideal trim law is that of
     `time_varying`, as along flights and at the dynamic pressure encountered: the largest of
-    min(trim, demand), and where the path is quick, trim meets the limit more than once, or a flight
-    with half a percent more diverges, the smallest limit above all with which the limited law was
-    seen to diverge, tried every two percent, and for six percent above the highest such limit every
-    0.2 percent. For 0 < K < 1 `time_varying` counts on a quick path too, where drift may turn trim
-    over, so that the dead band is left again. A wind too long to be followed requires the largest
-    trim over K, and so does a pair, infinite for K = 0.
+    min(trim, demand). That does not decide where the path is quick, where trim meets the limit more
+    than once, or where a flight with half a percent more diverges. There the limited law is flown
+    with limits two percent apart, near the highest one that diverges 0.2 percent apart, and the
+    requirement is the smallest limit above all that diverge. For 0 < K < 1 `time_varying` counts on
+    a quick path too, where drift may turn trim over, so that the dead band is entered again. A wind
+    too long to be followed requires the largest trim over K, and so does a pair, infinite for
+    K = 0.
 
     Examples
     --------

@@ -263,16 +263,24 @@ class Study(CaseRequirement, Shown):
 
         Parameters
         ----------
-        vehicle, model, plane, sign
-            See `Case`.
-        wind : {"triangular", "rectangular"}
-            Shape of the wind.
-        duration, peak, heading, gust, gust_at
-            Duration [s] and peak [rad] of the wind; see `ShapedWind`.
-        limit, stop
-            See `Nozzle`.
-        dead_band, switch
-            See `of`.
+        vehicle : Vehicle, LinearVehicle or Coefficients
+            The vehicle at one time of its flight.
+        wind : str
+            Shape of the wind: "triangular", "rectangular" or "one-minus-cosine".
+        duration, peak : float
+            Duration [s] and peak [rad] of the wind angle of attack; head and tail wind count.
+        limit : float, optional
+            Deflection limit of the nozzle [rad], on which the verdict is.
+        dead_band : float
+            Dead band K of the verdict, in [0, 1].
+        model, plane, sign
+            Model, plane and direction of the wind, as in `Case`.
+        switch : {"literal", "report"}
+            Condition for the exit of the dead band, as in `of`.
+        heading, gust, gust_at
+            Direction, gust and time of the gust, as in `ShapedWind`.
+        stop
+            Limit shape of both planes, as in `Nozzle`.
 
         Raises
         ------
