@@ -85,6 +85,23 @@ def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_e
     assert "the flight ends" in lost.output
 
 
+@pytest.mark.parametrize("sampling", [(), ("--until", 1), ("--points", 1001)])
+def test_peaks_of_a_lost_flight_are_until_its_end_and_the_linear_ones_over_the_whole_wind(sampling):
+    options = ("--limit-deg", 0.1, *sampling)
+    found, plant, times = document(*options, code=1), linear(), np.linspace(0.0, 7.5, 2001)
+    held = tv.trim_then_hold(plant, WIND, -np.radians(0.1), 1.0, "literal")
+    exact = np.degrees(np.abs(tv.attitude_response(plant, held, WIND, times).outputs["attitude"]))
+
+    attitude = found["peaks_over_the_wind_deg"]["attitude"]
+    assert attitude["flown"] == pytest.approx(25.0, rel=1e-12)
+    assert attitude["linear"] == pytest.approx(exact.max(), rel=1e-12)
+    angle = found["peaks_over_the_wind_deg"]["angle_of_attack"]["flown"]
+    assert angle == pytest.approx(23.694, abs=1e-3)  # flown in steps of a tenth of that
+    assert found["ended_in_the_wind"] == {"flown": True, "linear": False}
+    text = run(*options).stdout
+    assert "The largest values, flown, are until the attitude reaches 25 deg" in text
+
+
 def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
     result = run("--limit-deg", 0.3, "--dead-band", 0.5)
 

@@ -75,7 +75,7 @@ class Compared:
         else:
             say("\n".join(self.heads))
             print_tables(self.flight.table(self.title, self.columns, self.boundary))
-            say("\n".join(self.ends))
+            say("\n".join([*self._ended(), *self.ends]))
             say_required(self.required)
             say_notes(self.notes)
         return bool(self.flight.survived)
@@ -89,6 +89,16 @@ class Compared:
     def notes(self) -> tuple[str, ...]:
         """Notes on the wind angle."""
         return linear_notes(float(self.case.wind.peak))
+
+    def _ended(self) -> Iterator[str]:
+        """Yield a line for each flight shown that leaves the range of its model in the wind."""
+        outcomes = zip(self.columns, self.flight.ranges, self.flight.ended, strict=False)
+        for name, limit, ended in outcomes:
+            if ended:
+                yield (
+                    f"The largest values, {name}, are until the attitude reaches"
+                    f" {np.degrees(limit):.0f} deg, before the wind ends."
+                )
 
     def _peaks(self) -> dict[str, list[float]]:
         """Return the peak of each quantity over the wind, of flight and comparison [deg]."""
@@ -115,6 +125,7 @@ class Compared:
             "limit_deg": np.degrees(self.limit),
             "survived": self.flight.survived,
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
+            "ended_in_the_wind": self.both(self.flight.ended),
             "boundary_deg": None if ends is None else self.both(ends),
             "pressure": self.case.pressure,
             "required_deflection_deg": self.required

@@ -5,13 +5,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.flight_condition import FlightCondition
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -81,10 +81,13 @@ class FlightComparison:
     predicted: bool | None
     let_go: tuple[float, float]
 
+    ranges: ClassVar[tuple[float, float]] = (MAX_ATTITUDE, MAX_SHOWN_ATTITUDE)
+    """Largest attitudes [rad] of the models of both flights."""
+
     def peaks(self, name: str) -> tuple[float, float]:
         """Return the peak magnitude of an output during the wind, flown and linear [rad, rad/s].
 
-        Only times at which both flights exist count.
+        A flight that leaves the range of its model in the wind counts until it does.
 
         Raises
         ------
@@ -92,12 +95,42 @@ class FlightComparison:
             For an unknown output, and where no time lies in the wind.
         """
         row = OUTPUTS.index(one_of("name", name, OUTPUTS))
-        during_wind = self.times <= float(self.wind.end)
-        during_wind &= np.isfinite(self.flown[row] + self.linear[row])
-        if not np.any(during_wind):
+        flown, linear = (
+            self._peak(rows, row, limit if ended else None)
+            for rows, limit, ended in zip(
+                (self.flown, self.linear), self.ranges, self.ended, strict=True
+            )
+        )
+        return flown, linear
+
+    def _peak(self, rows: FloatArray, row: int, last_attitude: float | None) -> float:
+        """Return the peak magnitude of an output during the wind [rad, rad/s].
+
+        `last_attitude`: attitude [rad] to which the last two samples are extrapolated, if any.
+        """
+        samples = rows[:, self._during_wind & np.isfinite(rows[0])]
+        if not samples.size:
             raise InputError("timepts must have some time before the wind ends")
-        flown, linear = (np.abs(y[row, during_wind]).max() for y in (self.flown, self.linear))
-        return float(flown), float(linear)
+        peak = float(np.abs(samples[row]).max())
+        if last_attitude is None or samples.shape[1] < 2:
+            return peak
+        before, last = samples[:, -2], samples[:, -1]
+        beyond = (last_attitude - abs(last[0])) / (abs(last[0]) - abs(before[0]))
+        return max(peak, float(abs(last[row] + beyond * (last[row] - before[row]))))
+
+    @property
+    def _during_wind(self) -> BoolArray:
+        """Whether a time is not after the end of the wind, ``(n,)``."""
+        return self.times <= float(self.wind.end)
+
+    @property
+    def ended(self) -> tuple[bool, bool]:
+        """Whether the flight and the linear flight leave the range of their models in the wind."""
+        flown, linear = (
+            bool(np.isnan(rows[0, self._during_wind]).any() and np.isinf(let_go))
+            for rows, let_go in zip((self.flown, self.linear), self.let_go, strict=True)
+        )
+        return flown, linear
 
     @property
     def beyond(self) -> str:
@@ -311,6 +344,8 @@ class SampledFlight(FlightComparison):
 
     status: tuple[str, str]
     peak_rates: tuple[float, float]
+
+    ranges = (MAX_ATTITUDE, MAX_ATTITUDE)
 
     @property
     def outcomes(self) -> tuple[str, str]:
