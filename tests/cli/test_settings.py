@@ -146,13 +146,40 @@ def test_a_vehicle_with_keys_has_its_flight():
         ("wind", "5", "write wind.KEY"),
         ("wind..peak_deg", "5", "such as autopilot.rate_gain_s"),
         ("nozzle.limit_deg.deg", "5", "limit_deg.deg are several"),
+        ("autopilot.rate_gain", "1", "rate_gain: rate_gain has no known unit"),
+        ("autopilot.rate_gian_s", "1", "did you mean rate_gain_s or attitude_gain?"),
+        ("vehicle.thrust_kN", "abc", "Error: --set vehicle.thrust_kN: thrust_kN must be a number"),
+        ("vehicle.thrust_kN", "-1", "Error: --set vehicle.thrust_kN: thrust must be positive"),
+        ("wind.peak_rad", "6", "Error: --set wind.peak_rad: peak must be a wind angle within"),
+        ("wind.peak_deg", "none", "Error: --set wind.peak_deg: [wind] needs its peak"),
     ],
 )
 def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
-    code, _, error = ran("poles", V, "--set", key, value)
+    code, _, error = ran("margins", V, "--set", key, value)
     assert code == 2
     assert said in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("study", "--limit", "3"), "did you mean --limit-deg?"),
+        (("margins", "--delay", "0.05"), "did you mean --delay-ms?"),
+        (("study", "--rate-limit-deg", "5"), "--set nozzle.rate_limit_deg_per_s VALUE gives it"),
+        (("study", "--rate-gain", "5"), "--set autopilot.rate_gain_s VALUE gives it"),
+        (("study", "--winds", "x.csv"), "a study file gives it the measured wind"),
+    ],
+)
+def test_an_option_that_a_command_lacks_is_answered_with_the_one_that_gives_it(arguments, said):
+    code, _, error = ran(arguments[0], V, *arguments[1:])
+    assert code == 2
+    assert said in error
+
+
+def test_gains_that_lack_one_are_said_by_keys_where_keys_gave_them():
+    error = ran("margins", V, "--set", "autopilot.rate_gain_s", "0.8")[2]
+    assert "need --set autopilot.attitude_gain and --set autopilot.rate_gain_s, both" in error
 
 
 def test_keys_that_exclude_each_other_are_refused():

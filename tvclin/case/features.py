@@ -124,15 +124,18 @@ def computing_questions(feature: str) -> list[str]:
     return [question for question in QUESTIONS if use_of(question, feature) == COMPUTED]
 
 
-def refusal(question: str, option: str) -> str | None:
-    """Return the message that refuses an option to a question; None for any other option."""
+def refusal(question: str, option: str, key: str | None = None) -> str | None:
+    """Return the message that refuses an option to a question; None for any other option.
+
+    `key`: the key of --set that gives the same, where the question takes --set.
+    """
     for feature, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
             if use_of(question, feature) == COMPUTED:
-                return (
-                    f"tvclin {question} takes no {option}: a study file gives it the {feature}"
-                    " (tvclin init --study my.toml writes one)"
-                )
+                writes = "(tvclin init --study my.toml writes one)"
+                by_file = f"a study file gives it the {feature} {writes}"
+                by_key = f"--set {key} VALUE gives it"
+                return f"tvclin {question} takes no {option}: {by_key if key else by_file}"
             commands = [f"tvclin {command}" for command in computing_questions(feature)]
             do = "do" if len(commands) > 1 else "does"
             return f"tvclin {question} does not take {option}: {listed(commands)} {do}"

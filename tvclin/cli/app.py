@@ -76,7 +76,7 @@ def _named(command: Any) -> Any:
     @wraps(run)
     def call(*given: Any, **values: Any) -> Any:
         """Run a command; its `ValueError` names the option that is at fault."""
-        from tvclin.cli.settings import check_settings
+        from tvclin.cli.settings import check_settings, faulty_key, keys_of_arguments
 
         try:
             check_settings(options, values)
@@ -84,7 +84,8 @@ def _named(command: Any) -> Any:
         except ValueError as error:
             from tvclin.cli.option_names import named  # late: most runs have no fault
 
-            raise named(error, options, values) from None
+            keys = keys_of_arguments(values.get("settings"))
+            raise named(faulty_key(error, values), options, values, keys) from None
 
     command.callback = None if run is None else call
     return command
@@ -220,16 +221,26 @@ def _sentence(error: Exception) -> str | None:
 
 
 def _unknown_option(context: Any, option: str) -> str | None:
-    """Return the message on an unknown option: who takes it, or its key; None for a misspelling."""
+    """Return the message on an unknown option: the option in its unit, who takes it, or its key.
+
+    None for a misspelling.
+    """
     from tvclin.case.features import refusal
-    from tvclin.cli.settings import key_instead
+    from tvclin.cli.option_names import without_unit
+    from tvclin.cli.settings import field_key, similar_key
 
     if context is None:
         return None
-    command, taken = str(context.info_name), [item.name for item in context.command.params]
-    return refusal(command, option) or (
-        key_instead(command, option) if "settings" in taken else None
-    )
+    command, taken = str(context.info_name), context.command.params
+    flags = [flag for item in taken for flag in item.opts if flag.startswith("--")]
+    name = without_unit(option.replace("-", "_"))
+    same = [flag for flag in flags if without_unit(flag.replace("-", "_")) == name]
+    if same:
+        return f"tvclin {command} takes no {option}: did you mean {same[0]}?"
+    settable = "--set" in flags
+    refused = refusal(command, option, field_key(option) if settable else None)
+    key = similar_key(option) if settable else None
+    return refused or (key and f"tvclin {command} takes no {option}: --set {key} VALUE gives it")
 
 
 def _say(words: str) -> None:

@@ -22,8 +22,8 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
 """Arguments of other names than their options."""
 _PAIR = re.compile(r"\b(with|between) (\w+) and (\w+)\b")
 """Two arguments in a sentence: leave these rows out with start and stop."""
-_IN_A_FILE = re.compile(r"(\S+\.toml|\[)")
-"""Beginning of a line about a key of a file."""
+_IN_A_FILE = re.compile(r"(\S+\.toml|\[|--set )")
+"""Beginning of a line about a key of a file, or of --set."""
 
 
 def without_unit(name: str) -> str:
@@ -31,16 +31,26 @@ def without_unit(name: str) -> str:
     return _UNIT.sub("", name)
 
 
-def named(error: ValueError, options: Iterable[Any], values: Mapping[str, Any]) -> ValueError:
+def named(
+    error: ValueError,
+    options: Iterable[Any],
+    values: Mapping[str, Any],
+    keys: Mapping[str, str],
+) -> ValueError:
     """Return the error of a command with its options in place of arguments, if it is of an input.
 
-    `options`: the parameters of the command. `values`: their values, by name.
+    `options`: the parameters of the command. `values`: their values, by name. `keys`: keys of --set
+    that give an argument, where no option does.
     """
     if not isinstance(error, InputError):
         return error
     flags = [option for option in options if option.opts[0].startswith("--")]
     flags_given = [option.opts[0] for option in flags if is_set(option, values)]
-    return InputError(in_options(str(error), _candidates(flags), flags_given))
+    candidates = _candidates(flags)
+    for name, key in keys.items():
+        if not set(candidates.get(name, ())) & set(flags_given):
+            candidates[name] = (f"--set {key}",)
+    return InputError(in_options(str(error), candidates, flags_given))
 
 
 def in_options(

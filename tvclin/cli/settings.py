@@ -1,5 +1,6 @@
 """The option --set of the commands that take a case: keys of its study file by name."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import wraps
 from inspect import Parameter, Signature, signature
@@ -151,17 +152,62 @@ def _edited(source: str | None, settings: Sequence[tuple[str, str]]) -> str:
     return with_settings(str(source), settings)
 
 
-def key_instead(command: str, option: str) -> str | None:
-    """Return the message that names the key of a study file for an unknown option; None if none."""
+def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
+    """Return the error of a command that names a key of --set in place of the source that has it.
+
+    `values`: the values of the options, by name.
+    """
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import called
+
+    source, message = next((values[name] for name in _SOURCES if values.get(name)), ""), str(error)
+    if not isinstance(error, InputError) or not source:
+        return error
+    for key, _ in pairs(values.get(_PARAMETER) or ()):
+        about = rf"(?=.*(?<![\w.\-]){_quantity(key)}(?![a-z]))"
+        message = re.sub(rf"(?m)^{re.escape(called(source))}: {about}", f"--set {key}: ", message)
+    return InputError(message)
+
+
+def keys_of_arguments(settings: Iterable[str] | None) -> dict[str, str]:
+    """Return the keys with units of the tables that are set, by the names of their arguments.
+
+    Of an argument with several it is the key that is set, or the first.
+    """
+    if not settings:
+        return {}
+    from tvclin.studyfile.keys import all_keys
+
+    given = [key for key, _ in pairs(settings)]
+    homes = {key.partition(".")[0] for key in given}
+    every = [key.name for key in all_keys() if key.name.rpartition(".")[0] in homes]
+    return {_quantity(key): key for key in reversed([*given, *every])}
+
+
+def _quantity(key: str) -> str:
+    """Return the name of a key without its table, its row and its unit."""
+    from tvclin.studyfile.settings import quantity_name
+
+    return quantity_name(key).rpartition(".")[2]
+
+
+def similar_key(option: str) -> str | None:
+    """Return the first key of a study file with the name of an unknown option; None if none."""
     from tvclin.cli.option_names import without_unit
     from tvclin.studyfile.keys import all_keys
 
     name = without_unit(option.strip("-").replace("-", "_"))
-    for key in all_keys():
-        last = key.name.rpartition(".")[2]
-        if last == name or last.startswith(f"{name}_"):
-            return f"tvclin {command} takes no {option}: --set {key.name} VALUE gives it"
-    return None
+    lasts = ((key.name, key.name.rpartition(".")[2]) for key in all_keys())
+    return next((key for key, last in lasts if f"{last}_".startswith(f"{name}_")), None)
+
+
+def field_key(option: str) -> str | None:
+    """Return the key of the declared field of an option, with its unit; None for other options."""
+    from tvclin.studyfile.keys import all_keys
+    from tvclin.studyfile.settings import quantity_name
+
+    quantities = _field_keys().get(option, ("",))
+    return next((k.name for k in all_keys() if quantity_name(k.name) == quantities[0]), None)
 
 
 def _field_keys() -> dict[str, tuple[str, ...]]:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from tvclin.ascent.flight_condition import FLIGHT_TABLE
 from tvclin.base.edits import EditedSource
-from tvclin.base.errors import InputError, naming, shown
+from tvclin.base.errors import InputError, naming, number, shown
 from tvclin.base.files import called
 from tvclin.base.tables import FileTable, known
 from tvclin.case.case import DEFAULT_WIND
@@ -306,6 +306,8 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
     free = name == "schedule" or (name == "dispersion" and key.startswith("spread"))
     if not free and key not in table.every_key:
         raise InputError(table.unknown(key))
+    if key in table.keys and value is not None:
+        number(key, value)
     quantity = _quantity(table, key)
     excluded, groups = {quantity}, _ALTERNATIVES.get(name, ((), ()))
     if value is not None and quantity in (*groups[0], *groups[1]):
