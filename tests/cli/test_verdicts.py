@@ -63,7 +63,9 @@ def run(*arguments: str) -> Result:
                 ("autopilot", "configuration-i", *WIND, *LIMIT),
                 1,
                 (
-                    f".690 deg {NOMINAL}; without a limit it uses 0.895",
+                    "dynamic pressure of the peak of a head wind throughout; 0.690 deg"
+                    f" {NOMINAL},"
+                    " where without a limit it uses 0.895",
                     SEE,
                     "Limit 0.4 deg: NOT SUFF",
                 ),
@@ -76,8 +78,13 @@ def run(*arguments: str) -> Result:
             (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
             (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
             (("card", "configuration-i", *WIND, *LIMIT, *AT), 1, ("NOT SURVIVED: trim is lost",)),
+            (
+                ("fly", "configuration-i", *WIND, *LIMIT, "--law", "autopilot"),
+                1,
+                (f"{SEE}: for the ideal trim law; see autopilot", "NOT SURVIVED"),
+            ),
         ],
-        *(0, 1, 2, 3, 4, 6, 10, 11),
+        *(0, 1, 2, 3, 4, 6, 7, 10, 11, 12),
     ),
     ids=lambda value: value[0] if isinstance(value, tuple) and value[0].isalpha() else "",
 )

@@ -326,16 +326,16 @@ class _Answer:
         """Sentence on the autopilot requirement, and on the peak deflection without a limit."""
         uses = f"without a limit it uses {degrees(self.compared.peak_deflection):.3f} deg"
         if self.flown is None or self.beyond:
-            return f"{sufficiency(None)}: {self.beyond or self.reason}; {uses}"
+            return f"{sufficiency(None)}: {self.beyond or self.reason}; {uses} {NOMINAL}"
         if not isfinite(self.flown.nominal_deflection):
-            return f"it survives at no limit that was tried; {uses}"
-        nominal = f"{degrees(self.flown.nominal_deflection):.3f} deg {NOMINAL}"
+            return f"it survives at no limit that was tried; {uses} {NOMINAL}"
+        nominal = f"{degrees(self.flown.nominal_deflection):.3f} deg {NOMINAL}, where {uses}"
         if self.flown.head is None:
-            return f"{nominal}; {uses}"
+            return nominal
         bound = degrees(self.flown.deflection)
         wind = "" if self.need is None else self.need.direction
-        head = f"{bound:.3f} deg at that of the peak of a {wind} wind throughout"
-        return f"{head}, {nominal}; {uses}"
+        head = f"{bound:.3f} deg at the dynamic pressure of the peak of a {wind} wind throughout"
+        return f"{head}; {nominal}"
 
     def _more(self) -> Iterator[Row]:
         """Yield the loads, which take a complete vehicle, and the worst duration of the wind."""

@@ -76,7 +76,7 @@ class Compared:
             say("\n".join(self.heads))
             print_tables(self.flight.table(self.title, self.columns, self.boundary))
             say("\n".join([*self._ended(), *self.ends]))
-            say_required(self.required)
+            say_required(self.required, autopilot=self.case.law == AUTOPILOT)
             say_notes(self.notes)
         return bool(self.flight.survived)
 

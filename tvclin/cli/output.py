@@ -50,10 +50,14 @@ def say_lines(lines: "Iterable[Line]") -> None:
         say(text(line))
 
 
-def say_required(required: "CaseRequirement | None") -> None:
-    """Print the required deflection of the study, for comparison with another answer."""
+def say_required(required: "CaseRequirement | None", *, autopilot: bool = False) -> None:
+    """Print the required deflection of the study, for comparison with another answer.
+
+    `autopilot`: whether the other answer is of an autopilot, and not of the ideal trim law.
+    """
     if required is not None:
-        say(f"{required.see_study[0].upper()}{required.see_study[1:]}.")
+        more = ": for the ideal trim law; see autopilot for the autopilot requirement" * autopilot
+        say(f"{required.see_study[0].upper()}{required.see_study[1:]}{more}.")
 
 
 def say_bound(front: "RateTradeOff | LoadTradeOff", required: "CaseRequirement | None") -> None:
