@@ -213,6 +213,13 @@ def test_a_key_beside_its_own_option_is_refused(command, option, key):
     assert (code, error) == (2, f"Error: give {option[0]} or --set {key[0]}, not both\n")
 
 
+@pytest.mark.parametrize("command", [("fly",), ("card",), ("nozzle", "--law", "trim")])
+def test_gains_of_another_law_than_the_autopilot_are_refused_by_key_as_by_option(command):
+    for gain in (("--attitude-gain", "1"), ("--set", "autopilot.attitude_gain", "1")):
+        code, _, error = ran(command[0], V, *command[1:], "--limit-deg", "2", *gain)
+        assert (code, error) == (2, f"Error: {' '.join(gain[:-1])} needs --law autopilot\n")
+
+
 def test_an_option_and_its_key_answer_the_same():
     by_option = ran("respond", V, "--peak-deg", "-3", "--limit-deg", "1", "--json")
     keys = ("--set", "wind.peak_deg", "-3", "--set", "nozzle.limit_deg", "1")

@@ -17,13 +17,23 @@ class EditedSource(str):
         Name or path, as messages quote it.
     tables : dict, optional
         Tables by heading, as of a TOML file; without them the content is that of the file.
+    keys : tuple of str, optional
+        Names of the keys that were set, other than those removed.
+
+    Attributes
+    ----------
+    keys : tuple of str
+        As the parameter.
     """
 
     _tables: dict[str, Any] | None
+    keys: tuple[str, ...]
 
-    def __new__(cls, source: str, tables: dict[str, Any] | None = None) -> Self:  # noqa: D102
+    def __new__(  # noqa: D102
+        cls, source: str, tables: dict[str, Any] | None = None, keys: tuple[str, ...] = ()
+    ) -> Self:
         made = super().__new__(cls, source)
-        made._tables = tables
+        made._tables, made.keys = tables, keys
         return made
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:

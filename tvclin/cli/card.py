@@ -57,7 +57,7 @@ def card(
     assert case.sizing is not None
     flies = one_of("--law", law or case.sizing.card or "trim", LAWS)
     if flies != AUTOPILOT:
-        own.gains.only_with(f"--law {AUTOPILOT}")
+        own.only_with_autopilot(source)
         note_left_out(case, f"card without the law {AUTOPILOT}")
     noise = radians(number("--noise-deg", noise_deg, nonnegative, "deg/s"))
     length = number("--steady", steady, positive, "s")

@@ -63,7 +63,13 @@ class WhatFlies:
         one_of("--law", self.law or REPORT, [REPORT, *LAWS])
 
     def on(
-        self, case: StudyPlan, along: bool, flies: FlownLaw, rate_limit: Given, rigid: bool
+        self,
+        source: str,
+        case: StudyPlan,
+        along: bool,
+        flies: FlownLaw,
+        rate_limit: Given,
+        rigid: bool,
     ) -> tuple[str, str, Any]:
         """Return engine, law and dead band for a case, and print what they neglect of its file.
 
@@ -73,7 +79,7 @@ class WhatFlies:
         engine = self.engine or ("linear" if bends and not along else "planar")
         law = self.law or (AUTOPILOT if engine == "linear" else REPORT)
         if law != AUTOPILOT:
-            flies.gains.only_with(f"--law {AUTOPILOT}")
+            flies.only_with_autopilot(source)
         if engine == "linear":
             only_with("--engine planar or sixdof", along_trajectory=along)
         else:
@@ -119,7 +125,7 @@ def fly(
     within("--points", points, 2, 1_000_000)
     changes = [options.over for options in (limit, rate_limit, plane, flies)]
     case = case_of(vehicle, *changes, rigid=rigid, time=time)
-    engine, *law = what.on(case, along_trajectory, flies, rate_limit, rigid)
+    engine, *law = what.on(vehicle, case, along_trajectory, flies, rate_limit, rigid)
     name = winds.name(case)
     condition, faults = None, Faults()
     with faults.kept():

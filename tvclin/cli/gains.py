@@ -3,6 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tvclin.base.edits import EditedSource
+from tvclin.base.errors import InputError
 from tvclin.cli.options import DESIGN, TIMING, Given
 from tvclin.control.autopilot.design_rules import (
     GIVEN_GAINS,
@@ -10,6 +12,8 @@ from tvclin.control.autopilot.design_rules import (
     RULE_KEYS,
     AutopilotDesign,
 )
+from tvclin.control.laws.registry import AUTOPILOT
+from tvclin.studyfile.settings import quantity_name
 from tvclin.studyfile.study_plan import StudyPlan
 
 
@@ -44,6 +48,16 @@ class FlownLaw:
         """Raise `InputError` if any of these options is given without what it requires."""
         self.gains.only_with(needed)
         self.timing.only_with(needed)
+
+    def only_with_autopilot(self, source: str) -> None:
+        """Raise `InputError` for gains, by options or keys of --set, of a law that has none."""
+        needed = f"--law {AUTOPILOT}"
+        self.gains.only_with(needed)
+        keys = source.keys if isinstance(source, EditedSource) else ()
+        gains = {f"autopilot.{name}" for name in (*GIVEN_GAINS, *RULE_KEYS, "integral_gain")}
+        for key in keys:
+            if quantity_name(key) in gains:
+                raise InputError(f"--set {key} needs {needed}")
 
 
 def with_gains(base: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:

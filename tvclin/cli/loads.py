@@ -62,7 +62,7 @@ def loads(
     if not names:
         flies.only_with("--law")
     elif AUTOPILOT not in names:
-        flies.gains.only_with(f"--law {AUTOPILOT}")
+        flies.only_with_autopilot(vehicle)
     changes = [item.over for item in (limits, bound, motion, flies)]
     case = case_of(vehicle, *changes, wind=winds.over, told=("loads",), rigid=rigid, time=time)
     flown = _flown(case, names)

@@ -66,7 +66,7 @@ def nozzle(
     if law is None and not laws:
         flies.only_with("--law")
     elif law is not None and one_of("--law", law, LAWS) != AUTOPILOT and not laws:
-        flies.gains.only_with(f"--law {AUTOPILOT}")
+        flies.only_with_autopilot(vehicle)
     changes = [options.over for options in (limits, motion, flies)]
     case = case_of(vehicle, *changes, wind=winds.over, told=("nozzle",), rigid=rigid, time=time)
     if law is None and not laws:
