@@ -9,7 +9,7 @@ from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.base.lines import text
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.requirement.flight.flight_requirement import FlightWind
-from tvclin.requirement.flight.sizing_tables import time_tables, wind_columns_table
+from tvclin.requirement.flight.sizing_tables import legend, time_tables, wind_columns_table
 from tvclin.requirement.flight.total import total_table
 from tvclin.winds.soundings.levels import wind_components
 
@@ -56,9 +56,26 @@ def test_where_the_wind_is_not_known_nothing_is(flight) -> None:
 
         assert found.known[:, 0].tolist() == known
         assert found.known_times.tolist() == [[first, last]]
+        assert np.isfinite(found.change[:, 0]).tolist() == known
         for name, values in found.required.items():
             assert np.isfinite(values[:, 0]).tolist() == known, name
     assert np.interp([first, last], flight.times, flight.height) == pytest.approx([5e3, 15e3])
+
+
+def test_a_wind_from_below_the_schedule_on_is_unknown_above_its_last_level_alone(flight) -> None:
+    profile = tv.WindProfile(height=[0.0, 9e3, 12.5e3], east=[4, 42, 48], north=[0, 0, 0])
+    met = tv.fly_through(profile, flight, azimuth=EAST)
+    found = tv.size(flight, met, times=[45.0, 60.0, 80.0], dead_bands=1.0, varying=True)
+    first, largest = (next(n for n in found.notes if w in n) for w in ("is known", "largest at"))
+    table = next(
+        one for one in time_tables(found, next(iter(found.required))) if "frozen" in one.caption
+    )
+    errors = [text(row[table.head.index("K = 1 off by [%]")]) for row in table.rows]
+
+    assert "is known to 12.5 km (67.44 s) only" in first
+    assert largest.startswith("with the vehicle frozen at each flight time, largest at the first")
+    assert (errors[0] != "-", errors[2]) == (True, "-")
+    assert "K = 1 off by [%]: by how much it is larger with the vehicle frozen" in legend(found)
 
 
 @pytest.mark.parametrize(("limit", "verdict"), usual([(None, None), (0.9, None), (0.2, False)], 1))

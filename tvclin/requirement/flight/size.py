@@ -516,9 +516,9 @@ def _covers(schedule: FlightSchedule, wind: PlacedWind) -> bool:
 
 
 def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:
-    """Return the largest relative change of beta or B during a wind, from its flight time."""
+    """Return the largest relative change of beta or B during a wind; NaN if it is not known."""
     if wind.calm:
-        return 0.0
+        return 0.0 if wind.known else np.nan
     now = Coefficients.from_vehicle(vehicle, plane)
     then = Coefficients.from_vehicle(
         schedule.clamped_at(np.linspace(*wind.span, _TIMES_IN_WIND)), plane

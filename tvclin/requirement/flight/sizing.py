@@ -68,7 +68,8 @@ class Sizing(Tabled):
     begins, ends : ndarray
         Onset and end of each wind [s], ``(n, m)``; NaN in a calm.
     change : ndarray
-        Relative change of beta or B during the wind, over its value at the flight time, ``(n, m)``.
+        Relative change of beta or B during the wind, over its value at the flight time, ``(n, m)``;
+        NaN where no wind is known.
     known_times : ndarray
         First and last flight time [s] at which each wind is known, ``(m, 2)``: a sounding ends at
         its last level. Infinite for others.
@@ -359,14 +360,17 @@ def hundredths(time: float, *, up: bool) -> str:
 def _unknown_notes(sizing: Sizing) -> list[str]:
     """Return notes on winds that are not known over the entire flight."""
     begin, end = sizing.schedule.span
-    altitude = sizing.schedule.altitude_text
-    return [
-        f"{wind} is known from {altitude(first)} to {altitude(last)} only; beyond, it is"
-        " unknown, not"
-        " calm: it is not counted, and no flight time there is sized"
-        for wind, (first, last) in zip(sizing.winds, sizing.known_times.tolist(), strict=True)
-        if begin < first or last < end
-    ]
+    altitude, notes = sizing.schedule.altitude_text, []
+    for wind, (first, last) in zip(sizing.winds, sizing.known_times.tolist(), strict=True):
+        limits = [f"from {altitude(first)}"] * (begin < first) + [f"to {altitude(last)}"] * (
+            last < end
+        )
+        if limits:
+            notes.append(
+                f"{wind} is known {' '.join(limits)} only; beyond, it is unknown, not calm: it is"
+                " not counted, and no flight time there is sized"
+            )
+    return notes
 
 
 def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
@@ -424,7 +428,9 @@ def _end_notes(sizing: Sizing) -> list[str]:
             ends.setdefault(f"first flight time, {times[0]:.6g} s; before", []).append(name)
         if values[-1] > (1.0 + _RELATIVE_TOLERANCE) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
+    single = any(np.isfinite(times).any() for times in sizing.arises.values())
+    frozen = "with the vehicle frozen at each flight time, " * single
     return [
-        f"largest at the {end} it, these may be larger: {'; '.join(names)}"
+        f"{frozen}largest at the {end} it, these may be larger: {'; '.join(names)}"
         for end, names in ends.items()
     ]

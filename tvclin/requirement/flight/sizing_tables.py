@@ -45,7 +45,12 @@ def legend(s: Sizing) -> str:
     signed = f" Head and tail wind: K = {s.dead_bands[0]:g} with the dynamic pressure in them."
     signed *= any(requirement.direction for requirement in s.required)
     definition = f"{WIND_KNOWN.capitalize()}: {QUANTITIES[WIND_KNOWN]}."
-    return f"{NO_FORECAST.capitalize()}: {s.law_words}. {definition}{trusts}{signed}"
+    first = Requirement(dead_band=s.dead_bands[0])
+    error = (
+        f" {_FREEZING_ERROR_HEAD.format(first)}: by how much it is larger with the vehicle frozen"
+        " at the flight time than with one that changes during the wind."
+    ) * bool(s.freezing_error)
+    return f"{NO_FORECAST.capitalize()}: {s.law_words}. {definition}{trusts}{signed}{error}"
 
 
 def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
@@ -91,7 +96,7 @@ def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> lis
         band = Requirement(dead_band=s.dead_bands[0])
         errors_percent = [[_freezing_error_cell(s, band, i, wind)] for i in range(s.times.size)]
         errors = (_freezing_error(s, band, i, wind) for i in range(s.times.size))
-        shown = [abs(error) <= _MAX_FREEZING_ERROR for error in errors]
+        shown = [not abs(error) > _MAX_FREEZING_ERROR for error in errors]
         caption, last = (
             "Required deflection with the vehicle frozen at each flight time",
             [_FREEZING_ERROR_HEAD.format(band)],
@@ -221,10 +226,11 @@ def _freezing_error_cell(s: Sizing, name: Requirement, i: int, wind: int | None)
 
 
 def _freezing_error(s: Sizing, name: Requirement, i: int, wind: int | None) -> float:
-    """Return the relative error of a frozen requirement, in a wind or the worst wind."""
+    """Return the relative error of a frozen requirement, in a wind or the worst; NaN if unknown."""
     along = s.required[replace(name, varying=True)][i]
     j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
-    return float(np.nan_to_num(s.freezing_error[name][i, j]))
+    unknown = np.isnan(along[j]) or np.isnan(s.required[name][i, j])
+    return np.nan if unknown else float(np.nan_to_num(s.freezing_error[name][i, j]))
 
 
 def _short(requirement: Requirement) -> str:
