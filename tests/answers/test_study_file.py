@@ -408,7 +408,7 @@ def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
     ("text", "message"),
     [
         ("# vehicle\n", r"neither a vehicle file \(it has no \[vehicle\]\) nor a study"),
-        ("[wind]\npeak_deg = 5\nduration_s = 7.5\n", r"\[study\] is missing: it names the vehicle"),
+        ("[wind]\npeak_deg = 5\nduration_s = 7.5\n", r"\[study\] or \[campaign\] is missing"),
         ('[campaign]\nvehicle = "configuration-i"\ncases = 3\n', r"\[wind\] is missing"),
     ],
 )

@@ -168,10 +168,14 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
         (("margins", "--delay", "0.05"), "did you mean --delay-ms?"),
         (("study", "--rate-limit-deg", "5"), "--set nozzle.rate_limit_deg_per_s VALUE gives it"),
         (("study", "--rate-gain", "5"), "--set autopilot.rate_gain_s VALUE gives it"),
+        (
+            ("margins", "--box", "thrust_kN=200..180"),
+            "--box must have a smaller and a larger value",
+        ),
         (("study", "--winds", "x.csv"), "a study file gives it the measured wind"),
     ],
 )
-def test_an_option_that_a_command_lacks_is_answered_with_the_one_that_gives_it(arguments, said):
+def test_an_option_that_is_wrong_is_answered_with_what_is_right(arguments, said):
     code, _, error = ran(arguments[0], V, *arguments[1:])
     assert code == 2
     assert said in error

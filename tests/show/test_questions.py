@@ -75,6 +75,7 @@ def test_too_few_cases_are_no_yes() -> None:
     assert sufficient(found) is None
     assert not all_yes(found)
     assert headline(found).startswith("NOT KNOWN: too few cases")
+    assert "99.865 % of flights: cases must be at least 1705" in headline(found)
 
 
 @pytest.mark.thorough

@@ -121,6 +121,8 @@ def _interval(
 ) -> tuple[str, tuple[float, float]]:
     """Return the name of a number, and its two ends [SI]."""
     key, (low, high), percent = _split(text)
+    if not low < high:
+        raise InputError(f"--box must have a smaller and a larger value, LO..HI; got {text!r}")
     if not percent:
         ((name, factor),) = BOX_TABLE.read({key: 1.0}).items()
         return name, (factor * low, factor * high)

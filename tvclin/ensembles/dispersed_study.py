@@ -111,7 +111,7 @@ class DispersedStudy(Shown):
             ("seed", significant("dispersed.seed", self.seed, 9)),
             ("median", degrees("dispersed.median", self.median, unit="deg")),
             (of_cases, degrees("dispersed.estimate", r.estimate, unit="deg")),
-            (of_flights, ("too few cases to say",) if np.isinf(r.upper) else covers),
+            (of_flights, (f"too few cases to say{r.few_cases}",) if np.isinf(r.upper) else covers),
         ]
         if self.success is not None:
             rows.append(

@@ -51,6 +51,18 @@ class Quantile(Shown):
         return {f"{name}_deg": float(np.degrees(getattr(self, name))) for name in names}
 
     @property
+    def min_cases(self) -> int:
+        """Size n of the smallest sample that bounds the quantile above: 1 - p^n is c or more."""
+        sure = 1.0 - self.confidence + _PROBABILITY_TOLERANCE
+        return int(np.ceil(np.log(sure) / np.log(self.probability)))
+
+    @property
+    def few_cases(self) -> str:
+        """Number of cases for an upper bound, in words; empty where there are as many."""
+        words = f": cases must be at least {self.min_cases}"
+        return words if self.cases < self.min_cases else ""
+
+    @property
     def converged(self) -> bool:
         """Whether both bounds lie within one percent of the estimate: more cases change little."""
         return self.within(0.01)

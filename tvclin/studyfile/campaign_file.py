@@ -131,7 +131,7 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     _check_tables(document, folder)
     keys = {table: table.one(document) for table in _SINGLE_TABLES}
     if not {"study", "campaign"} & document.keys():
-        raise InputError("[study] is missing: it names the vehicle")
+        raise InputError("[study] or [campaign] is missing: it names the vehicle")
     study, campaign = keys[STUDY_TABLE], keys[CAMPAIGN_TABLE]
     for key in _SUBJECT_KEYS:
         if key in study and key in campaign:

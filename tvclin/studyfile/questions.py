@@ -301,7 +301,7 @@ def _probability(findings: Findings, limit: float) -> Question:
     if np.isinf(r.estimate):
         return Question("probability", False, (*flights, " require more than any limit"))
     if np.isinf(r.upper):
-        return Question("probability", None, ("too few cases to judge ", *flights))
+        return Question("probability", None, ("too few cases to judge ", *flights, r.few_cases))
     line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
     whose = f"{text(flights)} require"
     return Question("probability", bool(covers(limit, r.upper)), line, float(r.upper), whose)

@@ -15,6 +15,7 @@ from tvclin.base.errors import (
     Faults,
     InputError,
     broadcast,
+    finite,
     instance,
     nonnegative,
     nonzero,
@@ -22,7 +23,6 @@ from tvclin.base.errors import (
     positive,
     text,
     together,
-    within,
 )
 from tvclin.base.fields import fields_of, parameters, spec
 from tvclin.vehicle.structure import Structure
@@ -45,7 +45,12 @@ Boosters have about 1.05 to 5."""
 
 
 def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
-    return within(name, value, -np.pi / 2, np.pi / 2, unit)
+    array = finite(name, value, unit)
+    beyond = array[np.abs(array) > np.pi / 2]
+    if beyond.size:
+        got = f"{beyond[0]:.6g} rad ({np.degrees(beyond[0]):.6g} deg)"
+        raise InputError(f"{name} must be within 90 degrees, in radians; got {got}")
+    return array
 
 
 @dataclass(frozen=True, kw_only=True)

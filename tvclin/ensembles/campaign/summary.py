@@ -186,7 +186,7 @@ class CampaignSummary(Shown):
         return (
             f"none, flights are {survival(False)}"
             if diverged and angle > 0.0
-            else "too few cases to say",
+            else f"too few cases to say{self.required.few_cases}",
         )
 
     def _driven(self, survived: int, losses: int) -> str:
