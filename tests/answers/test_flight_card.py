@@ -219,7 +219,7 @@ def test_a_flight_that_ends_undecided_is_not_known():
     assert verdict.satisfied is None
     assert verdict.words == "NOT KNOWN: the flight: it is open"
     short = NozzleVerdict.of(NOZZLE, {"limit": 1.5 * DEG}, unknown=["the flight: it is open"])
-    assert short.words.startswith("NOT MET: the required limit")
+    assert short.words.startswith("NOT MET: limit used 1.5 deg")
 
 
 def test_noise_is_that_of_the_gyro_for_each_sample():

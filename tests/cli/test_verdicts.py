@@ -77,7 +77,11 @@ def run(*arguments: str) -> Result:
             ),
             (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
             (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
-            (("card", "configuration-i", *WIND, *LIMIT, *AT), 1, ("NOT SURVIVED: trim is lost",)),
+            (
+                ("card", "configuration-i", *WIND, *LIMIT, *AT),
+                1,
+                ("NOT SURVIVED: trim is lost", "Required deflection: see size"),
+            ),
             (
                 ("fly", "configuration-i", *WIND, *LIMIT, "--law", "autopilot"),
                 1,

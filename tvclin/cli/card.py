@@ -87,4 +87,9 @@ def card(
 def _print(result: FlightDuty, notes: list[str]) -> None:
     print_tables(*result.tables())
     say_notes(notes)
+    say(
+        "Used is what the law uses in its samples, within the limits, at least the lower bound."
+        " Required deflection: see size or study; it is for the ideal trim law, at the"
+        " dynamic pressure encountered at each time."
+    )
     say(f"Verdict: {result.verdict.words}.")

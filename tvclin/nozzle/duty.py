@@ -284,8 +284,9 @@ def requirements_on_nozzle(
 class DataSheetLine(Shown):
     """A line of a data sheet: the required value and the available value, in `unit`.
 
-    `required`: infinite where no value is sufficient, NaN where it is not known. `available`: the
-    value that the nozzle offers; None where the data sheet has none.
+    `required`: value that the flights use within the limits, at least the lower bound; infinite
+    where no value is sufficient, NaN where it is not known. `available`: the value that the nozzle
+    offers; None where the data sheet has none.
     """
 
     name: str = field(metadata=spec())
@@ -386,7 +387,7 @@ class NozzleVerdict(Shown):
         required, available = (
             f"{x:.4g} {worst.unit}" for x in (worst.required, worst.available or 0.0)
         )
-        return f"the required {worst.name} is {required}, and {available} is available"
+        return f"{worst.name} used {required}, available {available}"
 
     @property
     @derived(label="verdict")
@@ -402,7 +403,7 @@ class NozzleVerdict(Shown):
         return "".join(table(lines, ((self.words,),)) for lines in self.tables())
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the table of required, available and remaining values."""
+        """Return the table of used, available and remaining values."""
 
         def cell(key: str, value: float | None) -> Line:
             return significant(key, np.nan if value is None or value == -np.inf else value)
@@ -420,7 +421,7 @@ class NozzleVerdict(Shown):
         return (
             Table(
                 f"Requirements on the nozzle{scope}",
-                ("", "required", "available", "remaining"),
+                ("", "used", "available", "remaining"),
                 rows,
             ),
         )
