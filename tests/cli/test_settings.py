@@ -172,6 +172,7 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
             ("margins", "--box", "thrust_kN=200..180"),
             "--box must have a smaller and a larger value",
         ),
+        (("fly", "--duration", "7.5s"), "Error: --duration: "),
         (("study", "--winds", "x.csv"), "a study file gives it the measured wind"),
     ],
 )

@@ -206,8 +206,8 @@ def _sentence(error: Exception) -> str | None:
 
     if isinstance(error, InputError):
         return str(error)
-    if type(error).__name__ == "NoSuchOption":
-        return _unknown_option(getattr(error, "ctx", None), str(vars(error)["option_name"]))
+    if type(error).__name__ in ("NoSuchOption", "BadParameter"):
+        return _usage(**vars(error))
     if isinstance(error, OSError) and error.errno != EPIPE:
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):
@@ -218,6 +218,13 @@ def _sentence(error: Exception) -> str | None:
             " nearer to those of configuration-i"
         )
     return None
+
+
+def _usage(ctx: Any = None, message: str = "", param: Any = None, **more: Any) -> str | None:
+    """Return the message on an unknown option or on a value that is none of its option."""
+    if param is None:
+        return _unknown_option(ctx, str(more.get("option_name", "")))
+    return f"{param.opts[0]}: {message[:1].lower()}{message[1:].rstrip('.')}"
 
 
 def _unknown_option(context: Any, option: str) -> str | None:

@@ -267,8 +267,10 @@ class Study(CaseRequirement, Shown):
             The vehicle at one time of its flight.
         wind : str
             Shape of the wind: "triangular", "rectangular" or "one-minus-cosine".
-        duration, peak : float
-            Duration [s] and peak [rad] of the wind angle of attack; head and tail wind count.
+        duration : float
+            Duration [s] of the wind.
+        peak : float
+            Peak [rad] of the wind angle of attack; head and tail wind count.
         limit : float, optional
             Deflection limit of the nozzle [rad], on which the verdict is.
         dead_band : float

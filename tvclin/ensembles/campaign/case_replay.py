@@ -233,6 +233,10 @@ def _angles(angles: dict[str, float]) -> Iterator[Row]:
         yield name, ("lost",) if unbounded else degrees(f"output.{name}", angle, unit="deg")
 
 
+_UNITS = ("deg", "s", "dB")
+"""Units at the end of the names of largest values and margins."""
+
+
 def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) -> dict[str, float]:
     """Return the largest values of outputs of a response [deg], and its end [s].
 
@@ -254,7 +258,10 @@ def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) ->
 def _plain(values: dict[str, float]) -> Iterator[Row]:
     """Yield a row for each value, in the unit of its name."""
     for name, value in values.items():
-        yield name.replace("_", " "), significant(f"output.{name}", value)
+        label, _, unit = name.rpartition("_")
+        if unit not in _UNITS:
+            label, unit = name, ""
+        yield label.replace("_", " "), significant(f"output.{name}", value, unit=unit)
 
 
 def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
