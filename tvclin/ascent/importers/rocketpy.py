@@ -144,14 +144,13 @@ def _aerodynamics(
     moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values
     surfaces = list(_attribute(rocket, "aerodynamic_surfaces")) if without else []
     for name in without:
-        surfaces = [pair for pair in surfaces if getattr(pair[0], "name", None) == name]
-        if not surfaces:
-            is_known = ", ".join(str(getattr(pair[0], "name", "")) for pair in surfaces)
+        omitted = [pair for pair in surfaces if getattr(pair[0], "name", None) == name]
+        if not omitted:
+            names = ", ".join(str(getattr(pair[0], "name", "")) for pair in surfaces)
             raise InputError(
-                f"without must name aerodynamic surfaces of the rocket, {is_known}; got"
-                f" {shown(name)}"
+                f"without must name aerodynamic surfaces of the rocket, {names}; got {shown(name)}"
             )
-        for surface, position in surfaces:
+        for surface, position in omitted:
             # the part of a surface on its own radius: (r/R)^2 clalpha, at its position less cpz
             rocket_slope = _attribute(surface, "rocket_radius") / _attribute(rocket, "radius")
             component = rocket_slope**2 * _sampled(surface, "clalpha", mach, "surface").values
