@@ -172,12 +172,17 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
             ("margins", "--box", "thrust_kN=200..180"),
             "--box must have a smaller and a larger value",
         ),
+        (
+            ("campaign", "run", "--cases", "4"),
+            "tvclin campaign run takes no --cases: --set campaign.",
+        ),
         (("fly", "--duration", "7.5s"), "Error: --duration: "),
         (("study", "--winds", "x.csv"), "a study file gives it the measured wind"),
     ],
 )
 def test_an_option_that_is_wrong_is_answered_with_what_is_right(arguments, said):
-    code, _, error = ran(arguments[0], V, *arguments[1:])
+    command = 2 if arguments[0] == "campaign" else 1
+    code, _, error = ran(*arguments[:command], V, *arguments[command:])
     assert code == 2
     assert said in error
 

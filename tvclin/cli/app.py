@@ -239,15 +239,16 @@ def _unknown_option(context: Any, option: str) -> str | None:
     if context is None:
         return None
     command, taken = str(context.info_name), context.command.params
+    path = " ".join(["tvclin", *context.command_path.split()[1:]])
     flags = [flag for item in taken for flag in item.opts if flag.startswith("--")]
     name = without_unit(option.replace("-", "_"))
     same = [flag for flag in flags if without_unit(flag.replace("-", "_")) == name]
     if same:
-        return f"tvclin {command} takes no {option}: did you mean {same[0]}?"
+        return f"{path} takes no {option}: did you mean {same[0]}?"
     settable = "--set" in flags
     refused = refusal(command, option, field_key(option) if settable else None)
     key = similar_key(option) if settable else None
-    return refused or (key and f"tvclin {command} takes no {option}: --set {key} VALUE gives it")
+    return refused or (key and f"{path} takes no {option}: --set {key} VALUE gives it")
 
 
 def _say(words: str) -> None:
