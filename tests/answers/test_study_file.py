@@ -130,8 +130,8 @@ def test_the_same_file_drives_the_study_and_its_gust_has_a_time_only_where_that_
         json.loads(one.stdout) for one in (run("study", file, "--json"), by_options)
     )
     assert [one["name"] for one in by_file.pop("questions")] == ["wind", "whole flight"]
-    assert by_options.pop("questions")[0]["yes"] is by_options.pop("sufficient")
-    by_file.pop("sufficient")
+    assert by_options.pop("questions")[0]["yes"] is by_options.pop("all_answers_yes")
+    by_file.pop("all_answers_yes")
     assert by_file == by_options
     late = plan(gust={"peak_deg": 1, "duration_s": 2, "peak_time_s": 6.0}).wind
     assert (late.placed_gust.onset, late.placed_gust.end) == (5.0, 7.0)

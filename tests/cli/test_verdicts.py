@@ -122,6 +122,10 @@ def test_page_and_campaign_of_one_case_say_what_the_study_says(tmp_path) -> None
     assert run("report", str(file), "--output", str(page)).exit_code == 1
     text = page.read_text(encoding="utf-8")
     assert "<h1>NOT SUFFICIENT: the limit of" in text
+    where = (
+        "at nominal dynamic pressure, without that of the head wind, on which the verdict stands"
+    )
+    assert f"Exact response of the linear model {where}" in " ".join(text.split())
     shown = re.sub(r"<[^>]*>", " ", text)
     assert OTHERS.search(shown[: shown.index("Inputs")].replace(" SUFFICIENT in ", "")) is None
     required = np.degrees(tv.load_study(file).study().required_deflection)
@@ -145,7 +149,9 @@ def test_the_front_door_of_python_has_the_digits_of_the_shell_and_plants_say_wha
 ):
     vehicle, peak = tv.load_vehicle("configuration-i"), np.radians(5.0)
     study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=peak, limit=np.radians(0.4))
-    found = json.loads(run("study", "configuration-i", *WIND, *LIMIT, "--json").stdout)["verdict"]
+    answer = json.loads(run("study", "configuration-i", *WIND, *LIMIT, "--json").stdout)
+    assert ("sufficient" in answer, answer["all_answers_yes"]) == (False, False)
+    found = answer["verdict"]
     assert found["required_deflection_deg"] == np.degrees(study.required_deflection)
     assert (study.sufficient, found["sufficient"]) == (False, False)
     for function in (tv.required_deflection, tv.is_sufficient, tv.boundary_limit, tv.size):

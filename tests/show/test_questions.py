@@ -232,5 +232,5 @@ def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
         assert result.exit_code == code, result.output
         if "--json" in command:
             document = json.loads(result.stdout)
-            assert document["sufficient"] is (code == 0)
+            assert document["all_answers_yes"] is (code == 0)
             assert [one["name"] for one in document["questions"]] == ["wind", "probability"]

@@ -340,7 +340,7 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
         assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-14), name
 
 
-def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page) -> None:
+def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page, html: str) -> None:
     """Against a dense sample of the report's eq (13) flown to the end that the page names."""
     study = plan.study()
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
@@ -353,6 +353,10 @@ def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page)
     attitude = np.degrees(answer["attitude"])
     attack = np.degrees(answer["angle_of_attack"])[times < study.wind.end]
 
+    said = " ".join(html[html.index("Exact response of the linear model") :].split())
+    assert said.startswith(
+        "Exact response of the linear model at nominal dynamic pressure, with the"
+    )
     assert shown["response.at_end_deg"] == pytest.approx(0.0, abs=1e-9)
     assert shown["response.with_wind_deg"] == pytest.approx(attitude.min(), rel=1e-6)
     assert shown["response.with_wind_s"] == pytest.approx(times[attitude.argmin()], abs=1e-3)

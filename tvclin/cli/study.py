@@ -112,8 +112,8 @@ def _document(findings: Findings) -> dict[str, Any]:
     """Return the study with its questions and notes, for JSON."""
     extra = {} if findings.dispersed is None else {"dispersed": findings.dispersed}
     said = [*findings.study.notes, *nominal_notes(findings), *loop_notes(findings)]
-    answers = {"questions": questions(findings), "sufficient": sufficient(findings), "notes": said}
-    return findings.study.as_dict() | extra | answers
+    answers = {"questions": questions(findings), "all_answers_yes": sufficient(findings)}
+    return findings.study.as_dict() | extra | answers | {"notes": said}
 
 
 def _print(findings: Findings, source: str, explain: bool) -> None:
