@@ -367,7 +367,14 @@ def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
             assert (edge.duration, edge.at_range_end) == (pytest.approx(end, rel=1e-12), True)
 
 
-@pytest.mark.parametrize(("damping", "low"), [(0.01, 20.0), (0.003, 35.0), (0.01, 1.0)])
+@pytest.mark.parametrize(
+    ("damping", "low"),
+    [
+        pytest.param(0.01, 20.0, marks=pytest.mark.thorough),
+        (0.003, 35.0),
+        pytest.param(0.01, 1.0, marks=pytest.mark.thorough),
+    ],
+)
 def test_the_worst_of_many_durations_at_which_a_loop_rings_is_found(damping, low):
     """A pulse on an oscillator: one answer to a step less another, in closed form."""
     frequency, c, high, step = 2.0, COEFFICIENTS, 60.0, 0.004

@@ -212,6 +212,7 @@ def test_below_trim_the_angle_of_attack_falls_where_the_limit_comes_before_the_d
     assert [case.held[0] < case.trim for case in found].count(True) == 2
 
 
+@pytest.mark.thorough
 def test_verdicts_of_flights_by_plane_sign_and_size():
     """Of I and II: whether (18) is near and conservative, and what (B9) does for K = 1 and 0.5."""
     yes, no = (True, True), (False, False)
