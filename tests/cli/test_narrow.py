@@ -108,3 +108,22 @@ def test_a_warning_is_shown_without_its_escape_sequences(
     said = CliRunner().invoke(app, ["vehicles"]).output
     assert "Warning: Glyph 27 (?) missing from font" in said
     assert "\x1b" not in said
+
+
+def test_sentences_without_room_in_a_table_are_set_below_it_in_whole_words(capsys, monkeypatch):
+    from tvclin.base.lines import Table
+    from tvclin.cli.output import print_tables
+
+    monkeypatch.setenv("COLUMNS", "80")
+    sentence = "the whole flight of configuration-i; remaining beyond the reserve"
+    numbers = tuple((f"{k}.123456789 deg",) for k in range(4))
+    head = ("question", "answer", "required", "available", "remaining", "what is asked")
+    print_tables(Table("Answers", head, ((("whole flight",), *numbers, (sentence,)),)))
+    said = capsys.readouterr().out
+    assert f"  whole flight: {sentence}"[:40] in said
+    assert sentence in " ".join(said.split())
+
+
+def test_the_peak_survived_of_a_wind_along_the_path_says_of_which_direction_it_is():
+    result = CliRunner().invoke(app, ["study", "configuration-i", "--limit-deg", "0.5"])
+    assert "the peak survived is sought in the head wind" in " ".join(result.stdout.split())

@@ -23,6 +23,8 @@ _MAX_COLUMN_PADDING = 3
 """Largest number of blanks around a column of a table."""
 _MIN_WORDS_OF_PROSE = 6
 """Smallest number of words of a cell that is set as a sentence."""
+_MIN_PROSE_WIDTH = 16
+"""Smallest width of a last column of sentences; in less they are set below the table."""
 _MAX_SINGLE_COLUMN_ROWS, _MAX_PAIRS_ACROSS = 6, 4
 """Largest number of values in a single column, and of values side by side beyond that."""
 
@@ -102,7 +104,8 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     Words stay in one piece where the terminal is wide enough for all of them. rich alone takes room
     from the widest columns first and breaks their words: of 17 tables of the commands it breaks a
     number or a word of three at 80 columns (of one with `min_width`, whose last column may be cut),
-    and of six at 70; these widths break none and four.
+    and of six at 70; these widths break none and four. A last column of sentences that has too
+    little room is set below the table, each with its label.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
@@ -122,6 +125,14 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
         shared = 1 if not k and not prose[k] else len(columns) - n
         wider[k] = min(wanted[k], max(spare, 0) // shared)
         spare -= wider[k]
+    *_, last = wider
+    narrow = not fits or minima[last] + wider[last] < _MIN_PROSE_WIDTH
+    if last and prose[last] and wanted[last] > wider[last] and narrow:
+        _print_columns(title, headings[:-1], [row[:-1] for row in rows])
+        for row in rows:
+            if row[-1]:
+                say(f"  {row[0]}: {row[-1]}")
+        return
     for k, (column, width) in enumerate(zip(columns, minima, strict=True)):
         wide = width + wider[k]
         grid.add_column(

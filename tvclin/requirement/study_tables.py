@@ -110,12 +110,15 @@ def boundaries(s: Study) -> Table:
         mark, needs = _VERDICT if row.of_verdict else "", {s.model: row.required}
         rows.append(((row.label + mark,), *_parts(s, row.label.replace(" ", "_"), needs)))
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
+    scope = ""
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
     if s.limit is not None and not s.judges_both_planes and s.model in s.boundaries:
         peaks = _survived(s, s.limit, [row.survived for row in judged])
         bound = abs(s.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
         head = (*head, "limit survives [deg]")
+        if np.isnan([row.survived for row in judged if not row.of_verdict]).any() and not s.beyond:
+            scope = f"; of head and tail wind the peak survived is sought in the {s.direction} wind"
         rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
     component = ""
@@ -124,7 +127,7 @@ def boundaries(s: Study) -> Table:
         component = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
     caption = (
         f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg and {tau:g} s"
-        f"{s.wind_in_plane.gust_text}{component}"
+        f"{s.wind_in_plane.gust_text}{component}{scope}"
     )
     return Table(caption, head, tuple(rows))
 
