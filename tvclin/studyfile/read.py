@@ -12,6 +12,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.fields import completed
@@ -159,7 +161,8 @@ def _flight_of_a_vehicle(
     document, vehicle = source_tables(source), vehicle_source(source)
     tables = document | {"size": document.get("size", {})}
     flight = load_schedule(vehicle) if is_schedule(vehicle) else None
-    time = None if flight is None else flight.span[0]
+    # at the time of the largest speed, so that a gust by its speed has an angle
+    time = None if flight is None else float(flight.times[np.argmax(flight.vehicle.velocity)])
     plan = load_study(EditedSource(str(source), tables), time)
     assert plan.sizing is not None
     soundings = {**plan.sizing.soundings, **winds}
