@@ -75,7 +75,7 @@ _LIMITS_MULTIPLE = 4
 """Multiple to which the number of limits is rounded, so that many winds have the same."""
 _MAX_STEPS = 20_000
 """Largest number of steps over one wind."""
-_WIND_RATE_FACTOR = 2.0
+_WIND_RATE_FACTOR = 3.0
 """Factor on the rates of a wind, whose curvature sets the error of the parabola of trim."""
 _MIN_STEPS = 4
 """Smallest number of steps between two breakpoints of a wind."""
