@@ -1,5 +1,7 @@
 """Output of answers: tables, JSON and figures."""
 
+from __future__ import annotations
+
 import json
 import os
 import textwrap
@@ -12,6 +14,7 @@ import typer
 
 if TYPE_CHECKING:
     from control import ControlPlot
+    from rich.console import Console
 
     from tvclin.base.lines import Line, Table
     from tvclin.boundary.limit_over_load import LoadTradeOff
@@ -44,7 +47,7 @@ def say(words: str, err: bool = False) -> None:
     typer.echo(words, err=err)
 
 
-def say_lines(lines: "Iterable[Line]") -> None:
+def say_lines(lines: Iterable[Line]) -> None:
     """Print lines of an answer."""
     from tvclin.base.lines import text
 
@@ -52,7 +55,7 @@ def say_lines(lines: "Iterable[Line]") -> None:
         say(text(line))
 
 
-def say_required(required: "CaseRequirement | None", *, autopilot: bool = False) -> None:
+def say_required(required: CaseRequirement | None, *, autopilot: bool = False) -> None:
     """Print the required deflection of the study, for comparison with another answer.
 
     `autopilot`: whether the other answer is of an autopilot, and not of the ideal trim law.
@@ -62,7 +65,7 @@ def say_required(required: "CaseRequirement | None", *, autopilot: bool = False)
         say(f"{required.see_study[0].upper()}{required.see_study[1:]}{more}.")
 
 
-def say_bound(front: "RateTradeOff | LoadTradeOff", required: "CaseRequirement | None") -> None:
+def say_bound(front: RateTradeOff | LoadTradeOff, required: CaseRequirement | None) -> None:
     """Print a lower bound with the required deflection, and that a limit is below the bound."""
     if not front.beyond:
         words = "; ".join([front.bound_text, *([] if required is None else [required.see_study])])
@@ -84,7 +87,7 @@ def _filled(width: int, line: str) -> str:
     )
 
 
-def print_tables(*tables: "Table") -> None:
+def print_tables(*tables: Table) -> None:
     """Print tables of an answer: names beside their values, or columns below their headings."""
     from tvclin.base.files import printable
     from tvclin.base.lines import QUANTITIES, text
@@ -107,12 +110,9 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     and of six at 70; these widths break none and four. A last column of sentences that has too
     little room is set below the table, each with its label.
     """
-    from rich.box import SIMPLE_HEAD
     from rich.console import Console
-    from rich.table import Table as Grid
-    from rich.text import Text
 
-    grid, console = Grid(box=SIMPLE_HEAD), Console(highlight=False)
+    console = Console(highlight=False)
     columns = list(zip(headings, *rows, strict=True))
     prose = [max(len(cell.split()) for cell in column) >= _MIN_WORDS_OF_PROSE for column in columns]
     pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
@@ -133,13 +133,31 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
             if row[-1]:
                 say(f"  {row[0]}: {row[-1]}")
         return
-    for k, (column, width) in enumerate(zip(columns, minima, strict=True)):
-        wide = width + wider[k]
+    widths = [width + wider[k] for k, width in enumerate(minima)]
+    _print_grid(console, title, headings, rows, widths, prose, fits)
+
+
+def _print_grid(
+    console: Console,
+    title: str,
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    widths: Sequence[int],
+    prose: Sequence[bool],
+    fits: bool,
+) -> None:
+    """Print a table with columns of given widths, which rich chooses where they do not fit."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table as Grid
+    from rich.text import Text
+
+    grid = Grid(box=SIMPLE_HEAD)
+    for k, (heading, width) in enumerate(zip(headings, widths, strict=True)):
         grid.add_column(
-            Text(textwrap.fill(column[0], max(wide, 1), break_long_words=False)),
+            Text(textwrap.fill(heading, max(width, 1), break_long_words=False)),
             justify="left" if prose[k] or not k else "right",
             overflow="fold",
-            width=wide if fits else None,
+            width=width if fits else None,
         )
     for row in rows:
         grid.add_row(*map(Text, row))
@@ -188,7 +206,7 @@ def answer(
         raise typer.Exit(1)
 
 
-def draw(plot: Path | None, chart: "Callable[[], ControlPlot]") -> None:
+def draw(plot: Path | None, chart: Callable[[], ControlPlot]) -> None:
     """Write the figure into the file of --plot, where there is one."""
     if plot is not None:
         from tvclin.plots import save_figure
