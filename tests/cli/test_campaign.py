@@ -128,7 +128,7 @@ def test_a_terminal_sees_a_bar_and_others_nothing(place, tmp_path):
     assert quiet.stderr == ""
     shown = CliRunner().invoke(app, [*arguments, str(tmp_path / "two")], env={"FORCE_COLOR": "1"})
     assert "600 of 600 cases" in shown.stderr
-    assert "100%" in shown.stderr or "0:00:00" in shown.stderr
+    assert "━" in shown.stderr
 
 
 def test_a_file_is_not_overwritten(place):

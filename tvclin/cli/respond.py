@@ -123,9 +123,10 @@ class Held:
 
 
 def held(case: Case, name: str, dead_band: float, capability: float | None, until: float) -> Held:
-    """Return the case of the options; `until`: length of the response in durations of the wind.
+    """Return the deflection of trim up to K times the limit [rad], then the limit, in a wind.
 
-    `name`: that of the wind, which begins at t = 0.
+    `name`: title of the wind, which begins at t = 0. `capability`: the limit over the boundary
+    limit. `until`: length of the response in durations of the wind.
     """
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
