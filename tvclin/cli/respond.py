@@ -125,8 +125,9 @@ class Held:
 def held(case: Case, name: str, dead_band: float, capability: float | None, until: float) -> Held:
     """Return the deflection of trim up to K times the limit [rad], then the limit, in a wind.
 
-    `name`: title of the wind, which begins at t = 0. `capability`: the limit over the boundary
-    limit. `until`: length of the response in durations of the wind.
+    `name`: title of the wind, which begins at t = 0. `capability`: the limit over the
+    required deflection at nominal dynamic pressure. `until`: length of the response in durations of
+    the wind.
     """
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
