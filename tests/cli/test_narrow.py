@@ -11,7 +11,9 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.turns import usual
+from tvclin.base.lines import QUANTITIES, Table
 from tvclin.cli.app import app
+from tvclin.cli.output import print_answer
 from tvclin.vehicle.vehicle_file import template
 
 COMMANDS = {
@@ -127,3 +129,14 @@ def test_sentences_without_room_in_a_table_are_set_below_it_in_whole_words(capsy
 def test_the_peak_survived_of_a_wind_along_the_path_says_of_which_direction_it_is():
     result = CliRunner().invoke(app, ["study", "configuration-i", "--limit-deg", "0.5"])
     assert "the peak survived is sought in the head wind" in " ".join(result.stdout.split())
+
+
+@pytest.mark.parametrize("more", [False, True])
+def test_an_answer_has_its_verdict_first_and_three_notes(more, capsys) -> None:
+    table = Table("A", QUANTITIES, ((("weight",), ("3",)),))
+    print_answer("enough", table, notes="wxyz", more=more, details=lambda: print("details"))
+
+    said = [line.strip() for line in capsys.readouterr().out.splitlines() if line.strip()]
+    notes = [f"Note: {note}." for note in ("wxyz" if more else "wxy")]
+    end = "details" if more else "--more prints all tables and notes."
+    assert said == ["Enough.", "A", "weight  3", *notes, end]

@@ -60,6 +60,9 @@ TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+More = Annotated[
+    bool, typer.Option("--more", help="Print all tables and notes, not the answer alone.")
+]
 Csv = Annotated[
     Path | None,
     typer.Option(help="Also write what --plot draws into this CSV file.", callback=to_write),

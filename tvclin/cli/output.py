@@ -30,6 +30,8 @@ _MIN_PROSE_WIDTH = 16
 """Smallest width of a last column of sentences; in less they are set below the table."""
 _MAX_SINGLE_COLUMN_ROWS, _MAX_PAIRS_ACROSS = 6, 4
 """Largest number of values in a single column, and of values side by side beyond that."""
+_MAX_NOTES = 3
+"""Largest number of notes of an answer without --more."""
 
 
 def say(words: str, err: bool = False) -> None:
@@ -78,6 +80,28 @@ def say_notes(notes: Iterable[str]) -> None:
     """Print the notes of an answer, each once."""
     for note in dict.fromkeys(notes):
         say(f"Note: {note.rstrip('.')}.")
+
+
+def print_answer(
+    verdict: str,
+    *tables: Table,
+    notes: Iterable[str] = (),
+    more: bool = False,
+    details: Callable[[], None] | None = None,
+) -> None:
+    """Print the verdict, the tables that answer, and notes.
+
+    `notes`: the first three are printed, and with `more`, the option --more, all of them. `details`
+    prints what stands above and below that, with `more` alone. A last line says what is left out.
+    """
+    say(f"{verdict[0].upper()}{verdict[1:].rstrip('.')}.\n")
+    print_tables(*tables)
+    every = list(dict.fromkeys(notes))
+    say_notes(every if more else every[:_MAX_NOTES])
+    if more and details is not None:
+        details()
+    elif not more and (details is not None or len(every) > _MAX_NOTES):
+        say("--more prints all tables and notes.")
 
 
 def _filled(width: int, line: str) -> str:
