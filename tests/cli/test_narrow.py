@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from tests.turns import usual
 from tvclin.base.lines import QUANTITIES, Table
 from tvclin.cli.app import app
-from tvclin.cli.output import print_answer
+from tvclin.cli.output import print_answer, say
 from tvclin.vehicle.vehicle_file import template
 
 COMMANDS = {
@@ -134,7 +134,7 @@ def test_the_peak_survived_of_a_wind_along_the_path_says_of_which_direction_it_i
 @pytest.mark.parametrize("more", [False, True])
 def test_an_answer_has_its_verdict_first_and_three_notes(more, capsys) -> None:
     table = Table("A", QUANTITIES, ((("weight",), ("3",)),))
-    print_answer("enough", table, notes="wxyz", more=more, details=lambda: print("details"))
+    print_answer("enough", table, notes="wxyz", more=more, details=lambda: say("details"))
 
     said = [line.strip() for line in capsys.readouterr().out.splitlines() if line.strip()]
     notes = [f"Note: {note}." for note in ("wxyz" if more else "wxy")]
