@@ -1,7 +1,8 @@
 """The verdict on a limit that every command gives or leaves to `tvclin study`, in its words.
 
 Configuration I in a triangle of 5 deg and 7.5 s with 0.4 deg: 0.412 deg is required, at the dynamic
-pressure of a head wind, by `solve_ivp` of the linear equations in `tests/answers/test_encountered`.
+pressure of a head wind, by `solve_ivp` of the linear equations in
+`tests/requirement/test_encountered_requirement`.
 """
 
 import json

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tests.answers.test_sizing_varying import trim_law_is_lost
 from tests.archives import Balloon, days, jet, write
+from tests.requirement.test_sizing_varying import trim_law_is_lost
 from tests.turns import usual
 from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.ensembles.statistics import effective_number, survival_fraction
