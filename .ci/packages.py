@@ -28,7 +28,7 @@ ALWAYS = (
     "--version",
     "doctor",
     "study configuration-i --limit-deg 0.45",
-    "size configuration-i --every 20",
+    "ascent configuration-i --every 20",
     "fly configuration-i",
     "campaign init my.toml",
 )

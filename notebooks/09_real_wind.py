@@ -115,7 +115,7 @@ for note in both.notes:
 # **Try:** a launch to the north, `azimuth = 0`, which leaves little of this wind in the pitch
 # plane; or a gust on top, `gust=tv.OneMinusCosineGust(peak=np.radians(1), duration=2)` in
 # `fly_through`, which meets the frozen vehicle at each time. In a shell:
-# `tvclin size configuration-i --winds sounding.csv --azimuth-deg 90`.
+# `tvclin ascent configuration-i --winds sounding.csv --azimuth-deg 90`.
 
 # %%
 triangular = float(beside[times == peak_time][0])

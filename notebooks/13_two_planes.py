@@ -90,7 +90,7 @@ for part in (0.95, 1.05):
 
 # %% [markdown]
 # **Try:** other azimuths, `dead_bands=(1.0, 0.5)`, a wind that turns by 180 degrees (trim then
-# needs more than the boundary), `saturate="each plane"`. In a shell: `tvclin size configuration-i
+# needs more than the boundary), `saturate="each plane"`. In a shell: `tvclin ascent configuration-i
 # --plane both --stop square --winds FILE --azimuth-deg 30`.
 
 # %%

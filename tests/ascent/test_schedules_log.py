@@ -113,6 +113,6 @@ def test_the_command_writes_both(tmp_path) -> None:
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
     assert tv.load_schedule(out).span == (2.0, 8.0)
-    sized = ["size", str(out), "--winds", str(wind), "--azimuth-deg", "0", "--limit-deg", "5"]
+    sized = ["ascent", str(out), "--winds", str(wind), "--azimuth-deg", "0", "--limit-deg", "5"]
     result = CliRunner().invoke(app, [*sized, "--from", "4", "--to", "6"])
     assert result.exit_code == 0, result.output

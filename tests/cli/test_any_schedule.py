@@ -116,7 +116,7 @@ def test_each_row_of_a_sizing_has_a_number_or_a_reason(
     source, folder = sources[schedule], Path(sources["folder"])
     options = [str(folder / one) if one.endswith("csv") else one for one in WINDS[wind]]
     toward = ["--azimuth-deg", "70"] if options and "--peak-speed" not in options else []
-    found = asked("size", source, *options, *toward, *cut_of(source, cut, every=True))
+    found = asked("ascent", source, *options, *toward, *cut_of(source, cut, every=True))
     known = np.array(found["known"])
     for name, needs in found["required_deg"].items():
         there = np.array(needs, dtype=float)
@@ -157,7 +157,7 @@ def test_a_flight_that_is_known_nowhere_is_not_known_to_be_covered(
     sources: dict[str, str],
 ) -> None:
     wind = ("--winds", str(Path(sources["folder"]) / "wind.csv"), "--azimuth-deg", "70")
-    pad = ("size", sources["from the pad"], "--to=0.5", "--from=0.5", "--limit-deg", "3")
+    pad = ("ascent", sources["from the pad"], "--to=0.5", "--from=0.5", "--limit-deg", "3")
     for winds in (wind, ("--peak-speed", "20")):
         result = CliRunner().invoke(app, [*pad, *winds])
         assert result.exit_code == 1
@@ -171,7 +171,7 @@ def test_a_pulse_by_its_speed_is_known_up_to_thirty_degrees() -> None:
     flight = tv.load_schedule("configuration-i")
     vehicle = flight.at(60.0)
     half = 0.5 * float(vehicle.velocity) / float(np.sin(vehicle.attitude))
-    at = ("size", "configuration-i", "--from", "60", "--to", "60", "--frozen", "--dead-band", "1")
+    at = ("ascent", "configuration-i", "--from", "60", "--to", "60", "--frozen", "--dead-band", "1")
     just, beyond = (asked(*at, "--peak-speed", f"{half * x:.9g}") for x in (0.999, 1.001))
     assert (just["known"], beyond["known"]) == ([[True]], [[False]])
     assert "meets the flight at 30.03 deg, and above 30 deg" in beyond["notes"][0]

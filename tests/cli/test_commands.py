@@ -47,7 +47,7 @@ def test_a_help_leaves_the_line_ends_of_its_paragraphs_to_the_terminal() -> None
 def test_a_help_names_what_there_is_to_choose() -> None:
     for wind in tv.design.standard_winds(0.1, 7.0):
         assert wind in helps("laws")
-    for command in ("study", "size"):
+    for command in ("study", "ascent"):
         for stop in LIMIT_SHAPES:
             assert stop in helps(command)
 
@@ -363,7 +363,7 @@ def test_a_study_of_a_fixed_path_in_calm_air_loads_neither_flights_nor_other_com
     control = {m for m in loaded if m.startswith("tvclin.control.autopilot.")}
     assert control == {"tvclin.control.autopilot.actuator"}
     assert {"tvclin.cli.study", "tvclin.cli.app"} <= set(loaded)
-    assert not {"tvclin.cli.size", "tvclin.cli.campaign", "tvclin.cli.fly"} & set(loaded)
+    assert not {"tvclin.cli.ascent", "tvclin.cli.campaign", "tvclin.cli.fly"} & set(loaded)
     assert len(loaded) <= 128
 
 

@@ -54,7 +54,7 @@ STARTS = {
     "boundary": [(V, "--tau-beta", "3"), (F, "--tau-beta", "3")],
     "laws": [(F,)],
     "study": [(V,), (V, "--limit-deg", "0.4", "--gust", "1", "2")],
-    "size": [(V, "--from", "70", "--to", "71", "--limit-deg", "0.5")],
+    "ascent": [(V, "--from", "70", "--to", "71", "--limit-deg", "0.5")],
 }
 VALUES = {
     "wind": ["rectangular"],
@@ -192,7 +192,7 @@ def test_an_option_changes_the_answer_or_is_refused(count):
             ("card", STARTS["card"][0], "seed", "3"),
             ("card", STARTS["card"][0], "window", "15"),
             ("card", (*STARTS["card"][0], "--plane", "yaw"), "sign", "tail"),
-            ("size", (*STARTS["size"][0], "--plane", "yaw"), "sign", "tail"),
+            ("ascent", (*STARTS["ascent"][0], "--plane", "yaw"), "sign", "tail"),
             ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "rate_limit_deg", "0.3"),
         ],
         0,

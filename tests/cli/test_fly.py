@@ -277,7 +277,7 @@ def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
     met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--window", "20"]
     flown = json.loads(CliRunner().invoke(app, ["fly", *met, "--json"]).stdout)
     times = ["--from", "66", "--to", "66.1", "--every", "0.1", "--dead-band", "1"]
-    sized = json.loads(CliRunner().invoke(app, ["size", *met, *times, "--json"]).stdout)
+    sized = json.loads(CliRunner().invoke(app, ["ascent", *met, *times, "--json"]).stdout)
 
     assert flown["boundary_deg"]["linear"] == pytest.approx(
         sized["required_deg"]["K = 1"][0][0], rel=1e-6

@@ -38,13 +38,13 @@ def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
         (("margins", "--wind", "rectangular"), "--wind needs --flown or --box"),
         (("margins", "--peak-deg", 3), "--peak-deg needs --flown or --box"),
         (("margins", "--duration", 3), "--duration needs --flown or --box"),
-        (("size", "--window", 20), "--window needs a sounding"),
+        (("ascent", "--window", 20), "--window needs a sounding"),
         (("fly", "--engine", "planar", "--rigid"), "--rigid needs --engine linear"),
         (("fly", "--engine", "sixdof", "--rigid"), "--rigid needs --engine linear"),
         # one of several options of nearly one name
         (("study", "--peak-deg", 0), "--peak-deg must be other than zero; got 0 deg"),
         (("study", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
-        (("size", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
+        (("ascent", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
         (
             ("autopilot", "--set", "nozzle.actuator_damping=-1"),
             "damping must be positive; got -1",

@@ -14,7 +14,7 @@ COMMANDS = {
     "autopilot": [],
     "laws": ["--wind", "triangle"],
     "optimum": [],
-    "size": ["--from", "66", "--to", "66"],
+    "ascent": ["--from", "66", "--to", "66"],
 }
 
 
@@ -25,7 +25,7 @@ def test_the_first_line_names_the_model(command: str) -> None:
     assert "drift-exact" in " ".join(lines[:2]), said.output  # a long title is broken in two
 
 
-@pytest.mark.parametrize("command", usual([one for one in COMMANDS if one != "size"], 0, 1, 2))
+@pytest.mark.parametrize("command", usual([one for one in COMMANDS if one != "ascent"], 0, 1, 2))
 def test_where_no_path_is_known_it_is_fixed(tmp_path, command: str) -> None:
     file = tmp_path / "course.toml"
     file.write_text("[coefficients]\nmu_alpha_per_s2 = 0.228\nmu_delta_per_s2 = 1.317\n")

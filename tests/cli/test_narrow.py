@@ -87,7 +87,7 @@ def test_no_escape_sequence_of_a_file_reaches_terminal_csv_or_figure(
     file, table, chart = tmp_path / f"a{letter}.csv", tmp_path / "a.csv", tmp_path / "a.svg"
     file.write_text("height_m,east_m_per_s,north_m_per_s\n0,0,0\n12000,40,0\n40000,0,0\n")
     asked = ["--azimuth-deg", "90", "--every", "60", "--csv", str(table), "--plot", str(chart)]
-    done = CliRunner().invoke(app, ["size", "configuration-i", "--winds", str(file), *asked])
+    done = CliRunner().invoke(app, ["ascent", "configuration-i", "--winds", str(file), *asked])
     assert done.exit_code == 0, done.output
     name = f"a{letter}.csv".replace(letter[0], "?")
     assert name in done.output

@@ -58,7 +58,7 @@ BASE = {
     "nozzle": ("--law", "autopilot", "--limit-deg", 2),
     "card": ("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70),
     "loads": ("--law", "autopilot", "--limit-deg", 2),
-    "size": ("--from", 70, "--to", 70),
+    "ascent": ("--from", 70, "--to", 70),
     "availability": ("--limit-deg", 0.35, "--azimuth-deg", 45),
 }
 OTHERWISE = {
@@ -69,7 +69,7 @@ OTHERWISE = {
     ("margins", "rate limit"): ("--flown", "--limit-deg", 2, "--rate-limit-deg", 1),
     ("margins", "limit"): ("--flown", "--limit-deg", 3),
     ("laws", "measured wind"): VALUES["measured wind"],
-    ("size", "shape of the stop"): (
+    ("ascent", "shape of the stop"): (
         *("--plane", "both", "--stop", "square", "--from", 70, "--to", 70),
         *VALUES["heading"],
     ),
@@ -81,10 +81,10 @@ OTHERWISE = {
         *("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70),
         *("--plane", "both", "--stop", "square", *VALUES["heading"]),
     ),
-    ("size", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["size"]),
+    ("ascent", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["ascent"]),
     ("loads", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
-    ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
-    ("size", "gust"): ("--gust", 1.5, 1.0),
+    ("ascent", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
+    ("ascent", "gust"): ("--gust", 1.5, 1.0),
     **{
         ("availability", part): (*BASE["availability"], "--sign", "frozen")
         for part in ("head wind", "sign that counts")

@@ -211,7 +211,7 @@ def test_keys_that_exclude_each_other_are_refused():
         ("study", ("--limit-deg", "1"), ("nozzle.limit_rad", "0.01")),
         ("margins", ("--rate-gain", "1"), ("autopilot.rate_gain_s", "2")),
         ("margins", ("--delay-ms", "1"), ("autopilot.delay_s", "2")),
-        ("size", ("--every", "20"), ("size.every_s", "10")),
+        ("ascent", ("--every", "20"), ("size.every_s", "10")),
         ("margins", ("--natural-frequency", "1"), ("autopilot.rate_gain_s", "2")),
         ("margins", ("--attitude-gain", "1"), ("autopilot.design", "lqr")),
         ("margins", ("--design", "poles"), ("autopilot.damping", "0.5")),
@@ -248,7 +248,7 @@ def test_a_flight_schedule_has_no_keys_of_a_vehicle(tmp_path):
     assert code == 2
     assert "flight schedule" in error
     assert ran("poles", str(file), "--at", "60", "--set", "study.plane", "yaw")[0] == 0
-    sized = ("size", str(file), "--limit-deg", "1", "--json")
+    sized = ("ascent", str(file), "--limit-deg", "1", "--json")
     assert ran(*sized, "--set", "size.every_s", "15") == ran(*sized, "--every", "15")
 
 

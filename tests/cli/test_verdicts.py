@@ -77,7 +77,7 @@ def run(*arguments: str) -> Result:
                 (f"{NOMINAL}, with a limit of 1.2 deg", "Criteria classic: NOT MET"),
             ),
             (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
-            (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
+            (("ascent", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
             (
                 ("card", "configuration-i", *WIND, *LIMIT, *AT),
                 1,

@@ -43,7 +43,7 @@ def check_refused(result: Result) -> str:
         ("study", LONG),
         ("study", f"{LONG}.toml"),
         ("study", "a/" * 3000),
-        ("size", f"{LONG}.csv"),
+        ("ascent", f"{LONG}.csv"),
         ("report", "-o", LONG),
         ("init", LONG),
         ("init", "--study", f"{LONG}/my.toml"),
@@ -61,10 +61,14 @@ def test_a_name_longer_than_the_file_system_takes_is_one_sentence(arguments) -> 
 
 @pytest.mark.parametrize(
     "arguments",
-    [("size", "--csv", "no/x.csv"), ("size", "--plot", "no/x.png"), ("size", "--plot", "x.xyz")],
+    [
+        ("ascent", "--csv", "no/x.csv"),
+        ("ascent", "--plot", "no/x.png"),
+        ("ascent", "--plot", "x.xyz"),
+    ],
 )
 def test_where_an_answer_cannot_be_written_is_told_before_the_work(monkeypatch, arguments) -> None:
-    monkeypatch.setattr("tvclin.cli.size.flight_asked", pytest.fail)
+    monkeypatch.setattr("tvclin.cli.ascent.flight_asked", pytest.fail)
     assert "x." in check_refused(run(*arguments))
 
 
@@ -154,8 +158,8 @@ def test_a_list_where_a_name_belongs_is_one_sentence(tmp_path, command, text) ->
         ("study", VEHICLE.replace('name = "', 'name = "\\n' + "n" * 5000)),
         ("study", f"{STUDY}[laws]\nnames = {['name' * 9] * 500}\n"),
         ("study", f"{STUDY}[nozzle]\nlimit_deg = {[1] * 5000}\n"),
-        ("size", "[schedule]\ntime_s = [1, 2]\n" + "k" * 5000 + " = 1\n"),
-        ("size", f"schedule = {[1] * 3000}\n"),
+        ("ascent", "[schedule]\ntime_s = [1, 2]\n" + "k" * 5000 + " = 1\n"),
+        ("ascent", f"schedule = {[1] * 3000}\n"),
     ],
 )
 def test_an_error_does_not_repeat_thousands_of_letters(tmp_path, command, text) -> None:
@@ -185,7 +189,7 @@ def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
         (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "between 0.01 and 1e+06"),
         (["laws", "--wind", "triangle", "--duration", "1e6"], "samples"),
         (
-            [*("size", "--gust", "20", "1e4", "--varying"), *("--from", "70", "--to", "71")],
+            [*("ascent", "--gust", "20", "1e4", "--varying"), *("--from", "70", "--to", "71")],
             "for at most 2000 times",
         ),
     ],

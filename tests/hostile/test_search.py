@@ -174,7 +174,7 @@ def found(count: int, *strategies: Any) -> Callable:
 CHEAP = ("study", "boundary", "optimum", "respond", "poles", "margins", "vehicles", "doctor")
 DEAR = {
     "autopilot": (),
-    "size": ("--every", "30"),
+    "ascent": ("--every", "30"),
     "fly": (),
     "laws": ("--wind", "triangle", "--sample-rate", "20"),
 }
@@ -267,7 +267,7 @@ def _written(name: str, text: str) -> None:
     Path(name).write_bytes(text.encode("utf-8", "replace"))
 
 
-VEHICLE_COMMANDS = ["study", "respond", "optimum", "poles", "boundary", "margins", "size", "fly"]
+VEHICLE_COMMANDS = ["study", "respond", "optimum", "poles", "boundary", "margins", "ascent", "fly"]
 
 
 @found(
@@ -279,7 +279,7 @@ VEHICLE_COMMANDS = ["study", "respond", "optimum", "poles", "boundary", "margins
 def test_no_vehicle_file_is_a_traceback_or_no_number(text: str, name: str, model: str) -> None:
     with away():
         _written("my.toml", text)
-        options = {"size": ["--every", "30", "--model", model], "fly": []}
+        options = {"ascent": ["--every", "30", "--model", model], "fly": []}
         check(name, "my.toml", *options.get(name, ["--model", model]))
 
 
@@ -311,7 +311,7 @@ def far_off(draw: Callable) -> str:
 def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more) -> None:
     with away():
         _written("my.toml", text)
-        options = {"size": ["--every", "30", "--model", model], "fly": []}
+        options = {"ascent": ["--every", "30", "--model", model], "fly": []}
         if name in ("poles", "boundary", "margins"):
             more = []
         check(name, "my.toml", *options.get(name, ["--model", model]), *more)
@@ -324,7 +324,7 @@ def test_no_flight_along_the_trajectory_is_a_traceback(text: str) -> None:
         check("fly", "my.toml", "--along-trajectory")
 
 
-@found(60, st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "study", "size"]))
+@found(60, st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "ascent"]))
 def test_no_study_file_is_a_traceback_or_no_number(text: str, name: str) -> None:
     with away():
         _written("my.toml", text)
@@ -336,7 +336,7 @@ def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> No
     with away():
         name = "my.toml" if text.startswith("[") else "my.csv"
         _written(name, text)
-        check("size", name, "--every", "10", *["--varying"] * varying)
+        check("ascent", name, "--every", "10", *["--varying"] * varying)
 
 
 @found(40, st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
@@ -344,7 +344,7 @@ def test_no_sounding_is_a_traceback(file: Path, data) -> None:
     text = "\n".join(file.read_text(errors="replace").splitlines()[:60])
     with away():
         _written(file.name, data.draw(mutated_cells(text)))
-        check("size", "--every", "60", "--winds", file.name, "--azimuth-deg", "90")
+        check("ascent", "--every", "60", "--winds", file.name, "--azimuth-deg", "90")
 
 
 @found(40, mutated(CAMPAIGN))

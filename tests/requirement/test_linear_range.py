@@ -44,7 +44,7 @@ def study(deg: float, **options) -> tv.Study:
             ),
             ("loads", ("--law", "trim"), "Verdict: NOT KNOWN"),
             ("autopilot", (), "Limit 12 deg: NOT KNOWN"),
-            ("size", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
+            ("ascent", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
             ("card", ("--from", "66", "--to", "66"), "NOT KNOWN"),
         ],
         *(0, 3, 8),
@@ -66,7 +66,7 @@ def test_an_answer_without_an_exit_code_says_the_sentence(command) -> None:
 def test_a_pulse_beyond_the_linear_range_is_not_sized(deg) -> None:
     """Short by 0.788, 13.4 and 84 deg it was at 31, 35 and 40 deg, and sufficient from 45 on."""
     options = ("--from", "66", "--to", "66", "--limit-deg", "12", "--peak-deg", str(deg))
-    code, said = run("size", "configuration-i", *options)
+    code, said = run("ascent", "configuration-i", *options)
     assert (code, "NOT SIZED at 66 s" in said, BEYOND_LINEAR in said) == (1, True, True)
     assert "SUFFICIENT" not in said
 
@@ -142,11 +142,11 @@ def test_no_deflection_is_enough_in_a_box_that_reaches_beyond_the_range() -> Non
 @by_turns(
     "deg,command",
     [10.0, 10.1],
-    ["study", "respond", "nozzle", "fly", "loads", "optimum", "size"],
+    ["study", "respond", "nozzle", "fly", "loads", "optimum", "ascent"],
     each=7,
 )
 def test_above_ten_degrees_each_answer_has_the_doubt(command, deg) -> None:
-    times = ("--from", "66", "--to", "66") if command == "size" else ()
+    times = ("--from", "66", "--to", "66") if command == "ascent" else ()
     _, said = run(command, "configuration-i", "--peak-deg", str(deg), *times)
     assert (DOUBTFUL in said) is (deg > 10.0)
 

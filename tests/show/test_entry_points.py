@@ -130,7 +130,7 @@ def test_every_entry_point_says_the_same(seed: int, tmp_path: Path) -> None:
     dispersed = nominal(campaign)[f"required_K{K:g}"]
     if "nozzle" in tables:
         given[given.index("--plane") + 1] = "both"
-    flight = run("size", tmp_path / "flight.csv", "--from", 100, "--to", 100, *given)
+    flight = run("ascent", tmp_path / "flight.csv", "--from", 100, "--to", 100, *given)
     answers = {
         "shell": shell["verdict"]["required_deflection_deg"],
         "study file": file["verdict"]["required_deflection_deg"],

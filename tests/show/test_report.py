@@ -655,7 +655,7 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     said = "the flight is of configuration-i, not of the study's vehicle, my.toml; give its flight"
     asked = tv.studyfile.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
-    sized = CliRunner().invoke(app, ["size", str(study)])
+    sized = CliRunner().invoke(app, ["ascent", str(study)])
 
     assert (asked.source, asked.another) == ("configuration-i", "my.toml")
     assert output.read_text().count(said[1:].replace("'", "&#39;")) == 2

@@ -100,8 +100,8 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     budget = ("dispersion_percent=20", "thrust_offset_deg=0.1", "gravity_offset_m=0.02")
     options += [w for key in (*budget, "reserve_percent=10") for w in ("--set", f"size.{key}")]
     options += ["--dead-band", 1, "--varying", "--limit-deg", 0.6]
-    by_file = run("size", file, "--json")
-    by_options = run("size", "configuration-ii", *options, "--json")
+    by_file = run("ascent", file, "--json")
+    by_options = run("ascent", "configuration-ii", *options, "--json")
     one, other = json.loads(by_file.stdout), json.loads(by_options.stdout)
 
     said, other_said = one.pop("notes"), other.pop("notes")
@@ -112,7 +112,7 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     assert by_file.exit_code == by_options.exit_code
     assert one["times_s"] == [70.0, 90.0]
     assert one["winds"] == ["triangular wind of 4 deg, 7.5 s, gust of 1 deg, 2 s", "wyoming.txt"]
-    wider = json.loads(run("size", file, "--every", 50, "--plane", "yaw", "--json").stdout)
+    wider = json.loads(run("ascent", file, "--every", 50, "--plane", "yaw", "--json").stdout)
     assert (wider["times_s"], wider["plane"]) == ([70.0, 90.0], "yaw")
 
 
@@ -163,7 +163,7 @@ def test_a_flight_of_the_file_itself_and_of_its_vehicle(tmp_path: Path) -> None:
     assert plan().sizing is None
     file = tmp_path / "none.toml"
     file.write_text(re.sub(r"(?s)# The whole flight.*?(?=# Many)", "", example()))
-    assert "has no flight; add [schedule]" in run("size", file).output
+    assert "has no flight; add [schedule]" in run("ascent", file).output
 
 
 def test_a_campaign_file_is_a_study_file() -> None:

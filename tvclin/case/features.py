@@ -69,7 +69,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
     "loads": _NOMINAL_PRESSURE,
     "card": ("dispersion",),
-    "size": (*(feature for feature in _LOOP if feature != "rate limit"), _WORK),
+    "ascent": (*(feature for feature in _LOOP if feature != "rate limit"), _WORK),
     "availability": (*_LOOP, "dispersion", _WORK),
     "campaign": (_WORK,),
     "explore": ("measured wind", "dispersion", _WORK),
@@ -96,7 +96,7 @@ _RIGID_NUMBERS: dict[str, str] = {
     "nozzle": "angles over rates",
     "loads": "angles over loads",
     **dict.fromkeys(
-        ("respond", "optimum", "boundary", "poles", "card", "size", "availability"),
+        ("respond", "optimum", "boundary", "poles", "card", "ascent", "availability"),
         _ALL_NUMBERS,
     ),
     "explore": "boundaries and the open-loop response",

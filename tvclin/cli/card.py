@@ -8,12 +8,12 @@ import typer
 
 from tvclin.base.errors import nonnegative, number, one_of, positive
 from tvclin.base.lines import listed
+from tvclin.cli.ascent import SOURCE, FlightOptions, PlaneOptions, flight_asked
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import note_left_out, only_with
 from tvclin.cli.options import BOTH_LIMITS, GROUP, MODEL, STUDY, AsJson, Given, asked, to_write
 from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.size import SOURCE, FlightOptions, PlaneOptions, flight_asked
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.data_sheet import FlightDuty
 from tvclin.nozzle.duty_over_flight import flight_duty

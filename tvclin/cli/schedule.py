@@ -25,7 +25,7 @@ schedule = typer.Typer(
 source = typer.Typer(
     no_args_is_help=True,
     help="Make a schedule of a flight that another tool has simulated.",
-    epilog="Then: tvclin size my-flight.csv --peak-deg 5 --limit-deg 3",
+    epilog="Then: tvclin ascent my-flight.csv --peak-deg 5 --limit-deg 3",
 )
 schedule.add_typer(source, name="from")
 
@@ -210,7 +210,7 @@ def _write(schedule: FlightSchedule, file: Path, output: Path) -> None:
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     schedule.to_csv(output)
     _print(schedule)
-    say(f"Wrote {called(output)}: {schedule.times.size} times. Then: tvclin size {output}")
+    say(f"Wrote {called(output)}: {schedule.times.size} times. Then: tvclin ascent {output}")
 
 
 def _print(schedule: FlightSchedule) -> None:

@@ -251,7 +251,7 @@ class SoundingOptions(BiasOptions):
     def sounding(self, plan: StudyPlan, source: str) -> History:
         """Return the wind angle [rad] of the sounding in the flight of a plan, in flight time.
 
-        As in `tvclin size`, only the wind with the sign of its peak counts.
+        As in `tvclin ascent`, only the wind with the sign of its peak counts.
         """
         from tvclin.requirement.flight.flight_winds import place
 

@@ -210,8 +210,8 @@ def size(
 ) -> Sizing:
     """Return the required deflection [rad] of each wind at each flight time.
 
-    A wind that is an angle is at nominal dynamic pressure; `tvclin size` adds the requirements in a
-    head wind and a tail wind, on which its verdict is based.
+    A wind that is an angle is at nominal dynamic pressure; `tvclin ascent` adds the requirements in
+    a head wind and a tail wind, on which its verdict is based.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""`tvclin size` and its figure, and the gust of `tvclin study`."""
+"""`tvclin ascent` and its figure, and the gust of `tvclin study`."""
 
 import json
 import re
@@ -39,8 +39,8 @@ FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
 @pytest.mark.thorough
 def test_a_dead_band_below_one_is_said_to_trust_a_forecast() -> None:
     said = "K below 1 trusts a forecast"
-    assert said not in run("size", "configuration-ii", *FAST).output
-    assert said in run("size", "configuration-ii", *FAST, "--dead-band", "0.5").output
+    assert said not in run("ascent", "configuration-ii", *FAST).output
+    assert said in run("ascent", "configuration-ii", *FAST, "--dead-band", "0.5").output
 
 
 def test_json_equals_the_library() -> None:
@@ -53,7 +53,7 @@ def test_json_equals_the_library() -> None:
         "size.gravity_offset_m=0.05",
     )
     result = run(
-        "size", "configuration-ii", *FAST, *offsets, "--limit-deg", "0.4", "--json",
+        "ascent", "configuration-ii", *FAST, *offsets, "--limit-deg", "0.4", "--json",
         "--peak-speed", "60",
     )  # fmt: skip
     document = json.loads(result.stdout)
@@ -95,9 +95,11 @@ def test_json_equals_the_library() -> None:
 
 def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
     table, picture = tmp_path / "a.csv", tmp_path / "a.png"
-    given = ("size", "configuration-i", *FAST, "--csv", str(table), "--plot", str(picture))
+    given = ("ascent", "configuration-i", *FAST, "--csv", str(table), "--plot", str(picture))
     enough = run(*given, "--limit-deg", "0.6", "--set", "size.reserve_percent=10")
-    short = run("size", "configuration-i", *FAST, "--limit-deg", "0.5", "--set", "size.count=trim")
+    short = run(
+        "ascent", "configuration-i", *FAST, "--limit-deg", "0.5", "--set", "size.count=trim"
+    )
 
     assert enough.exit_code == 0
     assert re.search(r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve\n", enough.output)
@@ -112,7 +114,7 @@ def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
 
 def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
     result = run(
-        "size", "configuration-i", "--duration", "35", "--from", "66", "--to", "66", "--frozen"
+        "ascent", "configuration-i", "--duration", "35", "--from", "66", "--to", "66", "--frozen"
     )
     assert result.exit_code == 0
     assert "is beyond the single-pole theory" in " ".join(result.output.split())
@@ -121,7 +123,7 @@ def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
 
 @pytest.mark.thorough
 def test_the_frozen_vehicle_stands_beside_the_one_that_changes_with_how_far_it_is_off() -> None:
-    along = ("size", "configuration-i", "--duration", "35", "--from", "66", "--to", "66")
+    along = ("ascent", "configuration-i", "--duration", "35", "--from", "66", "--to", "66")
     result = run(*along)
     assert any(line.split()[-1:] == ["1"] for line in result.output.splitlines())
     found = json.loads(run(*along, "--json").stdout)["required_deg"]
@@ -155,7 +157,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     )
     given += ("--sign", "frozen")  # in the dynamic pressure of calm air, as the histories
     pulse = ("--duration", "7.5")
-    document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
+    document = json.loads(run("ascent", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
     assert document["winds"][1] == "wyoming.txt"
     for one, values in expected.required.items():
@@ -164,7 +166,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
         )
     assert any("geopotential heights made geometric" in note for note in document["notes"])
     side = ("--to", "60", "--plane", "yaw", "--json")
-    yaw = json.loads(run("size", "configuration-i", *FLOWN, *FAST, *side).stdout)
+    yaw = json.loads(run("ascent", "configuration-i", *FLOWN, *FAST, *side).stdout)
     across = tv.read_sounding(WIND).to_wind(schedule, azimuth=np.radians(90), plane="yaw")
     B = tv.Coefficients.from_vehicle(schedule.at(60.0), "yaw").B
     at = across(np.linspace(*schedule.span, 40001))
@@ -177,7 +179,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
 @pytest.mark.thorough
 def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tmp_path) -> None:
     """Enough where the wind is known is not enough; a pulse joins only where one is named."""
-    given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--every", "20")
+    given = ("ascent", "configuration-i", *FLOWN, "--dead-band", "1", "--every", "20")
     enough = run(*given, "--limit-deg", "0.7")
     lower = run(*given, "--limit-deg", "0.7", "--to", "65", "--json")
     short, unasked = run(*given, "--limit-deg", "0.3", "--json"), run(*given, "--json")
@@ -206,11 +208,11 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
 @pytest.mark.thorough
 def test_flight_times_include_both_ends_of_the_flight() -> None:
     """A pulse of 7.5 s fits whole into 41 to 116 s from 44.75 to 112.25 s."""
-    document = json.loads(run("size", "configuration-i", "--every", "20", "--json").stdout)
+    document = json.loads(run("ascent", "configuration-i", "--every", "20", "--json").stdout)
     assert document["times_s"] == [44.75, 60.0, 80.0, 100.0, 112.25]
     assert any("first flight time, 44.75 s; before it" in note for note in document["notes"])
     given = ("--from", "50", "--to", "51", "--every", "0.1", "--json")
-    times = json.loads(run("size", "configuration-i", *given).stdout)["times_s"]
+    times = json.loads(run("ascent", "configuration-i", *given).stdout)["times_s"]
     assert times == pytest.approx(np.arange(500, 511) / 10)
 
 
@@ -252,7 +254,7 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
 
 
 def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
-    given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1")
+    given = ("ascent", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1")
     document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").stdout)
     nominal = tv.Study.from_vehicle(
         tv.load_schedule("configuration-i").at(66.0),
@@ -277,7 +279,7 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
     ),
 )
 def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
-    given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1", *more)
+    given = ("ascent", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1", *more)
     document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").stdout)
     gust = tv.OneMinusCosineGust(peak=np.radians(1), duration=2.0)
     heading = {"heading": np.radians(220), "stop": "round"}
@@ -295,7 +297,7 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
 
 @pytest.mark.parametrize("plane", usual(["pitch", "both"], 0))
 def test_dispersions_are_found_in_a_sounding(plane) -> None:
-    given = ("size", "configuration-i", "--winds", WIND, "--azimuth-deg", "30", *FAST)
+    given = ("ascent", "configuration-i", "--winds", WIND, "--azimuth-deg", "30", *FAST)
     more = ("--plane", plane, "--model", "fixed-path", "--disperse", "--json")
     document = json.loads(run(*given, *more).stdout)
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
@@ -356,7 +358,7 @@ def test_dispersions_are_found_in_a_sounding(plane) -> None:
     ),
 )
 def test_bad_input_is_one_sentence_and_exit_code_2(arguments, words) -> None:
-    result = run("size", *arguments)
+    result = run("ascent", *arguments)
 
     assert result.exit_code == 2
     assert words in result.output
@@ -365,7 +367,7 @@ def test_bad_input_is_one_sentence_and_exit_code_2(arguments, words) -> None:
 
 def test_a_figure_of_one_flight_time_is_refused_before_anything_is_computed(monkeypatch) -> None:
     monkeypatch.setattr(SizingRequest, "sizing", None)
-    result = run("size", "configuration-i", "--from", "66", "--to", "66", "--plot", "a.png")
+    result = run("ascent", "configuration-i", "--from", "66", "--to", "66", "--plot", "a.png")
 
     assert result.exit_code == 2
     (said,) = result.stderr.splitlines()
@@ -415,7 +417,7 @@ def test_a_gust_that_cannot_be_is_refused() -> None:
 
 def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
     """Frozen at 43 s the vehicle needs more, which never met the jet there."""
-    given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
+    given = ("ascent", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
     along = json.loads(run(*given, "--every", "20", "--varying", "--json").stdout)
     beside = json.loads(
         run(*given, "--every", "20", "--varying", "--set", "size.count=K = 1", "--json").stdout
@@ -432,8 +434,8 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
     noon, midnight = "2024-02-15 12", "2024-02-16 00"
     given = ("--azimuth-deg", "90", "--from", "41", "--to", "42", "--dead-band", "1", "--json")
     asked = [("--winds", OTHER, "--winds-time", time) for time in (noon, midnight)]
-    alone = [json.loads(run("size", *one, *given).stdout) for one in asked]
-    both = json.loads(run("size", *asked[0], *asked[1], *given).stdout)
+    alone = [json.loads(run("ascent", *one, *given).stdout) for one in asked]
+    both = json.loads(run("ascent", *asked[0], *asked[1], *given).stdout)
     schedule = tv.load_schedule("configuration-i")
     for k, time in enumerate((noon, midnight)):
         wind = tv.read_sounding(OTHER, time=time)
@@ -449,14 +451,14 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
         (*asked[0], "--winds", WIND): "once for each --winds; got 1 for 2",
         ("--winds", OTHER, "--winds-time", "noon"): "has no sounding of time 'noon'",
     }.items():
-        result = run("size", *wrong, *given)
+        result = run("ascent", *wrong, *given)
         assert (result.exit_code, said in result.output) == (2, True), result.output
 
 
 @pytest.mark.thorough
 def test_it_says_which_options_would_tell_more() -> None:
-    two = run("size", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42", "--frozen")
-    pulse = run("size", "--every", "60")
+    two = run("ascent", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42", "--frozen")
+    pulse = run("ascent", "--every", "60")
 
     assert "--window 20 counts of a sounding only" in two.output
     assert "K = 1 in each wind [deg]" in two.output
@@ -469,13 +471,13 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
     schedule, given = tv.load_schedule("configuration-i"), FAST
     gust = ("--set", "gust.peak_speed_m_per_s=9", "--set", "gust.duration_s=2")
     gust += ("--set", "gust.plateau_s=0.5")
-    by_speed = json.loads(run("size", *given, *gust, "--json").stdout)
+    by_speed = json.loads(run("ascent", *given, *gust, "--json").stdout)
     for i, time in enumerate(by_speed["times_s"]):
         vehicle = schedule.at(time)
         peak = np.degrees(tv.angle_from_speed(9.0, vehicle.velocity, vehicle.attitude))
         alone = ("--from", str(time), "--to", str(time), "--dead-band", "1")
         given = gust_of(repr(float(peak)), plateau_s=0.5)
-        by_angle = json.loads(run("size", *alone, *given, "--json").stdout)
+        by_angle = json.loads(run("ascent", *alone, *given, "--json").stdout)
         for name, values in by_angle["required_deg"].items():
             if name.endswith("wind"):  # a speed is another angle in a head or a tail wind
                 continue
@@ -494,7 +496,7 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
     ],
 )
 def test_gusts_and_signs_without_meaning_are_refused(given, words) -> None:
-    result = run("size", *given)
+    result = run("ascent", *given)
     assert result.exit_code == 2
     assert words in " ".join(result.stderr.split())
 
@@ -502,16 +504,16 @@ def test_gusts_and_signs_without_meaning_are_refused(given, words) -> None:
 @pytest.mark.thorough
 def test_both_planes_stand_beside_each_plane_alone() -> None:
     given = ("--wind-direction-deg", "270", "--azimuth-deg", "45", "--peak-speed", "50", *FAST)
-    both = run("size", "configuration-i", "--plane", "both", "--stop", "square", *given)
+    both = run("ascent", "configuration-i", "--plane", "both", "--stop", "square", *given)
     assert "pitch alone misses" in " ".join(both.output.split())
     document = json.loads(
         run(
-            "size", "configuration-i", "--plane", "both", "--stop", "square", *given, "--json"
+            "ascent", "configuration-i", "--plane", "both", "--stop", "square", *given, "--json"
         ).stdout
     )
     needed = np.array(document["required_deg"]["K = 1"])
     alone = {k: np.array(one["K = 1"]) for k, one in document["separate_deg"].items()}
-    pitch = json.loads(run("size", "configuration-i", *given, "--json").stdout)
+    pitch = json.loads(run("ascent", "configuration-i", *given, "--json").stdout)
     assert alone["pitch"].tolist() == pitch["required_deg"]["K = 1"]
     assert np.all(needed >= np.maximum(alone["pitch"], alone["yaw"]) * (1.0 - 1e-12))
     misses = np.array(document["pitch_omitted_fraction"]["K = 1"])
@@ -526,6 +528,6 @@ def test_both_planes_need_a_direction() -> None:
         ("--plane", "both", "--stop", "oval"): "stop must be one of round",
         ("--stop", "square"): "--stop needs --plane both",
     }.items():
-        result = run("size", "configuration-i", *FAST, *given)
+        result = run("ascent", "configuration-i", *FAST, *given)
         assert result.exit_code == 2
         assert said in " ".join(result.output.split())

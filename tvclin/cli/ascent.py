@@ -1,4 +1,4 @@
-"""`tvclin size`: the required deflection of a whole flight, and the verdict on the limit."""
+"""`tvclin ascent`: the required deflection of a whole flight, and the verdict on the limit."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -144,7 +144,7 @@ class PlaneOptions:
         return chosen(self.stop, own or "round")
 
 
-def size(
+def ascent(
     source: Annotated[
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
@@ -175,7 +175,7 @@ def size(
     """
     from tvclin import plots
 
-    case = flight_asked("size", source, winds, question, sign, limits, model, planes)
+    case = flight_asked("ascent", source, winds, question, sign, limits, model, planes)
     request = case.sizing
     assert request is not None
     if plot is not None:
