@@ -8,6 +8,7 @@ from typing import Any
 from zlib import crc32
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -26,8 +27,6 @@ VALUES = {"text": "x", "object": object(), "rude": Rude(), "nan": np.nan, "table
 def no_figure_stays_open() -> Any:
     """Close what was drawn."""
     yield
-    import matplotlib.pyplot as plt
-
     plt.close("all")
 
 
@@ -75,6 +74,7 @@ def test_every_public_figure_has_its_door_with_each_argument(every: dict[str, Do
     for name in FIGURES:
         assert set(arguments(name)) <= set(every[name].good), name
         every[name].call(**every[name].good)
+        plt.close("all")
 
 
 @pytest.mark.thorough

@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, instance, one_row, positive, shown, single, within
+from tvclin.base.errors import (
+    InputError,
+    between,
+    instance,
+    one_row,
+    positive,
+    shown,
+    single,
+    within,
+)
 from tvclin.boundary.closed_forms import (
     rectangular_limit,
     triangular_limit,
@@ -52,6 +61,8 @@ CONFIGURATIONS = ("configuration-i", "configuration-ii")
 
 ABSCISSA = "wind duration tau*{} [-]"
 ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
+_DURATIONS = between(1e-6, 1e6)
+"""Check of the durations tau beta of an abscissa."""
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
 _POINTS, _FLOWN_POINTS = 200, 40
 """Durations of the wind; with a gust, where the trim law is flown for each."""
@@ -270,7 +281,7 @@ def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:
 def _abscissas(tau_beta: ArrayLike | None) -> FloatArray:
     """Return the abscissas tau*beta; `InputError` unless they are a positive row."""
     abscissas = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
-    return one_row("tau_beta", np.atleast_1d(positive("tau_beta", abscissas)))
+    return one_row("tau_beta", np.atleast_1d(_DURATIONS("tau_beta", abscissas)))
 
 
 def _fractions(dead_bands: Sequence[float]) -> list[float]:

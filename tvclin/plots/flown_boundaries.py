@@ -177,7 +177,7 @@ def _figure(
     flies = chosen_engine(engine)
     instance("vehicle", name, str, "what load_vehicle finds it by")
     fractions = one_row("dead_bands", np.atleast_1d(within("dead_bands", dead_bands, 0.0, 1.0)))
-    durations = [one_row("tau_beta", np.atleast_1d(positive("tau_beta", tau_beta)))]
+    durations = [one_row("tau_beta", np.atleast_1d(within("tau_beta", tau_beta, 1e-6, 1e6)))]
     trajectory = np.atleast_1d(positive("along", along))
     durations.append(one_row("along", trajectory) if trajectory.size else trajectory.ravel())
     x = np.unique(np.concatenate([_CURVES, *durations]))

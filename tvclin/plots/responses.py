@@ -256,6 +256,8 @@ _COLOURS = (COLOURS[3], COLOURS[2], COLOURS[1], COLOURS[0])
 _NEVER = "trim never saturates"
 _STILL = 1e-3
 """Largest attitude over the wind's peak of a flight with trim alone."""
+_DURATIONS, _FACTORS, _UNTIL = between(1e-3, 1e3), between(1e-6, 1e6), between(1e-3, 1e2)
+"""Checks of the durations tau beta, of limits over the boundary limit, and of the end t/tau."""
 _ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$ [-]"
 
 
@@ -301,14 +303,14 @@ def attitude_chart(
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     single("plant", plant.batch)
     dead_band = _fraction(dead_band)
-    tau_beta = row_of("tau_beta", np.atleast_1d(positive("tau_beta", tau_beta))).tolist()
-    factors = row_of("factors", np.atleast_1d(positive("factors", factors))).tolist()
+    tau_beta = row_of("tau_beta", np.atleast_1d(_DURATIONS("tau_beta", tau_beta))).tolist()
+    factors = row_of("factors", np.atleast_1d(_FACTORS("factors", factors))).tolist()
     if not tau_beta or not factors:
         raise InputError("tau_beta and factors must hold one number or more")
     if flights is not None:
         callable_for("flights", flights, "of wind, limit, dead band and times")
     within("points", whole_number("points", points), 2, 1e6)
-    x = np.linspace(0.0, number("until", until, positive), int(points))
+    x = np.linspace(0.0, number("until", until, _UNTIL), int(points))
     columns = [
         column for b in tau_beta for column in _attitudes(plant, x, b, factors, dead_band, flights)
     ]

@@ -318,10 +318,11 @@ def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) ->
 
 
 def _set_checked(value: Any) -> None:
-    """Replace the numbers of a frozen value by checked arrays; None stays None."""
+    """Replace the numbers of a frozen value by checked arrays; a default None stays."""
+    optional = {item.name for item in fields(value) if item.default is None}
     for item in fields_of(value):
         value_si = item.si_value(value)
-        if value_si is not None:
+        if value_si is not None or item.name not in optional:
             object.__setattr__(
                 value, item.name, plain(item.check(item.name, value_si, item.si_unit))
             )

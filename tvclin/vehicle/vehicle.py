@@ -48,7 +48,8 @@ def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
     array = finite(name, value, unit)
     beyond = array[np.abs(array) > np.pi / 2]
     if beyond.size:
-        got = f"{beyond[0]:.6g} rad ({np.degrees(beyond[0]):.6g} deg)"
+        with np.errstate(over="ignore"):
+            got = f"{beyond[0]:.6g} rad ({np.degrees(beyond[0]):.6g} deg)"
         raise InputError(f"{name} must be within 90 degrees, in radians; got {got}")
     return array
 

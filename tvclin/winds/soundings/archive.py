@@ -232,7 +232,8 @@ class Soundings:
         cls, profiles: Iterable[WindProfile], times: ArrayLike, station: str = ""
     ) -> Self:
         """Return the soundings of profiles and their times [UTC], in the order of the times."""
-        given = list(profiles) if isinstance(profiles, Iterable) else profiles
+        iterable = isinstance(profiles, Iterable) and not isinstance(profiles, np.ndarray)
+        given = list(profiles) if iterable else profiles
         sequence = each("profiles", given, WindProfile, "see read_sounding")
         checked_times = to_minutes("times", times)
         if checked_times.shape != (len(sequence),):
