@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -235,7 +236,7 @@ def test_the_page_shows_what_the_commands_print(tmp_path, monkeypatch):
     sessions = re.findall(r"```console\n\$ tvclin (.*?)\n(.*?)```", page, re.DOTALL)
     codes = (1, 1, 1, 0, 0)
     for (command, shown), code in zip(sessions, codes, strict=True):
-        result = run(*command.split())
+        result = run(*shlex.split(command))
         printed = [" ".join(line.split()) for line in result.output.splitlines()]
         assert result.exit_code == code
         for line in shown.splitlines():
