@@ -214,6 +214,9 @@ def doors(folder: Path) -> dict[str, Door]:
     times = [0.0, 5.0, 20.0]
     poles = {"natural_frequency": 1.0, "damping": 0.7}
     veering = tv.winds.PlaneWind.veering(wind, 0.3, 0.1)
+    severe = tv.winds.Turbulence.mil_f_8785c("severe")
+    noise = {"times": [0.0, 0.5, 1.0], "speed": [530.0, 540.0, 550.0], "altitude": 9000.0}
+    noise |= {"seed": 3, "first": 2, "runs": 2}
     square, ellipse = tv.boundary.SquareShape(), tv.boundary.EllipticShape(1.0, 0.5)
     kite = tv.boundary.PolygonShape([1.0, 1.0j, -1.0, -1.0j])
     engines = [tv.boundary.ClusterEngine(at=at) for at in (1.0, 1.0j, -1.0)]
@@ -301,6 +304,35 @@ def doors(folder: Path) -> dict[str, Door]:
         "PlaneWind.veering": Door(
             tv.winds.PlaneWind.veering, {"wind": wind, "angle": 0.3, "rate": 0.1}
         ),
+        "Turbulence": Door(
+            tv.winds.Turbulence,
+            {
+                "intensity": [3.0, 6.0],
+                "length": 533.4,
+                "spectrum": "von-karman",
+                "component": "along",
+                "altitude": [0.0, 9000.0],
+            },
+        ),
+        "Turbulence.mil_f_8785c": Door(
+            tv.winds.Turbulence.mil_f_8785c,
+            {
+                "exceedance": 1e-4,
+                "spectrum": "dryden",
+                "component": "along",
+                "wind_at_20_ft": 10.0,
+            },
+        ),
+        "Turbulence.at": Door(severe.at, {"altitude": 9000.0}),
+        "Turbulence.over": Door(severe.over, {"altitude": [9000.0, 9500.0]}),
+        "Turbulence.shaping_filter": Door(
+            severe.shaping_filter, {"speed": 540.0, "altitude": 9000.0}
+        ),
+        "Turbulence.power_spectrum": Door(
+            severe.power_spectrum, {"omega": [0.5, 2.0], "speed": 540.0, "altitude": 9000.0}
+        ),
+        "Turbulence.samples": Door(severe.samples, noise),
+        "Turbulence.winds": Door(severe.winds, noise),
         "WindProfile.to_winds": Door(west.to_winds, {"flight": climb, "azimuth": 1.0}),
         "plane_limit": Door(tv.plane_limit, {**planes, "dead_band": 0.5, "switch": "literal"}),
         "plane_optimum": Door(tv.boundary.plane_optimum, planes),

@@ -22,4 +22,5 @@ from .soundings.sounding_files import read_soundings as read_soundings
 from .soundings.synthetic import add_gust as add_gust
 from .soundings.synthetic import power_law_shear as power_law_shear
 from .soundings.synthetic import synthetic_profile as synthetic_profile
+from .turbulence import Turbulence as Turbulence
 from .wind_angles import angle_from_speed as angle_from_speed

@@ -1,0 +1,142 @@
+"""Turbulence: its filters have the spectra of the specification, and its samples those filters."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.signal import welch
+
+import tvclin as tv
+from tvclin.base.errors import InputError
+from tvclin.winds.turbulence import COMPONENTS, SPECTRA
+
+FOOT = 0.3048
+SPEED = 538.81
+
+
+def fitted(turbulence, omega, speed):
+    """Return the one-sided spectrum of the shaping filter at one frequency."""
+    A, b, c = turbulence.shaping_filter(speed)
+    response = c @ np.linalg.solve(1j * omega * np.eye(len(A)) - A, b)
+    return abs(response.item()) ** 2 / np.pi
+
+
+@pytest.mark.parametrize("component", COMPONENTS)
+@pytest.mark.parametrize("spectrum", SPECTRA)
+def test_the_integral_of_a_spectrum_is_the_variance(spectrum, component):
+    air = tv.winds.Turbulence(6.0, spectrum=spectrum, component=component)
+    corner = SPEED / air.length
+    ends = [0.0, *corner * 10.0 ** np.arange(-2, 9)]
+    parts = [
+        quad(lambda w: float(air.power_spectrum(w, SPEED)), *pair, epsrel=1e-10)[0]
+        for pair in pairwise(ends)
+    ]
+    # the factor 1.339 of von Karman is rounded from Gamma(1/3)/(sqrt(pi) Gamma(5/6)) = 1.338982
+    assert np.isclose(sum(parts), 36.0, rtol={"dryden": 1e-7, "von-karman": 2e-5}[spectrum])
+
+
+@pytest.mark.parametrize("component", COMPONENTS)
+def test_a_dryden_filter_has_exactly_its_spectrum(component):
+    air = tv.winds.Turbulence(6.0, 533.4, component=component)
+    for omega in (0.01, 0.3, 2.0, 50.0):
+        assert np.isclose(fitted(air, omega, SPEED), air.power_spectrum(omega, SPEED), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("component", "error_dB"), [("along", 0.26), ("transverse", 0.23)])
+def test_the_fit_of_von_karman_has_the_error_that_it_states(component, error_dB):
+    air = tv.winds.Turbulence(6.0, spectrum="von-karman", component=component)
+    corner = SPEED / air.length
+    decibels = [
+        10.0 * np.log10(fitted(air, w, SPEED) / air.power_spectrum(w, SPEED))
+        for w in corner * np.logspace(-3, 1, 81)
+    ]
+    assert -0.04 < min(decibels)
+    assert max(decibels) == pytest.approx(error_dB, abs=0.005)
+    far = 100.0 * corner
+    missing = {"along": -2.4, "transverse": -1.8}[component]
+    beyond = 10.0 * np.log10(fitted(air, far, SPEED) / air.power_spectrum(far, SPEED))
+    assert beyond == pytest.approx(missing, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("exceedance", "feet", "feet_per_s"),
+    [("severe", 15000, 22.1), ("moderate", 7500, 10.1), ("light", 35000, 0.4), (1e-6, 25000, 31.0)],
+)
+def test_intensities_are_those_of_the_specification(exceedance, feet, feet_per_s):
+    air = tv.winds.Turbulence.mil_f_8785c(exceedance).at(feet * FOOT)
+    assert np.isclose(air.intensity, feet_per_s * FOOT)
+    assert np.isclose(air.length, 533.4)
+
+
+def test_below_1000_ft_the_wind_at_20_ft_sets_the_intensity():
+    across = tv.winds.Turbulence.mil_f_8785c("moderate").at(500 * FOOT)
+    up = tv.winds.Turbulence.mil_f_8785c("moderate", component="along").at(500 * FOOT)
+    factor, wind = 0.177 + 0.000823 * 500, 30.0 * 1852 / 3600
+    assert np.isclose(across.intensity, 0.1 * wind / factor**0.4)
+    assert np.isclose(across.length, 500 * FOOT / factor**1.2)
+    assert np.isclose(up.intensity, 0.1 * wind)
+    assert np.isclose(up.length, 500 * FOOT)
+    # straight lines between 1000 and 2000 ft, where the table is 23 to 17.6 ft/s
+    severe = tv.winds.Turbulence.mil_f_8785c("severe")
+    table = 17.6 + (23.0 - 17.6) * 250 / 2000
+    middle = 0.5 * (0.1 * 45.0 * 1852 / 3600 + FOOT * table)
+    assert np.isclose(severe.at(1500 * FOOT).intensity, middle)
+    assert np.isclose(severe.at(1500 * FOOT).length, 1375 * FOOT)
+
+
+def test_welch_finds_the_spectrum_of_the_filter_in_samples():
+    air = tv.winds.Turbulence(6.0, 533.4)
+    step, count = 0.05, 2**14
+    samples = air.samples(step * np.arange(count), SPEED, seed=5, runs=8)
+    hertz, density = welch(samples, 1.0 / step, nperseg=2048)
+    density, omega = density.mean(axis=0), 2.0 * np.pi * hertz
+    # 15 half-overlapping segments of each run, of which about 0.55 count as independent
+    spread = np.sqrt(1.0 / (0.55 * 8 * 15))
+    band = slice(5, 200)  # windows blur below, samples fold above
+    expected = 2.0 * np.pi * air.power_spectrum(omega[band], SPEED)
+    assert np.abs(density[band] / expected - 1.0).max() < 5.0 * spread
+    assert abs(np.mean(density[band] / expected) - 1.0) < 0.03
+
+
+def test_samples_keep_their_covariance_at_any_steps_speeds_and_altitudes():
+    air = tv.winds.Turbulence([3.0, 9.0], [300.0, 900.0], altitude=[0.0, 10_000.0])
+    times, speed = np.array([0.0, 0.1, 0.9, 3.0]), np.array([300.0, 310.0, 390.0, 600.0])
+    height = np.array([0.0, 100.0, 2000.0, 9000.0])
+    runs = 4000
+    wind = air.samples(times, speed, altitude=height, seed=1, runs=runs)
+    sigma, length = air.over(height)
+    advance = speed / length
+    xi = np.concatenate([[0.0], np.cumsum(0.5 * (advance[1:] + advance[:-1]) * np.diff(times))])
+    apart = np.abs(xi[:, np.newaxis] - xi)
+    # autocorrelation of the transverse Dryden spectrum
+    expected = np.outer(sigma, sigma) * np.exp(-apart) * (1.0 - 0.5 * apart)
+    error = np.sqrt((np.outer(sigma, sigma) ** 2 + expected**2) / runs)
+    assert np.all(np.abs(wind.T @ wind / runs - expected) < 5.0 * error)
+
+
+def test_a_run_has_the_same_wind_whichever_others_are_drawn():
+    air, times = tv.winds.Turbulence(6.0), 0.1 * np.arange(20)
+    together = air.samples(times, SPEED, seed=7, runs=5)
+    assert np.array_equal(air.samples(times, SPEED, seed=7, first=3, runs=2), together[3:])
+    assert not np.array_equal(air.samples(times, SPEED, seed=8, runs=1), together[:1])
+    angles = air.winds(times, SPEED, seed=7, runs=5)
+    assert np.allclose(angles.angle, together / SPEED, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: tv.winds.Turbulence(-1.0), "intensity must be between 0 and 10000; got -1 m/s"),
+        (lambda: tv.winds.Turbulence(1.0, 0.0), "length must be between 0.001 and 1e"),
+        (lambda: tv.winds.Turbulence([1.0, 2.0]), "one for each altitude"),
+        (lambda: tv.winds.Turbulence(1.0, spectrum="karman"), "did you mean 'von-karman'"),
+        (lambda: tv.winds.Turbulence(1.0, altitude=[1.0, 0.0]), "rising altitudes in m"),
+        (lambda: tv.winds.Turbulence.mil_f_8785c(0.5), "from 1e-6 to 0.2"),
+        (lambda: tv.winds.Turbulence.mil_f_8785c("severe").samples([0.0, 1.0], 9.0), "altitude"),
+        (lambda: tv.winds.Turbulence(1.0).samples([1.0, 0.0], 9.0), "times must rise"),
+    ],
+)
+def test_bad_turbulence_is_refused_in_a_sentence(make, sentence):
+    with pytest.raises(InputError, match=sentence):
+        make()
