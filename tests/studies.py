@@ -24,11 +24,13 @@ limit_deg = 0.6
 [schedule]
 source = "configuration-ii"
 
+[sounding]
+window_s = 16
+
 [size]
 from_s = 70
 to_s = 90
 every_s = 20
-window_s = 16
 dead_bands = [1.0]
 varying = true
 dispersion_percent = 20

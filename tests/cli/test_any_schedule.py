@@ -33,7 +33,7 @@ GUST = ("--set", "gust.peak_speed_m_per_s=9", "--set", "gust.duration_s=2")
 WINDS: dict[str, tuple[str, ...]] = {
     "a pulse": (),
     "a pulse by its speed": ("--peak-speed", "20", "--duration", "3"),
-    "both planes": ("--varying", "--plane", "both", "--wind-direction-deg", "200"),
+    "both planes": ("--varying", "--plane", "both", "--set", "wind.direction_deg=200"),
     "a sounding": ("--winds", "wind.csv"),
     "a gust on it": ("--winds", "wind.csv", "--plane", "both", *GUST),
 }

@@ -64,14 +64,6 @@ VALUES = {
     "gust": ["1.5 3"],
     "sign": ["tail", "frozen"],
     "winds": [SOUNDING],
-    "winds_time": ["2024-02-15 12"],
-    "winds_format": ["wyoming"],
-    "units": ["ft,mph"],
-    "above_ground": ["100"],
-    "window": ["15"],
-    "bias": [SOUNDING.replace("wyoming.txt", "table.csv")],
-    "bias_month": ["2"],
-    "wind_direction_deg": ["200"],
     "azimuth_deg": ["77"],
     "dead_band": ["0.4"],
     "capability": ["1.3"],
@@ -190,7 +182,6 @@ def test_an_option_changes_the_answer_or_is_refused(count):
     usual(
         [
             ("card", STARTS["card"][0], "seed", "3"),
-            ("card", STARTS["card"][0], "window", "15"),
             ("card", (*STARTS["card"][0], "--plane", "yaw"), "sign", "tail"),
             ("ascent", (*STARTS["ascent"][0], "--plane", "yaw"), "sign", "tail"),
             ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "rate_limit_deg", "0.3"),

@@ -274,7 +274,7 @@ SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
 
 
 def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
-    met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--window", "20"]
+    met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--set", "sounding.window_s=20"]
     flown = json.loads(CliRunner().invoke(app, ["fly", *met, "--json"]).stdout)
     times = ["--from", "66", "--to", "66.1", "--every", "0.1", "--dead-band", "1"]
     sized = json.loads(CliRunner().invoke(app, ["ascent", *met, *times, "--json"]).stdout)
@@ -291,7 +291,7 @@ def test_a_sounding_is_chosen_by_its_time():
     met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--json"]
     first, later = (
         CliRunner().invoke(app, ["fly", *met, *time])
-        for time in ([], ["--winds-time", "2024-02-16 00"])
+        for time in ([], ["--set", "sounding.time=2024-02-16 00"])
     )
     profile = tv.read_sounding(SOUNDING, time="2024-02-16 00")
     flight = tv.load_schedule("configuration-i")
@@ -308,8 +308,8 @@ def test_a_sounding_is_chosen_by_its_time():
     ("arguments", "said"),
     [
         (["--winds", SOUNDING], "--winds needs --azimuth-deg"),
-        (["--window", 5], "Error: --window needs a sounding"),
-        (["--azimuth-deg", 5, "--winds-time", "x"], "--winds-time needs a sounding"),
+        (["--set", "sounding.window_s=5"], "Error: [sounding] needs a sounding"),
+        (["--azimuth-deg", 5], "--azimuth-deg is for a sounding, --winds FILE"),
         (["--winds", SOUNDING, "--azimuth-deg", 90, "--peak-deg", 3], "has its own wind"),
         (["--winds", "no.csv", "--azimuth-deg", 90], "no.csv"),
     ],
@@ -319,3 +319,18 @@ def test_a_sounding_that_cannot_be_flown_is_one_sentence(arguments, said):
 
     assert result.exit_code == 2
     assert said in result.output
+
+
+@pytest.mark.parametrize("plane", usual(["pitch", "yaw"], 0))
+def test_a_sounding_of_a_file_is_the_wind_of_one_time(tmp_path, plane):
+    """As with --winds; a key of [sounding] counts for both."""
+    file = tmp_path / "my.toml"
+    file.write_text(
+        f'[study]\nvehicle = "configuration-i"\nplane = "{plane}"\n[sounding]\nwindow_s = 15\n'
+        f'[wind]\nsounding = "{SOUNDING}"\nazimuth_deg = 70\n'
+    )
+    given = ("--winds", SOUNDING, "--azimuth-deg", 70, "--set", "sounding.window_s=15")
+    by_options = run("configuration-i", "--plane", plane, *given, "--json")
+    assert json.loads(run(file, "--json").stdout) == json.loads(by_options.stdout)
+    turned = json.loads(run(file, "--azimuth-deg", 120, "--json").stdout)
+    assert turned["boundary_deg"] != json.loads(by_options.stdout)["boundary_deg"]

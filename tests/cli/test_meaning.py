@@ -38,7 +38,7 @@ def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
         (("margins", "--wind", "rectangular"), "--wind needs --flown or --box"),
         (("margins", "--peak-deg", 3), "--peak-deg needs --flown or --box"),
         (("margins", "--duration", 3), "--duration needs --flown or --box"),
-        (("ascent", "--window", 20), "--window needs a sounding"),
+        (("ascent", "--set", "sounding.window_s=20"), "[sounding] needs a sounding"),
         (("fly", "--engine", "planar", "--rigid"), "--rigid needs --engine linear"),
         (("fly", "--engine", "sixdof", "--rigid"), "--rigid needs --engine linear"),
         # one of several options of nearly one name

@@ -34,7 +34,7 @@ VALUES = {
     "gust": ("--gust", 1.5, 1.0),
     "head wind": ("--peak-deg", -5),
     "sign that counts": ("--sign", "frozen"),
-    "heading": ("--wind-direction-deg", 250, "--azimuth-deg", 45),
+    "heading": ("--set", "wind.direction_deg=250", "--azimuth-deg", 45),
     "measured wind": ("--winds", SOUNDING, "--azimuth-deg", 90),
     "shape of the stop": ("--stop", "square"),
     "actuator": ("--set", "nozzle.actuator_frequency_Hz=3"),

@@ -318,11 +318,12 @@ def test_what_a_table_of_winds_does_not_say_is_told_or_given(tmp_path):
         "Altitude MSL (m),Speed (m/s),Direction (deg)\n160,0,270\n12160,30,270\n27592,0,0\n"
     )
     asked = ("--azimuth-deg", 90)
-    given = document("--winds", feet, "--units", "ft,mph", "--above-ground", 160, *asked)
+    site = ("--set", "sounding.units=ft,mph", "--set", "sounding.above_ground_m=160")
+    given = document("--winds", feet, *site, *asked)
     written = document("--winds", metres, *asked)
     assert given["wind"]["peak_deg"] == pytest.approx(written["wind"]["peak_deg"], rel=1e-9)
-    named = run("--winds", feet, "--winds-format", "openrocket", *asked)
+    named = run("--winds", feet, "--set", "sounding.format=openrocket", *asked)
     assert "feet.csv: assumed, as the file does not say: altitudes in m, speeds" in named.stderr
-    assert "--winds-format openrocket" in run("--winds", feet, *asked).stderr
-    for option in (("--units", "ft,mph"), ("--above-ground", 160), ("--winds-format", "csv")):
-        assert f"{option[0]} needs a sounding, --winds" in run(*option).stderr
+    assert "--set sounding.format openrocket" in run("--winds", feet, *asked).stderr
+    for key in ("units=ft,mph", "above_ground_m=160", "format=csv"):
+        assert "[sounding] needs a sounding: --winds" in run("--set", f"sounding.{key}").stderr

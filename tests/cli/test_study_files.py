@@ -72,7 +72,7 @@ CASE = tv.Case(
 )
 AS_OPTIONS = (
     *("configuration-i", "--plane", "yaw", "--wind", "rectangular", "--peak-deg", "4"),
-    *("--duration", "5", "--wind-direction-deg", "250", "--azimuth-deg", "45"),
+    *("--duration", "5", "--set", "wind.direction_deg=250", "--azimuth-deg", "45"),
     *("--set", "gust.peak_deg=0.5", "--set", "gust.duration_s=1", "--set", "gust.peak_time_s=2.5"),
 )
 LOOP = (

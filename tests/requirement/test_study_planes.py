@@ -16,7 +16,7 @@ from tvclin.studyfile.parse import parse_study
 from tvclin.studyfile.questions import questions
 from tvclin.studyfile.study_plan import StudyPlan
 
-HEADING = ("--wind-direction-deg", "270", "--azimuth-deg", "45")
+HEADING = ("--set", "wind.direction_deg=270", "--azimuth-deg", "45")
 JET = (*HEADING, "--peak-speed", "50", "--model", "fixed-path")
 
 
@@ -119,8 +119,8 @@ def test_a_file_gives_the_direction_in_its_wind() -> None:
 def test_what_has_no_direction_is_told_so(booster) -> None:
     said = {
         ("--stop", "round"): "a stop of both planes needs a wind with a direction",
-        ("--azimuth-deg", "9"): "--azimuth-deg needs --wind-direction-deg",
-        ("--wind-direction-deg", "0", "--azimuth-deg", "90"): "has no part in pitch",
+        ("--azimuth-deg", "9"): "--azimuth-deg is for a sounding",
+        ("--set", "wind.direction_deg=0", "--azimuth-deg", "90"): "has no part in pitch",
         (*JET, "--stop", "oval"): "stop must be one of round",
     }
     for options, words in said.items():

@@ -62,7 +62,6 @@ def options(tables: dict[str, Any]) -> list[str]:
         ("wind", "duration_s"): "--duration",
         ("wind", "peak_deg"): "--peak-deg",
         ("wind", "peak_speed_m_per_s"): "--peak-speed",
-        ("wind", "direction_deg"): "--wind-direction-deg",
         ("wind", "azimuth_deg"): "--azimuth-deg",
         ("nozzle", "stop"): "--stop",
         **{("study", key): "--" + key.replace("_", "-") for key in tables["study"]},
@@ -72,6 +71,8 @@ def options(tables: dict[str, Any]) -> list[str]:
         for (table, key), name in names.items()
         if key in tables.get(table, {})
     ]
+    if "direction_deg" in tables.get("wind", {}):
+        rows.append(["--set", f"wind.direction_deg={tables['wind']['direction_deg']}"])
     if "gust" in tables:
         rows.append(["--gust", *(str(float(value)) for value in tables["gust"].values())])
     return [word for row in rows for word in row]

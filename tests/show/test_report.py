@@ -543,7 +543,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
         '[study]\nvehicle = "configuration-i"\n[[wind]]\npeak_deg = 5\nduration_s = 35\n'
         '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[nozzle]\nlimit_deg = 0.4\n'
         "[gust]\npeak_deg = 1\nduration_s = 2\n"
-        "[size]\nfrom_s = 66\nto_s = 66\nvarying = true\nwindow_s = 20\n"
+        "[size]\nfrom_s = 66\nto_s = 66\nvarying = true\n[sounding]\nwindow_s = 20\n"
     )
     (tmp_path / "s.toml").write_text(text)
     plan = tv.load_study(tmp_path / "s.toml")

@@ -96,9 +96,10 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     file.write_text(FLIGHT)
     sounding.write_text((SOUNDINGS / "wyoming.txt").read_text())
     options = ["--peak-deg", 4, "--winds", sounding, "--azimuth-deg", 90, "--model", "drift"]
-    options += ["--gust", 1, 2, "--from", 70, "--to", 90, "--every", 20, "--window", 16]
+    options += ["--gust", 1, 2, "--from", 70, "--to", 90, "--every", 20]
     budget = ("dispersion_percent=20", "thrust_offset_deg=0.1", "gravity_offset_m=0.02")
-    options += [w for key in (*budget, "reserve_percent=10") for w in ("--set", f"size.{key}")]
+    keys = [f"size.{key}" for key in (*budget, "reserve_percent=10")]
+    options += [w for key in (*keys, "sounding.window_s=16") for w in ("--set", key)]
     options += ["--dead-band", 1, "--varying", "--limit-deg", 0.6]
     by_file = run("ascent", file, "--json")
     by_options = run("ascent", "configuration-ii", *options, "--json")
@@ -280,7 +281,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"laws": 3}, r"\[laws\] must be a table"),
         ({"wind": 3}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
         ({"wind": [WIND, 3]}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
-        ({"wind": [SOUNDING], "schedule": {}}, "beside soundings a wind of one shape is needed"),
+        ({"wind": [SOUNDING], "schedule": {}}, "a study needs a wind of one shape"),
         ({"wind": [WIND, SOUNDING]}, r"a sounding needs a flight: add \[schedule\]"),
         ({"wind": [WIND, {"soundng": "a"}]}, "'soundng'; did you mean sounding"),
         (

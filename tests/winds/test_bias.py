@@ -67,18 +67,24 @@ def asked(*options):
     return CliRunner().invoke(app, [*map(str, words), "--azimuth-deg", "90", "--json"])
 
 
+def bias(file, month=None):
+    """Return the options of a mean wind, and of its month."""
+    given = [f"sounding.bias={file}", *([] if month is None else [f"sounding.bias_month={month}"])]
+    return [word for key in given for word in ("--set", key)]
+
+
 def test_a_biased_path_leaves_less_to_the_nozzle(tmp_path):
     plain = json.loads(asked().stdout)
-    biased = json.loads(asked("--bias", SOUNDINGS / "table.csv").stdout)
+    biased = json.loads(asked(*bias(SOUNDINGS / "table.csv")).stdout)
     assert plain["wind"]["peak_deg"] != biased["wind"]["peak_deg"]
     station = write(tmp_path / "s-data.txt", [Balloon("2023-02-01T00", jet(6.0))])
-    month = asked("--bias", station, "--bias-month", 2)
+    month = asked(*bias(station, 2))
     assert month.exit_code == 0
     for options, words in (
-        (("--bias", SOUNDINGS / "wyoming.txt"), "zero"),
-        (("--bias", station, "--bias-month", 3), "got 0"),
-        (("--bias", SOUNDINGS / "table.csv", "--bias-month", 2), "station"),
-        (("--bias-month", 2), "--bias"),
+        (bias(SOUNDINGS / "wyoming.txt"), "zero"),
+        (bias(station, 3), "got 0"),
+        (bias(SOUNDINGS / "table.csv", 2), "station"),
+        (("--set", "sounding.bias_month=2"), "needs bias"),
     ):
         refused = asked(*options)
         assert refused.exit_code == 2, options

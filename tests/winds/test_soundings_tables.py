@@ -61,7 +61,7 @@ def test_usual_units_and_qualifiers_of_heads_are_known(tmp_path, head, length, s
 @pytest.mark.parametrize("head", ["Altitude AGL (m)", "Height (m AGL)", "Height above ground (m)"])
 def test_heights_above_the_ground_are_refused_by_that_name_and_read_with_the_site(tmp_path, head):
     text = f"{head},Wind Speed (m/s),Wind Direction (deg)" + written()
-    with pytest.raises(tv.InputError, match=r"line 1: .* is above the ground \(AGL\).*--above-gr"):
+    with pytest.raises(tv.InputError, match=r"line 1: .* is above the ground \(AGL\).*above_gr"):
         read(tmp_path, text)
     profile = read(tmp_path, text, above_ground=160.0)
     holds(profile, [(h + 160.0, s, d) for h, s, d in ROWS])
@@ -175,8 +175,7 @@ def test_what_is_assumed_of_a_table_without_units_is_told_and_can_be_said(tmp_pa
     holds(profile, LEVELS)
     assert profile.notes == (
         "assumed, as the file does not say: altitudes in m, speeds in m/s, directions in deg and"
-        " altitudes above the sea (else give units and above_ground, or --units ft,mph and"
-        " --above-ground)",
+        " altitudes above the sea (else give units and above_ground, as keys of [sounding])",
     )
     for form in (None, "openrocket"):
         said = read(tmp_path, BARE, form, units="ft,mph,deg", above_ground=100.0)
@@ -185,7 +184,9 @@ def test_what_is_assumed_of_a_table_without_units_is_told_and_can_be_said(tmp_pa
         assert not any("assumed" in note for note in said.notes)
     (note,) = read(tmp_path, BARE, units="ft,mph").notes
     assert note.startswith("assumed, as the file does not say: directions in deg and altitudes ab")
-    with pytest.raises(tv.InputError, match=r"'altitude' has no known unit; .*--winds-format open"):
+    with pytest.raises(
+        tv.InputError, match=r"'altitude' has no known unit; .*--set sounding.format open"
+    ):
         read(tmp_path, BARE)
 
 

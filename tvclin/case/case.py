@@ -15,6 +15,7 @@ from tvclin.linear.plant import DEFAULT_MODEL, MODELS, default_model, flexible_m
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
@@ -50,9 +51,9 @@ class Case:
         Model of the motion.
     plane : str
         Plane of the motion.
-    wind : ShapedWind, WindEnsemble or History
+    wind : ShapedWind, WindEnsemble, EncounteredWind or History
         The wind with its gust and its direction; 5 degrees for 7.5 seconds, a triangle, unless
-        given. An ensemble is for campaigns, and any other history for flights.
+        given. An ensemble is for campaigns, and a sounding, or any other history, for flights.
     nozzle : Nozzle
         Limits and actuator of the nozzle; with a limit shape of both planes both are judged.
     design : AutopilotDesign, optional
@@ -75,7 +76,7 @@ class Case:
         shown=f"{DEFAULT_MODEL}; {FIXED_PATH} where no more than mu_alpha and mu_delta is known",
     )
     plane: str = word(PLANES, "pitch")
-    wind: ShapedWind | WindEnsemble | History = DEFAULT_WIND
+    wind: ShapedWind | WindEnsemble | EncounteredWind | History = DEFAULT_WIND
     nozzle: Nozzle = ANY_NOZZLE
     design: AutopilotDesign | None = None
     sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
@@ -86,7 +87,7 @@ class Case:
         if isinstance(self.model, str) and not self.model:
             object.__setattr__(self, "model", default_model(self.vehicle))
         checked(self)
-        if not isinstance(self.wind, ShapedWind | WindEnsemble | History):
+        if not isinstance(self.wind, ShapedWind | WindEnsemble | EncounteredWind | History):
             raise InputError(
                 f"wind must be a ShapedWind, a WindEnsemble or a History; got {shown(self.wind)}"
             )
@@ -143,6 +144,8 @@ class Case:
     def wind_in_plane_at(self, dead_band: float) -> ShapedWind | WindEnsemble | History:
         """Return the wind in the plane, with the gust at the worst time for a dead band."""
         wind = self.wind
+        if isinstance(wind, EncounteredWind):
+            return wind.history(self.vehicle, self.plane)
         if not isinstance(wind, ShapedWind):
             return wind
         if wind.heading is not None:

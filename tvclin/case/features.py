@@ -15,7 +15,7 @@ from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.case.case import Case
 from tvclin.case.nozzle import USUAL_ACTUATOR
-from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
 
 COMPUTED, NOTED, REFUSED = "computed", "noted", "refused"
 OPTIONS: dict[str, tuple[str, ...]] = {
@@ -24,12 +24,9 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "gust": ("--gust",),
     "head wind": ("--peak-deg", "--peak-speed"),
     "sign that counts": ("--sign",),
-    "heading": ("--wind-direction-deg",),
+    "heading": (),
     "shape of the stop": ("--stop",),
-    "measured wind": (
-        *("--winds", "--winds-time", "--winds-format", "--units", "--above-ground"),
-        *("--window", "--bias", "--bias-month"),
-    ),
+    "measured wind": ("--winds",),
     "actuator": (),
     "rate limit": ("--rate-limit-deg",),
     "delay": ("--delay-ms",),
@@ -187,7 +184,7 @@ def _specified_features(case: Case, omitted: set[str]) -> list[str]:
         "sign that counts": lambda: case.sign is not None,
         "heading": lambda: case.heading is not None,
         "shape of the stop": lambda: nozzle.stop is not None,
-        "measured wind": lambda: sizing and sizing.soundings and not isinstance(wind, History),
+        "measured wind": lambda: sizing and sizing.soundings and isinstance(wind, ShapedWind),
         "actuator": lambda: nozzle.actuator != USUAL_ACTUATOR,
         "rate limit": lambda: nozzle.rate_limit is not None,
         "delay": lambda: case.autopilot_design.delay > 0.0,

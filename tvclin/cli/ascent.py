@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated
 
@@ -24,7 +23,6 @@ from tvclin.cli.options import (
     LIMIT_SHAPES_HELP,
     MODEL,
     SIGN,
-    TIME_HELP,
     AsJson,
     Given,
     Plot,
@@ -34,7 +32,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
+from tvclin.cli.wind import ShapedOptions, azimuth_of, check_reading
 from tvclin.ensembles.dispersed_study import disperse_study, relative_increase_in_wind
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
@@ -46,9 +44,10 @@ from tvclin.requirement.study import Study
 from tvclin.studyfile.read import load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
-from tvclin.winds.soundings.sounding_files import read_sounding
+from tvclin.vehicle.vehicle_file import source_tables
+from tvclin.winds.soundings.reading import SoundingReading
 
-_FIELDS = ("window", "start", "stop", "every", "dead_bands", "varying")
+_FIELDS = ("start", "stop", "every", "dead_bands", "varying")
 """Fields of `SizingRequest` that have an option."""
 _MAX_WIND_COLUMNS = 6
 """Largest number of winds with a column each, for the width of a terminal."""
@@ -60,54 +59,36 @@ SOURCE = (
 
 
 @dataclass(frozen=True)
-class FlightOptions(BiasOptions, ShapedOptions):
+class FlightOptions(ShapedOptions):
     """Options of a pulse whose peak comes at each flight time, and of soundings."""
 
     winds: list[Path] | None = asked(
-        "A sounding to fly through; may be given several times.", metavar="FILE"
-    )
-    winds_time: list[str] | None = asked(
-        f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
-        metavar="TIME",
+        "A sounding to fly through, with --azimuth-deg; may be given several times. Its format,"
+        " window, ...: --set sounding.KEY VALUE.",
+        metavar="FILE",
     )
 
-    def soundings(self) -> dict[str, SoundingRequest]:
-        """Return the soundings of the files, by name and requested time."""
-        files, times, degrees = self.winds or [], self.winds_time or [], self.azimuth_deg
-        if degrees is not None and not files and self.wind_direction_deg is None:
-            raise InputError(
-                "--azimuth-deg is for soundings and for a wind with a direction; name one with"
-                " --winds, or give --wind-direction-deg"
-            )
-        azimuth, mean = (azimuth_of(degrees), self.mean_wind) if files else (0.0, None)
-        if not files:
-            self.only_with_sounding()
-        if len(times) not in (0, len(files)):
-            raise InputError(
-                "--winds-time must be given once for each --winds; got"
-                f" {len(times)} for {len(files)}"
-            )
+    def soundings(self, reading: SoundingReading) -> dict[str, SoundingRequest]:
+        """Return the soundings of the files, by name."""
+        files = self.winds or []
+        azimuth = azimuth_of(self.azimuth_deg) if files else 0.0
         names = [called(file.name) for file in files]
         requests: dict[str, SoundingRequest] = {}
-        for file, label, time in zip_longest(files, names, times):
-            name = " at ".join(filter(None, (label, time)))
-            if time is None and names.count(label) > 1:
-                name = called(file)
+        for file, label in zip(files, names, strict=True):
+            name = label if names.count(label) == 1 else called(file)
             if name in requests:
                 raise InputError(f"--winds gives {name} twice")
-            requests[name] = SoundingRequest(
-                read_sounding(file, time=time, **self.reading), azimuth, mean
-            )
+            requests[name] = SoundingRequest(reading.profile(file), azimuth, reading.mean_wind)
         return requests
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, at each flight time."""
-        straight = None if self.wind_direction_deg is None else self.azimuth_deg
-        angular = replace(self, peak_speed=None, azimuth_deg=straight)
+        azimuth = None if self.winds else self.azimuth_deg
+        angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
         plan = ShapedOptions.over(angular, plan)
         request, speed = plan.sizing, self.peak_speed
         assert request is not None
-        named = (self.wind, self.duration, self.peak_deg, speed, self.wind_direction_deg)
+        named = (self.wind, self.duration, self.peak_deg, speed)
         request = replace(
             request,
             pulse=request.pulse or any(value is not None for value in named),
@@ -263,7 +244,7 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     doubtful = not sizing.freezing_error and (sizing.change > STEADY).any()
     if request.soundings and request.window is None and doubtful:
         yield (
-            "--window 20 counts of a sounding only what blows within 10 s of each flight time,"
+            "--set sounding.window_s 20 counts of a sounding only what is within 10 s of each time,"
             " while parameters change less"
         )
 
@@ -277,7 +258,7 @@ def flight_asked(
     *changes: Given | PlaneOptions | FlownLaw,
 ) -> StudyPlan:
     """Return the case of a flight from a file and options."""
-    soundings = winds.soundings()
+    soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))
     note_source(source, command)
     case = load_sizing(source, soundings)
     for options in (question, sign, *changes):
@@ -285,8 +266,8 @@ def flight_asked(
     case = winds.over(case)
     request = case.sizing
     assert request is not None
+    check_reading(case)
     if not request.soundings:
-        question.only_with("a sounding, --winds or [[wind]] with one", "window")
         if case.planes == "yaw" and case.heading is None and case.sign != FROZEN:
             sign.only_with("--plane pitch: it is that of a wind along the path")
     elif not (request.pulse or request.others or case.sign == FROZEN):

@@ -25,7 +25,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import FormatOptions, gust_of_option, noted_sounding
+from tvclin.cli.wind import gust_of_option
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today
 from tvclin.ensembles.availability.sounding_winds import PairGrowth
@@ -33,10 +33,38 @@ from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.sounding_files import read_soundings
+from tvclin.winds.soundings.sounding_files import read_sounding, read_soundings
 
 _ARCHIVE_FIELDS = ("years", "station", "in_order", "dates", "utc_offset")
 """Options that are arguments of `read_soundings` by the same names."""
+
+
+@dataclass(frozen=True)
+class FormatOptions:
+    """Options of the format, units and site of soundings; `grouped` gives them to a command."""
+
+    winds_format: str | None = asked(
+        "Format of the sounding: csv, openrocket, wyoming, igra, rocketpy or synthetic.",
+        shown="by its content",
+    )
+    units: str | None = asked(
+        "Units of a table of winds that names none: those of heights, speeds and directions.",
+        metavar="FT,MPH",
+        shown="m,m/s,deg with --winds-format openrocket",
+    )
+    above_ground: float | None = asked(
+        "Elevation of the site above the sea, in m, for a table of heights above the ground.",
+        metavar="M",
+    )
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """Arguments of `read_sounding` from these options."""
+        return {
+            "format": self.winds_format,
+            "units": self.units,
+            "above_ground": self.above_ground,
+        }
 
 
 @dataclass(frozen=True)
@@ -111,7 +139,10 @@ class JudgedOptions:
         if self.today is None:
             only_with("--today", today_time=self.today_time)
             return None
-        return noted_sounding(self.today, self.today_time, **reading)
+        profile = read_sounding(self.today, time=self.today_time, **reading)
+        for note in profile.notes:
+            say(f"Note: {self.today.name}: {note}.", err=True)
+        return profile
 
 
 @dataclass(frozen=True)

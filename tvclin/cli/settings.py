@@ -21,7 +21,6 @@ _WIND_KEYS: dict[str, tuple[str, ...]] = {
     "--duration": ("wind.duration",),
     "--peak-deg": ("wind.peak", "wind.peak_speed"),
     "--peak-speed": ("wind.peak", "wind.peak_speed"),
-    "--wind-direction-deg": ("wind.direction",),
     "--azimuth-deg": ("wind.azimuth",),
     "--winds": ("wind.sounding",),
     "--gust": ("gust",),
@@ -73,9 +72,12 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
 
     @wraps(command)
     def run(**values: Any) -> None:
-        settings = values.pop(_PARAMETER)
+        settings = pairs(values.pop(_PARAMETER) or ())
         if settings:
-            values[source] = _edited(values[source], pairs(settings))
+            values[source] = _edited(values[source], settings)
+        azimuth = values.get("azimuth_deg")
+        if azimuth is not None and values[source] is not None:
+            values[source] = _with_azimuth(values[source], settings, azimuth)
         command(**values)
 
     option = Parameter(
@@ -150,6 +152,20 @@ def _edited(source: str | None, settings: Sequence[tuple[str, str]]) -> str:
     if source is None:
         only_with("a vehicle or a study file", set=settings)
     return with_settings(str(source), settings)
+
+
+def _with_azimuth(source: str, settings: Sequence[tuple[str, str]], azimuth: float) -> str:
+    """Return the source with the direction of flight [deg] of its winds, with the keys set.
+
+    They are soundings and winds with a direction.
+    """
+    from tvclin.studyfile.settings import with_settings
+    from tvclin.vehicle.vehicle_file import source_tables
+    from tvclin.winds.wind_file import directed_winds
+
+    directed = directed_winds(source_tables(source))
+    keys = [(f"wind.{k + 1}.azimuth_deg", f"{azimuth!r}") for k in directed]
+    return with_settings(str(source), [*settings, *keys]) if keys else source
 
 
 def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:

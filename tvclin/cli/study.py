@@ -67,7 +67,7 @@ def study(
     stop: str | None = asked(
         f"Judge both planes with one stop of the nozzle: {LIMIT_SHAPES_HELP} The peak that the"
         " limit survives is then that of the wind's vector; without, that of its part in"
-        " --plane. Needs --wind-direction-deg.",
+        " --plane. Needs --set wind.direction_deg.",
         metavar="SHAPE",
     ),
     disperse: bool = switch(

@@ -40,11 +40,18 @@ from tvclin.studyfile.title_block import DOCUMENT_TABLE
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.wind_file import GUST_TABLE, WIND_TABLE, wind_for_vehicle, winds_of
+from tvclin.winds.soundings.reading import READING_TABLE
+from tvclin.winds.wind_file import (
+    GUST_TABLE,
+    WIND_TABLE,
+    is_wind_measured,
+    wind_for_vehicle,
+    winds_of,
+)
 
 _STUDY_TABLES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
-    *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE),
+    *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE, READING_TABLE),
 )
 """Tables that no campaign reads; their keys are checked nevertheless."""
 _SINGLE_TABLES = (
@@ -160,7 +167,7 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
                 _check_keys(table, keys)
                 table.read(keys)
     with faults.kept():
-        if "wind" in document:
+        if "wind" in document and not is_wind_measured(document):
             winds_of(document, folder)
     with faults.kept():
         dispersions_of(document)

@@ -31,6 +31,7 @@ from tvclin.studyfile.title_block import Document
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.soundings.reading import SoundingReading
 from tvclin.winds.wind_file import SOUNDING_TABLE
 
 _RECORDS: dict[str, tuple[type, ...]] = {
@@ -44,6 +45,7 @@ _RECORDS: dict[str, tuple[type, ...]] = {
     "laws": (LawsRequest,),
     "autopilot": (AutopilotDesign,),
     "size": (SizingRequest,),
+    "sounding": (SoundingReading,),
     "availability": (AvailabilityRequest,),
     "campaign": (Campaign,),
     "outputs": (Campaign,),

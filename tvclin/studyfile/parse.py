@@ -5,7 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from tvclin.ascent.measured_wind import GustOf, gust_of_speed
 from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
+from tvclin.ascent.sounding_wind import WINDOW_S, SoundingWind
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
@@ -31,15 +33,19 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.studyfile.title_block import DOCUMENT_TABLE, Document
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.sounding_files import read_sounding, read_soundings
+from tvclin.winds.soundings.reading import SoundingReading
+from tvclin.winds.soundings.sounding_files import read_soundings
 from tvclin.winds.wind_file import (
     GUST_TABLE,
     SOUNDING,
     SOUNDING_TABLE,
+    gust_of,
     is_wind_from_gust,
+    is_wind_measured,
     peak_speed_of,
     wind_for_vehicle,
     wind_tables,
+    wind_values,
     winds_of,
 )
 
@@ -57,6 +63,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     options |= {key: campaign[key] for key in ("cases", "seed", "method") if key in campaign}
     readers: dict[str, Callable[[], Any]] = {
         "wind": lambda: _wind(document, folder, subject),
+        "reading": lambda: SoundingReading.of(document, folder),
         "sizing": lambda: _sizing(document, folder),
         "availability": lambda: _availability(document, folder),
         "laws": lambda: LAWS_TABLE.made(
@@ -79,8 +86,19 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
 
 
 def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
-    """Return the wind of a study in the plane of its vehicle, with its gust."""
-    wind, plane = winds_of(document, folder)[0], subject.get("plane", "pitch")
+    """Return the wind of a study, with its gust: that of one shape, or else the first sounding."""
+    plane = subject.get("plane", "pitch")
+    if is_wind_measured(document):
+        reading = SoundingReading.of(document, folder)
+        name, sounding = _sounding(wind_tables(document)[0], folder, reading)
+        return SoundingWind(
+            name=name,
+            **vars(sounding),
+            schedule=_flight(document, folder)["schedule"],
+            window=reading.window or WINDOW_S,
+            gust=_gust(document, plane),
+        )
+    wind = winds_of(document, folder)[0]
     return wind_for_vehicle(document, wind, subject["vehicle"], plane)
 
 
@@ -96,13 +114,16 @@ def _criteria(table: dict[str, Any]) -> Criteria:
 
 def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
     """Return the sizing request of a document; None without [schedule] and [size]."""
-    measured = [_sounding(table, folder) for table in wind_tables(document) if SOUNDING in table]
+    reading = SoundingReading.of(document, folder)
+    measured = [
+        _sounding(table, folder, reading) for table in wind_tables(document) if SOUNDING in table
+    ]
     soundings = dict(measured)
     if len(soundings) < len(measured):
         names = ", ".join(name for name, _ in measured)
         raise InputError(f"two soundings have one name among {names}; give each its own name")
     if "schedule" not in document and "size" not in document:
-        if soundings:
+        if soundings and not is_wind_measured(document):
             raise InputError("a sounding needs a flight: add [schedule], see tvclin init --study")
         return None
     options = SIZE_TABLE.read(SIZE_TABLE.one(document))
@@ -110,7 +131,8 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
         raise InputError(
             f"varying in [size] must be true or false; got {shown(options['varying'])}"
         )
-    others = winds_of(document, folder)[1:]
+    pulses = [] if is_wind_measured(document) else winds_of(document, folder)
+    others = pulses[1:]
     if (speed := peak_speed_of(document)) is not None:
         if others and "peak_speed" not in options:
             raise InputError(
@@ -120,6 +142,8 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
         options = {"peak_speed": speed} | options
     return SizingRequest(
         **_flight(document, folder),
+        pulse=bool(pulses),
+        window=reading.window,
         others=tuple(wind for wind in others if isinstance(wind, ShapedWind)),
         soundings=soundings,
         gust_speed=_gust_speed(document),
@@ -149,6 +173,7 @@ def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequ
     selection = {key: options.pop(key) for key in keys if key in options}
     if "dates" in options:
         selection["dates"] = folder / str(options.pop("dates"))
+    selection |= SoundingReading.of(document, folder).table
     offset = options.pop("utc_offset_hours", 0.0)
     return AvailabilityRequest(
         flight=_flight(document, folder)["schedule"],
@@ -156,6 +181,17 @@ def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequ
         gust_speed=_gust_speed(document),
         **options,
     )
+
+
+def _gust(document: Mapping[str, Any], plane: str) -> GustOf | None:
+    """Return the gust of [gust] on top of a sounding; None without it."""
+    if "gust" not in document:
+        return None
+    values, speed = wind_values(GUST_TABLE, GUST_TABLE.one(document)), _gust_speed(document)
+    if "peak_time" in values:
+        raise InputError("peak_time_s in [gust] is of a wind of one shape; a sounding has its own")
+    gust = gust_of(values["peak"], values["duration"], values.get("plateau", 0.0))
+    return gust if speed is None else gust_of_speed(gust, speed, plane)
 
 
 def _gust_speed(document: Mapping[str, Any]) -> float | None:
@@ -198,16 +234,21 @@ def _is_vehicle(source: str | Path) -> bool:
     return "vehicle" in source_tables(source)
 
 
-def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingRequest]:
-    """Return name and request of a sounding in [[wind]]."""
+def _sounding(
+    table: dict[str, Any], folder: Path, reading: SoundingReading
+) -> tuple[str, SoundingRequest]:
+    """Return name and request of a sounding in [[wind]], whose keys replace those of [sounding]."""
     options = SOUNDING_TABLE.read(table)
     file = table[SOUNDING]
     if not isinstance(file, str) or not file.isprintable():
         raise InputError(f"sounding in [[wind]] must be a path; got {shown(file)}")
     for key in ("name", "format", "time", "units"):
         printable_text(f"{key} in [[wind]]", table.get(key, ""))
-    reading = {key: options.get(key) for key in ("format", "time", "units", "above_ground")}
-    profile = read_sounding(folder / file, **reading)
+    names = ("format", "time", "units", "above_ground")
+    row = replace(reading, **{name: options[name] for name in names if name in options})
+    profile = row.profile(folder / file)
     name = Path(file).name  # without its folder, so that the page is the same from another one
     profile = replace(profile, source=profile.source.replace(called(folder / file), name, 1))
-    return table.get("name") or name, SoundingRequest(profile, options["azimuth"])
+    return table.get("name") or name, SoundingRequest(
+        profile, options["azimuth"], reading.mean_wind
+    )

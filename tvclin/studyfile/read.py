@@ -20,7 +20,6 @@ from tvclin.base.fields import completed
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.case.case import DEFAULT_WIND
-from tvclin.requirement.case_requirement import pulse_of
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 from tvclin.vehicle.vehicle_file import COEFFICIENTS, is_schedule, read_vehicle_text, source_tables
@@ -166,7 +165,7 @@ def _flight_of_a_vehicle(
     plan = load_study(EditedSource(str(source), tables), time)
     assert plan.sizing is not None
     soundings = {**plan.sizing.soundings, **winds}
-    pulse = not soundings or not _is_default(pulse_of(plan))
+    pulse = isinstance(plan.wind, ShapedWind) and not (soundings and _is_default(plan.wind))
     plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse, soundings=soundings))
     return plan if flight is None else replace(plan, vehicle=flight.vehicle)
 

@@ -13,8 +13,10 @@ from tvclin.linear.deflections import SWITCHES
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study
 from tvclin.studyfile.title_block import Document
+from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.soundings.reading import NO_READING, SoundingReading
 
 if TYPE_CHECKING:
     from tvclin.case.load import LoadBound
@@ -60,6 +62,8 @@ class StudyPlan(Case):
         Archive of soundings, for the fraction of days on which the case flies.
     load : LoadBound, optional
         Bound of the load on the structure.
+    reading : SoundingReading
+        Format, units, window and bias of soundings.
     document : Document, optional
         Project, author, date and revision, for the head of its page.
 
@@ -69,7 +73,7 @@ class StudyPlan(Case):
         As `Case`, and for an ensemble of winds.
     """
 
-    wind: ShapedWind | History = DEFAULT_WIND
+    wind: ShapedWind | EncounteredWind | History = DEFAULT_WIND
     dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
     switch: str = word(SWITCHES, "literal")
     laws: LawsRequest | None = None
@@ -83,11 +87,12 @@ class StudyPlan(Case):
     sizing: SizingRequest | None = None
     availability: AvailabilityRequest | None = None
     load: LoadBound | None = None
+    reading: SoundingReading = NO_READING
     document: Document | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not isinstance(self.wind, History):
+        if not isinstance(self.wind, EncounteredWind | History):
             pulse_of(self)
         self._check_parts()
 

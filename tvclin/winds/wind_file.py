@@ -60,7 +60,7 @@ def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | Win
         raise InputError("[wind] is missing: it gives shape, peak_deg and duration_s")
     tables = _shaped_tables(document)
     if not tables:
-        raise InputError("beside soundings a wind of one shape is needed: give one more [[wind]]")
+        raise InputError("cases need a wind of one shape beside soundings: give one more [[wind]]")
     if any(name.startswith("peak_speed_") for table in tables[1:] for name in table):
         raise InputError("peak_speed_m_per_s stands in the first [[wind]] alone; give peak_deg")
     return [wind_of(table, folder) for table in tables]
@@ -81,6 +81,11 @@ def peak_speed_of(document: Mapping[str, Any]) -> float | None:
     return WIND_TABLE.read(first).get("peak_speed") if first else None
 
 
+def is_wind_measured(document: Mapping[str, Any]) -> bool:
+    """Return whether all winds of [[wind]] are soundings, so that the first is that of a case."""
+    return "wind" in document and not _shaped_tables(document)
+
+
 def _shaped_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the tables of winds that are no soundings."""
     return [table for table in wind_tables(document) if SOUNDING not in table]
@@ -88,14 +93,14 @@ def _shaped_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def _gust_as_wind(document: Mapping[str, Any]) -> ShapedWind:
     """Return the gust of [gust] as a wind of the shape one-minus-cosine."""
-    values = _wind_values(GUST_TABLE, GUST_TABLE.one(document))
+    values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
     for name in ("plateau", "peak_time"):
         if name in values:
             raise InputError(f"{GUST_TABLE.spelled(name)} of a [gust] needs a [wind] below it")
     return ShapedWind("one-minus-cosine", **values)
 
 
-def _wind_values(table: FileTable, row: Mapping[str, Any]) -> dict[str, Any]:
+def wind_values(table: FileTable, row: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a table of a wind, with a placeholder for a peak given as a speed."""
     values = table.read(row)
     if ("peak_speed" in values) == ("peak" in values):
@@ -116,6 +121,16 @@ def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [dict(row) for row in rows]
 
 
+def directed_winds(document: Mapping[str, Any]) -> list[int]:
+    """Return the indices of the winds that need the direction of flight."""
+    tables = wind_tables(document) if "wind" in document else []
+    return [
+        k
+        for k, table in enumerate(tables)
+        if SOUNDING in table or any(key.startswith("direction_") for key in table)
+    ]
+
+
 def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     """Return the wind of the table [wind]; a file of winds is searched in the folder."""
     if "file" in table:
@@ -124,30 +139,28 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
         if unit is not None:
             one_of("unit in [wind]", unit, UNITS["angle"])
         return WindEnsemble(*_sampled_winds(folder / str(values["file"]), unit))
-    values = {"shape": "triangular"} | _wind_values(WIND_TABLE, table)
+    values = {"shape": "triangular"} | wind_values(WIND_TABLE, table)
     if "unit" in values:
         raise InputError("unit in [wind] stands without the file that it is of")
     directions = [values.pop(name, None) for name in _DIRECTION]
     return ShapedWind(**values, heading=heading_of(*directions))
 
 
-def heading_of(
-    direction: float | None,
-    azimuth: float | None,
-    names: tuple[str, str] = ("direction in [wind]", "azimuth"),
-) -> float | None:
+def heading_of(direction: float | None, azimuth: float | None) -> float | None:
     """Return the heading of `ShapedWind` [rad]; None without a direction.
 
     `direction`, `azimuth`: direction from which the wind blows and azimuth of the flight [rad],
-    clockwise from north. `names`: their names in messages.
+    clockwise from north.
     """
     if direction is None and azimuth is None:
         return None
     if direction is None or azimuth is None:
+        names = "direction in [wind]", "azimuth"
         given_name, missing_name = names if azimuth is None else names[::-1]
+        option = " (--azimuth-deg)" if azimuth is None else ""
         raise InputError(
-            f"{given_name} needs {missing_name}: where the wind blows from and where the flight"
-            " goes to, both from north, clockwise"
+            f"{given_name} needs {missing_name}{option}: where the wind blows from and where the"
+            " flight goes to, both from north, clockwise"
         )
     return direction - azimuth
 
@@ -167,7 +180,7 @@ def wind_for_vehicle(
     if isinstance(wind, WindEnsemble):
         raise InputError("[gust] is on top of a wind of one shape; the winds of a file have theirs")
     table = GUST_TABLE.one(document)
-    values, speed = _wind_values(GUST_TABLE, table), GUST_TABLE.read(table).get("peak_speed")
+    values, speed = wind_values(GUST_TABLE, table), GUST_TABLE.read(table).get("peak_speed")
     gust = gust_of(values["peak"], values["duration"], values.get("plateau", 0.0))
     wind = replace(wind, gust=gust, gust_at=values.get("peak_time"))
     if speed is None:

@@ -110,8 +110,8 @@ class FlightWinds:
     @property
     def gust(self) -> GustOf | None:
         """The gust that each vehicle of the flight encounters."""
-        gust: History | None = getattr(self.case.wind, "gust", None)
-        if self.gust_speed is None or gust is None:
+        gust: GustOf | None = getattr(self.case.wind, "gust", None)
+        if self.gust_speed is None or not isinstance(gust, History):
             return gust
         return gust_of_speed(gust, self.gust_speed, self.case.planes)
 
@@ -251,7 +251,7 @@ class SizingRequest:
     peak_speed: float | None = quantity("speed", None, nonzero, option=None)
     gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
     soundings: Mapping[str, SoundingRequest] = field(default_factory=dict)
-    window: float | None = quantity("time", None, positive, shown="all of it")
+    window: float | None = quantity("time", None, positive, key=None, option=None)
     start: float | None = quantity(
         "time", None, key="from", option="--from", shown="the earliest possible"
     )
@@ -310,6 +310,8 @@ class SizingRequest:
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
         """Return the pulses, with their peak at each flight time and the gust of the case."""
         instance("case", case, Case, "of a wind and a nozzle")
+        if not self.pulse and not self.others:
+            return ()
         case_wind: Any = case.wind
         instance("wind of the case", case_wind, ShapedWind, "of one shape")
         return tuple(

@@ -121,7 +121,7 @@ def soundings_in(
 def not_a_table_error(source: str, name: str) -> InputError:
     """Return the error about units or a site elevation for a format that has its own."""
     return InputError(
-        "units and above_ground (--units, --above-ground) are for tables of the formats"
+        "units and above_ground in [sounding] are for tables of the formats"
         f" {' and '.join(_TABLES)}; {source} is of the format {name}"
     )
 
@@ -148,7 +148,7 @@ def recognised_format(text: Text) -> str:
         f"{text.source} is in no format that is recognised; a table needs a header such as"
         f" height_m,speed_m_per_s,direction_deg in its first {MAX_HEAD_LINE} lines, with at most"
         f" {MAX_COLUMNS} columns (or name the format,"
-        f" --winds-format in a shell: {', '.join(READERS)})"
+        f" --set sounding.format in a shell: {', '.join(READERS)})"
     )
 
 

@@ -164,7 +164,7 @@ def _read(text: Text, reading: TableOptions) -> Levels:
     if assumed:
         notes.append(
             f"assumed, as the file does not say: {listed(assumed)} (else give units and"
-            " above_ground, or --units ft,mph and --above-ground)"
+            " above_ground, as keys of [sounding])"
         )
     values = {name: _values(sheet, column, notes) for name, column in columns.items()}
     if reading.ground is not None:
@@ -224,7 +224,7 @@ def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None)
     if heights and ground is None and not above_sea:
         raise sheet.error(
             f"{names} is above the ground (AGL), and winds are above the sea: give above_ground"
-            " (--above-ground), the elevation of the site in m, or export heights above the sea"
+            ", the elevation of the site in m, in [sounding], or export heights above the sea"
         )
     if ground is not None and any(column.sea or column.geopotential for column in heights):
         raise sheet.error(f"there are heights above the sea ({names}): leave above_ground out")
@@ -243,8 +243,8 @@ def _missing_columns_error(
             name, kind = column.quantity, _KINDS[column.quantity]
             spelled = ", ".join(f"{name}_{unit}" for unit in _UNIT_SPELLINGS[kind].split(", "))
             hint = (
-                ", or give the units of a file that names none (units, --units ft,mph; those of"
-                " OpenRocket's winds: format openrocket, --winds-format openrocket)"
+                ", or give the units of a file that names none (units in [sounding], as ft,mph;"
+                " those of OpenRocket's winds: --set sounding.format openrocket)"
             )
             return sheet.error(
                 f"{shown(column.heading.text)} has no known unit; write {spelled}"
