@@ -203,6 +203,13 @@ def doors(folder: Path) -> dict[str, Door]:
     once = tv.requirement.SizingRequest(schedule=schedule, start=66.0, stop=66.0)
     carded = tv.Case(vehicle=booster, nozzle=tv.Nozzle(limit=0.02))
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
+    modes = folder / "modes.csv"
+    modes.write_text(
+        "time_s,name,frequency_rad_per_s,damping,modal_mass_kg,gimbal_displacement,"
+        "gimbal_slope_per_m,attitude_slope_per_m,rate_slope_per_m\n"
+        "40,first,20,0.005,5e5,1,-0.06,0.02,0.02\n120,first,30,0.005,4e5,1,-0.06,0.02,0.02\n"
+    )
+    bends = tv.ascent.load_structure(modes)
     two = tv.control.GainSchedule([40.0, 90.0], autopilot)
     estimator = tv.control.WindEstimator(bandwidth=10.0)
     beside = tv.flights.compare_flight(
@@ -578,7 +585,26 @@ def doors(folder: Path) -> dict[str, Door]:
                 "nominal_deflection": [0.0, 0.0],
                 "altitude": [1e4, 1.1e4],
                 "notes": ("made up",),
+                "structure": bends,
+                "actuator_frequency": [24.0, 28.0],
+                "actuator_damping": 0.7,
             },
+        ),
+        "FlightSchedule.actuator_at": Door(schedule.actuator_at, {"time": 66.0}),
+        "StructureSchedule": Door(
+            tv.ascent.StructureSchedule,
+            {
+                "times": [40.0, 120.0],
+                "structure": bends.structure,
+                "modes": ("first",),
+                "tanks": (),
+                "notes": ("made up",),
+            },
+        ),
+        "StructureSchedule.at": Door(bends.at, {"time": 66.0}),
+        "StructureSchedule.mode_number": Door(bends.mode_number, {"name": "first"}),
+        "load_structure": Door(
+            tv.ascent.load_structure, {"source": modes, "common": tv.Structure()}
         ),
         "FlightSchedule.at": Door(schedule.at, {"time": 66.0}),
         "FlightSchedule.between": Door(schedule.between, {"start": 60.0, "stop": 70.0}),

@@ -8,3 +8,5 @@ from .measured_wind import MeasuredWind as MeasuredWind
 from .measured_wind import fly_through as fly_through
 from .schedule import FlightSchedule as FlightSchedule
 from .schedule_file import load_schedule as load_schedule
+from .structure_schedule import StructureSchedule as StructureSchedule
+from .structure_schedule import load_structure as load_structure

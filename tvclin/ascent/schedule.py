@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from os import PathLike
 from typing import Any
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.structure_schedule import StructureSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
@@ -34,6 +35,8 @@ from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
 _MIN_B = 1e-9
 """Smallest |B| of plants: without a moment of the air coefficients do not give the path."""
+_ACTUATOR = ("actuator_frequency", "actuator_damping")
+"""Names of the fields of the actuator."""
 _MAX_ROWS = 100_000
 """Rows of a schedule; more are a step that was given in the wrong unit."""
 
@@ -51,14 +54,19 @@ class FlightSchedule(Shown):
         Deflection of the nominal flight delta_n [rad], ``(n,)`` or one for all; zero if not known.
     altitude : array_like, optional
         Altitude [m], ``(n,)``: only a wind over height needs it.
+    structure : StructureSchedule, optional
+        Bending and slosh over the flight, at least over its times; see `load_structure`.
+    actuator_frequency, actuator_damping : array_like, optional
+        Natural frequency [rad/s] and damping ratio of the actuator, positive, ``(n,)`` or one for
+        all; both or neither.
     notes : tuple of str
         Where its numbers came from, and what else a reader should know.
 
     Raises
     ------
     InputError
-        For a vehicle without times, fewer than two of them, times that do not rise, and shapes
-        other than theirs.
+        For a vehicle without times, fewer than two of them, times that do not rise, shapes other
+        than theirs, and a structure that is not known at all of them.
 
     Examples
     --------
@@ -73,6 +81,9 @@ class FlightSchedule(Shown):
     nominal_deflection: ArrayLike = 0.0
     altitude: ArrayLike | None = field(default=None, metadata=spec("length"))
     notes: tuple[str, ...] = field(default=(), metadata=spec())
+    structure: StructureSchedule | None = None
+    actuator_frequency: ArrayLike | None = None
+    actuator_damping: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
@@ -94,6 +105,7 @@ class FlightSchedule(Shown):
         if self.altitude is not None:
             object.__setattr__(self, "altitude", finite("altitude", self.altitude, "m"))
             given["altitude"] = self.altitude
+        given |= self._checked_actuator()
         for name, values in given.items():
             if np.shape(values) not in ((), times.shape):
                 raise InputError(
@@ -102,6 +114,17 @@ class FlightSchedule(Shown):
                 )
         notes = each("notes", self.notes, str, "one for each remark")
         object.__setattr__(self, "notes", tuple(text("notes", note) for note in notes))
+        _check_structure(self.structure, times)
+
+    def _checked_actuator(self) -> dict[str, FloatArray]:
+        """Return frequency [rad/s] and damping of the actuator by name, checked; empty without."""
+        given = {name: getattr(self, name) for name in _ACTUATOR if getattr(self, name) is not None}
+        if len(given) == 1:
+            raise InputError("an actuator over the flight needs a frequency and a damping")
+        checked = {name: positive(name, value) for name, value in given.items()}
+        for name, array in checked.items():
+            object.__setattr__(self, name, array)
+        return checked
 
     @property
     @derived("time")
@@ -138,7 +161,7 @@ class FlightSchedule(Shown):
         return float(self.times[0]), float(self.times[-1])
 
     def at(self, time: ArrayLike) -> Vehicle:
-        """Return the vehicle at a time [s], or a batch of them at several.
+        """Return the vehicle at a time [s] with its structure, or a batch of them at several.
 
         Raises
         ------
@@ -162,11 +185,13 @@ class FlightSchedule(Shown):
             name: np.interp(times, self.times, values) if np.ndim(values) else values
             for name, values in _numbers(self.vehicle).items()
         }
+        if self.structure is not None:
+            numbers["structure"] = self.structure.at(times)
         return self.vehicle.replace(**numbers, time=times)
 
     def plants(self, time: ArrayLike, model: str, plane: str) -> Plant:
         """Return the plants at any times [s]; without a moment of the air B is the smallest."""
-        v = self.clamped_at(time)
+        v = self.clamped_at(time).rigid
         smallest = _MIN_B * np.asarray(v.control_force)
         force = np.maximum(v.normal_force_slope, smallest)
         arm = np.asarray(v.aerodynamic_arm)
@@ -204,12 +229,34 @@ class FlightSchedule(Shown):
             [[low], self.times[(self.times > low) & (self.times < high)], [high]]
         )
         altitude = None if self.altitude is None else np.interp(times, self.times, self.height)
-        return FlightSchedule(self.clamped_at(times), self.nominal_at(times), altitude, self.notes)
+        frequency, damping = self.actuator_at(times) or (None, None)
+        return replace(
+            self,
+            vehicle=self.clamped_at(times).rigid,
+            nominal_deflection=self.nominal_at(times),
+            altitude=altitude,
+            actuator_frequency=frequency,
+            actuator_damping=damping,
+        )
 
     def nominal_at(self, time: ArrayLike) -> Any:
         """Return the nominal deflection [rad] at any times [s], constant outside the schedule."""
         values = np.broadcast_to(np.asarray(self.nominal_deflection), self.times.shape)
         return np.interp(finite("time", time, "s"), self.times, values)
+
+    def actuator_at(self, time: ArrayLike) -> tuple[FloatArray, FloatArray] | None:
+        """Return natural frequency [rad/s] and damping ratio of the actuator at any times [s].
+
+        None for a flight without an actuator; constant outside the schedule.
+        """
+        if self.actuator_frequency is None or self.actuator_damping is None:
+            return None
+        at = finite("time", time, "s")
+        frequency, damping = (
+            np.interp(at, self.times, np.broadcast_to(values, self.times.shape))
+            for values in (self.actuator_frequency, self.actuator_damping)
+        )
+        return np.asarray(frequency), np.asarray(damping)
 
     def altitude_text(self, time: float) -> str:
         """Return the altitude at a time [s] in words, or the time alone where it is not known."""
@@ -220,6 +267,8 @@ class FlightSchedule(Shown):
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the schedule as `load_schedule` reads it, its notes as comments above.
+
+        The structure is another table, and not written.
 
         Parameters
         ----------
@@ -245,6 +294,9 @@ class FlightSchedule(Shown):
             columns["nominal_deflection_deg"] = np.degrees(self.nominal_deflection)
         if self.altitude is not None:
             columns["altitude_m"] = np.asarray(self.altitude)
+        if self.actuator_frequency is not None and self.actuator_damping is not None:
+            columns["actuator_frequency_rad_per_s"] = np.asarray(self.actuator_frequency)
+            columns["actuator_damping"] = np.asarray(self.actuator_damping)
         rows = np.column_stack([np.broadcast_to(c, self.times.shape) for c in columns.values()])
         lines = [f"# {note}".replace('"', "'") for note in self.notes]
         lines += [",".join(columns), *(",".join(f"{x:.12g}" for x in row) for row in rows)]
@@ -289,6 +341,19 @@ class FlightSchedule(Shown):
         )
         times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
         return cls(flight.vehicle_at(times), flight.deflection(times), flight.states(times)[2])
+
+
+def _check_structure(structure: StructureSchedule | None, times: FloatArray) -> None:
+    """Raise `InputError` for a structure that is not known at all times [s] of a flight."""
+    if structure is None:
+        return
+    instance("structure", structure, StructureSchedule, "see load_structure")
+    first, last = structure.span
+    if first > times[0] or last < times[-1]:
+        raise InputError(
+            f"the structure must be known over the whole flight, {times[0]:.6g} to"
+            f" {times[-1]:.6g} s; got {first:.6g} to {last:.6g} s"
+        )
 
 
 def _numbers(vehicle: Vehicle) -> dict[str, Any]:

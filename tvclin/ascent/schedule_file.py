@@ -1,22 +1,29 @@
 """Schedules from files: a row for each time, with the keys of vehicle files."""
 
+from dataclasses import replace
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.structure_schedule import load_structure
 from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
 from tvclin.base.sheet import MISSING_NUMBERS, Headings, lines_of, sheet_in
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
+from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.vehicle.vehicle_file import (
+    SCHEDULE_HEADINGS,
     VEHICLE_TABLE,
+    build_structure,
     build_vehicle,
     is_csv,
+    is_schedule,
     parse_vehicle,
     read_vehicle_text,
     source_tables,
@@ -24,9 +31,19 @@ from tvclin.vehicle.vehicle_file import (
 
 _BEFORE, _AFTER = 25.0, 50.0
 """Nominal flight before and after the time of a vehicle [s], where no span is given."""
-_FLIGHT_COLUMNS = FileTable("[schedule]", {"nominal_deflection": "angle", "altitude": "length"})
-SOURCE_TABLE = FileTable("[schedule]", words=("source",))
-"""A [schedule] that names the flight in label of its lists."""
+_FLIGHT_COLUMNS = FileTable(
+    "[schedule]",
+    {
+        "nominal_deflection": "angle",
+        "altitude": "length",
+        "actuator_frequency": "natural frequency",
+        "actuator_damping": "number",
+    },
+)
+_WORDS = ("name", "structure")
+"""Columns of text: names of the vehicle and of the table of its structure."""
+SOURCE_TABLE = FileTable("[schedule]", words=("source", "structure"))
+"""A [schedule] that names the flight, and the table of its structure, in place of its lists."""
 
 
 def load_schedule(
@@ -44,8 +61,10 @@ def load_schedule(
         A CSV file: one line of the keys of vehicle files, `time_s` among them, then a line for
         each time; a constant may stand in the first line only. A TOML file with a table
         [schedule]: lists of one length, and numbers that do not change. Or a vehicle with a table
-        [flight], by name or file: its nominal flight. Tables may hold nominal_deflection_deg and
-        altitude_m as well.
+        [flight], by name or file: its nominal flight. Tables may hold nominal_deflection_deg,
+        altitude_m, actuator_frequency_rad_per_s with actuator_damping, and as `structure` the name
+        of the table of modes and tanks, see `load_structure`; a TOML file then also [structure],
+        [engine] and [sensors], as vehicle files have them.
     start, stop : float, optional
         Span [s] of the nominal flight; from 25 s before the vehicle's time to 50 s after it where
         not given. A table has its own.
@@ -67,11 +86,12 @@ def load_schedule(
     if is_csv(source) and not exists(source):
         raise InputError(f"{called(source)} does not exist; name a flight schedule, or a vehicle")
     text, name = read_vehicle_text(source)
+    folder = Path(name).parent
     if is_csv(name):
-        return _from_rows(_csv_rows(text, name), name)
+        return _from_rows(_csv_rows(text, name), name, folder, Structure())
     table = _schedule_table(text, name)
     if table is not None:
-        return schedule_of(table, name)
+        return schedule_of(table, name, folder, build_structure(tables_of(text, name)))
     vehicle, condition = parse_vehicle(text, name), load_flight_condition(source)
     reference = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     first = reference - _BEFORE if start is None else start
@@ -97,7 +117,13 @@ def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> A
     """
     if time is None:
         return load_any_vehicle(source)
-    if source_tables(source).keys() & {"bending", "slosh", "engine", "sensors", "structure"}:
+    if not is_schedule(source) and source_tables(source).keys() & {
+        "bending",
+        "slosh",
+        "engine",
+        "sensors",
+        "structure",
+    }:
         raise InputError(
             f"{called(source)} has a structure, which is known at the vehicle's own time alone:"
             f" leave out the time of flight; got {time:g} s"
@@ -107,18 +133,40 @@ def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> A
     return vehicle.replace(numbers_from=f"{called(source)} at {time:g} s")
 
 
-def schedule_of(table: dict[str, Any], source: str) -> FlightSchedule:
-    """Return the schedule of a table of lists by the keys of vehicle files; see `load_schedule`."""
-    return _from_rows(_toml_rows(table, source), source)
+def schedule_of(
+    table: dict[str, Any], source: str, folder: Path, common: Structure | None = None
+) -> FlightSchedule:
+    """Return the schedule of a table of lists by the keys of vehicle files; see `load_schedule`.
+
+    `folder`: folder of the table of its structure. `common`: engine and sensors of the structure.
+    """
+    return _from_rows(_toml_rows(table, source), source, folder, common)
+
+
+def with_structure(
+    schedule: FlightSchedule, name: Any, folder: Path, common: Structure | None = None
+) -> FlightSchedule:
+    """Return the schedule with the structure of a table that a file in `folder` names."""
+    if not isinstance(name, str) or not name.isprintable():
+        raise InputError(f"structure must be the path of a table of modes; got {shown(name)}")
+    structure = load_structure(folder / name, common)
+    return replace(schedule, structure=structure, notes=(*schedule.notes, *structure.notes))
 
 
 Row = tuple[str, dict[str, Any]]
 """Label of a row in messages, and its values by key."""
 
 
-def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
+def _from_rows(
+    rows: list[Row], source: str, folder: Path, common: Structure | None
+) -> FlightSchedule:
     """Return the schedule of rows of keys and values; `InputError` for fewer than two times."""
     source = called(source)
+    structures = {str(row.pop("structure")): None for _, row in rows if "structure" in row}
+    if len(structures) > 1:
+        raise InputError(f"{source}: structure must be one table; got {', '.join(structures)}")
+    if common is not None and not common.is_rigid and not structures:
+        raise InputError(f"{source}: [engine] and [sensors] need the table structure of the modes")
     rows, notes = _moving(rows)
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
@@ -136,9 +184,12 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     first = vehicles[0]
     names = [name for name in NUMBERS if getattr(first, name) is not None]
     columns: dict[str, Any] = {name: [getattr(v, name) for v in vehicles] for name in names}
-    nominal, altitude = zip(*others, strict=True)
-    known_keys = None if altitude[0] is None else altitude
-    return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known_keys, notes)
+    flown: dict[str, Any] = {key: [values.get(key) for values in others] for key in others[0]}
+    with naming(source):
+        schedule = FlightSchedule(Vehicle(name=first.name, **columns), notes=notes, **flown)
+        for name in structures:
+            schedule = with_structure(schedule, name, folder, common)
+    return schedule
 
 
 def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
@@ -176,10 +227,9 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
     return [(label, row | {key: rate}) for (label, row), rate in zip(rows, rates, strict=True)]
 
 
-def _pop_flight_columns(row: dict[str, Any]) -> tuple[float, float | None]:
-    """Remove nominal deflection [rad] and altitude [m] from a row; by default zero and None."""
-    values = _FLIGHT_COLUMNS.read({key: row.pop(key) for key in _FLIGHT_COLUMNS.keys if key in row})
-    return values.get("nominal_deflection", 0.0), values.get("altitude")
+def _pop_flight_columns(row: dict[str, Any]) -> dict[str, Any]:
+    """Remove the numbers of the flight that a vehicle does not have from a row, and return them."""
+    return _FLIGHT_COLUMNS.read({key: row.pop(key) for key in _FLIGHT_COLUMNS.keys if key in row})
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
@@ -196,7 +246,7 @@ def _csv_rows(text: str, source: str) -> list[Row]:
 
 def _number_of_known_keys(headings: Headings) -> float:
     """Return the number of keys of vehicle files and schedules in a line."""
-    known_keys = {*VEHICLE_TABLE.every_key, *_FLIGHT_COLUMNS.keys}
+    known_keys = {*VEHICLE_TABLE.every_key, *_FLIGHT_COLUMNS.keys, *_WORDS}
     return float(sum(heading.text in known_keys for heading in headings))
 
 
@@ -209,7 +259,7 @@ def _column(source: str, labels: list[str], key: str, cells: tuple[str, ...]) ->
 
 def _cell(source: str, label: str, key: str, text: str) -> Any:
     """Return the value of a cell of a CSV file: a number, or a text."""
-    if text and key == "name":
+    if text and key in _WORDS:
         return text
     try:
         value = float(text) if text else MISSING_NUMBERS[0]
@@ -226,10 +276,11 @@ def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
     """Return the table [schedule] of a TOML file, or None."""
     document, source = tables_of(text, source), called(source)
     table = document.get("schedule")
-    others = document.keys() - {"schedule"}
+    others = document.keys() - SCHEDULE_HEADINGS
     if table is not None and others:
         raise InputError(
-            f"{source}: a schedule has nothing beside [schedule]; got {shown(min(others))}"
+            f"{source}: a schedule has nothing beside [schedule], [structure], [engine] and"
+            f" [sensors]; got {shown(min(others))}"
         )
     if table is not None and not isinstance(table, dict):
         raise InputError(f"{source}: schedule must be a table [schedule]; got {shown(table)}")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.ascent.measured_wind import GustOf, gust_of_speed
-from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
+from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of, with_structure
 from tvclin.ascent.sounding_wind import WINDOW_S, SoundingWind
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
@@ -210,7 +210,8 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if lists and "source" in table:
         raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
     if lists:
-        return {"schedule": schedule_of(table, "[schedule]"), "source": "the lists in [schedule]"}
+        schedule = schedule_of(table, "[schedule]", folder)
+        return {"schedule": schedule, "source": "the lists in [schedule]"}
     SOURCE_TABLE.read(table)
     study, campaign = document.get("study", {}), document.get("campaign", {})
     vehicle = study.get("vehicle", campaign.get("vehicle"))
@@ -220,7 +221,10 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
             f" {shown(source)}"
         )
-    flight = {"schedule": load_schedule(vehicle_source(source, folder)), "source": source}
+    schedule = load_schedule(vehicle_source(source, folder))
+    if "structure" in table:
+        schedule = with_structure(schedule, table["structure"], folder)
+    flight = {"schedule": schedule, "source": source}
     named = isinstance(vehicle, str)
     same = named and Path(vehicle_source(source, folder)) == Path(vehicle_source(vehicle, folder))
     if same or not _is_vehicle(vehicle_source(source, folder)):

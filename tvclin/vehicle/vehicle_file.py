@@ -49,6 +49,8 @@ VEHICLE_TABLE = FileTable(
 )
 COEFFICIENTS = "coefficients"
 """Table of files of a `LinearVehicle`, see `load_any_vehicle`."""
+SCHEDULE_HEADINGS = {"schedule", "structure", "engine", "sensors"}
+"""Tables of a flight schedule in TOML; all but [schedule] are optional."""
 HEADINGS = ("vehicle", "flight", "structure", "engine", "sensors", "bending", "slosh")
 """Tables of a vehicle file; [flight] belongs to `FlightCondition`."""
 _SENSORS = ("attitude_sensor", "rate_gyro")
@@ -135,13 +137,18 @@ def is_csv(source: str | PathLike[str]) -> bool:
 
 
 def is_schedule(source: str | PathLike[str]) -> bool:
-    """Return whether a source is a flight schedule, in CSV or as the only table of a TOML file."""
-    return is_csv(source) or source_tables(source).keys() == {"schedule"}
+    """Return whether a source is a flight schedule, in CSV or as tables of a TOML file."""
+    return is_csv(source) or is_schedule_document(source_tables(source))
+
+
+def is_schedule_document(document: Mapping[str, Any]) -> bool:
+    """Return whether the tables of a TOML file are those of a flight schedule."""
+    return "schedule" in document and document.keys() <= SCHEDULE_HEADINGS
 
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle of a TOML text; `source` is its name in messages."""
-    if is_csv(source) or tables_of(text, source).keys() == {"schedule"}:
+    if is_csv(source) or is_schedule_document(tables_of(text, source)):
         raise InputError(missing_time_message(source))
     faults, vehicle, structure = Faults(), None, None
     with faults.kept():
@@ -251,7 +258,7 @@ def build_structure(document: Mapping[str, Any]) -> Structure:
     engine = ENGINE_TABLE.one(document) if ENGINE_TABLE.name in document else None
     sensors = SENSORS_TABLE.read(SENSORS_TABLE.one(document))
     return Structure(
-        bending=_built_elements(BENDING_TABLE, document, _bending_mode),
+        bending=_built_elements(BENDING_TABLE, document, bending_mode),
         slosh=_built_elements(SLOSH_TABLE, document, SloshTank),
         engine=None if engine is None else Engine(**ENGINE_TABLE.read(engine)),
         attitude_sensor=_sensor_lag("attitude_sensor", sensors),
@@ -271,7 +278,7 @@ def _built_elements(
     return tuple(values)
 
 
-def _bending_mode(**numbers: Any) -> BendingMode:
+def bending_mode(**numbers: Any) -> BendingMode:
     """Return the bending mode of a row, with tank slopes in any unit."""
     slopes = {key: numbers.pop(key) for key in _TANK_SLOPES if key in numbers}
     if len(slopes) > 1:

@@ -318,7 +318,9 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     rows, error = thinned_rows(time, values, largest)
     thin = f"thinned to {rows.size} rows: straight lines are within {100 * error:.2g} percent"
     thinned = (thin,) if rows.size < time.size else ()
-    others = {key: values.pop(key)[rows] for key in _NOT_OF_VEHICLE if key in values}
+    others: dict[str, Any] = {
+        key: values.pop(key)[rows] for key in _NOT_OF_VEHICLE if key in values
+    }
     numbers: dict[str, Any] = {key: column[rows] for key, column in values.items()}
     vehicle = Vehicle(name=name, time=time[rows], **numbers)
     origins = [f"{key}: {column.origin}" for key, column in columns.items()]

@@ -1,0 +1,296 @@
+"""Structure of a vehicle over its flight: bending modes and tanks by the rows of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.errors import InputError, each, finite, instance, naming, one_of, shown, text
+from tvclin.base.fields import spec
+from tvclin.base.lines import listed
+from tvclin.base.sheet import Headings, Sheet, read_sheet
+from tvclin.vehicle.filters import Filter
+from tvclin.vehicle.structure import BendingMode, SloshTank, Structure
+from tvclin.vehicle.vehicle_file import BENDING_TABLE, SLOSH_TABLE, bending_mode
+
+_TABLES = {"modal_mass": BENDING_TABLE, "mass": SLOSH_TABLE}
+"""Tables of vehicle files whose keys a row has, by the number that only their rows have."""
+_KEYS = {*BENDING_TABLE.every_key, *SLOSH_TABLE.every_key}
+_SHAPE = (
+    "gimbal_displacement",
+    "gimbal_slope",
+    "attitude_slope",
+    "rate_slope",
+    "pressure_displacement",
+)
+"""Numbers of a mode that change their sign with its normalisation, without those of tanks."""
+
+
+@dataclass(frozen=True, eq=False)
+class StructureSchedule(Shown):
+    """Bending modes and tanks at several times of a flight, straight lines between them.
+
+    Parameters
+    ----------
+    times : array_like
+        Times of flight [s], rising, ``(n,)``, two or more.
+    structure : Structure
+        Structure at the times, a batch ``(n,)``; engine and sensors may be constant.
+    modes, tanks : tuple of str
+        Name of each bending mode and of each tank, in the order of the structure.
+    notes : tuple of str
+        Changes of the data on reading.
+
+    Raises
+    ------
+    InputError
+        For times that do not rise, a structure of another shape, lags of sensors that vary, and
+        names that are repeated or not one for each mode and tank.
+    """
+
+    times: FloatArray
+    structure: Structure = field(metadata=spec(of="structure.parts"))
+    modes: tuple[str, ...] = field(default=(), metadata=spec())
+    tanks: tuple[str, ...] = field(default=(), metadata=spec())
+    notes: tuple[str, ...] = field(default=(), metadata=spec())
+
+    def __post_init__(self) -> None:
+        times = finite("times", self.times, "s")
+        if times.ndim != 1 or times.size < 2 or np.any(np.diff(times) <= 0.0):
+            raise InputError("times must be two or more rising times of flight in s")
+        object.__setattr__(self, "times", times)
+        instance("structure", self.structure, Structure, "Structure(bending=..., slosh=...)")
+        if self.structure.batch not in {(), times.shape}:
+            raise InputError(
+                f"structure must have one number or one for each of the {times.size} times; got a"
+                f" batch of shape {self.structure.batch}"
+            )
+        lags = (self.structure.attitude_sensor, self.structure.rate_gyro)
+        if any(lag is not None and lag.batch for lag in lags):
+            raise InputError("the lags of the sensors must be the same over the flight")
+        names = {"modes": self.structure.bending, "tanks": self.structure.slosh}
+        for name, elements in names.items():
+            given = each(name, getattr(self, name), str, "a name for each")
+            given = tuple(text(name, label) for label in given)
+            if len(given) != len(elements) or len(set(given)) < len(given):
+                raise InputError(
+                    f"{name} must be {len(elements)} different names, as the structure has; got"
+                    f" {shown(given)}"
+                )
+            object.__setattr__(self, name, given)
+        object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The first and the last time [s]."""
+        return float(self.times[0]), float(self.times[-1])
+
+    def at(self, time: ArrayLike) -> Structure:
+        """Return the structure at any times [s], of their shape, constant outside the table."""
+        made: Structure = _interpolated(self.structure, self.times, finite("time", time, "s"))
+        return made
+
+    def mode_number(self, name: str) -> int:
+        """Return the index of a bending mode in the structure by its name.
+
+        Raises
+        ------
+        InputError
+            For a name that no mode has.
+        """
+        return self.modes.index(one_of("mode", name, self.modes))
+
+
+def load_structure(
+    source: str | PathLike[str], common: Structure | None = None
+) -> StructureSchedule:
+    """Return the structure over a flight from a CSV table.
+
+    Parameters
+    ----------
+    source : str or path
+        A table with the columns time_s and name, and columns with the keys of [[bending]] and
+        [[slosh]] of vehicle files; a row for each mode and each tank at each time. A row with a
+        modal mass is a mode, one with a mass a tank; columns of the other kind stay empty.
+        Displacements and slopes at several tanks stand in one cell, with blanks between.
+    common : Structure, optional
+        Engine, lags of the sensors, and `thrust_follows`, which do not change.
+
+    Raises
+    ------
+    InputError
+        As `load_vehicle`, naming the line; for a mode or a tank without a row at a time that others
+        have, and for two rows of one name at one time.
+
+    Notes
+    -----
+    Rows belong to each other by their name alone, whatever the order of the frequencies. A mode
+    and its negative are the same mode: where displacements and slopes have changed their sign
+    against the row before, they are turned, and a note says so.
+    """
+    sheet = read_sheet(source, "a table of modes", _known_keys, "keys such as time_s,name,damping")
+    for needed in ("time_s", "name"):
+        if needed not in [heading.text for heading in sheet.headings]:
+            raise sheet.error(f"a table of modes needs the column {needed}")
+    rows, times = _rows_by_name(sheet)
+    series = {name: [of_name[time] for time in times] for name, of_name in rows.items()}
+    notes = []
+    for name, elements in series.items():
+        turned = _with_one_sign(elements)
+        if turned:
+            at = listed([f"{times[k]:g}" for k in turned])
+            notes.append(f"{name}: its displacements and slopes are turned at {at} s")
+    common = Structure() if common is None else common
+    instance("common", common, Structure, "Structure(engine=..., rate_gyro=...)")
+    kinds = {
+        kind: {name: s for name, s in series.items() if isinstance(s[0], kind)}
+        for kind in (BendingMode, SloshTank)
+    }
+    bending, slosh = (
+        tuple(_stacked(name, s) for name, s in of_kind.items()) for of_kind in kinds.values()
+    )
+    with naming(sheet.text.source):
+        return StructureSchedule(
+            np.array(times),
+            replace(common, bending=bending, slosh=slosh),
+            modes=tuple(kinds[BendingMode]),
+            tanks=tuple(kinds[SloshTank]),
+            notes=tuple(notes),
+        )
+
+
+def _rows_by_name(
+    sheet: Sheet,
+) -> tuple[dict[str, dict[float, BendingMode | SloshTank]], list[float]]:
+    """Return modes and tanks by name and time [s], and all times, rising."""
+    rows: dict[str, dict[float, BendingMode | SloshTank]] = {}
+    for place, cells in zip(sheet.places, sheet.cells, strict=True):
+        with naming(place):
+            time, name, element = _row(sheet, cells)
+            of_name = rows.setdefault(name, {})
+            if time in of_name:
+                raise InputError(f"{name} has two rows at {time:g} s; keep one")
+            if any(type(other) is not type(element) for other in of_name.values()):
+                raise InputError(f"{name} is a mode in one row and a tank in another")
+            of_name[time] = element
+    times = sorted({time for of_name in rows.values() for time in of_name})
+    for name, of_name in rows.items():
+        missing = [f"{time:g}" for time in times if time not in of_name]
+        if missing:
+            raise InputError(
+                f"{sheet.text.source}: {name} has no row at {listed(missing)} s, where others have"
+                " one"
+            )
+    if len(times) < 2:
+        raise InputError(f"{sheet.text.source} must hold two or more times; got {len(times)}")
+    return rows, times
+
+
+def _known_keys(headings: Headings) -> float:
+    """Return the number of columns of a table of modes in a line of names."""
+    return float(sum(heading.text in {"time_s", "name", *_KEYS} for heading in headings))
+
+
+def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode | SloshTank]:
+    """Return time [s], name and mode or tank of a row."""
+    row: dict[str, Any] = {
+        heading.text: cell for heading, cell in zip(sheet.headings, cells, strict=True) if cell
+    }
+    for key in ("time_s", "name"):
+        if key not in row:
+            raise InputError(f"{key} is missing")
+    name = row.pop("name")
+    lists = BENDING_TABLE.lists
+    values: dict[str, Any] = {
+        key: [_number(key, word) for word in cell.replace(";", " ").split()]
+        if key in lists
+        else _number(key, cell)
+        for key, cell in row.items()
+    }
+    time = values.pop("time_s")
+    given = {
+        mass: [key for key in values if table.keys.get(key, ("",))[0] == mass]
+        for mass, table in _TABLES.items()
+    }
+    if bool(given["modal_mass"]) == bool(given["mass"]):
+        raise InputError(
+            f"{name} must have a modal mass, as a mode has, or a mass, as a tank has, and not both"
+        )
+    mass = next(mass for mass, keys in given.items() if keys)
+    made: Mapping[str, Any] = _TABLES[mass].read(values)
+    return time, name, (bending_mode if mass == "modal_mass" else SloshTank)(**made)
+
+
+def _number(key: str, cell: str) -> float:
+    """Return the number of a cell; `InputError` for another text."""
+    try:
+        return float(cell)
+    except ValueError:
+        raise InputError(f"{key} must be a number; got {shown(cell)}") from None
+
+
+def _shape_of(mode: BendingMode) -> FloatArray:
+    """Return the displacements and slopes of a mode, ``(k,)``."""
+    numbers = [getattr(mode, name) for name in _SHAPE]
+    return np.array([*numbers, *mode.tank_displacements, *mode.tank_slopes], float)
+
+
+def _with_one_sign(elements: list[Any]) -> list[int]:
+    """Turn modes whose shape is opposite to the one before, in place; return their indices.
+
+    Each number is weighted with its largest size over the flight.
+    """
+    if not isinstance(elements[0], BendingMode):
+        return []
+    shapes = [_shape_of(mode) for mode in elements]
+    if len({shape.size for shape in shapes}) > 1:
+        raise InputError("a mode must have displacements at the same tanks at all times")
+    size = np.abs(shapes).max(axis=0)
+    size[size == 0.0] = 1.0
+    turned = []
+    for k in range(1, len(elements)):
+        if np.sum(_shape_of(elements[k - 1]) * shapes[k] / size**2) < 0.0:
+            mode = elements[k]
+            changes: dict[str, Any] = {name: -getattr(mode, name) for name in _SHAPE}
+            for name in ("tank_displacements", "tank_slopes"):
+                changes[name] = tuple(-value for value in getattr(mode, name))
+            elements[k] = replace(mode, **changes)
+            turned.append(k)
+    return turned
+
+
+def _stacked(name: str, elements: list[Any]) -> Any:
+    """Return the batch ``(n,)`` of modes or tanks of one name."""
+    kind = type(elements[0])
+    values: dict[str, Any] = {}
+    for item in fields(kind):
+        column = [getattr(element, item.name) for element in elements]
+        if any(value is None for value in column):
+            if any(value is not None for value in column):
+                raise InputError(f"{name} must have {item.name} at all times, or at none")
+            values[item.name] = None
+        elif isinstance(column[0], tuple):
+            values[item.name] = tuple(np.array(row) for row in zip(*column, strict=True))
+        else:
+            values[item.name] = np.array(column)
+    return kind(**values)
+
+
+def _interpolated(value: Any, times: FloatArray, at: FloatArray) -> Any:
+    """Return a value with all numbers ``(n,)`` in it interpolated; other numbers are unchanged."""
+    if isinstance(value, tuple):
+        return tuple(_interpolated(element, times, at) for element in value)
+    if is_dataclass(value) and not isinstance(value, Filter):
+        numbers = {
+            item.name: _interpolated(getattr(value, item.name), times, at) for item in fields(value)
+        }
+        kind: Any = type(value)
+        return kind(**numbers)
+    return np.interp(at, times, value) if isinstance(value, np.ndarray) else value
