@@ -19,6 +19,8 @@
 # whole flight.
 
 # %%
+from dataclasses import replace
+
 import numpy as np
 
 import tvclin as tv
@@ -113,7 +115,7 @@ card
 # It takes far more travel than the wind does.
 
 # %%
-loud = tv.nozzle.flight_duty(case, flight, noise=np.radians(0.05))
+loud = tv.nozzle.flight_duty(case, replace(flight, rate_noise=np.radians(0.05)))
 for name, one in (("quiet", card), ("with noise", loud)):
     duty = max(one.duties, key=lambda each: each.travel)
     print(f"{name}: travel {np.degrees(duty.travel):.1f} deg, energy {duty.energy:.1f} J")

@@ -13,9 +13,21 @@ from tests.turns import usual
 from tvclin.cli.app import app
 
 SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
-SHOWN = ("settings", "as_json", "plot", "csv", "points", "chart", "until", "explain", "help")
+SHOWN = (
+    "settings",
+    "as_json",
+    "plot",
+    "csv",
+    "points",
+    "chart",
+    "until",
+    "explain",
+    "more",
+    "help",
+)
 """Options that say how an answer is shown."""
 V = "configuration-i"
+TIMES = ("--from", "70", "--to", "71")
 F = "study.toml"
 STUDY = """
 [study]
@@ -47,9 +59,14 @@ STARTS = {
     ],
     "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2"), (F,)],
     "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2"), (F,)],
-    "nozzle": [(V, "--law", "autopilot", "--limit-deg", "2"), (V,), (F,)],
-    "loads": [(V, "--law", "autopilot", "--limit-deg", "2"), (V,), (F,)],
-    "card": [(V, "--from", "70", "--to", "71", "--law", "autopilot", "--limit-deg", "1")],
+    "nozzle": [
+        (V, "--law", "autopilot", "--limit-deg", "2"),
+        (V,),
+        (F,),
+        (V, "--over", "load", "--law", "autopilot", "--limit-deg", "2"),
+        (F, "--over", "load"),
+        (V, "--over", "flight", *TIMES, "--law", "autopilot", "--limit-deg", "1"),
+    ],
     "poles": [(V,), (F,)],
     "boundary": [(V, "--tau-beta", "3"), (F, "--tau-beta", "3")],
     "laws": [(F,)],
@@ -74,8 +91,7 @@ VALUES = {
     "start": ["-1"],
     "horizon": ["30"],
     "rate_limit_deg": ["0.3"],
-    "noise_deg": ["0.02"],
-    "steady": ["0.3"],
+    "over": ["load", "flight"],
     "tau_beta": ["5"],
     "design": ["lqr", "half-relief"],
     "natural_frequency": ["1.7"],
@@ -181,8 +197,6 @@ def test_an_option_changes_the_answer_or_is_refused(count):
     ("command", "start", "option", "value"),
     usual(
         [
-            ("card", STARTS["card"][0], "seed", "3"),
-            ("card", (*STARTS["card"][0], "--plane", "yaw"), "sign", "tail"),
             ("ascent", (*STARTS["ascent"][0], "--plane", "yaw"), "sign", "tail"),
             ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "rate_limit_deg", "0.3"),
         ],

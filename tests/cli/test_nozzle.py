@@ -34,7 +34,7 @@ def test_json_equals_the_library() -> None:
         np.degrees(expected.lower_bound), rel=1e-12
     )
     assert found["trade_off"]["above_lower_bound"] is True
-    assert found["flown"] is None
+    assert found["flown"] == []
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,13 @@ def test_json_equals_the_library() -> None:
             (("--rate-limit-deg", "0.05"), 2, "more than 0.101665 deg/s"),
             (("--law", "trim"), 2, "--limit-deg"),
             (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
-            (("--attitude-gain", "1"), 2, "--law"),
+            (("--set", "autopilot.attitude_gain=1"), 2, "--law"),
+            (("--load-deg", "1"), 2, "--load-deg needs --over load"),
+            (("--every", "1"), 2, "--every needs --over flight"),
+            (("--plane", "both"), 2, "--plane both needs tvclin nozzle --over"),
+            (("--over", "loads"), 2, "--over must be one of rate, load"),
+            (("--over", "flight", "--at", "60"), 2, "--at needs --over rate or load"),
+            (("--over", "flight", "--dead-band", "0.5"), 2, "--dead-band needs --over rate"),
             (("--set", "nozzle.travel_limit_deg=1"), 0, "is left out here"),
             (
                 ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.torque_limit_N_m=1e4"),
@@ -82,7 +88,7 @@ def test_json_equals_the_library() -> None:
                 "MET: travel of a flight used",
             ),
         ],
-        *(0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13),
+        *(0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16),
     ),
 )
 def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:
@@ -94,7 +100,7 @@ def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, word
 def test_the_card_is_of_the_flight() -> None:
     """Its peaks are those of `fly_many`, its travel the integral of the rate."""
     options = ("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot", "--json")
-    card = json.loads(run(*options).stdout)["flown"]["card"]
+    card = json.loads(run(*options).stdout)["flown"][0]["card"]
     case = tv.Case(vehicle=tv.load_vehicle("configuration-i"))
     law = tv.control.design_law("autopilot", case.plant, float(case.history.peak))
     limits = {"deflection_limit": np.radians(2.0), "rate_limit": np.radians(5.0)}
@@ -149,7 +155,7 @@ def study_file(folder: Path, hinge: str = HINGE) -> str:
 
 def test_the_torque_of_a_flight_is_that_of_its_motion_and_the_hinge_of_the_file(tmp_path) -> None:
     result = run(study_file(tmp_path), "--law", "trim", "--json")
-    work = json.loads(result.stdout)["flown"]["card"]["work"]
+    work = json.loads(result.stdout)["flown"][0]["card"]["work"]
     plan = tv.load_study(tmp_path / "my.toml")
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
     hinge = {"stiffness": np.degrees(15200.0), "damping": np.degrees(174.0), "friction": 2000.0}

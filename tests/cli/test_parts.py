@@ -52,12 +52,18 @@ VALUES = {
 WORK = "torque, power, travel and acceleration limits"
 """They have no options."""
 LINEAR = ("--engine", "linear", "--law", "autopilot", "--limit-deg", 2)
+FLIGHT = ("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70)
+KEYS = {
+    "delay": ("--set", "autopilot.delay_ms", 40),
+    "sample rate": ("--set", "autopilot.sample_rate_Hz", 30),
+    "sign that counts": ("--set", "study.sign", "frozen"),
+}
 BASE = {
     "laws": ("--wind", "triangle"),
     "fly": LINEAR,
     "nozzle": ("--law", "autopilot", "--limit-deg", 2),
-    "card": ("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70),
-    "loads": ("--law", "autopilot", "--limit-deg", 2),
+    "nozzle --over flight": FLIGHT,
+    "nozzle --over load": ("--law", "autopilot", "--limit-deg", 2),
     "ascent": ("--from", 70, "--to", 70),
     "availability": ("--limit-deg", 0.35, "--azimuth-deg", 45),
 }
@@ -76,13 +82,22 @@ OTHERWISE = {
     ("availability", "measured wind"): (SOUNDING, "--limit-deg", 0.35, "--azimuth-deg", 45),
     ("fly", "limit"): (*LINEAR[:-1], 1.5),
     ("nozzle", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
-    ("card", "limit"): ("--law", "autopilot", "--limit-deg", 1.5, "--from", 70, "--to", 70),
-    ("card", "shape of the stop"): (
-        *("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70),
-        *("--plane", "both", "--stop", "square", *VALUES["heading"]),
+    ("nozzle --over flight", "limit"): (*FLIGHT[:3], 1.5, *FLIGHT[4:]),
+    ("nozzle --over flight", "shape of the stop"): (
+        *(*FLIGHT, "--plane", "both", "--stop", "square", *VALUES["heading"]),
     ),
+    **{
+        (question, part): (*BASE[question], *key)
+        for question in BASE
+        if question.startswith("nozzle")
+        for part, key in KEYS.items()
+    },
+    **{
+        (question, "shape of the stop"): ("--plane", "both", "--stop", "square")
+        for question in ("nozzle", "nozzle --over load")
+    },
     ("ascent", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["ascent"]),
-    ("loads", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
+    ("nozzle --over load", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("ascent", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
     ("ascent", "gust"): ("--gust", 1.5, 1.0),
     **{
@@ -126,7 +141,7 @@ def files(tmp_path_factory):
 def asked(question, vehicle, station, *options):
     if question == "availability":
         options = (station, *options)
-    words = (question, vehicle, *options, "--json")
+    words = (*question.split(), vehicle, *options, "--json")
     return CliRunner().invoke(app, [str(one) for one in words])
 
 
@@ -267,7 +282,7 @@ OF_ONE_TIME = {
     "laws": ("--rigid",),
     "fly": ("--engine", "linear"),
     "nozzle": ("--law", "autopilot"),
-    "loads": ("--law", "autopilot"),
+    "nozzle --over load": ("--law", "autopilot"),
 }
 IN_FLIGHT = ("gust", "head wind", "heading", "shape of the stop", "rate limit", "limit")
 """Parts that count in flown margins alone."""
@@ -279,7 +294,7 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
 
     def found(tables, *more):
         (folder / "one.toml").write_text(in_toml(tables))
-        words = (question, folder / "one.toml", *OF_ONE_TIME[question], *more, "--json")
+        words = (*question.split(), folder / "one.toml", *OF_ONE_TIME[question], *more, "--json")
         return CliRunner().invoke(app, [str(one) for one in words])
 
     @cache

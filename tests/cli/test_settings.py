@@ -223,9 +223,12 @@ def test_a_key_beside_its_own_option_is_refused(command, option, key):
     assert (code, error) == (2, f"Error: give {option[0]} or --set {key[0]}, not both\n")
 
 
-@pytest.mark.parametrize("command", [("fly",), ("card",), ("nozzle", "--law", "trim")])
+@pytest.mark.parametrize(
+    "command", [("fly",), ("nozzle", "--over", "flight"), ("nozzle", "--law", "trim")]
+)
 def test_gains_of_another_law_than_the_autopilot_are_refused_by_key_as_by_option(command):
-    for gain in (("--attitude-gain", "1"), ("--set", "autopilot.attitude_gain", "1")):
+    option = ("--attitude-gain", "1")
+    for gain in (("--set", "autopilot.attitude_gain", "1"), *[option] * (command == ("fly",))):
         code, _, error = ran(command[0], V, *command[1:], "--limit-deg", "2", *gain)
         assert (code, error) == (2, f"Error: {' '.join(gain[:-1])} needs --law autopilot\n")
 

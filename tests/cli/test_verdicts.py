@@ -30,7 +30,7 @@ OTHERS = re.compile(
 """Verdicts that a limit of 0.4 deg must not have, and words that are no verdicts."""
 
 
-NUMBERED = ("study", "respond", "fly", "nozzle", "loads", "optimum", "autopilot")
+NUMBERED = ("study", "respond", "fly", "nozzle", "optimum", "autopilot")
 
 
 def run(*arguments: str) -> Result:
@@ -55,7 +55,7 @@ def run(*arguments: str) -> Result:
                 (SEE, "wind known: 0.199 deg", NOMINAL),
             ),
             (
-                ("loads", "configuration-i", *WIND, *LIMIT),
+                ("nozzle", "configuration-i", "--over", "load", *WIND, *LIMIT),
                 0,
                 (SEE, "wind known: 0.199 deg", NOMINAL),
             ),
@@ -79,9 +79,9 @@ def run(*arguments: str) -> Result:
             (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
             (("ascent", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
             (
-                ("card", "configuration-i", *WIND, *LIMIT, *AT),
+                ("nozzle", "configuration-i", "--over", "flight", *WIND, *LIMIT, *AT, "--more"),
                 1,
-                ("NOT SURVIVED: trim is lost", "Required deflection: see size"),
+                ("NOT SURVIVED: trim is lost", "required deflection is that of tvclin ascent"),
             ),
             (
                 ("fly", "configuration-i", *WIND, *LIMIT, "--law", "autopilot"),

@@ -137,13 +137,13 @@ def test_noise_makes_travel_as_its_rms_rate_says():
     """Of a rate that is normal the mean size is sqrt(2/pi) of its rms; in 15 s within 4 percent."""
     noise = np.radians(0.05)
     quiet = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0].card
-    card = tv.nozzle.flight_duty(plan(), asked(stop=60.0), noise=noise, seed=3)
+    card = tv.nozzle.flight_duty(plan(), asked(stop=60.0, rate_noise=noise, noise_seed=3))
     loud = card.points[0].card
     span = 7.5 + 15.0 / float(tv.Plant.from_vehicle(SCHEDULE.at(60.0)).coefficients.pole)
     assert loud.travel > 5.0 * quiet.travel
     assert loud.travel == pytest.approx(span * np.sqrt(2.0 / np.pi) * loud.rms_rate, rel=0.04)
     # the whole flight of one time is that wind alone; of ten seconds, noise goes on between
-    longer = tv.nozzle.flight_duty(plan(), asked(), noise=noise, seed=3)
+    longer = tv.nozzle.flight_duty(plan(), asked(rate_noise=noise, noise_seed=3))
     case = tv.Case(vehicle=SCHEDULE.at(65.0), nozzle=NOZZLE)
     law = NoisyLaw(tv.control.design_law("trim", case.plant, 0.09), noise=noise, seed=3)
     flown = fly_nozzle(case.plant, law, case.history, deflection_limit=DEG, **case.hardware)

@@ -42,10 +42,10 @@ def study(deg: float, **options) -> tv.Study:
                 ("--engine", "linear", "--law", "trim"),
                 "Flown at nominal dynamic pressure: NOT KNOWN",
             ),
-            ("loads", ("--law", "trim"), "Verdict: NOT KNOWN"),
+            ("nozzle", ("--over", "load", "--law", "trim"), "NOT KNOWN"),
             ("autopilot", (), "Limit 12 deg: NOT KNOWN"),
             ("ascent", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
-            ("card", ("--from", "66", "--to", "66"), "NOT KNOWN"),
+            ("nozzle", ("--over", "flight", "--from", "66", "--to", "66"), "NOT KNOWN"),
         ],
         *(0, 3, 8),
     ),
@@ -142,7 +142,7 @@ def test_no_deflection_is_enough_in_a_box_that_reaches_beyond_the_range() -> Non
 @by_turns(
     "deg,command",
     [10.0, 10.1],
-    ["study", "respond", "nozzle", "fly", "loads", "optimum", "ascent"],
+    ["study", "respond", "nozzle", "fly", "optimum", "ascent"],
     each=7,
 )
 def test_above_ten_degrees_each_answer_has_the_doubt(command, deg) -> None:

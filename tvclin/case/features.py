@@ -64,8 +64,8 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "laws": (*_NOMINAL_PRESSURE, "limit"),
     "fly": _NOMINAL_PRESSURE,
     "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
-    "loads": _NOMINAL_PRESSURE,
-    "card": ("dispersion",),
+    "nozzle --over load": _NOMINAL_PRESSURE,
+    "nozzle --over flight": ("dispersion",),
     "ascent": (*(feature for feature in _LOOP if feature != "rate limit"), _WORK),
     "availability": (*_LOOP, "dispersion", _WORK),
     "campaign": (_WORK,),
@@ -78,9 +78,9 @@ _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "laws with a rate in [laws]": ("sample rate",),
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
-    "card without the law autopilot": ("gains",),
     "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),
-    "loads without --law": (*_LAW, "sample rate", "gains"),
+    "nozzle --over load without --law": (*_LAW, "sample rate", "gains"),
+    "nozzle --over flight without the law autopilot": ("gains",),
 }
 """Features that a question computes, but omits with or without these options."""
 _LIMITS_OF_WORK = ("torque_limit", "power_limit", "travel_limit", "acceleration_limit")
@@ -91,9 +91,12 @@ _RIGID_NUMBERS: dict[str, str] = {
     "autopilot": "boundaries and minimum",
     "campaign": "all but margins and flights",
     "nozzle": "angles over rates",
-    "loads": "angles over loads",
+    "nozzle --over load": "angles over loads",
     **dict.fromkeys(
-        ("respond", "optimum", "boundary", "poles", "card", "ascent", "availability"),
+        (
+            *("respond", "optimum", "boundary", "poles", "nozzle --over flight"),
+            *("ascent", "availability"),
+        ),
         _ALL_NUMBERS,
     ),
     "explore": "boundaries and the open-loop response",
@@ -163,7 +166,8 @@ def omission_notes(case: Case, *questions: str) -> Iterator[str]:
         for feature in (*_REFUSED.get(question, ()), *_OMITTED_BY_OPTIONS.get(question, ()))
     }
     named = _specified_features(case, omitted)
-    for who, parts in (("study", set(named) - {_WORK}), ("card", set(named) & {_WORK})):
+    whole_duty = "nozzle --over flight"
+    for who, parts in (("study", set(named) - {_WORK}), (whole_duty, set(named) & {_WORK})):
         if parts:
             of = listed([feature for feature in named if feature in parts])
             yield f"what the file says of {of} is left out here; tvclin {who} has it"

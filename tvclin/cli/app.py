@@ -24,7 +24,7 @@ _PANELS = {
     "Start here": ("study", "init", "vehicles", "report", "explore"),
     "Theory": ("boundary", "optimum", "respond", "poles", "reproduce"),
     "Control": ("autopilot", "margins", "laws"),
-    "Flights": ("ascent", "availability", "fly", "nozzle", "loads", "card", "schedule", "campaign"),
+    "Flights": ("ascent", "availability", "fly", "nozzle", "schedule", "campaign"),
     "This installation": ("doctor",),
 }
 NAMES = {name: panel for panel, names in _PANELS.items() for name in names}

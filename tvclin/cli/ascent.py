@@ -15,7 +15,6 @@ from tvclin.base.fields import document
 from tvclin.base.files import called
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.case.case import FROZEN
-from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -32,7 +31,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import ShapedOptions, azimuth_of, check_reading
+from tvclin.cli.wind import ShapedOptions, WindOptions, azimuth_of, check_reading
 from tvclin.ensembles.dispersed_study import disperse_study, relative_increase_in_wind
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
@@ -80,6 +79,15 @@ class FlightOptions(ShapedOptions):
                 raise InputError(f"--winds gives {name} twice")
             requests[name] = SoundingRequest(reading.profile(file), azimuth, reading.mean_wind)
         return requests
+
+    def at_one_time(self) -> WindOptions:
+        """Return these options for a single flight time."""
+        files = self.winds or []
+        if len(files) > 1:
+            raise InputError(
+                f"--winds may be given several times with --over flight alone; got {len(files)}"
+            )
+        return WindOptions(**(vars(self) | {"winds": files[0] if files else None}))
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, at each flight time."""
@@ -255,7 +263,7 @@ def flight_asked(
     winds: FlightOptions,
     question: Given,
     sign: Given,
-    *changes: Given | PlaneOptions | FlownLaw,
+    *changes: Given | PlaneOptions,
 ) -> StudyPlan:
     """Return the case of a flight from a file and options."""
     soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from tvclin.base.lines import Line, Table
-    from tvclin.boundary.limit_over_load import LoadTradeOff
-    from tvclin.boundary.limit_over_rate import RateTradeOff
     from tvclin.requirement.case_requirement import CaseRequirement
 
 
@@ -65,15 +63,6 @@ def say_required(required: CaseRequirement | None, *, autopilot: bool = False) -
     if required is not None:
         more = ": for the ideal trim law; see autopilot for the autopilot requirement" * autopilot
         say(f"{required.see_study[0].upper()}{required.see_study[1:]}{more}.")
-
-
-def say_bound(front: RateTradeOff | LoadTradeOff, required: CaseRequirement | None) -> None:
-    """Print a lower bound with the required deflection, and that a limit is below the bound."""
-    if not front.beyond:
-        words = "; ".join([front.bound_text, *([] if required is None else [required.see_study])])
-        say(f"{words[0].upper()}{words[1:]}.")
-    if front.verdict:
-        say(f"Verdict: {front.verdict}.")
 
 
 def say_notes(notes: Iterable[str]) -> None:

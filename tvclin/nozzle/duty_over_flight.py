@@ -19,13 +19,9 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
-    between,
     callable_for,
     instance,
-    number,
     one_of,
-    positive,
-    whole_number,
 )
 from tvclin.base.fields import spec
 from tvclin.base.lines import Table
@@ -135,8 +131,6 @@ def actuator_notes(actuator: Actuator | None) -> Iterator[str]:
         yield "the acceleration of the nozzle as it runs into its stop is not counted"
 
 
-_MAX_NOISE = 0.1
-"""Largest noise of a rate gyro [rad/s], rms."""
 _NOISE_START, _NOISE_END = 7.5, 15.0
 """Ends of the interval with noise alone after a wind, in time constants of the fast mode."""
 
@@ -146,9 +140,6 @@ def flight_duty(
     request: SizingRequest,
     law: str = "trim",
     *,
-    noise: float = 0.0,
-    seed: int = 0,
-    window: float = WINDOW,
     progress: Callable[[int, int], None] | None = None,
 ) -> FlightDuty:
     """Return the duty of the nozzle of a case over a flight, with a law flown in each wind.
@@ -158,15 +149,10 @@ def flight_duty(
     case : Case
         Nozzle with a limit, model and planes, first pulse, and the gains of the law "autopilot".
     request : SizingRequest
-        The flight, its times and its winds.
+        The flight, its times and its winds, the noise of the measured attitude rate, and the length
+        over which the steady rate is a mean.
     law : str
         Name of `tvclin.control.LAWS`; the law is designed at each flight time.
-    noise : float
-        Noise of the measured attitude rate [rad/s], rms by sample: the cause of most travel.
-    seed : int
-        Seed of the noise.
-    window : float
-        Length [s] over which the steady rate is a mean.
     progress : callable, optional
         Called with the number of finished and of all pairs of flight time and wind.
 
@@ -209,9 +195,6 @@ def flight_duty(
         request,
         case.nozzle.limit,
         law,
-        number("noise", noise, between(0.0, _MAX_NOISE), "rad/s"),
-        whole_number("seed", seed),
-        number("window", window, positive, "s"),
         np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
     )
     points: list[DutyPoint] = []
@@ -256,9 +239,6 @@ class _Conditions:
     request: SizingRequest
     limit: float
     law: str
-    noise: float
-    seed: int
-    window: float
     edges: FloatArray
 
     @property
@@ -354,9 +334,11 @@ class _Conditions:
         point = replace(point, minimum=float(minimum_peaks(plant, wind)), pole=pole)
         law = specified_law(case, self.law, case.hardware["rate_limit"])
         notes = tuple(design_notes(law))
-        if self.noise:
+        request = self.request
+        if request.rate_noise:
             bare = law.law if isinstance(law, FilteredLaw) else law
-            law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **case.autopilot_design.chains)
+            chains = case.autopilot_design.chains
+            law = NoisyLaw(bare, noise=request.rate_noise, seed=request.noise_seed, **chains)
         flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **case.hardware)
         reason = flight_reason(plant, flight.status)
         if reason or not flight.times.size:
@@ -365,11 +347,12 @@ class _Conditions:
         motion = complete if interval is None else complete.between(*interval)
         if motion is None:
             return replace(point, status=flight.status)
-        options = (point.limit, self.window, nozzle.data, vehicle if nozzle.data else None)
+        data = nozzle.data
+        options = (point.limit, request.steady_window, data, vehicle if data else None)
         card, noise_rate, end = duty_of_motion(motion, *options), np.zeros(2), float(wind.end)
         noisy = (
             complete.between(end + _NOISE_START / pole, end + _NOISE_END / pole)
-            if self.noise
+            if request.rate_noise
             else None
         )
         if noisy is not None:
@@ -483,7 +466,7 @@ def _notes(
             " the nominal one"
         )
     if not all(map(_measured, winds.values())):
-        noise = ", noise at all times" if conditions.noise else ""
+        noise = ", noise at all times" if conditions.request.rate_noise else ""
         yield f"over the flight a pulse occurs once, at the worst flight time{noise}"
     if conditions.case.planes == BOTH:
         yield "each plane is flown separately, with the limit divided in proportion to trim"

@@ -30,6 +30,7 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.base.fields import checked, file_table, flag, quantity, text, word
+from tvclin.base.fields import count as integer
 from tvclin.base.lines import Line
 from tvclin.base.lines import number as number_line
 from tvclin.case.case import CROSS, DIRECTIONS, FROZEN, SIGNS, Case
@@ -183,6 +184,8 @@ _MIN_STEP_FRACTION = 1e-9
 """Minimum distance of even flight times from the first and the last, as a fraction of a step."""
 _MAX_FLIGHT_TIMES = 10_000
 """Largest number of flight times; more indicate a step in a wrong unit."""
+MAX_RATE_NOISE = 0.1
+"""Largest noise of a rate gyro [rad/s], rms."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -236,6 +239,12 @@ class SizingRequest:
         Fraction of the limit to keep unused, from 0 to 1.
     card : str, optional
         The law that is flown for the card of the nozzle, see `flight_duty`; on the page too.
+    rate_noise : float
+        Noise of the rate gyro [rad/s] for the card, rms by sample: the cause of most travel.
+    noise_seed : int
+        Seed of that noise.
+    steady_window : float
+        Length [s] over which the steady rate of the card is a mean.
 
     Raises
     ------
@@ -274,6 +283,9 @@ class SizingRequest:
     gravity_offset: float = quantity("length", 0.0)
     reserve: float = quantity("percent", 0.0, nonnegative)
     card: str | None = word(LAWS, None, option=None)
+    rate_noise: float = quantity("angular rate", 0.0, between(0.0, MAX_RATE_NOISE), option=None)
+    noise_seed: int = integer(0, option=None)
+    steady_window: float = quantity("time", 0.5, positive, option=None)
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")

@@ -1,4 +1,4 @@
-"""`tvclin loads`: the numbers of the library, a verdict with its exit code, and study files."""
+"""`tvclin nozzle --over load`: numbers of the library, verdicts, exit codes and study files."""
 
 import csv
 import json
@@ -28,7 +28,7 @@ limit_deg = 0.35
 
 
 def run(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["loads", *arguments])
+    return CliRunner().invoke(app, ["nozzle", "--over", "load", *arguments])
 
 
 def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
@@ -69,7 +69,7 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
             (("--wind", "rectangular", "--load-deg", "4"), 2, "5 deg"),
             (("--law", "trim"), 2, "--limit-deg"),
             (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
-            (("--attitude-gain", "1"), 2, "--law"),
+            (("--set", "autopilot.attitude_gain=1"), 2, "--law"),
         ],
         *(0, 7, 8, 9, 10),
     ),
@@ -82,7 +82,8 @@ def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, word
 
 @pytest.mark.thorough
 def test_a_gain_on_the_angle_of_attack_relieves_the_load() -> None:
-    plain = ("--limit-deg", "2", "--law", "autopilot", "--attitude-gain", "0.4", "--rate-gain", "1")
+    gains = ("--set", "autopilot.attitude_gain=0.4", "--set", "autopilot.rate_gain_s=1")
+    plain = ("--limit-deg", "2", "--law", "autopilot", *gains)
     loads = [
         json.loads(run(*plain, "--set", "autopilot.alpha_gain", gain, "--json").stdout)["flown"][0][
             "load_deg"
