@@ -108,6 +108,7 @@ BARE = {
     "cases",
     "some",
     "path_per_attitude",
+    "attitude_fractions",
     "altitude_text",
     "deviates",
     "history",
@@ -558,6 +559,21 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Document.from_table": Door(tv.studyfile.Document.from_table, {"table": {"revision": "B"}}),
         "Earth": Door(tv.flights.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
+        "SystemPlant": Door(
+            tv.SystemPlant,
+            {
+                "system": exact.ss(),
+                "coefficients": coefficients,
+                "inputs": exact.inputs,
+                "outputs": exact.outputs,
+            },
+        ),
+        "SystemPlant.with_effectiveness": Door(
+            tv.SystemPlant(exact.ss()).with_effectiveness, {"factor": 1.1}
+        ),
+        "SystemPlant.numerator": Door(
+            tv.SystemPlant(exact.ss()).numerator, {"output": "attitude", "input": "wind"}
+        ),
         "FlexiblePlant": Door(
             tv.FlexiblePlant,
             {"vehicle": booster, "structure": structure, "model": "fixed-path", "plane": "yaw"},

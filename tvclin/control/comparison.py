@@ -53,7 +53,7 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     margins = loop_margins(autopilot.exact_loop(plant))
     if not margins.stable:
         return float(np.inf)
-    if plant.structure is not None:
+    if not isinstance(plant, Plant) or not plant.is_rigid:
         import control
 
         return float(control.system_norm(autopilot.close(plant)["deflection", "wind"], p="inf"))

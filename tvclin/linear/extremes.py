@@ -161,7 +161,10 @@ def release_time(plant: Plant, wind: History, times: FloatArray, attitude: Float
 
 def _wind_sign(plant: Plant, wind: History) -> float:
     """Return the sign of the attitude to which a wind turns a vehicle."""
-    return float(np.sign(-plant.coefficients.mu_alpha * wind.peak)) or 1.0
+    turning = plant.attitude_fractions(plant.poles[:1])[1].real.item()
+    if plant.coefficients_known:
+        turning = -plant.coefficients.mu_alpha
+    return float(np.sign(turning * wind.peak)) or 1.0
 
 
 def _overturning_time(

@@ -13,7 +13,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +28,7 @@ from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_defl
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, Plant
 from tvclin.linear.system import LinearSystem
+from tvclin.linear.system_plant import SystemPlant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
@@ -149,6 +150,31 @@ class FlexiblePlant(Shown, Hinted):
     def coefficients(self) -> Coefficients:
         """Coefficients of the rigid vehicle."""
         return self.rigid.coefficients
+
+    @property
+    def coordinate_scale(self) -> Any:
+        """Deflection that counts as one for recoverable coordinates: B of the rigid vehicle."""
+        return self.coefficients.B
+
+    @property
+    def coefficients_known(self) -> bool:
+        """True: the rigid vehicle has coefficients."""
+        return True
+
+    @property
+    def is_rigid(self) -> bool:
+        """False: the plant is analysed by its matrices."""
+        return False
+
+    @property
+    def has_modes(self) -> bool:
+        """True: bending and slosh may have a limit cycle with the nozzle."""
+        return True
+
+    @property
+    def name(self) -> str:
+        """Name of the vehicle; empty without one."""
+        return self.coefficients.name
 
     def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> FlexiblePlant:
         """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`.
@@ -352,7 +378,7 @@ AnyPlant = Plant | FlexiblePlant
 """Rigid or flexible plant of autopilots and flights."""
 
 
-def mode_tables(plant: FlexiblePlant) -> list[Table]:
+def mode_tables(plant: AnyPlant) -> list[Table]:
     """Return the table of frequency and damping of the named modes of one plant; none without."""
     names, poles = named_modes(plant)
     rows: list[tuple[Line, ...]] = []
@@ -407,12 +433,15 @@ def check_plant(plant: object) -> None:
     """Raise `InputError` unless `plant` is a plant, rigid or flexible."""
     if not isinstance(plant, AnyPlant):
         raise InputError(
-            f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle)"
+            f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle,"
+            " or SystemPlant of a control.StateSpace)"
         )
 
 
-def named_modes(plant: FlexiblePlant) -> tuple[tuple[str, ...], ComplexArray]:
+def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
     """Return the names of bending modes and tanks, and their poles in the airframe.
+
+    Those of a `SystemPlant` are "mode 1", .. by frequency.
 
     The names are "bending 1", .., "slosh 1", .., as in the structure; the poles are those with Im >
     0 [1/s], ``(..., n)``; NaN for a mode that does not oscillate.
@@ -420,6 +449,10 @@ def named_modes(plant: FlexiblePlant) -> tuple[tuple[str, ...], ComplexArray]:
     Coupling moves the frequencies, and hardly ever changes their order: poles are matched in it to
     the frequencies of the structure. An oscillation of the rigid vehicle is omitted.
     """
+    if isinstance(plant, SystemPlant):
+        return plant.named_modes()
+    if isinstance(plant, Plant):
+        return (), np.zeros((*plant.batch, 0), dtype=complex)
     structure = plant.structure
     bending = {f"bending {k}": mode.frequency for k, mode in enumerate(structure.bending, start=1)}
     slosh = {}

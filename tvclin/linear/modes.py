@@ -16,8 +16,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, complex_number, upper_pole
-from tvclin.linear.plant import INPUTS, PLANT_HINT, Plant
-from tvclin.numerics import polynomials
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics.modal import is_unstable
 
 _REPEATED_POLE_DISTANCE = 2e-6
@@ -166,9 +165,7 @@ def wind_over_deflection(plant: Plant, poles: AnyArray) -> AnyArray:
 
     It is B times the K1 of each pole; infinite where the deflection does not control the pole.
     """
-    from_deflection, from_wind = (
-        polynomials.value(plant.numerator("attitude", i), poles) for i in INPUTS
-    )
+    from_deflection, from_wind, _ = plant.attitude_fractions(poles)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN: missing pole
         return np.asarray(np.where(from_deflection == 0.0, np.inf, from_wind / from_deflection))
 
@@ -183,10 +180,9 @@ def poles_text(poles: AnyArray) -> str:
 
 def _with_residues(plant: Plant, poles: AnyArray) -> Modes:
     """Return the modes of poles: N(p)/D'(p) for each input, NaN at a repeated pole."""
-    slope = polynomials.value(polynomials.derivative(plant.denominator), poles)
+    *values, slope = plant.attitude_fractions(poles)
     simple = slope != 0.0
     divisor = np.where(simple, slope, 1.0)
-    values = [polynomials.value(plant.numerator("attitude", i), poles) for i in INPUTS]
     with np.errstate(invalid="ignore"):  # complex NaN: missing pole
         at_poles = [np.where(simple, value / divisor, np.nan) for value in values]
     return Modes(poles, *at_poles)

@@ -163,6 +163,31 @@ class Plant(Hinted):
         """None; a `FlexiblePlant` has a structure."""
 
     @property
+    def is_rigid(self) -> bool:
+        """Whether the plant is a rigid vehicle, whose transfer functions are polynomials."""
+        return True
+
+    @property
+    def has_modes(self) -> bool:
+        """Whether lightly damped modes may have a limit cycle with the nozzle."""
+        return False
+
+    @property
+    def name(self) -> str:
+        """Name of the vehicle; empty without one."""
+        return self.coefficients.name
+
+    @property
+    def coordinate_scale(self) -> Any:
+        """Deflection that counts as one for the recoverable coordinates of flights: B."""
+        return self.coefficients.B
+
+    @property
+    def coefficients_known(self) -> bool:
+        """Whether the coefficients of the moment are known; not of every `SystemPlant`."""
+        return True
+
+    @property
     def sensed(self) -> tuple[str, str]:
         """Names of the sensor outputs: attitude and attitude rate."""
         return "attitude", "attitude_rate"
@@ -243,6 +268,34 @@ class Plant(Hinted):
         poles = polynomials.roots(self.denominator)
         order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
         return np.take_along_axis(poles, order, axis=-1)
+
+    def attitude_fractions(self, poles: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
+        """Return N_deflection(p), N_wind(p) of the attitude and D'(p) at poles, each ``(..., N)``.
+
+        Parameters
+        ----------
+        poles : ndarray
+            Poles of the plant [1/s], ``(..., N)``; NaN stays NaN.
+        """
+        from_deflection, from_wind = (
+            polynomials.value(self.numerator("attitude", i), poles) for i in INPUTS
+        )
+        slope = polynomials.value(polynomials.derivative(self.denominator), poles)
+        return from_deflection, from_wind, slope
+
+    def low_order_terms(self) -> list[FloatArray]:
+        """Return the last coefficients of D, N_deflection and N_wind of the attitude, ``(..., k)``.
+
+        They are divided by s where it divides all of them (in yaw).
+        """
+        terms = [self.denominator, *(self.numerator("attitude", i) for i in INPUTS)]
+        common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)
+        return [np.where(common[..., None], np.roll(term, 1, axis=-1), term) for term in terms]
+
+    @property
+    def direct_terms(self) -> FloatArray | None:
+        """Direct terms of the outputs that `modal` omits: none, or those of a `SystemPlant`."""
+        return None
 
     @cached_property
     def modal(self) -> ModalSystem:

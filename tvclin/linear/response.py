@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, one_of, shown, times_row
 from tvclin.linear.plant import INPUTS, PLANT_HINT, Plant
 from tvclin.numerics import modal
+from tvclin.numerics.propagation import motion
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -173,6 +175,7 @@ def attitude_responses(
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
     system, labels = plant.modal, plant.outputs
+    direct, inputs = plant.direct_terms, (deflection, wind)
     if outputs is not None:
         labels = _selected_outputs(outputs, labels)
         system = system.select_outputs([plant.outputs.index(label) for label in labels])
@@ -182,9 +185,14 @@ def attitude_responses(
         if shape:
             plant = plant.cases(cases, shape)
             deflection, wind = (h.cases(cases, shape) for h in (deflection, wind))
-        values[indistinct] = _by_lags(
+        coupled = _by_lags if direct is None else _by_matrices
+        values[indistinct] = coupled(
             plant, labels, deflection, wind, times, cases.shape if shape else ()
         )
+    if direct is not None:
+        at_once = np.stack(np.broadcast_arrays(*(h(times) for h in inputs)), axis=-2)
+        rows = [plant.outputs.index(label) for label in labels]
+        values = values + direct[..., rows, :] @ at_once
     return Responses(times, values, labels)
 
 
@@ -213,6 +221,27 @@ def _by_lags(
         ]
         rows.append(np.broadcast_to(components[0] + components[1], (*shape, times.size)))
     return np.stack(rows, axis=-2)
+
+
+def _by_matrices(
+    plant: Plant,
+    outputs: Sequence[str],
+    deflection: History,
+    wind: History,
+    times: FloatArray,
+    shape: tuple[int, ...],
+) -> FloatArray:
+    """Return the response without direct terms by matrix exponentials, which admit any poles."""
+    values = np.empty((prod(shape), len(outputs), times.size))
+    rows = [plant.outputs.index(output) for output in outputs]
+    for k in range(len(values)):
+        A, B, C, _ = plant.case(k, shape).matrices()
+        states = np.zeros((times.size, len(A)))
+        for column, history in enumerate((deflection, wind)):
+            response = motion(A, B[:, column], history.case(k, shape).pieces)
+            states += np.real(response.at(times)[:, : len(A)])
+        values[k] = C[rows] @ states.T
+    return values.reshape(*shape, len(outputs), times.size)
 
 
 def _lagged(plant: Plant, output: str, name: str, history: History) -> History:

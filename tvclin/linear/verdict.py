@@ -17,7 +17,7 @@ from tvclin.base.errors import instance
 from tvclin.base.fields import spec
 from tvclin.kernels.response_cases import MARGINAL
 from tvclin.linear.modes import Modes, unstable_modes
-from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.plant import Plant
 from tvclin.numerics.modal import residues as residues_of_pieces
 from tvclin.winds.histories import History, Piecewise
 
@@ -159,7 +159,7 @@ def _final_attitude(
 
     Both follow from the final value theorem; the constant is NaN where the attitude ramps.
     """
-    denominator, *numerators = _without_common_zero(plant)
+    denominator, *numerators = plant.low_order_terms()
     last = denominator[..., -1]
     marginal = last == 0.0
     repeated = marginal & (denominator[..., -2] == 0.0)
@@ -185,13 +185,6 @@ def _low_order_terms(numerator: FloatArray, history: History) -> tuple[FloatArra
     with np.errstate(invalid="ignore"):  # a history without a final value
         area = Piecewise(remainder).laplace(0.0) - end * pieces.knots[..., -1]
         return numerator[..., -1] * end, numerator[..., -1] * area + slope * end
-
-
-def _without_common_zero(plant: Plant) -> list[FloatArray]:
-    """Return denominator and numerators, divided by s where it divides all of them (in yaw)."""
-    terms = [plant.denominator, *(plant.numerator("attitude", i) for i in INPUTS)]
-    common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)
-    return [np.where(common[..., None], np.roll(term, 1, axis=-1), term) for term in terms]
 
 
 def _oscillates(plant: Plant) -> Any:

@@ -179,7 +179,8 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
     title = f"Autopilot in a wind: {VERDICTS[status]}\n{words}"
     plot = draw(curves, Look(title, _ORDINATES, _STYLES, across=1))
     if peak is not None:
-        trim = float(curves.column(_TRIM, "deflection")[0])
+        known = plant.coefficients_known
+        trim = float(curves.column(_TRIM, "deflection")[0]) if known else 0.0
         trim_ratio = f", {abs(peak.y / trim):.2f} x trim" if trim else ""
         marks = [replace(peak, text=f"peak {peak.y:.3g} deg at {peak.x:.3g} s{trim_ratio}")]
         panel = plot.axes[list(curves.panels).index("deflection"), 0]
@@ -194,12 +195,15 @@ def _wind_curves(
     """Return the curves of a response to a wind, with the deflection of trim."""
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     peak = float(np.degrees(wind.peak))
-    trim = np.full(times.size, -float(plant.coefficients.B) * peak)
+    trim = []
+    if plant.coefficients_known:
+        angle = np.full(times.size, -float(plant.coefficients.B) * peak)
+        trim = [Column(_TRIM, angle, "deg", "deflection")]
     angles = [name for name in ANGLES if name in rows]
     columns = [
         *(Column(name, rows[name], "deg", "angles") for name in angles),
         Column("deflection", rows["deflection"], "deg", "deflection"),
-        Column(_TRIM, trim, "deg", "deflection"),
+        *trim,
         Column("wind", np.degrees(wind(times)), "deg", "wind"),
     ]
     words = f"{words}; wind of {peak:.6g} deg"
@@ -248,7 +252,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
         f"{c.plant.model}, wind of {peak:.4g} deg and {end - start:.4g} s; peak deflection"
         f" {np.degrees(c.peak_deflection):.4g} deg, {c.ratio_to_trim:.3g} times trim"
     )
-    name = c.plant.coefficients.name
+    name = c.plant.name
     curves = Curves("comparison-with-trim", words, "time [s]", times, tuple(columns))
     look = Look(called(name, f"Autopilot beside trim\n{words}"), _ORDINATES, _COMPARED, across=1)
     return draw(curves, look)

@@ -141,7 +141,7 @@ def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) ->
     _require_single(figure, autopilot, plant)
     loop, words = autopilot.exact_loop(plant), loop_words(autopilot, plant)
     bands, rigid, order = None, plant, autopilot.pade_order
-    if plant.structure is not None:
+    if not plant.is_rigid:
         bands, rigid = band_margins(loop, *named_modes(plant)), plant.rigid
     margins = loop_margins(loop) if bands is None else bands.margins
     return _samples(loop, margins, bands, np.asarray(rigid.poles), words, order)
@@ -202,7 +202,7 @@ def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
         terms.append(f"delay {autopilot.delay:.4g} s")
     if autopilot.sample_rate is not None:
         terms.append(f"sampled at {autopilot.sample_rate:.4g} Hz")
-    name = plant.rigid.coefficients.name
+    name = plant.name
     return f"{name and name + ', '}model {plant.model}, {', '.join(terms)}"
 
 

@@ -39,6 +39,7 @@ from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.linear.system import LinearSystem
+from tvclin.linear.system_plant import SystemPlant
 from tvclin.numerics.loop_margins import stability
 from tvclin.winds.histories import History
 
@@ -52,6 +53,8 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
     `stacklevel`: as in `warnings.warn`; 3 points at the caller of the calling method.
     """
     plant = plant.rigid
+    if not plant.coefficients_known:
+        return
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
     name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
@@ -92,9 +95,11 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
 
 def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
     """Warn of a mode whose frequency is above half the sample rate, at the caller's caller."""
-    if autopilot.sample_rate is None or plant.structure is None:
+    if autopilot.sample_rate is None or not plant.has_modes:
         return
     names, poles = named_modes(plant)
+    if not names:
+        return
     rate = np.asarray(autopilot.sample_rate)[..., np.newaxis]
     cycles = np.imag(poles) / (2.0 * np.pi)
     slow = np.any(np.atleast_2d(rate < 2.0 * cycles).reshape(-1, len(names)), axis=0)
@@ -323,12 +328,12 @@ class Autopilot(Feedback):
         warn_of_sampling(self, plant)
         return loop_margins(loop)
 
-    def band_margins(self, plant: FlexiblePlant) -> BandMargins:
+    def band_margins(self, plant: FlexiblePlant | SystemPlant) -> BandMargins:
         """Return the margins by band: of the rigid body, and of each bending and slosh mode.
 
         Parameters
         ----------
-        plant : FlexiblePlant
+        plant : FlexiblePlant or SystemPlant
             One plant or a batch of any model; it broadcasts with the gains.
 
         Returns
@@ -341,7 +346,8 @@ class Autopilot(Feedback):
         UserWarning
             In the same cases as `margins`.
         """
-        instance("plant", plant, FlexiblePlant, "see FlexiblePlant.from_vehicle")
+        if not isinstance(plant, SystemPlant):
+            instance("plant", plant, FlexiblePlant, "see FlexiblePlant.from_vehicle")
         loop = self.exact_loop(plant)
         warn_of_feedback(self, plant)
         warn_of_sampling(self, plant)

@@ -100,11 +100,11 @@ def closed_loop(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
 
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:
-    """Return the loop with its exact delay: polynomials around a `Plant`, else state space."""
-    if isinstance(plant, Plant):
+    """Return the loop with its exact delay: polynomials around a rigid plant, else state space."""
+    if isinstance(plant, Plant) and plant.is_rigid:
         return rational_loop(autopilot, plant)
     loop = open_loop(autopilot, plant).select((COMMAND,), (RETURNED,))
-    return Loop.from_matrices(loop.A, loop.B, 0.0 - loop.C, delay=autopilot.delay)
+    return Loop.from_matrices(loop.A, loop.B, 0.0 - loop.C, 0.0 - loop.D, autopilot.delay)
 
 
 def autopilot_blocks(

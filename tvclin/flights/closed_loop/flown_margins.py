@@ -352,7 +352,7 @@ class _Flights:
             else:
                 plant = plant.with_effectiveness(by)
             status = fly_many(plant, self.law, wind, **options).status
-            if self.plant.structure is None:  # rings only in the linear range, known exactly
+            if not self.plant.has_modes:  # rings only in the linear range, known exactly
                 status = np.where(status == RINGS, SURVIVED, status)
             return status
 

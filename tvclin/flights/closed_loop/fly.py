@@ -167,8 +167,11 @@ def flight_responses(
     if sample_rate is None:
         if delay:
             raise InputError("a delay belongs to samples; give a sample_rate")
-        if plant.structure is not None:
-            raise InputError("a flexible plant is flown by samples; give a sample_rate")
+        if not isinstance(plant, Plant) or not plant.is_rigid:
+            raise InputError(
+                "a flexible plant, or one from a state space, is flown by samples; give a"
+                " sample_rate"
+            )
         rows = _continuous(plant, law, wind, times, (limit, max_rate), actuator, factor)
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)

@@ -286,7 +286,7 @@ def fly_many(
 def _rings(batch: Batch, f: Flights) -> BoolArray:
     """Return whether the loop of each flight is unstable or has a limit cycle, ``(m,)``."""
     unstable = oscillation_growth(batch, f) > _MIN_GROWTH
-    if batch.plant.structure is None:
+    if not batch.plant.has_modes:
         return unstable
     return unstable | has_limit_cycle(f, batch.laws)
 

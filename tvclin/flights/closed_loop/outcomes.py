@@ -37,7 +37,7 @@ class OutcomeCriteria(NamedTuple):
 def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
     """Return the outcome criteria of a batch of plants, flattened."""
     fast, slow, reach = _unstable_poles(plant)
-    two, B = ~np.isnan(slow), np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
+    two, B = ~np.isnan(slow), np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()
     slow = np.where(two, slow, fast)
     first = coordinate_rows(plant, fast, B)
     second = coordinate_rows(plant, slow, B) if np.any(two) else first
@@ -72,5 +72,5 @@ def _unstable_poles(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray
     width = min(MAX_MODES, poles.shape[-1])
     s[:width] = np.real(columns[:width])
     fast, slow = np.where(valid, s[0], 1.0), np.where(valid, s[1], np.nan)
-    B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
+    B = np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()
     return fast, slow, 1.0 / np.abs(np.where(valid, B, np.nan))

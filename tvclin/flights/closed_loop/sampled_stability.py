@@ -134,7 +134,7 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """Return the derivatives of demands by measurements and law states, ``(k, 5 + s)``."""
-    reach = max(float(np.abs(batch.plant.coefficients.B).max()), 1.0)
+    reach = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
     small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]
     slopes = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
     for index, numbers in enumerate(batch.laws.numbers):

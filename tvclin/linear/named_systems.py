@@ -1,0 +1,206 @@
+"""Systems of python-control as `LinearSystem`, with the names and sizes of their signals checked.
+
+A state space keeps its matrices. A transfer function becomes the observer form of its common
+denominator; of several outputs only where the states of the first one give all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, finite, shown
+from tvclin.linear.system import LinearSystem
+
+if TYPE_CHECKING:
+    import control
+
+    AnySystem: TypeAlias = "LinearSystem | control.StateSpace | control.TransferFunction"
+
+_RELATIVE_RESIDUAL = 1e-8
+"""Largest error of a transfer function that is written with the states of another, relative."""
+
+
+def named_system(
+    name: str,
+    system: AnySystem,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+) -> LinearSystem:
+    """Return a system of python-control as `LinearSystem`, with its sample time as `period`.
+
+    `name`: of the argument, for messages. `inputs`, `outputs`: names of the signals, in place of
+    those of the system. `InputError` for another type, numbers that are not finite, sizes that do
+    not fit, names that are repeated, an improper transfer function, and an unspecified sample time.
+    """
+    if isinstance(system, LinearSystem):
+        matrices: tuple[FloatArray, ...] = system.matrices()
+        period = system.period
+        signals, states = [system.inputs, system.outputs], system.states
+    else:
+        import control
+
+        if not isinstance(system, control.StateSpace | control.TransferFunction):
+            raise InputError(
+                f"{name} must be a control.StateSpace or control.TransferFunction; got"
+                f" {shown(system)}"
+            )
+        period = _period(name, system.dt)
+        is_ss = isinstance(system, control.StateSpace)
+        matrices = (
+            (system.A, system.B, system.C, system.D) if is_ss else _observer_form(name, system)
+        )
+        signals = [tuple(system.input_labels), tuple(system.output_labels)]
+        count = len(matrices[0])
+        states = tuple(system.state_labels) if is_ss else tuple(f"x_{k}" for k in range(count))
+    chosen = [
+        names if given is None else _names(f"{kind} of {name}", given, len(names))
+        for kind, given, names in zip(
+            ("inputs", "outputs"), (inputs, outputs), signals, strict=True
+        )
+    ]
+    return checked_system(name, matrices, chosen[0], chosen[1], states, period)
+
+
+def checked_system(
+    name: str,
+    matrices: Sequence[Any],
+    inputs: tuple[str, ...],
+    outputs: tuple[str, ...],
+    states: tuple[str, ...],
+    period: Any = None,
+) -> LinearSystem:
+    """Return the system of four matrices; `InputError` for sizes and names that do not fit."""
+    A, B, C, D = (finite(f"{m} of {name}", a) for m, a in zip("ABCD", matrices, strict=True))
+    n, m, p = A.shape[-1] if A.ndim > 1 else 0, len(inputs), len(outputs)
+    sizes = {"A": (A, (n, n)), "B": (B, (n, m)), "C": (C, (p, n)), "D": (D, (p, m))}
+    for letter, (matrix, size) in sizes.items():
+        if matrix.shape[-2:] != size:
+            raise InputError(
+                f"{letter} of {name} must be {size[0]} by {size[1]}, for {n} states, {m} inputs and"
+                f" {p} outputs; got {' by '.join(map(str, matrix.shape)) or 'a number'}"
+            )
+    if len(states) != n:
+        raise InputError(f"{name} must have a name for each of its {n} states; got {len(states)}")
+    for kind, names in (("inputs", inputs), ("outputs", outputs), ("states", states)):
+        repeated = sorted({signal for signal in names if names.count(signal) > 1})
+        if repeated:
+            raise InputError(f"{kind} of {name} must have different names; {repeated[0]} is twice")
+    return LinearSystem(A, B, C, D, inputs, outputs, states, period)
+
+
+def require_signals(
+    name: str, kind: str, needed: Iterable[str], available: Sequence[str], remedy: str = ""
+) -> None:
+    """Raise `InputError` for a signal that is missing, with the similar one among those available.
+
+    `name`: the system. `kind`: "input" or "output". `remedy`: end of the message.
+    """
+    for signal in needed:
+        if signal not in available:
+            similar = get_close_matches(signal, available, n=1, cutoff=0.5)
+            hint = f" (is {similar[0]} meant?)" if similar else ""
+            raise InputError(
+                f"{name} has no {kind} {signal}; its {kind}s are {', '.join(available) or 'none'}"
+                f"{hint}{remedy}"
+            )
+
+
+def _names(what: str, names: Sequence[str], count: int) -> tuple[str, ...]:
+    """Return names of signals as a tuple; `InputError` for another number of them."""
+    if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{what} must be a tuple of names; got {shown(names)}")
+    if len(names) != count:
+        raise InputError(f"{what} must be {count} names; got {len(names)}")
+    return tuple(names)
+
+
+def _period(name: str, dt: Any) -> FloatArray | None:
+    """Return the sample time [s] of a system; None in continuous time."""
+    if dt is None or (dt == 0 and dt is not False):
+        return None
+    if isinstance(dt, bool):
+        raise InputError(f"{name} must have a sample time in seconds; its dt is {dt}")
+    return np.asarray(float(dt))
+
+
+def _observer_form(name: str, system: control.TransferFunction) -> tuple[FloatArray, ...]:
+    """Return A, B, C and D of transfer functions with a common denominator for each output."""
+    rows = [
+        [
+            [np.trim_zeros(np.atleast_1d(polynomials[i][j]), "f") for polynomials in fraction]
+            for j in range(system.ninputs)
+        ]
+        for fraction in [(system.num, system.den)]
+        for i in range(system.noutputs)
+    ]
+    for row in rows:
+        for above, below in row:
+            if above.size > below.size:
+                raise InputError(
+                    f"{name} must be proper: a numerator of degree {above.size - 1} is over a"
+                    f" denominator of degree {below.size - 1}"
+                )
+    A, B, C, D = _row_form(rows[0])
+    outputs, direct = [C], [D]
+    for row in rows[1:]:
+        A_k, B_k, C_k, D_k = _row_form(row)
+        outputs.append(_same_states(name, (A, B), (A_k, B_k, C_k)))
+        direct.append(D_k)
+    return A, B, np.vstack(outputs), np.vstack(direct)
+
+
+def _row_form(row: list[list[FloatArray]]) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return A, B, C and D of one output: an observer form for each different denominator."""
+    normalised = [(above / below[0], below / below[0]) for above, below in row]
+    different: list[FloatArray] = []
+    for _, below in normalised:
+        if not any(np.array_equal(below, other) for other in different):
+            different.append(below)
+    n, count = sum(below.size - 1 for below in different), len(row)
+    A, B, C, D = np.zeros((n, n)), np.zeros((n, count)), np.zeros((1, n)), np.zeros((1, count))
+    start = 0
+    for below in different:
+        order = below.size - 1
+        block = slice(start, start + order)
+        A[block, block] = np.eye(order, k=1)
+        A[block, start : start + 1] = -below[1:, np.newaxis]
+        C[0, start : start + 1] = 1.0
+        for j, (above, denominator) in enumerate(normalised):
+            if np.array_equal(denominator, below):
+                padded = np.pad(above, (below.size - above.size, 0))
+                D[0, j] = padded[0]
+                B[block, j] = padded[1:] - padded[0] * below[1:]
+        start += order
+    return A, B, C, D
+
+
+def _same_states(
+    name: str, states: tuple[FloatArray, FloatArray], other: tuple[FloatArray, ...]
+) -> FloatArray:
+    """Return the row of an output on the states of the first output, by its Markov parameters.
+
+    `InputError` where no row gives that transfer function.
+    """
+    (A, B), (A_k, B_k, C_k) = states, other
+    count = len(A) + len(A_k)
+    reach, response = [B], [C_k @ B_k]
+    for _ in range(count - 1):
+        reach.append(A @ reach[-1])
+        B_k = A_k @ B_k
+        response.append(C_k @ B_k)
+    left, right = np.hstack(reach), np.hstack(response)
+    scale = np.abs(left).max(axis=0, initial=0.0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    row = np.linalg.lstsq((left / scale).T, (right / scale).T, rcond=None)[0].T
+    error = np.abs((row @ left - right) / scale).max(initial=0.0)
+    if not error <= _RELATIVE_RESIDUAL * np.abs(right / scale).max(initial=0.0):
+        raise InputError(
+            f"{name} must be a control.StateSpace: its transfer functions do not share the states"
+            " of one system"
+        )
+    return np.asarray(row)

@@ -1,0 +1,506 @@
+"""Plant from a state space with named signals, as a finite-element tool or MATLAB writes it.
+
+Poles and residues are those of eigenvectors, l A = p l and A r = p r with l r = 1: the residue of
+an output is (c r)(l b). The trim of a wind follows from the coefficients of the moment, which are
+given or are the output `moment`; what depends on them says so where they are not known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray, IndexArray
+from tvclin.base.cards import card, lines
+from tvclin.base.errors import InputError, broadcast, instance, one_of, positive
+from tvclin.linear.named_systems import named_system, require_signals
+from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.system import LinearSystem
+from tvclin.numerics.modal import ModalSystem, is_unstable
+from tvclin.vehicle.coefficients import Coefficients
+
+if TYPE_CHECKING:
+    from tvclin.linear.named_systems import AnySystem
+
+MOMENT = "moment"
+"""Output of the angular acceleration [1/s^2], from whose direct terms the coefficients follow."""
+_ACCELERATION = "deflection_acceleration"
+_MEASURED = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
+_MAX_DAMPING = 0.3
+"""Largest damping ratio of a pole pair that is a mode with a band of its own."""
+_MAX_POLYNOMIAL_ORDER = 8
+"""Highest order of a plant that has polynomials: their rounding grows with the order."""
+_HIDDEN = 1e-12
+"""Cosine between a left eigenvector and an input, or a right one and an output, that counts as
+zero."""
+_ZERO_POLE = 1e-12
+"""Size of a pole that counts as zero, over the largest pole."""
+
+
+class SystemPlant(Plant):
+    """Plant from a continuous state space or transfer function with named signals.
+
+    Poles, residues, the verdict (4b), the minimum peak, responses, margins and flights take it like
+    a `Plant`. Static trim, boundary limits and quantities relative to trim need its coefficients.
+
+    Parameters
+    ----------
+    system : control.StateSpace or control.TransferFunction
+        Inputs deflection and wind [rad]; outputs attitude [rad], attitude_rate [rad/s] and
+        angle_of_attack [rad], or flight_path_angle [rad], from which the angle of attack follows
+        as attitude - flight_path_angle - wind. Sensors show sensed_attitude and
+        sensed_attitude_rate, where it has these outputs. Further outputs may have any name. The
+        input deflection_acceleration is that of an engine with inertia, as in `FlexiblePlant`.
+        Transfer functions have one denominator.
+    coefficients : Coefficients, optional
+        Coefficients of the moment, mu_alpha and mu_delta at least. Without them an output moment
+        [1/s^2], the angular acceleration, gives them: mu_delta and mu_alpha are minus its direct
+        terms from deflection and wind.
+    inputs, outputs : sequence of str, optional
+        Names of the signals, in place of those of the system.
+
+    Raises
+    ------
+    InputError
+        For a missing signal, a sample time, an improper transfer function, sizes that do not fit,
+        an attitude, rate or angle that follows the deflection at once, and an unstable mode that
+        the deflection does not reach or the attitude does not show.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> vehicle = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    >>> plant = tv.SystemPlant(vehicle.ss())
+    >>> tv.unstable_modes(plant).poles.round(5)
+    array([0.5102 , 0.01285])
+    >>> tv.trim_then_hold(plant, tv.TriangularWind(peak=-0.1, duration=8.0), 0.01)
+    Traceback (most recent call last):
+        ...
+    tvclin.base.errors.InputError: this depends on the trim of the wind, ...
+    """
+
+    def __init__(
+        self,
+        system: AnySystem,
+        coefficients: Coefficients | None = None,
+        *,
+        inputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | None = None,
+    ) -> None:
+        named = named_system("plant", system, inputs, outputs)
+        if named.period is not None:
+            raise InputError(
+                f"plant must be continuous; this one has a sample time of {float(named.period):g} s"
+            )
+        if coefficients is not None:
+            instance("coefficients", coefficients, Coefficients, "of mu_alpha and mu_delta")
+            broadcast(system=named.batch, coefficients=coefficients.batch)
+        title = str(getattr(system, "name", "") or "")
+        model = "state space" if not title or title.startswith("sys[") else title
+        self._set(_with_angle_of_attack(named), coefficients, model)
+        self._check()
+
+    _system: LinearSystem
+    _coefficients: Coefficients | None
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    def _set(self, system: LinearSystem, coefficients: Coefficients | None, model: str) -> None:
+        """Set the fields of the frozen record."""
+        if coefficients is None and MOMENT in system.outputs:
+            row = system.D[..., system.outputs.index(MOMENT), :]
+            if not np.all(row[..., 0]):
+                raise InputError(
+                    "plant must have a moment that follows the deflection; its output moment does"
+                    " not"
+                )
+            coefficients = Coefficients(mu_alpha=0.0 - row[..., 1], mu_delta=0.0 - row[..., 0])
+        A, B, C, D = (np.broadcast_to(m, (*system.batch, *m.shape[-2:])) for m in system.matrices())
+        system = replace(system, A=A, B=B, C=C, D=D)
+        for name, value in (("_system", system), ("_coefficients", coefficients)):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "model", model)
+
+    def _check(self) -> None:
+        """Raise `InputError` for signals at once, and for hidden unstable modes."""
+        system = self._system
+        names = [name for name in system.outputs if name.removeprefix("sensed_") in _MEASURED]
+        for name in names:
+            if np.any(system.D[..., system.outputs.index(name), 0]):
+                raise InputError(
+                    f"{name} of the plant must not follow the deflection at once: feedback of it"
+                    " would be an algebraic loop"
+                )
+        poles, left, right = self._eigenvectors
+        unstable = is_unstable(poles) if poles.size else np.zeros(poles.shape, bool)
+        columns = np.swapaxes(right, -1, -2)
+        attitude = system.C[..., system.outputs.index("attitude"), :]
+        for sizes, words in (
+            (_cosines(left, system.B[..., 0]), "the deflection does not reach"),
+            (_cosines(columns, attitude), "the attitude does not show"),
+        ):
+            hidden = unstable & (sizes <= _HIDDEN)
+            if np.any(hidden):
+                raise InputError(
+                    f"plant has an unstable mode at {_pole_text(poles[hidden][0])} that {words}"
+                )
+
+    def _repr_html_(self) -> str:
+        return card("SystemPlant", self._rows())
+
+    def __repr__(self) -> str:
+        return lines("SystemPlant", self._rows())
+
+    def _rows(self) -> list[tuple[str, Any, str]]:
+        """Return the name, number of states and signals as rows of a card."""
+        return [
+            ("name", self.model, ""),
+            ("states", len(self.states), ""),
+            ("inputs", ", ".join(self.inputs), ""),
+            ("outputs", ", ".join(self.outputs), ""),
+        ]
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """Coefficients of the moment; `InputError` where they are not known."""
+        if self._coefficients is None:
+            raise InputError(
+                "this depends on the trim of the wind, which a plant from a state space does not"
+                " have: give its coefficients mu_alpha and mu_delta, or an output moment"
+            )
+        return self._coefficients
+
+    @property
+    def coefficients_known(self) -> bool:
+        """Whether the coefficients of the moment are known."""
+        return self._coefficients is not None
+
+    @property
+    def coordinate_scale(self) -> Any:
+        """Deflection that counts as one for recoverable coordinates: B, or one where not known."""
+        return self._coefficients.B if self._coefficients is not None else 1.0
+
+    @property
+    def is_rigid(self) -> bool:
+        """False: the plant may have bending modes, and is analysed by its matrices."""
+        return False
+
+    @property
+    def has_modes(self) -> bool:
+        """Whether lightly damped modes may have a limit cycle with the nozzle."""
+        return bool(self.named_modes()[0])
+
+    @property
+    def name(self) -> str:
+        """Name of the system."""
+        return self.model
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one plant."""
+        return self._system.batch
+
+    def case(self, index: int, shape: tuple[int, ...]) -> SystemPlant:
+        """Return the plant at the flat position `index` of the batch broadcast to `shape`."""
+        return self._changed(
+            self._system.cases(np.asarray(index), shape),
+            None if self._coefficients is None else self._of_batch(np.asarray(index), shape),
+        )
+
+    def cases(self, index: IndexArray, shape: tuple[int, ...]) -> SystemPlant:
+        """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`."""
+        return self.case(index, shape)  # type: ignore[arg-type]
+
+    def _of_batch(self, index: IndexArray, shape: tuple[int, ...]) -> Coefficients:
+        """Return the coefficients at flat positions of the batch broadcast to `shape`."""
+        return Plant(self.coefficients, "fixed-path").cases(index, shape).coefficients
+
+    def _changed(self, system: LinearSystem, coefficients: Coefficients | None) -> SystemPlant:
+        """Return a plant with another system; what was checked is not checked again."""
+        plant = type(self).__new__(type(self))
+        plant._set(system, coefficients, self.model)
+        return plant
+
+    def with_effectiveness(self, factor: ArrayLike) -> SystemPlant:
+        """Return the plant with all that the deflection does multiplied by `factor`.
+
+        The inertia of its engine stays.
+
+        Raises
+        ------
+        InputError
+            For a factor that is not positive.
+        """
+        multiple, system = positive("factor", factor), self._system
+        with np.errstate(over="ignore"):  # an overflow is refused below
+            others = [np.ones_like(multiple)] * (len(self.inputs) - 1)
+            scale = np.stack([multiple, *others], axis=-1)[..., np.newaxis, :]
+            changed = replace(system, B=system.B * scale, D=system.D * scale)
+            c = self._coefficients
+            moment = None if c is None else c.replace(mu_delta=multiple * np.asarray(c.mu_delta))
+        return self._changed(changed, moment)
+
+    @property
+    def sensed(self) -> tuple[str, str]:
+        """Names of the sensor outputs: attitude and attitude rate."""
+        names = ("sensed_attitude", "sensed_attitude_rate")
+        return names if set(names) <= set(self.outputs) else ("attitude", "attitude_rate")
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs."""
+        return self._system.inputs
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        return self._system.outputs
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return self._system.states
+
+    @property
+    def system(self) -> LinearSystem:
+        """The plant as a `LinearSystem` with named signals."""
+        return self._system
+
+    def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return A, B, C, D with the leading axes of the batch."""
+        return self._system.matrices()
+
+    @cached_property
+    def _eigenvectors(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Poles ``(..., n)`` by falling real part, rows l and columns r, ``(..., n, n)``."""
+        from scipy.linalg import eig  # late: it takes 0.1 s to import
+
+        A = self._system.A
+        n = A.shape[-1]
+        flat = A.reshape(-1, n, n)
+        poles = np.zeros((len(flat), n), complex)
+        left, right = np.zeros((2, len(flat), n, n), complex)
+        for k, matrix in enumerate(flat):
+            values, rows, columns = eig(matrix, left=True, right=True)
+            order = np.lexsort((-values.imag, -values.real))
+            poles[k], left[k], right[k] = values[order], rows.conj().T[order], columns[:, order]
+        return (
+            poles.reshape(A.shape[:-1]),
+            left.reshape(A.shape),
+            right.reshape(A.shape),
+        )
+
+    @cached_property
+    def poles(self) -> AnyArray:
+        """All poles [1/s] by falling real part, ``(..., order)``; real where all are."""
+        poles = self._eigenvectors[0]
+        return poles.real if not np.any(poles.imag) else poles
+
+    @cached_property
+    def _parts(self) -> tuple[AnyArray, AnyArray]:
+        """Gain of each input in each mode ``(..., n, inputs)``, of each mode in each output."""
+        _, left, right = self._eigenvectors
+        with np.errstate(all="ignore"):
+            gains = left @ self._system.B
+            gains = gains / np.einsum("...ij,...ji->...i", left, right)[..., np.newaxis]
+            outputs = np.swapaxes(self._system.C @ right, -1, -2)
+        real = not np.iscomplexobj(self.poles)
+        return (gains.real, outputs.real) if real else (gains, outputs)
+
+    @property
+    def modal(self) -> ModalSystem:
+        """Sum of modes of the plant, without the direct terms; invalid where poles are repeated.
+
+        `InputError` for a plant with the inertia of its engine.
+        """
+        if _ACCELERATION in self.inputs:
+            raise InputError(
+                "a response takes a deflection without its acceleration; leave the input"
+                " deflection_acceleration out of the plant"
+            )
+        return ModalSystem(self.poles, *self._parts, less_wind=False)
+
+    @property
+    def _attitude_residues(self) -> AnyArray:
+        """Residues of the attitude at all poles ``(..., n, inputs)``."""
+        gains, outputs = self._parts
+        return gains * outputs[..., self.outputs.index("attitude"), np.newaxis]
+
+    @property
+    def direct_terms(self) -> FloatArray:
+        """Direct terms of the outputs from deflection and wind, ``(..., outputs, 2)``."""
+        return self._system.D[..., :2]
+
+    def attitude_fractions(self, poles: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
+        """Return the residues of the attitude from deflection and wind at poles, and ones.
+
+        Same parameters as `Plant.attitude_fractions`.
+        """
+        residues = self._attitude_residues
+        if _ACCELERATION in self.inputs:
+            inertia = residues[..., 2] * self.poles**2
+            residues = np.stack([residues[..., 0] + inertia, residues[..., 1]], axis=-1)
+        distance = np.abs(self.poles[..., np.newaxis, :] - poles[..., np.newaxis])
+        nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=-1)
+        at_poles = np.take_along_axis(residues, nearest[..., np.newaxis], axis=-2)
+        with np.errstate(invalid="ignore"):
+            at_poles = np.where(np.isnan(poles)[..., np.newaxis], np.nan, at_poles)
+        if not np.iscomplexobj(poles):
+            at_poles = np.real(at_poles)
+        return at_poles[..., 0], at_poles[..., 1], np.ones_like(poles)
+
+    def low_order_terms(self) -> list[FloatArray]:
+        """Return the last two coefficients of D, N_deflection and N_wind of the attitude.
+
+        They are up to a factor: D is one, or s with a pole at zero, or zero with several.
+        """
+        residues = self._attitude_residues[..., :2]
+        poles = self.poles[..., np.newaxis]
+        size = np.abs(self.poles).max(axis=-1, initial=0.0)[..., np.newaxis, np.newaxis]
+        at_zero = np.abs(poles) <= _ZERO_POLE * size
+        away = np.where(at_zero, 1.0, poles)
+        regular = np.real(np.where(at_zero, 0.0, -residues / away).sum(axis=-2))
+        regular = regular + self.direct_terms[..., self.outputs.index("attitude"), :]
+        marginal = np.real(np.where(at_zero, residues, 0.0).sum(axis=-2))
+        terms = np.where(at_zero, 0.0, np.abs(residues)).sum(axis=-2)
+        marginal = np.where(np.abs(marginal) <= _ZERO_POLE * terms, 0.0, marginal)
+        integrates = np.any(marginal, axis=-1)
+        repeated = at_zero.sum(axis=(-2, -1)) > 1
+        slope = np.real(np.where(at_zero, 0.0, -residues / away**2).sum(axis=-2))
+        denominator = np.stack(
+            [np.where(integrates & ~repeated, 1.0, 0.0), np.where(integrates, 0.0, 1.0)], axis=-1
+        )
+        numerators = [
+            np.stack(
+                [
+                    np.where(integrates, regular[..., i], slope[..., i]),
+                    np.where(integrates, marginal[..., i], regular[..., i]),
+                ],
+                axis=-1,
+            )
+            for i in range(len(INPUTS))
+        ]
+        return [denominator, *numerators]
+
+    @cached_property
+    def denominator(self) -> FloatArray:
+        """Characteristic polynomial, ``(..., order + 1)``, highest power first."""
+        self._require_low_order()
+        polynomial = np.ones((*self.batch, 1), complex)
+        for pole in np.moveaxis(self._eigenvectors[0], -1, 0):
+            polynomial = np.pad(polynomial, [(0, 0)] * (polynomial.ndim - 1) + [(0, 1)])
+            polynomial[..., 1:] -= pole[..., np.newaxis] * polynomial[..., :-1]
+        return np.real(polynomial)
+
+    def numerator(self, output: str, input: str) -> FloatArray:
+        """Return the numerator from `input` to `output`, over the common denominator.
+
+        It follows from the Markov parameters D, C B, C A B, ...; shape ``(..., k)``, highest power
+        first.
+
+        Raises
+        ------
+        InputError
+            For an output or an input that the plant does not have, and a plant of an order above
+            eight.
+        """
+        one_of("output", output, self.outputs)
+        one_of("input", input, self.inputs)
+        A, B, C, D = self._system.select((input,), (output,)).matrices()
+        below, column, markov = self.denominator, B, [D[..., 0, 0]]
+        for _ in range(below.shape[-1] - 1):
+            markov.append((C @ column)[..., 0, 0])
+            column = A @ column
+        terms = np.stack(
+            [
+                sum((below[..., k] * markov[order - k] for k in range(order + 1)), np.zeros(()))
+                for order in range(below.shape[-1])
+            ],
+            axis=-1,
+        )
+        first = next((k for k in range(terms.shape[-1] - 1) if np.any(terms[..., k])), -1)
+        return terms[..., first:]
+
+    def _require_low_order(self) -> None:
+        """Raise `InputError` for a plant of so high an order that polynomials lose their digits."""
+        order = len(self.states)
+        if order > _MAX_POLYNOMIAL_ORDER:
+            raise InputError(
+                f"exact trim and transfer functions are for plants of order"
+                f" {_MAX_POLYNOMIAL_ORDER} or less; this one is of order {order}: take"
+                " Plant.from_coefficients(plant.coefficients) for trim, and ss() for the rest"
+            )
+
+    @property
+    def trim_filter(self) -> tuple[Any, Any, Any]:
+        """Coefficients b1, b2 and q of the filter from a wind to its trim, see `Plant`.
+
+        Those of the given coefficients; zeros are trim of the moment alone.
+        """
+        if "flight_path_angle" not in self.outputs:
+            return 0.0, 0.0, 0.0
+        return super().trim_filter
+
+    def named_modes(self) -> tuple[tuple[str, ...], ComplexArray]:
+        """Return the names of lightly damped modes, and their poles with Im > 0 [1/s].
+
+        They are "mode 1", .. by rising frequency, of a damping ratio below 0.3; poles ``(..., n)``,
+        NaN where a plant of a batch has fewer.
+        """
+        poles = self._eigenvectors[0]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            light = (poles.imag > 0.0) & (np.abs(poles.real) < _MAX_DAMPING * np.abs(poles))
+        order = np.argsort(np.where(light, np.abs(poles), np.inf), axis=-1)
+        count = int(light.sum(axis=-1).max(initial=0))
+        modes = np.take_along_axis(np.where(light, poles, np.nan), order, axis=-1)[..., :count]
+        return tuple(f"mode {k}" for k in range(1, count + 1)), modes
+
+
+def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
+    """Return the system with the inputs in order, and the angle of attack among its outputs."""
+    require_signals("plant", "input", INPUTS, system.inputs, "; name them with inputs=")
+    unknown = [name for name in system.inputs if name not in (*INPUTS, _ACCELERATION)]
+    if unknown:
+        raise InputError(
+            f"plant has an input {unknown[0]}, which nothing drives: it may have deflection, wind"
+            f" and {_ACCELERATION}"
+        )
+    require_signals("plant", "output", _MEASURED[:2], system.outputs, "; name them with outputs=")
+    further = tuple(name for name in system.inputs if name == _ACCELERATION)
+    system = system.select((*INPUTS, *further), system.outputs)
+    if _MEASURED[3] in system.outputs:
+        return system
+    require_signals(
+        "plant",
+        "output",
+        _MEASURED[2:3],
+        system.outputs,
+        ", nor angle_of_attack: one of the two is needed",
+    )
+    row = np.zeros(len(system.outputs))
+    row[system.outputs.index(_MEASURED[0])], row[system.outputs.index(_MEASURED[2])] = 1.0, -1.0
+    wind = np.zeros((1, len(system.inputs)))
+    wind[0, 1] = -1.0
+    C = np.concatenate([system.C, (row @ system.C)[..., np.newaxis, :]], axis=-2)
+    D = np.concatenate([system.D, (row @ system.D)[..., np.newaxis, :] + wind], axis=-2)
+    return replace(system, C=C, D=D, outputs=(*system.outputs, _MEASURED[3]))
+
+
+def _cosines(rows: ComplexArray, vector: FloatArray) -> FloatArray:
+    """Return the cosine between rows ``(..., n, n)`` and a vector ``(..., n)``, ``(..., n)``."""
+    products = np.abs((rows @ vector[..., np.newaxis])[..., 0])
+    sizes = np.linalg.norm(rows, axis=-1) * np.linalg.norm(vector, axis=-1)[..., np.newaxis]
+    return np.asarray(products / np.where(sizes > 0.0, sizes, 1.0))
+
+
+def _pole_text(pole: complex) -> str:
+    """Return a pole with its unit; of a pair the upper one."""
+    if pole.imag == 0.0:
+        return f"{pole.real:.6g} 1/s"
+    return f"{pole.real:.6g} +- {abs(pole.imag):.6g}j 1/s"
