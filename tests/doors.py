@@ -83,10 +83,12 @@ INSIDE = {
     "BandMargins",
     "CampaignResults",
     "ControllabilityRatio",
+    "CovarianceHistory",
     "Detuned",
     "FlightComparison",
     "FlightDuty",
     "Loads",
+    "LoopCovariance",
     "RangeReference",
     "Responses",
     "SimulatedFlight",
@@ -225,6 +227,12 @@ def doors(folder: Path) -> dict[str, Door]:
     severe = tv.winds.Turbulence.mil_f_8785c("severe")
     noise = {"times": [0.0, 0.5, 1.0], "speed": [530.0, 540.0, 550.0], "altitude": 9000.0}
     noise |= {"seed": 3, "first": 2, "runs": 2}
+    gusty = {"autopilot": tv.Autopilot(attitude_gain=0.3, rate_gain=0.5, actuator=actuator)}
+    gusty |= {"plant": plant, "turbulence": severe, "speed": 540.0, "altitude": 9000.0}
+    gusty |= {"noise": tv.control.SensorNoise(1e-5), "loads": tv.control.LoadSlopes(3e4)}
+    spread = tv.control.turbulence_covariance(**gusty)
+    gusty_flight = tv.control.turbulence_history(**gusty, duration=2.0)
+    of_output = {"output": "deflection"}
     square, ellipse = tv.boundary.SquareShape(), tv.boundary.EllipticShape(1.0, 0.5)
     kite = tv.boundary.PolygonShape([1.0, 1.0j, -1.0, -1.0j])
     engines = [tv.boundary.ClusterEngine(at=at) for at in (1.0, 1.0j, -1.0)]
@@ -331,6 +339,55 @@ def doors(folder: Path) -> dict[str, Door]:
                 "wind_at_20_ft": 10.0,
             },
         ),
+        "LoadSlopes": Door(
+            tv.control.LoadSlopes,
+            {"dynamic_pressure": 3e4, "alpha_moment": 2e7, "deflection_moment": -1e7},
+        ),
+        "SensorNoise": Door(tv.control.SensorNoise, {"attitude": 1e-4, "rate": 2e-4}),
+        "turbulence_covariance": Door(tv.control.turbulence_covariance, gusty),
+        "turbulence_history": Door(
+            tv.control.turbulence_history, {**gusty, "duration": 5.0, "wind": wind}
+        ),
+        "turbulence_along": Door(
+            tv.control.turbulence_along,
+            {
+                "schedule": schedule,
+                "autopilot": autopilot,
+                "turbulence": severe,
+                "model": "drift-exact",
+                "plane": "pitch",
+                "start": 60.0,
+                "stop": 64.0,
+                "wind": wind,
+                "structure": None,
+                "noise": None,
+            },
+        ),
+        **{
+            f"LoopCovariance.{name}": Door(getattr(spread, name), values)
+            for name, values in {
+                "rms": of_output,
+                "quantile": {"probability": 0.99, **of_output},
+                "mean_absolute_rate": of_output,
+                "crossing_rate": {"limit": 0.01, **of_output},
+                "probability_of_none": {"limit": 0.01, "duration": 30.0, **of_output},
+                "spectrum": {"omega": [0.5, 2.0], **of_output},
+            }.items()
+        },
+        **{
+            f"CovarianceHistory.{name}": Door(getattr(gusty_flight, name), values)
+            for name, values in {
+                "mean": of_output,
+                "deviation": of_output,
+                "largest": {"sigmas": 3.0, **of_output},
+                "travel": of_output,
+                "travel_deviation": of_output,
+                "crossings": {"limit": 0.01, **of_output},
+                "crossing_rate": {"limit": 0.01, **of_output},
+                "probability_of_none": {"limit": 0.01, **of_output},
+                "quantile": {"probability": 0.99, **of_output},
+            }.items()
+        },
         "Turbulence.at": Door(severe.at, {"altitude": 9000.0}),
         "Turbulence.over": Door(severe.over, {"altitude": [9000.0, 9500.0]}),
         "Turbulence.shaping_filter": Door(

@@ -8,6 +8,8 @@
 - Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, without a
   vane `AccelerometerLaw`, and around them `FilteredLaw`, `EstimatedLaw` with a `WindEstimator`; by
   name `design_law`; your own: `Law`.
+- In turbulence, by covariance: `turbulence_covariance` of a loop, `turbulence_history` about a
+  known wind, `turbulence_along` a flight; with `SensorNoise` and the `LoadSlopes` of a structure.
 - Beside trim: `compare_with_trim`, `worst_duration`.
 """
 

@@ -47,7 +47,8 @@ def periodic_covariance(step: FloatArray, noise: FloatArray) -> FloatArray:
 def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return F and Q of steps of given lengths [s] ``(m,)``, each ``(m, n, n)``.
 
-    `A`, `noise`: A [1/s] and N, ``(n, n)`` or ``(m, n, n)``.
+    `A`, `noise`: A [1/s] and N, ``(n, n)`` or ``(m, n, n)``. What is beyond all numbers is infinite
+    or NaN.
     """
     lengths = np.asarray(times, float)[:, np.newaxis, np.newaxis]
     norm = np.abs(A).sum(axis=-2).max(axis=-1, initial=0.0)
@@ -64,9 +65,10 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
         product = first @ term
         term = (product + np.swapaxes(product, -1, -2)) / k
         Q = Q + term
-    for _ in range(doublings):
-        Q = Q + F @ Q @ np.swapaxes(F, -1, -2)
-        F = F @ F
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(doublings):
+            Q = Q + F @ Q @ np.swapaxes(F, -1, -2)
+            F = F @ F
     return F, Q
 
 

@@ -121,7 +121,7 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, A: FloatArray) -> bool:
     return not bool(exact.marginal[0]) and unstable != int(exact.unstable_poles[0])
 
 
-_PADE_WARNING = (
+PADE_WARNING = (
     "pade_order = {} is too low for this delay: with the exact delay the loop has another number"
     " of unstable poles"
 )
@@ -403,7 +403,7 @@ class Autopilot(Feedback):
         self._require_single("wind_response", plant)
         A, B, C, D = (loop := closed_loop(self, plant)).matrices()
         if pade_misleads(self, plant, A):
-            raise InputError(_PADE_WARNING.format(self.pade_order))
+            raise InputError(PADE_WARNING.format(self.pade_order))
         return partial(wind_response_of, A, B[:, 0], C, D[:, 0], loop.outputs)
 
     def respond(
@@ -444,7 +444,7 @@ class Autopilot(Feedback):
         warn_of_feedback(self, plant, stacklevel=4)
         loop = closed_loop(self, plant)
         if pade_misleads(self, plant, loop.A):
-            warnings.warn(f"{_PADE_WARNING} (see margins)".format(self.pade_order), stacklevel=3)
+            warnings.warn(f"{PADE_WARNING} (see margins)".format(self.pade_order), stacklevel=3)
         return loop
 
     def _require_single(self, method: str, plant: AnyPlant) -> None:

@@ -59,6 +59,8 @@ def with_diagram(documented: _Documented) -> _Documented:
 
 COMMAND, RETURNED = "deflection_command", "returned_command"
 DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
+SENSOR_NOISE = "attitude_noise", "rate_noise"
+"""Names of the inputs that add to the outputs of the sensors, ahead of their filters."""
 _DELAYED = "delayed_command"
 LAW_INPUTS = (
     "attitude_error",
@@ -72,12 +74,14 @@ LAW_OUTPUT, INTEGRAL = "law_output", "attitude_error_integral"
 """Names of the command before its filters, and of the integrator's state."""
 
 
-def open_loop(autopilot: Feedback, plant: AnyPlant, *, pade: bool = False) -> LinearSystem:
+def open_loop(
+    autopilot: Feedback, plant: AnyPlant, *, pade: bool = False, sensor_noise: bool = False
+) -> LinearSystem:
     """Return the state space of the loop, broken at the command, for one autopilot or a batch.
 
-    Inputs: `DISTURBANCES` and the command. Outputs: the plant's, the deflection and the returned
-    command. States, in this order: plant, actuator, with `pade` the Pade approximation of the delay
-    (else it is left out), integrator, filters.
+    Inputs: `DISTURBANCES`, the command, and on request `SENSOR_NOISE`. Outputs: the
+    plant's, the deflection and the returned command. States, in this order: plant, actuator, with
+    `pade` the Pade approximation of the delay (else it is left out), integrator, filters.
     """
     vehicle = plant_with_actuator(plant, autopilot.actuator)
     delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
@@ -87,16 +91,23 @@ def open_loop(autopilot: Feedback, plant: AnyPlant, *, pade: bool = False) -> Li
         LinearSystem(*delay, (COMMAND,), (_DELAYED,), delay_states),
         *autopilot_blocks(autopilot, plant),
     ]
-    return connect(blocks, (*DISTURBANCES, COMMAND), (*vehicle.outputs, RETURNED))
+    sensors = plant.sensed if sensor_noise else ()
+    inputs = (*DISTURBANCES, COMMAND, *sensors)
+    loop = connect(blocks, inputs, (*vehicle.outputs, RETURNED))
+    return loop.renamed(dict(zip(sensors, SENSOR_NOISE, strict=False)))
 
 
-def closed_loop(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
+def closed_loop(
+    autopilot: Feedback, plant: AnyPlant, *, sensor_noise: bool = False
+) -> LinearSystem:
     """Return the closed loop from `DISTURBANCES` to the plant's outputs and the deflection.
 
-    The delay is its Pade approximation.
+    The delay is its Pade approximation. On request `SENSOR_NOISE` are further inputs, whose direct
+    parts are those of what the sensors put out.
     """
-    loop = open_loop(autopilot, plant, pade=True).feedback(RETURNED, COMMAND)
-    return loop.select(DISTURBANCES, (*plant.outputs, "deflection"))
+    loop = open_loop(autopilot, plant, pade=True, sensor_noise=sensor_noise)
+    inputs = (*DISTURBANCES, *SENSOR_NOISE) if sensor_noise else DISTURBANCES
+    return loop.feedback(RETURNED, COMMAND).select(inputs, (*plant.outputs, "deflection"))
 
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:

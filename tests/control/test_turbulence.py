@@ -1,0 +1,406 @@
+"""Loops in turbulence: covariances against frequency integrals, sampled flights and integration."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.linalg import expm
+from scipy.signal import welch
+
+import tvclin as tv
+from tvclin.ascent.schedule_file import load_schedule
+from tvclin.base.errors import InputError
+from tvclin.control import (
+    LoadSlopes,
+    SensorNoise,
+    turbulence_along,
+    turbulence_covariance,
+    turbulence_history,
+)
+
+BOOSTER = tv.load_vehicle("configuration-i")
+SPEED = float(BOOSTER.velocity)
+ACTUATOR = tv.Actuator(natural_frequency=25.0, damping=0.7)
+AUTOPILOT = tv.Autopilot(attitude_gain=0.2144578, rate_gain=0.4862230, actuator=ACTUATOR)
+AIR = tv.winds.Turbulence(6.0, 533.4)
+WIND = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+EXACT = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
+BEND = {"damping": 0.005, "modal_mass": 5.1e4, "gimbal_displacement": 1.0, "gimbal_slope": -0.068}
+BEND |= {"attitude_slope": 0.027, "rate_slope": 0.025, "pressure_displacement": -0.43}
+STRUCTURE = tv.Structure(
+    bending=tuple(tv.vehicle.BendingMode(frequency=w, **BEND) for w in (13.6, 30.0)),
+    rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7),
+)
+NOTCHES = tuple(tv.vehicle.Filter.notch(w, 0.06, 0.6) for w in (13.6, 30.0))
+
+
+@pytest.mark.parametrize(
+    ("model", "rms", "travel"),
+    [
+        ("fixed-path", [0.216724, 0.095428, 0.698240, 0.0656728, 0.0726218], 0.0579438),
+        ("drift-exact", [0.209806, 0.097643, 0.692901, 0.0654089, 0.0730072], 0.0582513),
+    ],
+)
+def test_configuration_i_in_6_m_per_s(model, rms, travel):
+    """By a program of its own: Lyapunov's equation of filter and loop."""
+    plant = tv.Plant.from_vehicle(BOOSTER, model)
+    found = turbulence_covariance(AUTOPILOT, plant, AIR, SPEED)
+    names = ["attitude", "attitude_rate", "angle_of_attack", "deflection", "deflection_rate"]
+    degrees = np.degrees([found.rms(name) for name in names])
+    assert np.allclose(degrees, rms, rtol=0.0, atol=0.6 * 10.0 ** -np.array([6, 6, 6, 7, 7]))
+    assert np.degrees(found.mean_absolute_rate()) == pytest.approx(travel, abs=6e-8)
+
+
+def deflection_response(autopilot, plant, omega, noise=None):
+    """Return the deflection per wind, or per noise of a sensor, with an exact delay."""
+    s = 1j * omega
+    A, B, C, D = plant.matrices()
+    names = plant.outputs
+    gains = {"attitude": autopilot.attitude_gain, "attitude_rate": autopilot.rate_gain}
+    gains["angle_of_attack"] = autopilot.alpha_gain
+    above, below = np.array([625.0]), np.array([1.0, 35.0, 625.0])
+    ahead = np.polyval(above, s) / np.polyval(below, s) * np.exp(-s * autopilot.delay)
+    transfer = C @ np.linalg.solve(s * np.eye(len(A)) - A, B) + D
+    fed = sum(gain * transfer[names.index(name)] for name, gain in gains.items())
+    source = fed[1] if noise is None else gains[noise]
+    return ahead * source / (1.0 - ahead * fed[0])
+
+
+def frequency_integral(function, corners):
+    """Return the integral over all frequencies, in parts between the corners."""
+    ends = [0.0, *corners, 1e5]
+    parts = [quad(function, a, b, epsrel=1e-9, limit=400)[0] for a, b in zip(ends, ends[1:])]  # noqa: B905, RUF007
+    return sum(parts)
+
+
+@pytest.mark.parametrize("alpha_gain", [0.0, 0.3])
+def test_a_variance_is_the_integral_of_the_spectrum_with_the_exact_delay(alpha_gain):
+    autopilot = replace(AUTOPILOT, delay=0.06, alpha_gain=alpha_gain)
+    found = turbulence_covariance(autopilot, EXACT, AIR, SPEED)
+
+    def power(omega):
+        size = abs(deflection_response(autopilot, EXACT, omega)) / SPEED
+        return size**2 * float(AIR.power_spectrum(omega, SPEED))
+
+    corners = [1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]
+    variance = frequency_integral(power, corners)
+    assert np.isclose(found.rms(), np.sqrt(variance), rtol=1e-6)  # Pade of order four
+    rate = frequency_integral(lambda w: w**2 * power(w), corners)
+    assert np.isclose(found.rms("deflection_rate"), np.sqrt(rate), rtol=1e-5)
+    omega = np.array([0.05, 0.7, 5.0])
+    assert np.allclose(found.spectrum(omega), [power(w) for w in omega], rtol=1e-5)
+
+
+def test_noise_of_the_sensors_adds_its_integral():
+    noise = SensorNoise(attitude=2e-4, rate=3e-4)
+    calm = replace(AIR, intensity=0.0)
+    found = turbulence_covariance(AUTOPILOT, EXACT, calm, SPEED, noise=noise)
+
+    def power(omega):
+        parts = {"attitude": noise.attitude, "attitude_rate": noise.rate}
+        sizes = [abs(deflection_response(AUTOPILOT, EXACT, omega, k)) * n for k, n in parts.items()]
+        return float(np.sum(np.square(sizes))) / (2.0 * np.pi)  # one-sided, per Hz
+
+    variance = frequency_integral(power, [1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3])
+    assert np.isclose(found.rms(), np.sqrt(variance), rtol=1e-7)
+    assert "deflection_acceleration" not in found.outputs
+    both = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED, noise=noise)
+    alone = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
+    assert np.isclose(both.rms() ** 2, found.rms() ** 2 + alone.rms() ** 2, rtol=1e-9)
+    sampled = replace(AUTOPILOT, sample_rate=5000.0)
+    fast = turbulence_covariance(sampled, EXACT, calm, SPEED, noise=noise)
+    assert np.isclose(fast.rms(), found.rms(), rtol=1e-3)
+
+
+def test_loads_are_sums_of_angle_and_deflection():
+    slopes = LoadSlopes(dynamic_pressure=3e4, alpha_moment=2e7, deflection_moment=-1e7)
+    found = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED, loads=slopes)
+    assert np.isclose(found.rms("q_alpha"), 3e4 * found.rms("angle_of_attack"))
+    assert np.isclose(found.rms("lateral_rate"), SPEED * found.rms("flight_path_angle"))
+    tilted = [
+        turbulence_covariance(
+            AUTOPILOT, EXACT, AIR, SPEED, loads=LoadSlopes(alpha_moment=a, deflection_moment=d)
+        ).rms("bending_moment")
+        for a, d in ((1.0, 1.0), (1.0, -1.0))
+    ]
+    squares = found.rms("angle_of_attack") ** 2 + found.rms() ** 2
+    assert np.isclose(sum(np.square(tilted)), 2.0 * squares)
+
+
+def sampled_motion(autopilot, winds, step):
+    """Return the deflection and its rate in winds ``(runs, n)``, straight between their times."""
+    system = autopilot.close(EXACT)
+    names = list(system.state_labels)
+    A, B = system.A, system.B[:, [list(system.input_labels).index("wind")]]
+    n = len(A)
+    whole = np.zeros((n + 2, n + 2))
+    whole[:n, :n], whole[:n, [n]], whole[n, n + 1] = A, B, 1.0
+    transition = expm(whole * step)
+    F, G, H = transition[:n, :n], transition[:n, n], transition[:n, n + 1]
+    x, motion = np.zeros((len(winds), n)), []
+    rows = [names.index("actuator_deflection"), names.index("actuator_rate")]
+    for k in range(winds.shape[1]):
+        motion.append(x[:, rows])
+        if k + 1 < winds.shape[1]:
+            slope = (winds[:, k + 1] - winds[:, k]) / step
+            x = x @ F.T + np.outer(winds[:, k], G) + np.outer(slope, H)
+    return np.moveaxis(np.array(motion), 0, -1)
+
+
+@cache
+def flown_in_a_triangle(runs):
+    """Return times, deflections and rates of flights from rest, in turbulence and a wind."""
+    step = 0.02
+    times = step * np.arange(1001)
+    winds = AIR.winds(times, SPEED, seed=60, runs=runs).angle + WIND(times)
+    return times, *np.moveaxis(sampled_motion(AUTOPILOT, winds, step), 1, 0)
+
+
+@pytest.mark.parametrize("runs", [400, pytest.param(10_000, marks=pytest.mark.thorough)])
+def test_flights_in_sampled_turbulence_have_mean_spread_travel_and_crossings(runs):
+    times, deflections, rates = flown_in_a_triangle(runs)
+    found = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 20.0, wind=WIND)
+    assert np.degrees(found.travel()) == pytest.approx(2.0484, abs=5e-5)
+    limit = np.radians(0.82)
+    assert found.crossings(limit) == pytest.approx(0.02914, abs=5e-6)
+    assert found.probability_of_none(limit) == pytest.approx(np.exp(-0.02914), abs=5e-6)
+    at = np.searchsorted(found.times, times - 1e-9)[50::50]
+    here = slice(50, None, 50)
+    spread = found.deviation()[at]
+    assert np.all(np.abs(deflections[:, here].mean(0) - found.mean()[at]) < 5 * spread / runs**0.5)
+    deviation = deflections[:, here].std(0)
+    assert np.all(np.abs(deviation / spread - 1.0) < 5.0 / np.sqrt(2.0 * runs))
+    travels = np.trapezoid(np.abs(rates), times, axis=1)
+    assert abs(travels.mean() - found.travel()) < 5.0 * travels.std() / np.sqrt(runs)
+    assert abs(travels.std() / found.travel_deviation() - 1.0) < 5.0 / np.sqrt(2.0 * runs)
+    low = np.radians(0.6)  # crossed often, so that few flights suffice
+    outside = np.abs(deflections) > low
+    counts = np.sum(outside[:, 1:] & ~outside[:, :-1], axis=1)
+    missed = 0.02 * found.crossings(low)  # two crossings within a step
+    assert abs(counts.mean() - found.crossings(low)) < 5.0 * counts.std() / np.sqrt(runs) + missed
+
+
+def test_a_history_becomes_stationary_about_the_exact_mean_response():
+    found = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 60.0, wind=WIND)
+    stationary = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
+    for output in ("attitude", "angle_of_attack", "deflection_acceleration"):
+        assert np.isclose(found.deviation(output)[-1], stationary.rms(output), rtol=2e-2)
+    mean = AUTOPILOT.wind_response(EXACT, WIND)(found.times)
+    # of fourth order in 25 rad/s times 0.02 s: 0.5^4/720 of the wind's share in a step
+    assert np.allclose(found.mean(), mean[-1], rtol=0.0, atol=1e-9)
+    alpha = found.outputs.index("angle_of_attack")
+    assert np.allclose(found.mean("angle_of_attack"), mean[alpha], rtol=0.0, atol=1e-9)
+    size, time = found.largest(3.0)
+    k = np.searchsorted(found.times, time)
+    assert np.isclose(size, abs(found.mean()[k]) + 3.0 * found.deviation()[k])
+    assert np.all(np.diff(found.deviation("lateral_position")) > 0.0)  # an integral has no limit
+    assert np.allclose(found.quantile(0.5), found.mean())
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.03, 0.04])
+def test_a_sampled_loop_is_near_the_continuous_one_with_half_a_sample_more_delay(delay):
+    sampled = replace(AUTOPILOT, sample_rate=50.0, delay=delay)
+    found = turbulence_covariance(sampled, EXACT, AIR, SPEED)
+    near = turbulence_covariance(replace(AUTOPILOT, delay=delay + 0.01), EXACT, AIR, SPEED)
+    for output in ("attitude", "angle_of_attack", "deflection"):
+        assert np.isclose(found.rms(output), near.rms(output), rtol=2e-4)
+    assert np.isclose(found.mean_absolute_rate(), near.mean_absolute_rate(), rtol=2e-3)
+    assert np.isclose(found.spectrum(1.0), near.spectrum(1.0), rtol=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "plant"),
+    [
+        pytest.param(
+            replace(AUTOPILOT, sample_rate=8.0, delay=0.05, alpha_gain=0.1),
+            EXACT,
+            marks=pytest.mark.thorough,
+        ),
+        (
+            replace(AUTOPILOT, filters=NOTCHES, sample_rate=40.0, integral_gain=0.02),
+            tv.FlexiblePlant.from_vehicle(BOOSTER, STRUCTURE),
+        ),
+    ],
+)
+def test_a_sampled_covariance_is_that_of_its_flights(autopilot, plant):
+    """The engine of flights, whose limit is far away, in turbulence that is long and sampled."""
+    step, duration, runs, begin = 0.025, 100.0, 16, 40.0
+    times = step * np.arange(int(duration / step) + 1)
+    winds = AIR.winds(times, SPEED, seed=8, runs=runs)
+    law = tv.control.SaturatedLaw.of(autopilot)
+    when = np.arange(begin, duration, 1.0 / autopilot.sample_rate / 4.0)
+    hardware = {"actuator": ACTUATOR, "sample_rate": autopilot.sample_rate}
+    squares = []
+    for run in range(runs):
+        wind = tv.SampledWind(time=times, angle=winds.angle[run])
+        flight = tv.fly(
+            plant, law, wind, when, deflection_limit=0.5, delay=autopilot.delay, **hardware
+        )
+        squares.append(np.mean(flight.outputs**2, axis=-1).ravel())
+    labels = list(flight.output_labels)
+    found = turbulence_covariance(autopilot, plant, AIR, SPEED)
+    for name in ("attitude", "attitude_rate", "deflection"):
+        power = np.array(squares)[:, labels.index(name)]
+        error = 5.0 * power.std() / np.sqrt(runs)
+        assert abs(power.mean() - found.rms(name) ** 2) < error + 0.01 * power.mean(), name
+        assert error < 0.5 * power.mean()
+
+
+def test_a_sampled_history_settles_at_its_stationary_covariance():
+    autopilot = replace(AUTOPILOT, sample_rate=10.0, delay=0.13)
+    noise = SensorNoise(rate=1e-3)
+    plant = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
+    found = turbulence_history(autopilot, plant, AIR, SPEED, 40.0, noise=noise)
+    stationary = turbulence_covariance(autopilot, plant, AIR, SPEED, noise=noise)
+    last = found.times > 39.0
+    for output in ("deflection", "attitude_rate", "angle_of_attack"):
+        assert np.isclose(found.deviation(output)[last].max(), stationary.rms(output), rtol=2e-3)
+    settled = (
+        found.travel()
+        - turbulence_history(autopilot, plant, AIR, SPEED, 30.0, noise=noise).travel()
+    )
+    assert np.isclose(settled, 10.0 * stationary.mean_absolute_rate(), rtol=5e-3)  # (25 h)^2/12
+
+
+def test_welch_finds_the_spectrum_of_the_deflection_in_flights():
+    step, runs = 0.05, 8
+    times = step * np.arange(2**13 + 400)
+    winds = AIR.winds(times, SPEED, seed=4, runs=runs).angle
+    deflection = sampled_motion(AUTOPILOT, winds, step)[:, 0, 400:]
+    hertz, density = welch(deflection, 1.0 / step, nperseg=1024)
+    found = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
+    band = slice(5, 60)  # windows blur below, straight winds between times damp above
+    expected = 2.0 * np.pi * found.spectrum(2.0 * np.pi * hertz[band])
+    spread = np.sqrt(1.0 / (0.55 * runs * 15))
+    ratio = density.mean(axis=0)[band] / expected
+    assert np.abs(ratio - 1.0).max() < 5.0 * spread
+    assert abs(ratio.mean() - 1.0) < 5.0 * spread / np.sqrt(len(ratio) / 2)
+
+
+@cache
+def flight():
+    """Return the flight of configuration I and gains along it."""
+    schedule = load_schedule("configuration-i")
+    coefficients = tv.Plant.from_vehicle(schedule.vehicle, "drift-exact").coefficients
+    rule = {"natural_frequency": 1.0, "damping": 0.7, "actuator": ACTUATOR}
+    design = tv.control.GainSchedule.design
+    return schedule, design(schedule.times, coefficients, tv.design_gains, **rule)
+
+
+def test_along_a_flight_it_is_the_solution_of_the_differential_equation():
+    schedule, gains = flight()
+    air = tv.winds.Turbulence.mil_f_8785c("severe")
+    start, stop = 60.2, 62.7
+    wind = tv.TriangularWind(peak=0.05, duration=1.5).shift(60.5)
+    found = turbulence_along(schedule, gains, air, start=start, stop=stop, wind=wind)
+    a, b, c = air.normalised_filter
+    n = 5  # attitude, its rate, flight path, deflection and its rate
+
+    def slope(t, flat):
+        vehicle, law = schedule.at(t), gains.at(t)
+        plant_A, plant_B, *_ = tv.Plant.from_vehicle(vehicle, "drift-exact").matrices()
+        sigma, length = air.over(np.interp(t, schedule.times, schedule.height))
+        V = float(vehicle.velocity)
+        A, onto = np.zeros((n + 2, n + 2)), np.zeros(n + 2)
+        A[:3, :3], A[:3, 3], onto[:3] = plant_A, plant_B[:, 0], plant_B[:, 1]
+        A[3, 4] = 1.0
+        command = np.array([law.attitude_gain, law.rate_gain])
+        A[4, :2], A[4, 3:5] = 625.0 * command, [-625.0, -35.0]
+        A[:, n:] += np.outer(onto, c[0] * (sigma / V))
+        A[n:, n:] = a * (V / length)
+        m, P = flat[: n + 2], flat[n + 2 :].reshape(n + 2, n + 2)
+        growth = A @ P + P @ A.T
+        growth[n:, n:] += b @ b.T * (V / length)
+        return np.concatenate([A @ m + onto * float(wind(t)), growth.ravel()])
+
+    first = np.zeros((n + 2, n + 2))
+    first[n:, n:] = 0.25 * np.array([[1.0, 0.0], [0.0, 1.0]])  # of 1/(1 + s)^2
+    solution = np.concatenate([np.zeros(n + 2), first.ravel()])
+    for ends in ((start, 60.5), (60.5, 61.25), (61.25, 62.0), (62.0, stop)):
+        whole = solve_ivp(slope, ends, solution, method="RK45", rtol=1e-6, atol=1e-12, max_step=0.2)
+        solution = whole.y[:, -1]
+    m, P = solution[: n + 2], solution[n + 2 :].reshape(n + 2, n + 2)
+    states = ("attitude", "attitude_rate", "flight_path_angle", "deflection", "deflection_rate")
+    for k, output in enumerate(states):
+        assert np.isclose(found.deviation(output)[-1], np.sqrt(P[k, k]), rtol=2e-5), output
+        assert np.isclose(found.mean(output)[-1], m[k], rtol=1e-4, atol=1e-8), output
+
+
+def test_along_a_flight_a_constant_vehicle_is_a_history():
+    vehicle = BOOSTER.replace(time=[60.0, 70.0])
+    schedule = tv.FlightSchedule(vehicle)
+    along = turbulence_along(schedule, AUTOPILOT, AIR, wind=WIND.shift(61.0))
+    alone = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 10.0, wind=WIND.shift(1.0))
+    for output in ("deflection", "angle_of_attack", "lateral_position"):
+        assert np.isclose(along.deviation(output)[-1], alone.deviation(output)[-1], rtol=1e-9)
+        assert np.isclose(along.mean(output)[-1], alone.mean(output)[-1], rtol=1e-5)
+    assert np.isclose(along.travel(), alone.travel(), rtol=1e-3)
+
+
+def test_along_a_flight_a_structure_and_drift_count():
+    schedule, gains = flight()
+    air = tv.winds.Turbulence.mil_f_8785c("moderate")
+    rigid = turbulence_along(schedule, gains, air)
+    soft = replace(gains, autopilot=replace(gains.autopilot, filters=NOTCHES))
+    bent = turbulence_along(schedule, soft, air, structure=STRUCTURE)
+    assert bent.travel() > rigid.travel()
+    assert "sensed_attitude" in bent.outputs
+    assert rigid.deviation("lateral_position")[-1] > 10.0
+    # severe air is 2.0 to 3.3 times moderate air at these altitudes
+    severe = turbulence_along(schedule, gains, tv.winds.Turbulence.mil_f_8785c("severe"))
+    assert 2.0 * rigid.travel() < severe.travel() < 3.3 * rigid.travel()
+
+
+UNSTABLE = tv.Autopilot(attitude_gain=0.05, rate_gain=0.3, actuator=ACTUATOR)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: turbulence_covariance(UNSTABLE, EXACT, AIR, SPEED), r"a pole at 0.0719399 .* 1/s"),
+        (
+            lambda: turbulence_covariance(replace(UNSTABLE, sample_rate=9.0), EXACT, AIR, SPEED),
+            r"a pole at 1.008.* in z",
+        ),
+        (
+            lambda: turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED).crossing_rate(
+                0.1, "angle_of_attack"
+            ),
+            "angle_of_attack has no rate of finite variance",
+        ),
+        (
+            lambda: turbulence_covariance(
+                replace(AUTOPILOT, actuator=None), EXACT, AIR, SPEED, noise=SensorNoise(1e-4)
+            ),
+            "follows the noise of the sensors at once",
+        ),
+        (
+            lambda: turbulence_covariance(
+                replace(AUTOPILOT, actuator=None, sample_rate=50.0), EXACT, AIR, SPEED
+            ).mean_absolute_rate(),
+            "deflection has no rate of finite variance",
+        ),
+        (
+            lambda: turbulence_covariance(
+                replace(AUTOPILOT, sample_rate=50.0), EXACT, AIR, SPEED
+            ).spectrum(200.0),
+            "half the sample rate, 157.08 rad/s",
+        ),
+        (
+            lambda: turbulence_covariance(
+                AUTOPILOT, EXACT, tv.winds.Turbulence.mil_f_8785c("light"), SPEED
+            ),
+            "table over altitude",
+        ),
+        (lambda: turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 1e4), "up to 30000 steps"),
+        (
+            lambda: turbulence_along(flight()[0], replace(AUTOPILOT, sample_rate=50.0), AIR),
+            "continuous autopilots",
+        ),
+    ],
+)
+def test_what_has_no_answer_is_refused_in_a_sentence(call, sentence):
+    with pytest.raises(InputError, match=sentence):
+        call()

@@ -1,0 +1,374 @@
+"""Stationary covariance of a loop in turbulence: rms, quantiles, spectra, travel and crossings.
+
+In continuous time A P + P A' + N = 0. With samples the covariance has the period of a sample; it
+is found at the sample and propagated exactly between, so that an rms is the largest over all
+phases of a sample, and a travel or a rate of crossings the mean over them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.errors import (
+    InputError,
+    fraction,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+    within,
+)
+from tvclin.base.fields import Field, derived, spec, specs
+from tvclin.base.lines import Line, Table, significant
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.turbulence.driven_loop import (
+    ACCELERATION,
+    BENDING_MOMENT,
+    DEFLECTION,
+    DEFLECTION_RATE,
+    LATERAL_POSITION,
+    LATERAL_RATE,
+    Q_ALPHA,
+    DrivenLoop,
+    LoadSlopes,
+    SensorNoise,
+    checked_parts,
+    driven_loop,
+)
+from tvclin.linear.flexible import AnyPlant, check_plant
+from tvclin.numerics.covariance import periodic_covariance, stationary_covariance, steps
+from tvclin.numerics.gaussian import crossing_rate, mean_absolute
+from tvclin.winds.turbulence import Turbulence
+
+_PHASES = 16
+"""Steps of each interval of a sample, an even number."""
+_MAX_FREQUENCY = 1e9
+"""Largest frequency of a spectrum [rad/s]."""
+KINDS = {
+    "attitude": "angle",
+    "sensed_attitude": "angle",
+    "flight_path_angle": "angle",
+    "angle_of_attack": "angle",
+    DEFLECTION: "angle",
+    "attitude_rate": "angular rate",
+    "sensed_attitude_rate": "angular rate",
+    DEFLECTION_RATE: "angular rate",
+    ACCELERATION: "angular acceleration",
+    LATERAL_RATE: "speed",
+    LATERAL_POSITION: "length",
+    Q_ALPHA: "pressure angle",
+    BENDING_MOMENT: "moment",
+}
+"""Kind of unit of each output."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoopCovariance(Shown):
+    """Stationary covariance of one loop in turbulence, linear and without limits.
+
+    Make it with `turbulence_covariance`.
+
+    Attributes
+    ----------
+    intensity : float
+        Standard deviation of the wind [m/s].
+    speed : float
+        Airspeed [m/s].
+    outputs : tuple of str
+        Names of the outputs.
+    """
+
+    intensity: float = field(metadata=spec("speed"))
+    speed: float = field(metadata=spec("speed"))
+    outputs: tuple[str, ...] = field(metadata=specs(Field("outputs", card=False)))
+    _loop: DrivenLoop
+    _covariances: FloatArray
+    _weights: FloatArray
+
+    @property
+    @derived("angle")
+    def deflection_rms(self) -> float:
+        """Standard deviation of the deflection [rad]."""
+        return self.rms()
+
+    @property
+    @derived("angular rate")
+    def deflection_rate_rms(self) -> float | None:
+        """Standard deviation of the deflection rate [rad/s]; None where it has none."""
+        return self.rms(DEFLECTION_RATE) if DEFLECTION_RATE in self.outputs else None
+
+    @property
+    @derived("angular rate")
+    def travel_rate(self) -> float | None:
+        """Expected travel of the nozzle in each second [rad/s]; None where it has none."""
+        return self.mean_absolute_rate() if DEFLECTION_RATE in self.outputs else None
+
+    def rms(self, output: str = DEFLECTION) -> float:
+        """Return the standard deviation of an output in its SI unit.
+
+        With samples it is the largest over the phases of a sample.
+
+        Raises
+        ------
+        InputError
+            For an unknown output.
+        """
+        return float(np.sqrt(self._variances(self._row(output)).max()))
+
+    def quantile(self, probability: float, output: str = DEFLECTION) -> float:
+        """Return the size that |output| does not exceed at a time with a probability.
+
+        Raises
+        ------
+        InputError
+            As `rms`, and for a probability that is not above 0 and below 1.
+        """
+        from scipy.special import ndtri  # late: scipy takes long to import
+
+        return self.rms(output) * float(ndtri(0.5 + 0.5 * fraction("probability", probability)))
+
+    def mean_absolute_rate(self, output: str = DEFLECTION) -> float:
+        """Return E|y'| of an output, of the deflection its travel in each second [rad/s].
+
+        Raises
+        ------
+        InputError
+            As `rms`, and for an output that jumps with the wind or with the noise.
+        """
+        variances = self._variances(smooth_rate(self._loop, output)[0])
+        return float(self._weights @ mean_absolute(np.zeros(1), np.sqrt(variances)))
+
+    def crossing_rate(self, limit: float, output: str = DEFLECTION) -> float:
+        """Return the expected crossings [1/s] of both limits, +limit upwards and -limit downwards.
+
+        Raises
+        ------
+        InputError
+            As `mean_absolute_rate`, and for a limit that is not positive.
+        """
+        bound = number("limit", limit, positive)
+        row, rate = self._row(output), smooth_rate(self._loop, output)[0]
+        spread, motion = np.sqrt(self._variances(row)), np.sqrt(self._variances(rate))
+        crossed = np.einsum("i,kij,j->k", row, self._covariances, rate)
+        correlation = crossed / np.maximum(spread * motion, np.finfo(float).tiny)
+        nothing = np.zeros(len(spread))
+        rates = crossing_rate(bound, nothing, spread, nothing, motion, correlation)
+        return float(self._weights @ rates)
+
+    def probability_of_none(self, limit: float, duration: float, output: str = DEFLECTION) -> float:
+        """Return the probability that an output stays within +-limit for a duration [s].
+
+        It is exp(-crossings), which is right where crossings are rare and independent, and low
+        where they come in clusters.
+
+        Raises
+        ------
+        InputError
+            As `crossing_rate`, and for a negative duration.
+        """
+        time = number("duration", duration, nonnegative, "s")
+        return float(np.exp(-time * self.crossing_rate(limit, output)))
+
+    def spectrum(self, omega: ArrayLike, output: str = DEFLECTION) -> FloatArray:
+        """Return the one-sided power spectrum, whose integral over omega is the variance.
+
+        Of a sampled autopilot it is that of the output at the samples, up to half their rate.
+
+        Parameters
+        ----------
+        omega : array_like
+            Frequencies [rad/s] of any shape, which is that of the result.
+        output : str
+            Name of an output.
+
+        Raises
+        ------
+        InputError
+            As `rms`, and for frequencies that are negative, above 1e9 rad/s, or above half the
+            sample rate.
+        """
+        row, loop = self._row(output), self._loop
+        frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
+        if loop.jumps:
+            F, noise = _over_a_sample(loop)
+            period = sum(jump.length for jump in loop.jumps)
+            if np.any(frequencies > np.pi / period):
+                raise InputError(
+                    f"omega must be up to half the sample rate, {np.pi / period:.6g} rad/s; got"
+                    f" {frequencies.max():.6g}"
+                )
+            points, A, noise = np.exp(1j * frequencies.ravel() * period), F, noise * period
+        else:
+            points, A, noise = 1j * frequencies.ravel(), loop.A, loop.noise
+        systems = points[:, np.newaxis, np.newaxis] * np.eye(len(A)) - A
+        rows = np.broadcast_to(row, (len(points), len(row)))[..., np.newaxis]
+        left = np.linalg.solve(np.swapaxes(systems, -1, -2), rows)[..., 0]
+        power = np.real(np.einsum("ki,ij,kj->k", left, noise, left.conj()))
+        return np.asarray(power / np.pi).reshape(frequencies.shape)
+
+    def tables(self) -> list[Table]:
+        """Return the table of the rms of each output, and of its mean absolute rate."""
+        rows = [
+            ((output.replace("_", " "),), shown_value(f"turbulence.{output}", output, rms))
+            for output, rms in ((name, self.rms(name)) for name in self.outputs)
+        ]
+        if self.travel_rate is not None:
+            label, travel = ("travel of the nozzle in a second",), np.degrees(self.travel_rate)
+            rows.append((label, significant("turbulence.travel_deg_per_s", travel, 4, "deg/s")))
+        return [Table("Turbulence, without limits", ("quantity", "rms"), tuple(rows))]
+
+    def _row(self, output: str) -> FloatArray:
+        return self._loop.row(one_of("output", output, self.outputs))[0]
+
+    def _variances(self, row: FloatArray) -> FloatArray:
+        """Return the variance of a row of the states at each phase, ``(phases,)``."""
+        return np.maximum(np.einsum("i,kij,j->k", row, self._covariances, row), 0.0)
+
+
+def shown_value(name: str, output: str, value: float) -> Line:
+    """Return a value of an output as a cell of a table, in degrees where it is an angle."""
+    kind = KINDS[output]
+    item = Field(name, kind)
+    if kind in ("angle", "angular rate", "angular acceleration"):
+        unit = {"angle": "deg", "angular rate": "deg/s"}.get(kind, "deg/s2")
+        return significant(name, np.degrees(value), 4, unit)
+    return significant(name, value, 4, item.unit)
+
+
+def smooth_rate(loop: DrivenLoop, output: str) -> tuple[FloatArray, FloatArray]:
+    """Return row and direct part of an output's rate; `InputError` for an output that jumps."""
+    row, direct = loop.row(one_of("output", output, loop.labels))
+    if not loop.is_smooth(row, direct):
+        raise InputError(
+            f"{output} has no rate of finite variance, as it follows the turbulence, the noise or a"
+            " sample at once: it crosses every limit infinitely often, and has no travel; see its"
+            " rms and quantile"
+        )
+    return loop.derivative(row)
+
+
+def turbulence_covariance(
+    autopilot: Autopilot,
+    plant: AnyPlant,
+    turbulence: Turbulence,
+    speed: float,
+    *,
+    altitude: float | None = None,
+    noise: SensorNoise | None = None,
+    loads: LoadSlopes | None = None,
+) -> LoopCovariance:
+    """Return the stationary covariance of a loop in turbulence, linear and without limits.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One autopilot, continuous or with a sample rate. The delay of a continuous one is its Pade
+        approximation; with samples it is exact.
+    plant : Plant or FlexiblePlant
+        One plant of any model.
+    turbulence : Turbulence
+        The wind; its angle is w/V.
+    speed : float
+        Airspeed V [m/s].
+    altitude : float, optional
+        Altitude [m], for turbulence that is a table.
+    noise : SensorNoise, optional
+        White noise of the sensors.
+    loads : LoadSlopes, optional
+        Slopes of loads, for further outputs.
+
+    Returns
+    -------
+    LoopCovariance
+        The covariance of the outputs of `Autopilot.close`, and of deflection rate and
+        acceleration where they have a variance, the lateral rate where the model has a flight
+        path, and the loads.
+
+    Raises
+    ------
+    InputError
+        For an unstable loop, which has no stationary covariance, with its pole; for a batch, a
+        Pade approximation that hides an instability, and an autopilot without an actuator whose
+        deflection follows the noise of the sensors.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> plant = tv.Plant.from_vehicle(vehicle, "fixed-path")
+    >>> autopilot = tv.Autopilot(
+    ...     attitude_gain=0.2144578, rate_gain=0.486223,
+    ...     actuator=tv.Actuator(natural_frequency=25.0, damping=0.7))
+    >>> air = tv.winds.Turbulence(intensity=6.0)
+    >>> result = tv.control.turbulence_covariance(autopilot, plant, air, vehicle.velocity)
+    >>> print(f"{np.degrees(result.rms()):.6f} deg")
+    0.065673 deg
+    >>> print(f"{np.degrees(result.mean_absolute_rate()):.6f} deg/s of travel")
+    0.057944 deg/s of travel
+    """
+    checked_parts(autopilot, turbulence, noise, loads)
+    check_plant(plant)
+    if autopilot.batch or plant.batch:
+        raise InputError(
+            "turbulence_covariance() is for one autopilot and one plant; got batches of shape"
+            f" {autopilot.batch} and {plant.batch}"
+        )
+    shape = turbulence.shaping_filter(speed, altitude)
+    V = float(speed)
+    loop = driven_loop(autopilot, plant, (*shape[:2], shape[2] / V), np.asarray(V), noise, loads)
+    covariances, weights = stationary(loop)
+    intensity = float(turbulence.over(altitude)[0])
+    return LoopCovariance(intensity, V, loop.labels, loop, covariances, weights)
+
+
+def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
+    """Return the covariance of the states ``(phases, n, n)`` and the weight of each phase.
+
+    `InputError` for an unstable loop.
+    """
+    if not loop.jumps:
+        poles = np.linalg.eigvals(loop.A)
+        if (pole := poles[np.argmax(poles.real)]).real >= 0.0:
+            raise InputError(f"{_unstable(pole)} 1/s, and so no stationary covariance")
+        return stationary_covariance(loop.A, loop.noise)[np.newaxis], np.ones(1)
+    F, noise = _over_a_sample(loop)
+    if not np.all(np.isfinite(F)):
+        raise InputError("the loop is not stable: it grows beyond all numbers within a sample")
+    poles = np.linalg.eigvals(F)
+    if abs(pole := poles[np.argmax(np.abs(poles))]) >= 1.0:
+        raise InputError(f"{_unstable(pole)} in z, and so no stationary covariance")
+    P = periodic_covariance(F, noise)
+    covariances, weights = [], []
+    simpson = np.array([1.0, *([4.0, 2.0] * (_PHASES // 2))[:-1], 1.0]) / (3.0 * _PHASES)
+    period = sum(jump.length for jump in loop.jumps)
+    for jump in loop.jumps:
+        step, driven = steps(loop.A, loop.noise, np.array([jump.length / _PHASES]))
+        covariances.append(P)
+        for _ in range(_PHASES):
+            P = step[0] @ P @ step[0].T + driven[0]
+            covariances.append(P)
+        weights.append(simpson * (jump.length / period))
+        P = jump.matrix @ P @ jump.matrix.T + jump.noise
+    return np.array(covariances), np.concatenate(weights)
+
+
+def _unstable(pole: complex) -> str:
+    imaginary = f" +- {abs(pole.imag):.6g}j" if pole.imag else ""
+    return f"the loop is not stable: it has a pole at {pole.real:.6g}{imaginary}"
+
+
+def _over_a_sample(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
+    """Return the transition and the noise covariance from behind one sample to behind the next."""
+    n = len(loop.A)
+    F, noise = np.eye(n), np.zeros((n, n))
+    for jump in loop.jumps:
+        step, driven = steps(loop.A, loop.noise, np.array([jump.length]))
+        passed = jump.matrix @ step[0]
+        F = passed @ F
+        noise = passed @ noise @ passed.T + jump.matrix @ driven[0] @ jump.matrix.T + jump.noise
+    return F, noise
