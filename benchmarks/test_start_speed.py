@@ -24,7 +24,7 @@ COMMANDS = [
     "report",
     "boundary",
     "boundary --plot boundary.png",
-    "optimum",
+    "boundary configuration-i",
     "respond",
     "respond --plot respond.png",
     "poles",

@@ -45,7 +45,6 @@ def _file(folder: Path, text: str) -> str:
         [
             ["poles"],
             ["boundary"],
-            ["optimum"],
             ["respond", "--model", "drift", "--limit-deg", "0.4"],
             ["study", "--model", "drift-exact", "--limit-deg", "0.4", "--sign", "frozen"],
             ["margins"],
@@ -79,9 +78,9 @@ def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
         np.degrees(abs(boundary.deflection)), rel=1e-12
     )
     assert "the flight path is fixed" in study["notes"][0]
-    for command in ("optimum", "margins", "autopilot"):
+    for command in ("boundary", "margins", "autopilot"):
         assert "fixed-path" in run(command, slopes).output
-    refused = run("optimum", slopes, "--model", "drift")
+    refused = run("boundary", slopes, "--model", "drift")
     assert refused.exit_code == 2
     assert "needs C1, C2, b1, b2 and q" in refused.output
 

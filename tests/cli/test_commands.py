@@ -98,10 +98,11 @@ def test_a_damped_vehicle_is_shown_with_its_pole(tmp_path) -> None:
     document = json.loads(run("study", str(mine), "--json").stdout)
     assert document["coefficients"]["pole_per_s"] == c.pole
     assert document["coefficients"]["damping"] == c.damping
-    assert "tau*p" in run("boundary", str(mine)).output
-    assert "tau*beta" in run("boundary", "configuration-i").output
+    over = ("--tau-beta", "4")
+    assert "tau*p" in run("boundary", str(mine), *over).output
+    assert "tau*beta" in run("boundary", "configuration-i", *over).output
     for source, key in ((str(mine), "tau_p"), ("configuration-i", "tau_beta")):
-        assert key in json.loads(run("boundary", source, "--json").stdout)
+        assert key in json.loads(run("boundary", source, *over, "--json").stdout)
 
 
 def test_json_equals_the_library() -> None:
@@ -326,7 +327,7 @@ def loaded_by(commands: list[str], folder: Path) -> set[str]:
 
 @pytest.mark.thorough
 def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -> None:
-    commands = ["vehicles", "poles", "boundary", "optimum", "respond", "study", "fly", "margins"]
+    commands = ["vehicles", "poles", "boundary", "respond", "study", "fly", "margins"]
     commands += ["margins --delay-ms 40", "margins --json", "autopilot", "autopilot --json"]
 
     assert loaded_by(commands, tmp_path) == set()
@@ -369,7 +370,7 @@ def test_a_study_of_a_fixed_path_in_calm_air_loads_neither_flights_nor_other_com
 
 @pytest.mark.thorough
 def test_a_figure_of_boundaries_needs_pyplot_but_not_control(tmp_path: Path) -> None:
-    commands = ["boundary --plot b.png", "optimum --plot o.png"]
+    commands = ["boundary --plot b.png", "boundary configuration-i --plot o.png"]
 
     assert loaded_by(commands, tmp_path) == {"matplotlib"}
     assert {one.name for one in tmp_path.iterdir()} == {"b.png", "o.png"}
@@ -412,7 +413,7 @@ def test_a_limit_that_does_not_exist_is_said_in_the_same_words_everywhere(tmp_pa
     for others in (
         run("boundary", *exact, "--tau-beta", "4"),
         run("autopilot", *exact),
-        run("optimum", *exact),
+        run("boundary", *exact),
     ):
         assert "none is sufficient" in others.output
         assert " inf" not in others.output
@@ -423,7 +424,7 @@ def test_a_limit_that_does_not_exist_is_said_in_the_same_words_everywhere(tmp_pa
 
 def test_a_table_of_boundaries_says_which_of_them_are_not_all_that_is_required() -> None:
     asked = ("boundary", "configuration-i", "--tau-beta", "4", "--tau-beta", "20")
-    exact = " ".join(run(*asked, "--model", "drift-exact").output.split())
+    exact = " ".join(run(*asked, "--model", "drift-exact", "--more").output.split())
 
     minimum = "the minimum over all unstable poles"
     assert f"Note: K = 0, tau*beta 20: {minimum} is larger." in exact

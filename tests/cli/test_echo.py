@@ -63,7 +63,12 @@ def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: st
             text = text.replace(*DOUBTED[doubt])
         file = tmp_path / "my.toml"
         file.write_text(text, encoding="utf-8")
-        for command in (["study"], ["poles"], ["optimum"], ["margins", "--natural-frequency", "1"]):
+        for command in (
+            ["study"],
+            ["poles"],
+            ["boundary"],
+            ["margins", "--natural-frequency", "1"],
+        ):
             said = " ".join(CliRunner().invoke(app, [*command, str(file)]).output.split())
             assert said.count(doubt) == changed, command
             assert ("Note: thrust is" in said) is (changed and doubt.startswith("thrust"))

@@ -51,7 +51,6 @@ names = ["trim"]
 """
 STARTS = {
     "respond": [(V,), (V, "--winds", SOUNDING, "--azimuth-deg", "90"), (F,)],
-    "optimum": [(V,), (V, "--gust", "1", "2"), (F,)],
     "autopilot": [
         ("made-up-launcher", "--natural-frequency", "1.2"),
         (V, "--gust", "1", "2"),
@@ -68,7 +67,13 @@ STARTS = {
         (V, "--over", "flight", *TIMES, "--law", "autopilot", "--limit-deg", "1"),
     ],
     "poles": [(V,), (F,)],
-    "boundary": [(V, "--tau-beta", "3"), (F, "--tau-beta", "3")],
+    "boundary": [
+        (V,),
+        (V, "--gust", "1", "2"),
+        (F,),
+        (V, "--tau-beta", "3"),
+        (F, "--tau-beta", "3"),
+    ],
     "laws": [(F,)],
     "study": [(V,), (V, "--limit-deg", "0.4", "--gust", "1", "2")],
     "ascent": [(V, "--from", "70", "--to", "71", "--limit-deg", "0.5")],

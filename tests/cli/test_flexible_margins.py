@@ -209,9 +209,7 @@ def test_detuned_modes_are_those_of_the_library():
     assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)
 
 
-@pytest.mark.parametrize(
-    "command", usual(["study", "poles", "autopilot", "optimum", "boundary"], 0, 1)
-)
+@pytest.mark.parametrize("command", usual(["study", "poles", "autopilot", "boundary"], 0, 1))
 def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
     moved = booster().shift()
     result = run(command, "made-up-booster")

@@ -36,8 +36,7 @@ axial_force_N = 6.74e5
 COMMANDS = {
     "study": (),
     "poles": (),
-    "boundary": ("--tau-beta", "3"),
-    "optimum": (),
+    "boundary": (),
     "respond": (),
     "autopilot": (),
     "margins": (),

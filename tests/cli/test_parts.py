@@ -59,6 +59,7 @@ KEYS = {
     "sign that counts": ("--set", "study.sign", "frozen"),
 }
 BASE = {
+    "boundary --tau-beta": (3,),
     "laws": ("--wind", "triangle"),
     "fly": LINEAR,
     "nozzle": ("--law", "autopilot", "--limit-deg", 2),
@@ -68,6 +69,7 @@ BASE = {
     "availability": ("--limit-deg", 0.35, "--azimuth-deg", 45),
 }
 OTHERWISE = {
+    ("boundary", "rate limit"): ("--set", "nozzle.rate_limit_deg_per_s", 0.2),
     **{
         ("margins", part): ("--flown", "--limit-deg", 2, *VALUES[part])
         for part in ("gust", "head wind", "heading", "measured wind")
@@ -141,7 +143,8 @@ def files(tmp_path_factory):
 def asked(question, vehicle, station, *options):
     if question == "availability":
         options = (station, *options)
-    words = (*question.split(), vehicle, *options, "--json")
+    command, *more = question.split()
+    words = (command, vehicle, *more, *options, "--json")
     return CliRunner().invoke(app, [str(one) for one in words])
 
 
@@ -150,7 +153,7 @@ BY_FILE = ("study", "report", "campaign", "explore")
 
 def tried(questions):
     """Return the questions; those that search or fly much are left to the thorough tests."""
-    quick = {"poles", "boundary", "optimum"}
+    quick = {"poles", "boundary", "boundary --tau-beta"}
     places = [k for k, one in enumerate(questions) if one in quick]
     return usual(questions, *places)
 
@@ -274,8 +277,8 @@ def test_every_part_of_a_study_is_computed_or_told(files):
 
 OF_ONE_TIME = {
     "respond": (),
-    "optimum": (),
-    "boundary": ("--tau-beta", 3),
+    "boundary": (),
+    "boundary --tau-beta": (3,),
     "poles": (),
     "margins": (),
     "autopilot": (),
@@ -294,7 +297,8 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
 
     def found(tables, *more):
         (folder / "one.toml").write_text(in_toml(tables))
-        words = (*question.split(), folder / "one.toml", *OF_ONE_TIME[question], *more, "--json")
+        command, *mode = question.split()
+        words = (command, folder / "one.toml", *mode, *OF_ONE_TIME[question], *more, "--json")
         return CliRunner().invoke(app, [str(one) for one in words])
 
     @cache

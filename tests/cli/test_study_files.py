@@ -130,7 +130,7 @@ def test_every_command_answers_for_the_case_of_the_study(file):
         (nominal, 2.0), rel=1e-13
     )
     least = np.degrees(study.minima["drift"])
-    assert asked("optimum", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
+    assert asked("boundary", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
     controlled = asked("autopilot", file)
     comparison = found.comparison
     assert controlled["peak_deflection_deg"] == np.degrees(comparison.peak_deflection)
@@ -166,11 +166,13 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
     }
 
 
-@pytest.mark.parametrize("command", usual(["respond", "optimum", "autopilot", "margins", "fly"], 0))
+@pytest.mark.parametrize(
+    "command", usual(["respond", "boundary", "autopilot", "margins", "fly"], 0)
+)
 def test_a_study_file_and_options_give_the_same_answer(command, file):
     own = {
         "respond": ("--model", "drift", "--limit-deg", "2", "--dead-band", "0.5"),
-        "optimum": ("--model", "drift", "--rate-limit-deg", "20"),
+        "boundary": ("--model", "drift", "--peak-deg", "4"),
         "autopilot": ("--model", "drift", "--limit-deg", "2", "--criteria", "aircraft", *LOOP),
         "margins": (
             *("--model", "drift", "--criteria", "aircraft", "--flown", *LOOP),

@@ -30,7 +30,7 @@ OTHERS = re.compile(
 """Verdicts that a limit of 0.4 deg must not have, and words that are no verdicts."""
 
 
-NUMBERED = ("study", "respond", "fly", "nozzle", "optimum", "autopilot")
+NUMBERED = ("study", "respond", "fly", "nozzle", "boundary", "autopilot")
 
 
 def run(*arguments: str) -> Result:
@@ -46,7 +46,7 @@ def run(*arguments: str) -> Result:
                 1,
                 (REQUIRED, "Limit 0.400 deg: NOT SUFF"),
             ),
-            (("boundary", "configuration-i"), 0, (f"y_BR {NOMINAL}",)),
+            (("boundary", "--tau-beta", "4"), 0, (f"limit {NOMINAL}",)),
             (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, "that: SURVIVED", NOMINAL)),
             (("fly", "configuration-i", *WIND, *LIMIT), 0, (SEE, f"Flown {NOMINAL}: SURVIVED")),
             (
@@ -59,7 +59,7 @@ def run(*arguments: str) -> Result:
                 0,
                 (SEE, "wind known: 0.199 deg", NOMINAL),
             ),
-            (("optimum", "configuration-i", *WIND), 0, (SEE, "lower bound, wind known", NOMINAL)),
+            (("boundary", "configuration-i", *WIND), 0, (SEE, "Lower bound, wind known", NOMINAL)),
             (
                 ("autopilot", "configuration-i", *WIND, *LIMIT),
                 1,
@@ -139,7 +139,7 @@ def test_page_and_campaign_of_one_case_say_what_the_study_says(tmp_path) -> None
 
 @pytest.mark.parametrize("command", usual(NUMBERED, 0, 1, 2))
 def test_json_has_the_required_deflection_under_one_name(command) -> None:
-    limit = () if command == "optimum" else LIMIT
+    limit = () if command == "boundary" else LIMIT
     document = json.loads(run(command, "configuration-i", *WIND, *limit, "--json").stdout)
     found = document.get("verdict", document) if command == "study" else document
     assert found["required_deflection_deg"] == pytest.approx(0.412, abs=5e-4)

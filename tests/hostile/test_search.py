@@ -171,7 +171,7 @@ def found(count: int, *strategies: Any) -> Callable:
     )
 
 
-CHEAP = ("study", "boundary", "optimum", "respond", "poles", "margins", "vehicles", "doctor")
+CHEAP = ("study", "boundary", "respond", "poles", "margins", "vehicles", "doctor")
 DEAR = {
     "autopilot": (),
     "ascent": ("--every", "30"),
@@ -267,7 +267,7 @@ def _written(name: str, text: str) -> None:
     Path(name).write_bytes(text.encode("utf-8", "replace"))
 
 
-VEHICLE_COMMANDS = ["study", "respond", "optimum", "poles", "boundary", "margins", "ascent", "fly"]
+VEHICLE_COMMANDS = ["study", "respond", "poles", "boundary", "margins", "ascent", "fly"]
 
 
 @found(
@@ -304,7 +304,7 @@ def far_off(draw: Callable) -> str:
 @found(
     100,
     far_off(),
-    st.sampled_from([*VEHICLE_COMMANDS, "respond", "optimum", "autopilot"]),
+    st.sampled_from([*VEHICLE_COMMANDS, "respond", "autopilot"]),
     st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
     st.sampled_from([[], ["--plane", "yaw"], ["--duration", "0.1"], ["--duration", "60"]]),
 )

@@ -55,7 +55,7 @@ def test_no_command_judges_a_wind_of_60_degrees(command, options, words) -> None
     assert (code, words in said, SENTENCE in said) == (1, True, True), said
 
 
-@pytest.mark.parametrize("command", ["respond", "optimum"])
+@pytest.mark.parametrize("command", ["respond", "boundary"])
 def test_an_answer_without_an_exit_code_says_the_sentence(command) -> None:
     options = WIDE if command == "respond" else WIDE[:3]
     code, said = run(command, *options)
@@ -142,7 +142,7 @@ def test_no_deflection_is_enough_in_a_box_that_reaches_beyond_the_range() -> Non
 @by_turns(
     "deg,command",
     [10.0, 10.1],
-    ["study", "respond", "nozzle", "fly", "optimum", "ascent"],
+    ["study", "respond", "nozzle", "fly", "boundary", "ascent"],
     each=7,
 )
 def test_above_ten_degrees_each_answer_has_the_doubt(command, deg) -> None:

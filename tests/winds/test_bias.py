@@ -63,7 +63,7 @@ def test_the_mean_of_an_archive_is_that_of_its_profiles(tmp_path):
 
 
 def asked(*options):
-    words = ("optimum", "configuration-i", "--winds", SOUNDINGS / "wyoming.txt", *options)
+    words = ("boundary", "configuration-i", "--winds", SOUNDINGS / "wyoming.txt", *options)
     return CliRunner().invoke(app, [*map(str, words), "--azimuth-deg", "90", "--json"])
 
 

@@ -52,12 +52,12 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "study": (_WORK,),
     "report": (_WORK,),
     "respond": (*_LOOP, *_NOMINAL_PRESSURE),
-    "optimum": (
+    "boundary": (
         *(feature for feature in _LOOP if feature != "rate limit"),
         *_NOMINAL_PRESSURE,
         "limit",
     ),
-    "boundary": (*_LOOP, *_WIND, *_STUDY_FEATURES, "limit"),
+    "boundary --tau-beta": (*_LOOP, *_WIND, *_STUDY_FEATURES, "limit"),
     "poles": (*_LOOP, *_WIND, *_STUDY_FEATURES, "limit"),
     "margins": _NOMINAL_PRESSURE,
     "autopilot": _STUDY_FEATURES,
@@ -94,7 +94,7 @@ _RIGID_NUMBERS: dict[str, str] = {
     "nozzle --over load": "angles over loads",
     **dict.fromkeys(
         (
-            *("respond", "optimum", "boundary", "poles", "nozzle --over flight"),
+            *("respond", "boundary", "boundary --tau-beta", "poles", "nozzle --over flight"),
             *("ascent", "availability"),
         ),
         _ALL_NUMBERS,

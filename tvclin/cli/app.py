@@ -22,7 +22,7 @@ from typer.core import TyperGroup
 
 _PANELS = {
     "Start here": ("study", "init", "vehicles", "report", "explore"),
-    "Theory": ("boundary", "optimum", "respond", "poles", "reproduce"),
+    "Theory": ("boundary", "poles", "respond", "reproduce"),
     "Control": ("autopilot", "margins", "laws"),
     "Flights": ("ascent", "availability", "fly", "nozzle", "schedule", "campaign"),
     "This installation": ("doctor",),

@@ -1,23 +1,37 @@
-"""`tvclin boundary`: the boundary limit over the duration of the wind."""
+"""`tvclin boundary`: boundary limits over the dead band, in one wind or over its duration."""
 
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import one_of, positive, within
 from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.limit import OK, boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
+from tvclin.cli.boundary_in_wind import print_in_wind
 from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, At, Given, Plot, asked
-from tvclin.cli.output import draw, print_json, print_tables, say_notes
+from tvclin.cli.options import (
+    GROUP,
+    MOTION,
+    SOURCE_HELP,
+    At,
+    Given,
+    More,
+    ShownCurves,
+    asked,
+)
+from tvclin.cli.output import answer, draw, print_answer
+from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.winds.shaped import SHAPES
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
+_IN_WIND = "a vehicle and no --tau-beta (tvclin boundary VEHICLE)"
+"""What an answer in the wind of a case takes."""
 
 
 def boundary(
@@ -29,43 +43,94 @@ def boundary(
         ),
     ] = None,
     time: At = None,
-    wind: str | None = SHAPE,
-    tau_beta: list[float] | None = asked(
-        "Duration of the wind times beta (with damping, times the pole); may be given"
-        " several times."
+    winds: WindOptions = GROUP,
+    dead_band: list[float] | None = asked(
+        "Dead band K, from 0 to 1; may be given several times.", shown="1, 0.75, 0.5, 0.25 and 0"
     ),
-    dead_band: list[float] | None = asked("Dead band K from 0 to 1; may be given several times."),
+    tau_beta: list[float] | None = asked(
+        "Duration of the wind times beta (with damping, times the pole), in place of the wind of"
+        " the vehicle; may be given several times.",
+        shown="without a vehicle, 0.5 to 20",
+    ),
+    start: float | None = asked(
+        "Start of the control that knows the wind, in s; negative: before the wind.",
+        shown="the onset of the wind",
+    ),
+    horizon: float | None = asked("Time after which its deflection must be zero again, in s."),
     motion: Given = MOTION,
-    as_json: AsJson = False,
-    plot: Plot = None,
+    more: More = False,
+    shown: ShownCurves = GROUP,
 ) -> None:
-    """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2.
+    """Print the boundary limit for each dead band, and the minimum of any control (appendix C).
 
-    A boundary limit is a ratio to static trim, at nominal dynamic pressure, and no verdict.
+    Of a vehicle it is in its wind, and the minimum, of a wind known beforehand, is a lower bound:
+    no control needs less. Without a vehicle, or with --tau-beta, it is over the duration of the
+    wind, as y_BR in figure 2, a ratio to static trim. All of it is at nominal dynamic pressure, and
+    no verdict; tvclin study has that.
+
+    Exit code 0: found; 1: only a lower bound of the minimum was found; 2: bad input.
     """
+    dead_bands = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
+    if vehicle is not None and tau_beta is None:
+        case = case_of(vehicle, motion.over, wind=winds.over, told=("boundary",), time=time)
+        title = winds.title(case, vehicle)
+        print_in_wind(case, winds, title, dead_bands, (start, horizon), more, shown)
+        return
+    pulse = {name: value for name, value in vars(winds).items() if name != "wind"}
+    only_with(_IN_WIND, **pulse, start=start, horizon=horizon, csv=shown.csv)
+    x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
+    _print_over_duration(_subject(vehicle, time, motion), winds.wind, x, dead_bands, more, shown)
+
+
+def _print_over_duration(
+    subject: tuple[str, Plant, str, str],
+    shape: str | None,
+    x: FloatArray,
+    K: FloatArray,
+    more: bool,
+    shown: ShownCurves,
+) -> None:
+    """Print boundary limits y_BR over tau*beta and the dead band."""
     from tvclin import plots
 
-    x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
-    K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    name, plant, plane, file_shape = _subject(vehicle, time, motion)
-    wind = chosen(wind, file_shape)
-    shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
+    name, plant, plane, file_shape = subject
+    wind = one_of("--wind", chosen(shape, file_shape), SHAPES)
+    pulse: Any = SHAPES[wind]
     # of one unit of peak: the boundary limit does not depend on it
-    pulses = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
+    pulses = pulse(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
     limits = with_larger_requirements(plant, pulses, K, boundary_limit(plant, pulses, K))
-    shown = None if vehicle is None else plant.coefficients
-    axis = "tau*beta" if shown is None else f"tau*{shown.pole_symbol}"
+    coefficients = plant.coefficients if name else None
+    axis = "tau*beta" if coefficients is None else f"tau*{coefficients.pole_symbol}"
     curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
-    draw(plot, lambda: plots.boundary_chart(curve, K.tolist(), shown))
-    if as_json:
-        head = {"vehicle": name or None, "wind": wind, "model": plant.model, "plane": plane}
-        results = {"dead_band": K, "limit": limits.limit, "status": limits.status.tolist()}
-        print_json(head | {axis.replace("*", "_"): x} | results)
-        return
-    title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
-    caption = f"{title}: boundary limit y_BR {NOMINAL}, {wind} wind"
-    print_tables(limits.table(caption, axis, x, K))
-    say_notes(_notes(axis, x, K, limits.status))
+    draw(shown.plot, lambda: plots.boundary_chart(curve, K.tolist(), coefficients))
+    title = f"{name}, {plant.model}, {plane}" if name else "Any vehicle, flight path fixed"
+    document = {
+        "vehicle": name or None,
+        "wind": wind,
+        "model": plant.model,
+        "plane": plane,
+        axis.replace("*", "_"): x,
+        "dead_band": K,
+        "limit": limits.limit,
+        "status": limits.status.tolist(),
+    }
+    answer(
+        shown.as_json,
+        lambda: document,
+        lambda: print_answer(
+            f"{_largest(axis, x, K, limits.limit)}: boundary limit {NOMINAL}, no verdict",
+            limits.table(f"{title}: boundary limit y_BR, {wind} wind", axis, x, K),
+            notes=_notes(axis, x, K, limits.status),
+            more=more,
+        ),
+    )
+
+
+def _largest(axis: str, x: FloatArray, K: FloatArray, limit: FloatArray) -> str:
+    """Return the largest limit ``(n, k)`` of a table in words, with its duration and dead band."""
+    finite = np.where(np.isfinite(limit), limit, -1.0)
+    n, k = np.unravel_index(np.argmax(finite), finite.shape)
+    return f"at most {finite[n, k]:.3f} of static trim, at {axis} = {x[n]:g} and K = {K[k]:g}"
 
 
 def _subject(vehicle: str | None, time: float | None, motion: Given) -> tuple[str, Plant, str, str]:
@@ -75,11 +140,11 @@ def _subject(vehicle: str | None, time: float | None, motion: Given) -> tuple[st
         only_with("a vehicle", at=time)
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         return "", plant, "pitch", "triangular"
-    case = case_of(vehicle, motion.over, time=time, told=("boundary",))
+    case = case_of(vehicle, motion.over, time=time, told=("boundary --tau-beta",))
     return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 
 
-def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
+def _notes(axis: str, x: FloatArray, K: FloatArray, status: Any) -> list[str]:
     """Return notes on irregular entries of the table, with their K and range of duration."""
     where: dict[tuple[str, str], list[str]] = {}
     for k, column in zip(K, status.T, strict=True):

@@ -25,7 +25,16 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
 from tvclin.base.fields import Field, derived, document, spec, specs
-from tvclin.base.lines import Row, Table, degrees, minimum_limit, number, quantities, significant
+from tvclin.base.lines import (
+    Line,
+    Row,
+    Table,
+    degrees,
+    minimum_limit,
+    number,
+    quantities,
+    significant,
+)
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit, leading_pole
 from tvclin.boundary.open_loop import ROUNDING, Reason, open_loop_requirements
@@ -343,6 +352,35 @@ class KnownWind(Shown):
         """Return the record as the command line prints it as JSON, angles in degrees."""
         more = {} if self.limited is None else {"with_rate_limit": self.limited}
         return document(self) | more
+
+    def dead_band_table(
+        self, caption: str, dead_bands: FloatArray, required: RequiredDeflection | None
+    ) -> Table:
+        """Return the table of the required deflection by dead band, ``(n,)``, and of the minimum.
+
+        `required`: that of the wind at these dead bands; None where there is none. What sets it has
+        a column where that is not the boundary of the control throughout.
+        """
+        head: tuple[str, ...] = ("dead band", "required [deg]", "over trim", "set by")
+        rows: list[tuple[Line, ...]] = []
+        if required is not None:
+            columns = np.abs(required.deflection), required.limit, required.governs
+            for K, size, ratio, governs in zip(dead_bands, *columns, strict=True):
+                cells = degrees(f"K.{K:g}.deflection", size), number(f"K.{K:g}.limit", ratio)
+                rows.append(((f"K = {K:g}",), *map(minimum_limit, cells), (str(governs),)))
+        fraction = np.nan if self.fraction_of_trim is None else self.fraction_of_trim
+        least = degrees("optimum.peak", self.best.peak), number("optimum.fraction", fraction)
+        rows.append(((WIND_KNOWN,), *least, (str(Reason.MINIMUM),)))
+        if all(row[-1] == (str(Reason.BOUNDARY),) for row in rows[:-1]):
+            head, rows = head[:-1], [row[:-1] for row in rows]
+        return Table(caption, head, tuple(rows))
+
+    @property
+    def verdict(self) -> str:
+        """The minimum peak in words, a lower bound of every control."""
+        of_trim = "" if self.fraction_of_trim is None else f", {self.fraction_of_trim:.3f} of trim"
+        peak = f"{np.degrees(self.best.peak):.3f} deg{of_trim}"
+        return f"{WIND_KNOWN}: {peak}; no control survives this wind with less"
 
     def table(self, caption: str) -> Table:
         """Return the peak, its certificate, and the numbers it is compared with."""

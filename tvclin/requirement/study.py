@@ -109,7 +109,7 @@ def slow_or_paired(
         yield (
             "two unstable poles are a pair or equal here, and no limit satisfies condition (4b) of"
             " both: required is the largest trim deflection over K, so that the dead band is never"
-            " left (tvclin optimum shows the minimum)"
+            " left (tvclin boundary shows the minimum)"
         )
         return
     edge = float(single_pole_validity(plant.coefficients))
@@ -117,7 +117,7 @@ def slow_or_paired(
     if wind.end - wind.onset > edge and required.governs == Reason.BOUNDARY and not flown:
         yield (
             f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
-            " then require more (tvclin optimum)"
+            " then require more (tvclin boundary)"
         )
 
 

@@ -1,4 +1,4 @@
-"""`tvclin optimum`: the numbers of the library, and one sentence for bad input."""
+"""`tvclin boundary` in a wind: the numbers of the library, and one sentence for bad input."""
 
 import csv
 import json
@@ -12,8 +12,8 @@ import tvclin as tv
 from tvclin.cli.app import app
 
 
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["optimum", *arguments])
+def run(*arguments: str, vehicle: str = "configuration-i") -> Result:
+    return CliRunner().invoke(app, ["boundary", vehicle, *arguments])
 
 
 def test_json_equals_the_library() -> None:
@@ -26,6 +26,29 @@ def test_json_equals_the_library() -> None:
     assert expected.switch_times.tolist() == document["switch_times_s"]
     assert document["first_segment"] == "goes with the wind"
     assert document["certificate"]["gap"] < 1e-9
+    for one in document["boundaries"]:
+        required = tv.required_deflection(plant, wind, one["dead_band"])
+        assert one["limit"] == pytest.approx(required.limit, rel=1e-12)
+        assert one["governed_by"] == required.governs
+    assert [one["dead_band"] for one in document["boundaries"]] == [1.0, 0.75, 0.5, 0.25, 0.0]
+
+
+def test_the_dead_bands_of_the_options_have_a_row_each() -> None:
+    result = run("--dead-band", "0.4", "--dead-band", "0", "--duration", "40")
+    assert result.exit_code == 0
+    for said in ("Lower bound, wind known: 0.078 deg", "K = 0.4", "all unstable poles"):
+        assert said in " ".join(result.output.split())
+    assert "K = 1" not in result.output
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--duration", "3"), ("--peak-deg", "2"), ("--start", "1"), ("--horizon", "9")],
+)
+def test_what_is_of_one_wind_is_refused_over_its_duration(options: tuple[str, ...]) -> None:
+    result = run("--tau-beta", "4", *options)
+    assert result.exit_code == 2
+    assert f"{options[0]} needs a vehicle and no --tau-beta" in result.output
 
 
 def test_an_early_start_gains_and_a_late_one_pays() -> None:
@@ -38,7 +61,7 @@ def test_an_early_start_gains_and_a_late_one_pays() -> None:
 
 
 def test_a_rate_limit_costs_peak() -> None:
-    document = json.loads(run("--rate-limit-deg", "0.3", "--json").stdout)
+    document = json.loads(run("--set", "nozzle.rate_limit_deg_per_s=0.3", "--json").stdout)
 
     assert document["with_rate_limit"]["peak_deg"] > document["peak_deg"]
     assert document["with_rate_limit"]["rate_deg_per_s"] <= 0.3 * (1 + 1e-9)
@@ -63,8 +86,8 @@ def test_files_hold_the_deflection_that_was_found(tmp_path: Path) -> None:
     ("arguments", "names"),
     [
         (("--horizon", "1"), "horizon"),
-        (("--rate-limit-deg", "1e-4"), "rate"),
-        (("--rate-limit-deg", "-1"), "rate"),
+        (("--set", "nozzle.rate_limit_deg_per_s=1e-4"), "rate"),
+        (("--set", "nozzle.rate_limit_deg_per_s=-1"), "rate"),
         (("--wind", "square"), "wind"),
         (("--model", "none"), "model"),
         (("--start", "nan"), "start"),
@@ -82,7 +105,9 @@ def test_bad_input_is_exit_code_two_and_one_sentence(
 
 
 def test_a_stable_vehicle_needs_nothing(stable_vehicle: Path) -> None:
-    document = json.loads(run(str(stable_vehicle), "--model", "fixed-path", "--json").stdout)
+    document = json.loads(
+        run("--model", "fixed-path", "--json", vehicle=str(stable_vehicle)).stdout
+    )
 
     assert document["peak_deg"] == 0.0
     assert document["first_segment"] == "none"
