@@ -213,6 +213,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "40,first,20,0.005,5e5,1,-0.06,0.02,0.02\n120,first,30,0.005,4e5,1,-0.06,0.02,0.02\n"
     )
     bends = tv.ascent.load_structure(modes)
+    bent = dataclasses.replace(schedule, structure=bends)
+    mode_notch = tv.control.ModeNotch(mode="first", zero_damping=0.1, pole_damping=0.6)
     two = tv.control.GainSchedule([40.0, 90.0], autopilot)
     estimator = tv.control.WindEstimator(bandwidth=10.0)
     beside = tv.flights.compare_flight(
@@ -698,15 +700,40 @@ def doors(folder: Path) -> dict[str, Door]:
         "FlightSchedule.to_csv": Door(schedule.to_csv, {"path": folder / "schedule.csv"}),
         "FlightSchedule.nominal_at": Door(schedule.nominal_at, {"time": 66.0}),
         "GainSchedule": Door(
-            tv.control.GainSchedule, {"time": [40.0, 90.0], "autopilot": autopilot}
+            tv.control.GainSchedule,
+            {
+                "breakpoints": [40.0, 90.0],
+                "autopilot": autopilot,
+                "variable": "time",
+                "notches": (mode_notch,),
+            },
         ),
-        "GainSchedule.at": Door(two.at, {"time": 66.0}),
+        "GainSchedule.at": Door(two.at, {"value": 66.0}),
+        "GainSchedule.along": Door(two.along, {"flight": bent, "time": 66.0}),
+        "ModeNotch": Door(
+            tv.control.ModeNotch,
+            {"mode": "first", "zero_damping": 0.1, "pole_damping": 0.6, "ratio": 1.0},
+        ),
+        "ModeNotch.at": Door(mode_notch.at, {"flight": bent, "time": 66.0}),
+        "flight_variable": Door(
+            tv.ascent.flight_variable, {"flight": schedule, "variable": "mach", "time": 66.0}
+        ),
+        "equal_values": Door(
+            tv.control.equal_values,
+            {
+                "flight": schedule,
+                "variable": "dynamic_pressure",
+                "times": [60.0, 66.0],
+                "autopilot": autopilot,
+            },
+        ),
         "GainSchedule.design": Door(
             tv.control.GainSchedule.design,
             {
-                "time": [40.0, 90.0],
+                "breakpoints": [40.0, 90.0],
                 "coefficients": coefficients,
                 "rule": tv.design_gains,
+                "variable": "time",
                 **poles,
             },
         ),

@@ -26,6 +26,7 @@ _CONTINUATION = 14_000.0
 """Height [m] over which both ends of the range are continued; beyond it the air is constant."""
 _EARTH_RADIUS = 6_356_766.0
 _GAS_CONSTANT = 8.31432 / 28.9644e-3
+_RATIO_OF_SPECIFIC_HEATS = 1.4
 _BASES = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
 _LAPSES = np.array([-6.5e-3, 0.0, 1.0e-3, 2.8e-3, 0.0, -2.8e-3, -2.0e-3])
 _SEA_TEMPERATURE, _SEA_PRESSURE = 288.15, 101_325.0
@@ -71,6 +72,11 @@ def air_at(altitude: FloatArray) -> Air:
     pressure = pressures[layer] * np.exp(-_fall(base, lapse, above))
     density = pressure / (_GAS_CONSTANT * temperature)
     return Air(temperature, pressure, density)
+
+
+def speed_of_sound(air: Air) -> FloatArray:
+    """Return the speed of sound [m/s] in air."""
+    return np.sqrt(_RATIO_OF_SPECIFIC_HEATS * _GAS_CONSTANT * air.temperature)
 
 
 def density_at(altitude: float) -> float:

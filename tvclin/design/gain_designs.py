@@ -18,7 +18,7 @@ from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
-from tvclin.control.autopilot.gains import GainSchedule
+from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.margins.criteria import Criteria
 from tvclin.design.minimum_gains import MinimumGains, minimum_deflection_gains, solve_problem
 from tvclin.linear.plant import PLANT_HINT, Plant

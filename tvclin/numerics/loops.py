@@ -55,6 +55,8 @@ _MIN_HAMILTONIAN_DIVISOR = 1e-8
 """Smallest |1 - D^2/g^2| in the Hamiltonian matrix."""
 _TERMS_PER_BLOCK = 2**16
 """Terms of a sum over poles that are evaluated together, to bound the memory."""
+_MAX_POINTS_OF_CUMULATIVE_SUMS = 256
+"""Number of points above which terms are added one by one, which is then quicker."""
 _ENTRIES_PER_BLOCK = 2**22
 """Entries of matrices that are solved together, to bound the memory."""
 _CHEBYSHEV_POINTS = 48
@@ -402,6 +404,11 @@ class StateLoop:
                 x, y = s.real - p.real, s.imag - p.imag
                 size = x**2 + y**2
                 real, imag = (r.real * x + r.imag * y) / size, (r.imag * x - r.real * y) / size
+                if s.size > _MAX_POINTS_OF_CUMULATIVE_SUMS:  # the same sequence of additions
+                    for real_term, imag_term in zip(real, imag, strict=True):
+                        total.real += real_term
+                        total.imag += imag_term
+                    continue
                 total.real = np.cumsum(np.concatenate([total.real[np.newaxis], real]), axis=0)[-1]
                 total.imag = np.cumsum(np.concatenate([total.imag[np.newaxis], imag]), axis=0)[-1]
         repeated = np.flatnonzero(~self.modal[self.case])

@@ -11,9 +11,7 @@ shape of the coefficients: every flight condition in one call.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,8 +21,6 @@ from tvclin.base.errors import (
     InputError,
     between,
     broadcast,
-    callable_for,
-    finite,
     instance,
     nonnegative,
     number,
@@ -32,9 +28,7 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.control.autopilot.actuator import positive_in_range
-from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
-from tvclin.control.autopilot.feedback import GAINS
-from tvclin.control.margins.margins import Margins, loop_margins
+from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -432,113 +426,3 @@ def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArr
             " alpha_weight"
         )
     return np.asarray(gains[0])
-
-
-@dataclass(frozen=True, eq=False)
-class GainSchedule:
-    """Gains at several flight times, linearly interpolated.
-
-    Attributes
-    ----------
-    time : ndarray
-        Flight times [s], rising, ``(n,)``.
-    autopilot : Autopilot
-        Autopilot with gains at those times, ``(n,)`` or ``()``; its actuator does not change.
-
-    Raises
-    ------
-    InputError
-        For times that do not rise, fewer than two, and gains of another shape.
-    """
-
-    time: FloatArray
-    autopilot: Autopilot
-
-    def __post_init__(self) -> None:
-        time = finite("time", self.time, "s")
-        if time.ndim != 1 or time.size < 2 or np.any(np.diff(time) <= 0.0):
-            raise InputError("time must be two or more rising flight times in s")
-        instance("autopilot", self.autopilot, Autopilot, "whose gains are one for each time")
-        if self.autopilot.batch not in {(), time.shape}:
-            raise InputError(
-                f"autopilot must have one gain for each of the {time.size} times; got a batch of"
-                f" shape {self.autopilot.batch}"
-            )
-        object.__setattr__(self, "time", time)
-
-    @classmethod
-    def design(
-        cls,
-        time: ArrayLike,
-        coefficients: Coefficients,
-        rule: Callable[..., Autopilot],
-        **arguments: Any,
-    ) -> Self:
-        """Return the schedule of gains that a design rule gives at each time.
-
-        Parameters
-        ----------
-        time : array_like
-            Flight times [s], rising, ``(n,)``.
-        coefficients : Coefficients
-            Coefficients of the vehicle at each time, ``(n,)``.
-        rule : callable
-            Function from coefficients to an autopilot, such as `design_gains`.
-        **arguments
-            Arguments of the rule.
-
-        Examples
-        --------
-        >>> import tvclin as tv
-        >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28, 0.2], mu_delta=[2.0, 2.6, 3.0])
-        >>> rule = {"natural_frequency": 1.0, "damping": 0.7}
-        >>> times = [40.0, 66.0, 90.0]
-        >>> schedule = tv.control.GainSchedule.design(times, c, tv.design_gains, **rule)
-        >>> round(schedule.at(53.0).attitude_gain, 4)
-        0.5212
-        >>> schedule.margins(tv.Plant.from_coefficients(c)).stable.all().item()
-        True
-        """
-        callable_for("rule", rule, "from coefficients to an Autopilot, such as design_gains")
-        return cls(finite("time", time, "s"), rule(coefficients, **arguments))
-
-    def at(self, time: ArrayLike) -> Autopilot:
-        """Return the autopilot at a flight time [s], or a batch of it at several times.
-
-        Raises
-        ------
-        InputError
-            For a time outside the schedule: gains are not extrapolated.
-        """
-        times = finite("time", time, "s")
-        outside = (times < self.time[0]) | (times > self.time[-1])
-        if np.any(outside):
-            raise InputError(
-                f"time must lie in the schedule, {self.time[0]:.6g} to {self.time[-1]:.6g} s;"
-                f" got {times[outside].ravel()[0]:.6g}"
-            )
-        values_of = {name: getattr(self.autopilot, name) for name in (*GAINS, "delay")}
-        changes: dict[str, Any] = {
-            name: np.interp(times, self.time, np.broadcast_to(values, self.time.shape))
-            for name, values in values_of.items()
-        }
-        if self.autopilot.actuator is not None and self.autopilot.actuator.batch:
-            raise InputError("an actuator that changes over the flight is not interpolated")
-        return replace(self.autopilot, **changes)
-
-    def margins(self, plants: Plant) -> Margins:
-        """Return the margins at every flight time.
-
-        Parameters
-        ----------
-        plants : Plant
-            The plant at each of the times, ``(n,)``.
-
-        Warns
-        -----
-        UserWarning
-            In the same cases as `Autopilot.loop`.
-        """
-        loop = self.autopilot.exact_loop(plants)
-        warn_of_feedback(self.autopilot, plants)
-        return loop_margins(loop)

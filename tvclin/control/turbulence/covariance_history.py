@@ -32,7 +32,7 @@ from tvclin.base.errors import (
 )
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.gains import GainSchedule
+from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.turbulence.covariance_march import gauss_times, march, march_times
 from tvclin.control.turbulence.driven_loop import (
     DEFLECTION,
@@ -336,8 +336,8 @@ def turbulence_along(
     Raises
     ------
     InputError
-        For an autopilot with a sample rate, gains that do not cover the flight, a schedule without
-        the altitudes that a table needs, and numbers out of range.
+        For an autopilot with a sample rate, a schedule without the altitudes that a table needs,
+        and numbers out of range.
 
     Notes
     -----
@@ -346,8 +346,8 @@ def turbulence_along(
     """
     instance("schedule", schedule, FlightSchedule, "see load_schedule")
     gains = autopilot if isinstance(autopilot, GainSchedule) else None
-    checked_parts(gains.autopilot if gains else autopilot, turbulence, noise, None)  # type: ignore[arg-type]
-    parts: Autopilot = gains.autopilot if gains else autopilot  # type: ignore[assignment]
+    parts = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
+    checked_parts(parts, turbulence, noise, None)
     if parts.sample_rate is not None:
         raise InputError(
             "turbulence_along() is for continuous autopilots; this one has a sample_rate (replace"
@@ -374,7 +374,7 @@ def turbulence_along(
             plant = Plant.from_vehicle(vehicle, model, plane)
         else:
             plant = FlexiblePlant.from_vehicle(vehicle, structure, model, plane)
-        law = gains.at(times) if gains else parts
+        law = gains.along(flight, np.clip(times, *flight.span)) if gains else parts
         law = replace(law, delay=float(delay[0]))
         height = None if flight.altitude is None else np.interp(times, flight.times, flight.height)
         sigma, length = (np.broadcast_to(x, times.shape) for x in turbulence.over(height))

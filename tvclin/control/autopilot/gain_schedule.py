@@ -1,0 +1,395 @@
+"""Gains, filters and notches over the flight, scheduled on one of its variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.ascent.flight_variable import VARIABLES, flight_variable
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Record
+from tvclin.base.columns import Column, Columns, Tabled, columns_of
+from tvclin.base.errors import (
+    InputError,
+    callable_for,
+    each,
+    finite,
+    instance,
+    number,
+    one_of,
+    positive,
+    text,
+    times_row,
+)
+from tvclin.base.fields import spec
+from tvclin.base.lines import Line, Table, significant
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
+from tvclin.control.autopilot.feedback import CHAINS, GAINS
+from tvclin.control.margins.margins import Margins, loop_margins
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.filters import Filter
+
+_MAX_INTERPOLATED_ORDER = 2
+"""Highest order of a filter over the flight: between two stable denominators of second order every
+one on the straight line is stable, of a higher order not."""
+_SHOWN_PAIRS = 5
+"""Number of pairs of times in a table, those that differ most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeNotch(Record):
+    """Notch behind the sum of all feedbacks, at the frequency of a bending mode at each time.
+
+    Parameters
+    ----------
+    mode : str
+        Name of the mode in the structure of the flight.
+    zero_damping, pole_damping : float
+        As in `Filter.notch`.
+    ratio : float
+        Frequency of the notch over that of the mode, positive.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
+    """
+
+    mode: str = field(metadata=spec())
+    zero_damping: float = field(metadata=spec())
+    pole_damping: float = field(metadata=spec())
+    ratio: float = field(default=1.0, metadata=spec())
+
+    def __post_init__(self) -> None:
+        text("mode", self.mode)
+        object.__setattr__(self, "zero_damping", number("zero_damping", self.zero_damping))
+        for name in ("pole_damping", "ratio"):
+            object.__setattr__(self, name, number(name, getattr(self, name), positive))
+
+    def at(self, flight: FlightSchedule, time: ArrayLike) -> Filter:
+        """Return the notch at times of flight [s].
+
+        Raises
+        ------
+        InputError
+            For a flight whose structure has no mode of this name.
+        """
+        instance("flight", flight, FlightSchedule, "see load_schedule")
+        if flight.structure is None:
+            raise InputError(f"a notch at {self.mode} needs a flight with a structure over time")
+        mode = flight.structure.at(time).bending[flight.structure.mode_number(self.mode)]
+        frequency = self.ratio * np.asarray(mode.frequency)
+        return Filter.notch(frequency, self.zero_damping, self.pole_damping)
+
+
+@dataclass(frozen=True, eq=False)
+class GainSchedule:
+    """Autopilot over the flight, straight lines between breakpoints of one variable of the flight.
+
+    Attributes
+    ----------
+    breakpoints : ndarray
+        Values of the variable, rising, ``(n,)``, in SI units.
+    autopilot : Autopilot
+        Autopilot with gains, delay, filters and actuator at the breakpoints, ``(n,)`` or ``()``.
+        Filters are interpolated by their coefficients, denominators beginning with one.
+    variable : str
+        Variable of the flight, one of time [s], speed [m/s], altitude [m], mach, and
+        dynamic_pressure [Pa]; see `flight_variable`.
+    notches : tuple of ModeNotch
+        Notches that follow a mode, behind the filters of the autopilot.
+
+    Raises
+    ------
+    InputError
+        For breakpoints that do not rise, fewer than two, an autopilot of another shape, and filters
+        that change over the flight with an order above two.
+    """
+
+    breakpoints: FloatArray
+    autopilot: Autopilot
+    variable: str = "time"
+    notches: tuple[ModeNotch, ...] = ()
+
+    def __post_init__(self) -> None:
+        one_of("variable", self.variable, VARIABLES)
+        points = finite("breakpoints", self.breakpoints)
+        if points.ndim != 1 or points.size < 2 or np.any(np.diff(points) <= 0.0):
+            raise InputError(
+                f"breakpoints must be two or more rising values of {self.variable}: take a part of"
+                " the flight in which it rises"
+            )
+        instance("autopilot", self.autopilot, Autopilot, "whose gains are one for each breakpoint")
+        if self.autopilot.batch not in {(), points.shape}:
+            raise InputError(
+                f"autopilot must have one gain for each of the {points.size} breakpoints; got a"
+                f" batch of shape {self.autopilot.batch}"
+            )
+        for name in CHAINS:
+            for filter_ in getattr(self.autopilot, name):
+                if filter_.batch and filter_.order > _MAX_INTERPOLATED_ORDER:
+                    raise InputError(
+                        f"{name} that change over the flight must be of order"
+                        f" {_MAX_INTERPOLATED_ORDER} at most, as what lies between two stable ones"
+                        f" may be unstable; got order {filter_.order} (take several in series)"
+                    )
+        notches = each("notches", self.notches, ModeNotch, "ModeNotch(mode=...)")
+        object.__setattr__(self, "notches", notches)
+        object.__setattr__(self, "breakpoints", points)
+
+    @classmethod
+    def design(
+        cls,
+        breakpoints: ArrayLike,
+        coefficients: Coefficients,
+        rule: Callable[..., Autopilot],
+        variable: str = "time",
+        **arguments: Any,
+    ) -> Self:
+        """Return the schedule of gains that a design rule gives at each breakpoint.
+
+        Parameters
+        ----------
+        breakpoints : array_like
+            Values of the variable of the flight, rising, ``(n,)``; see `flight_variable`.
+        coefficients : Coefficients
+            Coefficients of the vehicle at each of them, ``(n,)``.
+        rule : callable
+            Function from coefficients to an autopilot, such as `design_gains`.
+        variable : str
+            Name of the variable.
+        **arguments
+            Arguments of the rule.
+
+        Examples
+        --------
+        >>> import tvclin as tv
+        >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28, 0.2], mu_delta=[2.0, 2.6, 3.0])
+        >>> rule = {"natural_frequency": 1.0, "damping": 0.7}
+        >>> times = [40.0, 66.0, 90.0]
+        >>> schedule = tv.control.GainSchedule.design(times, c, tv.design_gains, **rule)
+        >>> round(schedule.at(53.0).attitude_gain, 4)
+        0.5212
+        >>> schedule.margins(tv.Plant.from_coefficients(c)).stable.all().item()
+        True
+        """
+        callable_for("rule", rule, "from coefficients to an Autopilot, such as design_gains")
+        points = finite("breakpoints", breakpoints)
+        return cls(points, rule(coefficients, **arguments), variable)
+
+    def at(self, value: ArrayLike) -> Autopilot:
+        """Return the autopilot at a value of the variable, or a batch of it at several.
+
+        Raises
+        ------
+        InputError
+            For a value outside the breakpoints, as gains are not extrapolated, and for a schedule
+            with notches that follow a mode, see `along`.
+        """
+        if self.notches:
+            raise InputError(
+                "a notch that follows a mode is known along a flight alone; see along(flight, time)"
+            )
+        values = finite("value", value)
+        low, high = self.breakpoints[[0, -1]]
+        outside = (values < low) | (values > high)
+        if np.any(outside):
+            raise InputError(
+                f"{self.variable} must lie in the schedule, {low:.6g} to {high:.6g}; got"
+                f" {values[outside].ravel()[0]:.6g}"
+            )
+        return self._interpolated(values)
+
+    def along(self, flight: FlightSchedule, time: ArrayLike) -> Autopilot:
+        """Return the autopilot at times of a flight [s], of their shape.
+
+        Before the first and after the last breakpoint it is that of the breakpoint. The actuator of
+        a flight that has one over time takes the place of the autopilot's.
+
+        Raises
+        ------
+        InputError
+            For times outside the flight, and a flight without the variable or the mode of a notch.
+        """
+        instance("flight", flight, FlightSchedule, "see load_schedule")
+        values = flight_variable(flight, self.variable, time)
+        autopilot = self._interpolated(values)
+        notches = tuple(notch.at(flight, time) for notch in self.notches)
+        return with_actuator_of(
+            replace(autopilot, filters=(*autopilot.filters, *notches)), flight, time
+        )
+
+    def margins(self, plants: Plant) -> Margins:
+        """Return the margins at every breakpoint.
+
+        Parameters
+        ----------
+        plants : Plant
+            The plant at each of the breakpoints, ``(n,)``.
+
+        Warns
+        -----
+        UserWarning
+            In the same cases as `Autopilot.loop`.
+        """
+        loop = self.autopilot.exact_loop(plants)
+        warn_of_feedback(self.autopilot, plants)
+        return loop_margins(loop)
+
+    def _interpolated(self, values: FloatArray) -> Autopilot:
+        """Return the autopilot at values of the variable, constant outside the breakpoints."""
+        autopilot = self.autopilot
+        changes: dict[str, Any] = {
+            name: self._line(getattr(autopilot, name), values)
+            for name in (*GAINS, "delay", "sample_rate")
+        }
+        for name in CHAINS:
+            chain = getattr(autopilot, name)
+            changes[name] = tuple(self._filter(filter_, values) for filter_ in chain)
+        servo = autopilot.actuator
+        if servo is not None and servo.batch:
+            frequency, damping = servo.natural_frequency, servo.damping
+            changes["actuator"] = Actuator(
+                natural_frequency=self._line(frequency, values),
+                damping=self._line(damping, values),
+            )
+        return replace(autopilot, **changes)
+
+    def _line(self, numbers: Any, values: FloatArray) -> Any:
+        """Return numbers ``(n,)`` interpolated; a single number is the same everywhere."""
+        return numbers if np.ndim(numbers) == 0 else np.interp(values, self.breakpoints, numbers)
+
+    def _filter(self, filter_: Filter, values: FloatArray) -> Filter:
+        """Return a filter whose coefficients are interpolated; a single filter is unchanged."""
+        if not filter_.batch:
+            return filter_
+        rows = (
+            np.stack([self._line(column, values) for column in np.moveaxis(rows, -1, 0)], axis=-1)
+            for rows in (filter_.numerator, filter_.denominator)
+        )
+        return Filter(*rows)
+
+
+def autopilot_along(
+    autopilot: Autopilot | GainSchedule, flight: FlightSchedule, time: FloatArray
+) -> Autopilot:
+    """Return an autopilot or a schedule of it at times of a flight [s]."""
+    if isinstance(autopilot, GainSchedule):
+        return autopilot.along(flight, time)
+    instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
+    return with_actuator_of(autopilot, flight, time)
+
+
+def with_actuator_of(autopilot: Autopilot, flight: FlightSchedule, time: ArrayLike) -> Autopilot:
+    """Return the autopilot with the actuator of a flight at times [s], if the flight has one."""
+    servo = flight.actuator_at(time)
+    if servo is None:
+        return autopilot
+    frequency, damping = servo
+    return replace(autopilot, actuator=Actuator(natural_frequency=frequency, damping=damping))
+
+
+@dataclass(frozen=True, eq=False)
+class EqualValues(Tabled):
+    """Pairs of times at which a variable of the flight has one value, and their gains.
+
+    A schedule on this variable has one autopilot for both.
+
+    Attributes
+    ----------
+    variable : str
+        Name of the variable.
+    value : ndarray
+        Value of the variable, ``(k,)``.
+    first_time, second_time : ndarray
+        Times of flight [s], ``(k,)``.
+    attitude_gain_ratio, rate_gain_ratio : ndarray
+        Gain at the second time over that at the first, ``(k,)``.
+    """
+
+    variable: str = field(metadata=spec())
+    value: FloatArray = field(metadata=spec())
+    first_time: FloatArray = field(metadata=spec("time"))
+    second_time: FloatArray = field(metadata=spec("time"))
+    attitude_gain_ratio: FloatArray = field(metadata=spec())
+    rate_gain_ratio: FloatArray = field(metadata=spec())
+
+    @property
+    def difference(self) -> FloatArray:
+        """Largest relative difference of the two gains of each pair, ``(k,)``."""
+        ratios = np.stack([self.attitude_gain_ratio, self.rate_gain_ratio])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(np.nanmax(np.abs(np.log(np.abs(ratios))), axis=0, initial=0.0))
+
+    def table(self) -> Table:
+        """Return the table of the pairs whose gains differ most."""
+        rows: list[tuple[Line, ...]] = []
+        names = ("value", "first_time", "second_time", "attitude_gain_ratio", "rate_gain_ratio")
+        for k in np.argsort(-self.difference, kind="stable")[:_SHOWN_PAIRS]:
+            rows.append(
+                tuple(significant(f"equal.{k}.{name}", getattr(self, name)[k]) for name in names)
+            )
+        head = (self.variable, "at [s]", "and at [s]", "ratio of a0", "ratio of a1")
+        return Table("Times of one value, and the ratio of the gains there", head, tuple(rows))
+
+    def _columns(self) -> Columns:
+        pairs = Column("pair", np.arange(1, self.value.size + 1), "")
+        names = ("value", "first_time", "second_time", "attitude_gain_ratio", "rate_gain_ratio")
+        return Columns((pairs,), columns_of(self, *names), {"variable": self.variable})
+
+
+def equal_values(
+    flight: FlightSchedule, variable: str, times: ArrayLike, autopilot: Autopilot
+) -> EqualValues:
+    """Return the pairs of times at which a variable has one value, with the ratio of the gains.
+
+    Parameters
+    ----------
+    flight : FlightSchedule
+        The flight.
+    variable : str
+        Scheduling variable, as in `flight_variable`.
+    times : array_like
+        Times of flight [s], rising, ``(n,)``.
+    autopilot : Autopilot
+        Autopilot that each time needs, ``(n,)``, as a design rule gives it.
+
+    Returns
+    -------
+    EqualValues
+        A pair for each time and each later crossing of its value, between times by straight lines;
+        none for a variable that is monotonic.
+
+    Raises
+    ------
+    InputError
+        For times that do not rise or lie outside the flight, and gains of another shape.
+    """
+    at = times_row("times", times)
+    if at.size < 2 or np.any(np.diff(at) <= 0.0):
+        raise InputError("times must be two or more rising times of flight in s")
+    instance("autopilot", autopilot, Autopilot, "whose gains are one for each time")
+    if autopilot.batch not in {(), at.shape}:
+        raise InputError(
+            f"autopilot must have one gain for each of the {at.size} times; got a batch of shape"
+            f" {autopilot.batch}"
+        )
+    values = flight_variable(flight, variable, at)
+    distance = values - values[:, np.newaxis]  # by the time of a pair and the later ones
+    crosses = (distance[:, :-1] * distance[:, 1:] < 0.0) | (distance[:, 1:] == 0.0)
+    first, left = np.nonzero(np.triu(crosses, 1))
+    fraction = distance[first, left] / (distance[first, left] - distance[first, left + 1])
+    second = at[left] + fraction * (at[left + 1] - at[left])
+    ratios = []
+    for name in ("attitude_gain", "rate_gain"):
+        gains = np.broadcast_to(getattr(autopilot, name), at.shape)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios.append(np.interp(second, at, gains) / gains[first])
+    return EqualValues(variable, values[first], at[first], second, *ratios)
