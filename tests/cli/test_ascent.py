@@ -39,8 +39,9 @@ FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
 @pytest.mark.thorough
 def test_a_dead_band_below_one_is_said_to_trust_a_forecast() -> None:
     said = "K below 1 trusts a forecast"
-    assert said not in run("ascent", "configuration-ii", *FAST).output
-    assert said in run("ascent", "configuration-ii", *FAST, "--dead-band", "0.5").output
+    given = ("ascent", "configuration-ii", *FAST, "--more")
+    assert said not in run(*given).output
+    assert said in run(*given, "--dead-band", "0.5").output
 
 
 def test_json_equals_the_library() -> None:
@@ -96,16 +97,18 @@ def test_json_equals_the_library() -> None:
 def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
     table, picture = tmp_path / "a.csv", tmp_path / "a.png"
     given = ("ascent", "configuration-i", *FAST, "--csv", str(table), "--plot", str(picture))
-    enough = run(*given, "--limit-deg", "0.6", "--set", "size.reserve_percent=10")
+    enough = run(*given, "--limit-deg", "0.6", "--set", "size.reserve_percent=10", "--more")
     short = run(
         "ascent", "configuration-i", *FAST, "--limit-deg", "0.5", "--set", "size.count=trim"
     )
 
     assert enough.exit_code == 0
-    assert re.search(r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve\n", enough.output)
+    assert re.search(
+        r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve; req", enough.output
+    )
     assert "limit that keeps 10 % in reserve" in enough.output
     assert short.exit_code == 1
-    assert re.search(r"deg: NOT SUFFICIENT, short by 0\.1\d+ deg\n", short.output)
+    assert re.search(r"deg: NOT SUFFICIENT, short by 0\.1\d+ deg; required", short.output)
     rows = table.read_text().splitlines()
     assert rows[0].startswith("time_s,wind,trim_deg,K1_deg,no_forecast_deg,minimum_deg")
     assert [row.split(",")[0] for row in rows[1:]] == ["60.0", "70.0", "80.0"]
@@ -124,7 +127,7 @@ def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
 @pytest.mark.thorough
 def test_the_frozen_vehicle_stands_beside_the_one_that_changes_with_how_far_it_is_off() -> None:
     along = ("ascent", "configuration-i", "--duration", "35", "--from", "66", "--to", "66")
-    result = run(*along)
+    result = run(*along, "--more")
     assert any(line.split()[-1:] == ["1"] for line in result.output.splitlines())
     found = json.loads(run(*along, "--json").stdout)["required_deg"]
     off = 100.0 * (found["K = 1"][0][0] / found["K = 1, varying"][0][0] - 1.0)
@@ -180,15 +183,15 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
 def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tmp_path) -> None:
     """Enough where the wind is known is not enough; a pulse joins only where one is named."""
     given = ("ascent", "configuration-i", *FLOWN, "--dead-band", "1", "--every", "20")
-    enough = run(*given, "--limit-deg", "0.7")
+    enough = run(*given, "--limit-deg", "0.7", "--more")
     lower = run(*given, "--limit-deg", "0.7", "--to", "65", "--json")
     short, unasked = run(*given, "--limit-deg", "0.3", "--json"), run(*given, "--json")
-    other = run(*given, "--peak-deg", "2", "--to", "65")
+    other = run(*given, "--peak-deg", "2", "--to", "65", "--more")
 
     assert (enough.exit_code, short.exit_code) == (1, 1)
     assert (lower.exit_code, unasked.exit_code) == (0, 0)
     assert "deg: NOT KNOWN; where the winds are known 0.2" in enough.output
-    assert "\nNOT SIZED above 12.0 km (66.19 s)\n" in enough.output
+    assert "; NOT SIZED above 12.0 km (66.19 s); required" in enough.output
     document, below = json.loads(short.stdout), json.loads(lower.stdout)
     assert document["winds"] == ["wyoming.txt"]
     assert document["times_s"] == [41.0, 60.0, 80.0, 100.0, 116.0]
@@ -456,7 +459,9 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
 
 @pytest.mark.thorough
 def test_it_says_which_options_would_tell_more() -> None:
-    two = run("ascent", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42", "--frozen")
+    two = run(
+        "ascent", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42", "--frozen", "--more"
+    )
     pulse = run("ascent", "--every", "60")
 
     assert "--set sounding.window_s 20 counts of a sounding" in two.output
@@ -506,7 +511,7 @@ def test_gusts_and_signs_without_meaning_are_refused(given, words) -> None:
 @pytest.mark.thorough
 def test_both_planes_stand_beside_each_plane_alone() -> None:
     given = ("--set", "wind.direction_deg=270", "--azimuth-deg", "45", "--peak-speed", "50", *FAST)
-    both = run("ascent", "configuration-i", "--plane", "both", "--stop", "square", *given)
+    both = run("ascent", "configuration-i", "--plane", "both", "--stop", "square", *given, "--more")
     assert "pitch alone misses" in " ".join(both.output.split())
     document = json.loads(
         run(

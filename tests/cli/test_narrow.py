@@ -18,7 +18,7 @@ from tvclin.vehicle.vehicle_file import template
 
 COMMANDS = {
     "study": ["study", "configuration-i", "--model", "fixed-path", "--sign", "frozen"],
-    "boundary": ["boundary", "configuration-i", "--model", "drift"],
+    "boundary": ["boundary", "configuration-i", "--tau-beta", "4", "--model", "drift"],
     "autopilot": ["margins", "configuration-i"],
     "error": ["study", "a vehicle of which nobody has ever heard and that is nowhere to be found"],
 }

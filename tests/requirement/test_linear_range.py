@@ -34,7 +34,7 @@ def study(deg: float, **options) -> tv.Study:
     usual(
         [
             ("study", (), "Limit 12.000 deg: NOT KNOWN"),
-            ("nozzle", (), "Verdict: NOT KNOWN"),
+            ("nozzle", (), "NOT KNOWN"),
             ("nozzle", ("--law", "trim"), "NOT KNOWN"),
             ("fly", (), "Flown at nominal dynamic pressure: NOT KNOWN"),
             (

@@ -39,7 +39,9 @@ def answers(tmp_path_factory):
     path.write_text(TEXT)
     plan = replace(load_study(path), laws=None)
     found = find(plan)
-    printed = CliRunner().invoke(app, ["ascent", str(path)], env={"COLUMNS": "200"}).output
+    printed = (
+        CliRunner().invoke(app, ["ascent", str(path), "--more"], env={"COLUMNS": "200"}).output
+    )
     return printed, section(found, "flight"), *found.flight
 
 

@@ -24,12 +24,13 @@ from tvclin.cli.options import (
     SIGN,
     AsJson,
     Given,
+    More,
     Plot,
     asked,
     switch,
     to_write,
 )
-from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
+from tvclin.cli.output import answer, draw, print_answer, print_tables, say, say_lines
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import ShapedOptions, WindOptions, azimuth_of, check_reading
 from tvclin.ensembles.dispersed_study import disperse_study, relative_increase_in_wind
@@ -147,6 +148,7 @@ def ascent(
         "--disperse",
         "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",
     ),
+    more: More = False,
     as_json: AsJson = False,
     csv: Path | None = asked(
         "Also write every flight time and wind into this file.", callback=to_write
@@ -174,21 +176,22 @@ def ascent(
     if disperse:
         request = replace(request, dispersion=_dispersed(case, request, sizing))
     total, ratio = request.total(case, sizing), request.ratio(case, sizing)
+    counted = request.counted(sizing, case.sign)
     said = [*request.warnings, *request.notes, *_hints(request, sizing)]
-    said += ratio.notes if ratio else ()
+    ratio_notes = [*ratio.notes] if ratio else []
     if csv is not None:
         sizing.to_csv(csv)
     draw(plot, lambda: plots.sizing_chart(sizing, total.limit, source))
     further = {
         "total": total,
         "controllability": ratio,
-        "notes": [*sizing.notes, *said],
+        "notes": [*sizing.notes, *said, *ratio_notes],
         "verdict": document(total, "limit", "sufficient", "remaining", "not_sized"),
     }
     answer(
         as_json,
         lambda: sizing.as_dict() | further,
-        lambda: _print(sizing, total, ratio, source, request.counted(sizing, case.sign), said),
+        lambda: _print(sizing, total, ratio, source, counted, [*said, *ratio_notes * more], more),
         not total.too_slow and (total.limit is None or bool(total.sufficient)),
     )
 
@@ -208,26 +211,36 @@ def _print(
     ratio: ControllabilityRatio | None,
     source: str,
     counted: Requirement,
-    said: list[str],
+    notes: list[str],
+    more: bool,
 ) -> None:
-    """Print the required deflections, the total and all notes, `said` after those of the sizing."""
+    """Print the verdict, the required deflections and notes, and the budget with `more`."""
     name = sizing.schedule.vehicle.name or source
     planes = "both planes, one stop" if sizing.separate else sizing.plane
-    say(f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}\n")
-    print_tables(*tables.time_tables(sizing, counted))
-    if marks := tables.marks_line(sizing):
-        say(marks)
-    if len(sizing.winds) > 1:
-        print_tables(tables.by_wind(sizing, counted))
-    if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
-        print_tables(*tables.wind_columns_table(sizing, counted))
-    say(f"{tables.legend(sizing)}\n")
-    print_tables(total_table(total, counted.label))
-    say_lines(total.verdict)
-    if ratio is not None:
-        print_tables(ratio.table)
-        say_lines([ratio.verdict])
-    say_notes((*sizing.notes, *said))
+    title = f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}"
+    first, further = (all_tables := tables.time_tables(sizing, counted))[:1], all_tables[1:]
+
+    def details() -> None:
+        print_tables(*further)
+        if marks := tables.marks_line(sizing):
+            say(marks)
+        if len(sizing.winds) > 1:
+            print_tables(tables.by_wind(sizing, counted))
+        if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
+            print_tables(*tables.wind_columns_table(sizing, counted))
+        say(f"{tables.legend(sizing)}\n")
+        print_tables(total_table(total, counted.label))
+        if ratio is not None:
+            print_tables(ratio.table)
+            say_lines([ratio.verdict])
+
+    print_answer(
+        total.words,
+        *(replace(table, caption=f"{title}\n{table.caption}") for table in first),
+        notes=(*sizing.notes, *notes),
+        more=more,
+        details=details,
+    )
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:

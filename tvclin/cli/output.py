@@ -127,7 +127,8 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
 
     console = Console(highlight=False)
     columns = list(zip(headings, *rows, strict=True))
-    prose = [max(len(cell.split()) for cell in column) >= _MIN_WORDS_OF_PROSE for column in columns]
+    words = [max((len(cell.split()) for cell in column[1:]), default=0) for column in columns]
+    prose = [most >= _MIN_WORDS_OF_PROSE for most in words]
     pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
     minima = [max(map(len, words), default=0) for words in pieces]
     wanted = [max(map(len, cells)) - width for cells, width in zip(columns, minima, strict=True)]

@@ -31,6 +31,7 @@ from tvclin.base.errors import (
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line as Cell
 from tvclin.base.lines import Table, degrees, significant
+from tvclin.base.lines import text as cell_text
 from tvclin.base.quantities import sufficiency
 from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
 from tvclin.linear.modes import unstable_modes
@@ -158,6 +159,17 @@ class DeflectionTotal(Shown):
                 line = (sufficiency(None) if unknown else "no rate is sufficient",)
             verdicts.append(("Rate limit ", *available, f": {word}", *line))
         return tuple(verdicts)
+
+    @property
+    def words(self) -> str:
+        """The verdict in words, with the required deflection and its flight time."""
+        words = [cell_text(line) for line in self.verdict]
+        if self.lines:
+            where = at_time(self, "the", " of those that are known" * bool(self.not_sized))
+            words.append(
+                f"required {np.degrees(self.required):.3f} deg for the wind and all{where}"
+            )
+        return "; ".join(words)
 
     @property
     def systematic(self) -> float:
