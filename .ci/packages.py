@@ -30,10 +30,10 @@ ALWAYS = (
     "study configuration-i --limit-deg 0.45",
     "ascent configuration-i --every 20",
     "fly configuration-i",
-    "campaign init my.toml",
+    "init --campaign my.toml",
 )
 FEATURES = {
-    "campaign": "campaign run my.toml -o results",
+    "campaign": "disperse my.toml -o results",
     "report": "report configuration-i",
     "sixdof": "fly configuration-i --engine sixdof",
 }

@@ -17,7 +17,7 @@ COMMANDS = [
     "init new.toml",
     "doctor",
     "study",
-    "study --disperse",
+    "disperse",
     "study --plot study.png",
     "study --gust 2 2",
     "report configuration-ii",
@@ -34,7 +34,7 @@ COMMANDS = [
     "ascent",
     "fly",
     "laws",
-    "campaign init cases.toml",
+    "init --campaign cases.toml",
 ]
 MOST_STARTS = {
     "study": 1.6,

@@ -100,7 +100,7 @@ _ = response_chart(worst.response(), title, limit=abs(worst.required))
 
 # %% [markdown]
 # **Try:** another seed, and look by how much the numbers move; then half the cases. On the
-# command line it is `tvclin campaign init`, `run`, `show`, on as many machines as you have.
+# command line it is `tvclin disperse`, on as many machines as you have.
 
 # %%
 driver = next(iter(found.drivers()))

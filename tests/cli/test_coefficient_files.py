@@ -101,7 +101,7 @@ def test_beta_and_B_are_the_same_vehicle(tmp_path: Path, slopes: str) -> None:
     [
         (["fly"], "needs a whole vehicle"),
         (["ascent"], "needs a whole vehicle"),
-        (["study", "--disperse"], "needs a whole vehicle"),
+        (["disperse"], "needs a whole vehicle"),
         (["study", "--peak-speed", "30"], "--peak-speed needs a whole vehicle"),
     ],
 )

@@ -120,14 +120,12 @@ VALUES = {
     "cuts": ["2"],
     "stop": ["square"],
     "switch": ["report"],
-    "cases": ["50"],
-    "seed": ["3"],
     "time": ["70"],
     "from_": ["69"],
     "to": ["73"],
     "every": ["0.4"],
 }
-SLOW = ("least", "flown", "disperse", "varying", "laws")
+SLOW = ("least", "flown", "varying", "laws")
 """Searches, which `test_least` and the tests of flown margins ask for."""
 
 

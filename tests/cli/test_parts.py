@@ -46,7 +46,6 @@ VALUES = {
         'autopilot.filter=[{kind="notch", frequency_Hz=5, zero_damping=0.05, pole_damping=0.5}]',
     ),
     "gains": ("--set", "autopilot.integral_gain_per_s", 0.05),
-    "dispersion": ("--disperse",),
     "limit": ("--limit-deg", 0.3),
 }
 WORK = "torque, power, travel and acceleration limits"
@@ -148,7 +147,7 @@ def asked(question, vehicle, station, *options):
     return CliRunner().invoke(app, [str(one) for one in words])
 
 
-BY_FILE = ("study", "report", "campaign", "explore")
+BY_FILE = ("study", "report", "disperse", "explore")
 
 
 def tried(questions):
@@ -358,7 +357,7 @@ def test_every_part_of_a_campaign_is_computed_told_or_refused(files):
 
     nominal, wrong = json.dumps(found({})), []
     for part, change in given.items():
-        kind = use_of("campaign", part)
+        kind = use_of("disperse", part)
         try:
             changed = json.dumps(found(change)) != nominal
         except tv.InputError:

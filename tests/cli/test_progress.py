@@ -102,10 +102,10 @@ def test_an_interrupted_campaign_says_how_it_goes_on(
     file, folder = tmp_path / "my.toml", tmp_path / "results"
     file.write_text(template())
     monkeypatch.setattr(engine, "run_chunk", interrupted)
-    result = CliRunner().invoke(app, ["campaign", "run", str(file), "-o", str(folder)])
+    result = CliRunner().invoke(app, ["disperse", str(file), "-o", str(folder)])
 
     assert result.exit_code == 130
-    assert f"Go on with: tvclin campaign resume {folder}" in result.output
+    assert "The same command again" in result.output
 
 
 def test_the_flight_of_the_template_can_be_taken_in() -> None:

@@ -131,8 +131,8 @@ def test_page_and_campaign_of_one_case_say_what_the_study_says(tmp_path) -> None
     assert OTHERS.search(shown[: shown.index("Inputs")].replace(" SUFFICIENT in ", "")) is None
     required = np.degrees(tv.load_study(file).study().required_deflection)
     folder = str(tmp_path / "campaign")
-    assert run("campaign", "run", str(file), "--folder", folder).exit_code == 0
-    shown = json.loads(run("campaign", "show", folder, "--limit-deg", "0.4", "--json").stdout)
+    assert run("disperse", str(file), "--folder", folder).exit_code == 1
+    shown = json.loads(run("disperse", folder, "--limit-deg", "0.4", "--json").stdout)
     assert shown["nominal_deg"] == pytest.approx(required, rel=1e-9)
     assert shown["success"]["estimate"] == 0.0
 

@@ -92,8 +92,8 @@ def test_a_scheduler_that_is_not_there(plan, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setattr("tvclin.ensembles.campaign.chunk_runner._TIMEOUT", 0.5)
     file = tmp_path / "my.toml"
-    CliRunner().invoke(app, ["campaign", "init", str(file)])
-    arguments = ["campaign", "run", str(file), "-o", str(tmp_path / "results")]
+    CliRunner().invoke(app, ["init", "--campaign", str(file)])
+    arguments = ["disperse", str(file), "-o", str(tmp_path / "results")]
     result = CliRunner().invoke(app, [*arguments, "--scheduler", "tcp://127.0.0.1:1"])
     assert result.exit_code == 2
     assert "Error: there is no Dask scheduler at tcp://127.0.0.1:1" in result.stderr
@@ -148,11 +148,11 @@ def test_control_c_while_workers_start_prints_no_traceback(tmp_path, seconds):
 @pytest.mark.thorough
 def test_the_command_line_runs_on_workers(tmp_path):
     file = tmp_path / "my.toml"
-    CliRunner().invoke(app, ["campaign", "init", str(file)])
+    CliRunner().invoke(app, ["init", "--campaign", str(file)])
     file.write_text(file.read_text().replace("cases = 4096 ", "cases = 300 "))
     for folder, more in (("one", []), ("two", ["--workers", "2"])):
-        arguments = ["campaign", "run", str(file), "-o", str(tmp_path / folder), *more]
-        assert CliRunner().invoke(app, arguments).exit_code == 0
+        arguments = ["disperse", str(file), "-o", str(tmp_path / folder), *more]
+        assert CliRunner().invoke(app, arguments).exit_code == 1
     same(*(tv.ensembles.open_campaign(tmp_path / folder) for folder in ("one", "two")))
 
 
@@ -190,9 +190,9 @@ def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, mo
 def test_whoever_is_killed_nothing_is_left_and_no_tracker_complains(tmp_path, whom):
     """The tracker of semaphores is a child as well; a new one knows none of them."""
     file, folder = tmp_path / "my.toml", tmp_path / "results"
-    CliRunner().invoke(app, ["campaign", "init", str(file)])
+    CliRunner().invoke(app, ["init", "--campaign", str(file)])
     file.write_text(re.sub(r"(?m)^cases = \d+", "cases = 400000", file.read_text()))
-    command = [sys.executable, "-m", "tvclin", "campaign", "run", file, "-o", folder]
+    command = [sys.executable, "-m", "tvclin", "disperse", file, "-o", folder]
     with subprocess.Popen(
         [*command, "--workers", "2"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as run:

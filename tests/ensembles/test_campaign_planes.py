@@ -158,11 +158,11 @@ def test_results_and_a_replay_show_both_planes(tmp_path) -> None:
     assert found.outputs[:3] == ("required_K1", "required_K1_pitch", "required_K1_yaw")
     assert tv.ensembles.open_campaign(tmp_path).campaign == plan
     assert "required_K1_yaw" in found.to_csv().partition("\n")[0]
-    said = " ".join(CliRunner().invoke(app, ["campaign", "show", str(tmp_path)]).output.split())
+    said = " ".join(CliRunner().invoke(app, ["disperse", str(tmp_path)]).output.split())
     assert "both planes, round stop: required_K1" in said
     case = int(found.worst(1)[0])
     one = found.replay(case)
-    replayed = CliRunner().invoke(app, ["campaign", "replay", str(tmp_path), str(case), "--json"])
+    replayed = CliRunner().invoke(app, ["disperse", str(tmp_path), "--case", str(case), "--json"])
     document = json.loads(replayed.stdout)
     assert document["fate"].startswith("lost with a limit")
     for plane, at in one.planes.items():

@@ -14,11 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.cli.app import app
 from tvclin.ensembles.campaign.campaign_plan import checkpoints
 from tvclin.ensembles.campaign.cases import evaluate, nominal
 from tvclin.ensembles.campaign.chunk_runner import damaged
@@ -288,12 +286,12 @@ def test_what_a_footer_says_is_no_more_believed_than_the_numbers(plan, whole, tm
         pyarrow.parquet.write_table(damage(pyarrow.parquet.read_table(file)), file)
         found = replace(tv.ensembles.open_campaign(folder), chunks=(chunk,))
         for ask in (found.quantile, found.statuses, found.drivers, found.worst, found.success):
-            with pytest.raises(tv.InputError, match=rf"{chunk}\.parquet is damaged.*it anew with"):
+            with pytest.raises(tv.InputError, match=rf"{chunk}\.parquet is damaged.*it anew"):
                 ask()
-    again = CliRunner().invoke(app, ["campaign", "resume", str(folder)])
-    assert again.exit_code == 0, again.output
+    faults = damaged(folder, read_manifest(folder))
     for chunk in range(len(damages)):
-        assert f"{chunk}.parquet is damaged" in again.output
+        assert f"{chunk}.parquet is damaged" in faults[chunk]
+    tv.run_campaign(plan, folder)
     same(whole, tv.ensembles.open_campaign(folder))
 
 
@@ -308,7 +306,7 @@ def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp
     assert sorted(said) == [0, 2, 3]
     assert "00000000.parquet is damaged" in said[0]
     assert "is not chunk 2 of this campaign" in said[2]
-    with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew with"):
+    with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew"):
         tv.ensembles.open_campaign(tmp_path).quantile()
     same(whole, tv.ensembles.resume_campaign(tmp_path))
 
@@ -321,7 +319,7 @@ def test_what_stands_in_the_place_of_a_chunk_is_moved_aside(plan, whole, tmp_pat
     os.mkfifo(file) if what == "pipe" else file.mkdir()
     if what == "full folder":
         (file / "of somebody").write_text("else")
-    with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew with"):
+    with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew"):
         tv.ensembles.open_campaign(tmp_path).quantile()
     same(whole, tv.ensembles.resume_campaign(tmp_path))
     (aside,) = file.parent.glob("00000000.parquet.*/00000000.parquet")
@@ -545,7 +543,7 @@ def test_nothing_finished_yet_is_one_sentence(plan, tmp_path):
     begin(plan, tmp_path)
     found = tv.ensembles.open_campaign(tmp_path)
     assert (found.cases, found.complete, found.statuses()) == (0, False, {})
-    with pytest.raises(tv.InputError, match="holds no finished case with an answer"):
+    with pytest.raises(tv.InputError, match="there is no finished case with an answer"):
         found.quantile()
 
 

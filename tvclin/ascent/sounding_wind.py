@@ -10,9 +10,9 @@ from tvclin.ascent.measured_wind import GustOf, MeasuredWind, fly_through
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, NotKnownError, instance, number, positive
 from tvclin.vehicle.linear_vehicle import complete_vehicle
-from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.vehicle_wind import VehicleWind
 
 WINDOW_S = 20.0
 """Default length [s] of the part of a sounding that counts, about the time of the vehicle."""
@@ -21,7 +21,7 @@ _TIME = "the vehicle's time"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SoundingWind(EncounteredWind):
+class SoundingWind(VehicleWind):
     """Wind of a sounding that a vehicle encounters around its time of flight.
 
     As over a whole flight, the part with the sign of its peak counts, for boundaries are defined

@@ -15,9 +15,9 @@ from tvclin.linear.plant import DEFAULT_MODEL, MODELS, default_model, flexible_m
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import ShapedWind, WindEnsemble
+from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
+from tvclin.winds.vehicle_wind import VehicleWind
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -51,7 +51,7 @@ class Case:
         Model of the motion.
     plane : str
         Plane of the motion.
-    wind : ShapedWind, WindEnsemble, EncounteredWind or History
+    wind : ShapedWind, WindEnsemble, VehicleWind or History
         The wind with its gust and its direction; 5 degrees for 7.5 seconds, a triangle, unless
         given. An ensemble is for campaigns, and a sounding, or any other history, for flights.
     nozzle : Nozzle
@@ -76,7 +76,7 @@ class Case:
         shown=f"{DEFAULT_MODEL}; {FIXED_PATH} where no more than mu_alpha and mu_delta is known",
     )
     plane: str = word(PLANES, "pitch")
-    wind: ShapedWind | WindEnsemble | EncounteredWind | History = DEFAULT_WIND
+    wind: ShapedWind | FixedWind | WindEnsemble | VehicleWind | History = DEFAULT_WIND
     nozzle: Nozzle = ANY_NOZZLE
     design: AutopilotDesign | None = None
     sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
@@ -87,7 +87,8 @@ class Case:
         if isinstance(self.model, str) and not self.model:
             object.__setattr__(self, "model", default_model(self.vehicle))
         checked(self)
-        if not isinstance(self.wind, ShapedWind | WindEnsemble | EncounteredWind | History):
+        kinds = ShapedWind | FixedWind | WindEnsemble | VehicleWind | History
+        if not isinstance(self.wind, kinds):
             raise InputError(
                 f"wind must be a ShapedWind, a WindEnsemble or a History; got {shown(self.wind)}"
             )
@@ -137,14 +138,14 @@ class Case:
         return replace(self.wind, gust_at=in_plane.gust_at)
 
     @cached_property
-    def wind_in_plane(self) -> ShapedWind | WindEnsemble | History:
+    def wind_in_plane(self) -> ShapedWind | FixedWind | WindEnsemble | History:
         """The wind in the plane, with its gust at its time, or at the worst time with K = 1."""
         return self.wind_in_plane_at(1.0)
 
-    def wind_in_plane_at(self, dead_band: float) -> ShapedWind | WindEnsemble | History:
+    def wind_in_plane_at(self, dead_band: float) -> ShapedWind | FixedWind | WindEnsemble | History:
         """Return the wind in the plane, with the gust at the worst time for a dead band."""
         wind = self.wind
-        if isinstance(wind, EncounteredWind):
+        if isinstance(wind, VehicleWind):
             return wind.history(self.vehicle, self.plane)
         if not isinstance(wind, ShapedWind):
             return wind

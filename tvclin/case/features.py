@@ -36,7 +36,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
         *("--design", "--natural-frequency", "--damping"),
         *("--attitude-gain", "--rate-gain"),
     ),
-    "dispersion": ("--disperse",),
+    "dispersion": (),
     "limit": ("--limit-deg",),
     "torque, power, travel and acceleration limits": (),
 }
@@ -68,7 +68,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "nozzle --over flight": ("dispersion",),
     "ascent": (*(feature for feature in _LOOP if feature != "rate limit"), _WORK),
     "availability": (*_LOOP, "dispersion", _WORK),
-    "campaign": (_WORK,),
+    "disperse": (_WORK,),
     "explore": ("measured wind", "dispersion", _WORK),
 }
 _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
@@ -89,7 +89,7 @@ _RIGID_NUMBERS: dict[str, str] = {
     "study": "the boundaries",
     "report": "boundaries and sizes on the page",
     "autopilot": "boundaries and minimum",
-    "campaign": "all but margins and flights",
+    "disperse": "all but margins and flights",
     "nozzle": "angles over rates",
     "nozzle --over load": "angles over loads",
     **dict.fromkeys(

@@ -23,9 +23,10 @@ from typer.core import TyperGroup
 _PANELS = {
     "Start here": ("study", "init", "vehicles", "report", "explore"),
     "Theory": ("boundary", "poles", "respond", "reproduce"),
-    "Control": ("autopilot", "margins", "laws"),
-    "Flights": ("ascent", "availability", "fly", "nozzle", "schedule", "campaign"),
-    "This installation": ("doctor",),
+    "Control": ("autopilot", "margins", "laws", "fly"),
+    "Whole flight": ("ascent", "nozzle", "availability"),
+    "Many cases": ("disperse",),
+    "This installation": ("schedule", "doctor"),
 }
 NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
 """Panel of the help of each command, by name."""

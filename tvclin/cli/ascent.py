@@ -8,7 +8,6 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
@@ -27,20 +26,17 @@ from tvclin.cli.options import (
     More,
     Plot,
     asked,
-    switch,
     to_write,
 )
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say, say_lines
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import ShapedOptions, WindOptions, azimuth_of, check_reading
-from tvclin.ensembles.dispersed_study import disperse_study, relative_increase_in_wind
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
 from tvclin.requirement.flight.request import SizingRequest, SoundingRequest
 from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
-from tvclin.requirement.required_quantity import DEAD_BAND, Requirement
-from tvclin.requirement.study import Study
+from tvclin.requirement.required_quantity import Requirement
 from tvclin.studyfile.read import load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
@@ -144,10 +140,6 @@ def ascent(
     sign: Given = SIGN,
     limits: Given = BOTH_LIMITS,
     question: Given = Given("requirement.flight.request.SizingRequest", _FIELDS, "sizing"),
-    disperse: bool = switch(
-        "--disperse",
-        "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",
-    ),
     more: More = False,
     as_json: AsJson = False,
     csv: Path | None = asked(
@@ -173,8 +165,6 @@ def ascent(
         _check_drawn(request.times(case))
     with bar("flight times and winds") as progress:
         sizing = request.sizing(case, progress)
-    if disperse:
-        request = replace(request, dispersion=_dispersed(case, request, sizing))
     total, ratio = request.total(case, sizing), request.ratio(case, sizing)
     counted = request.counted(sizing, case.sign)
     said = [*request.warnings, *request.notes, *_hints(request, sizing)]
@@ -294,18 +284,3 @@ def flight_asked(
     elif not (request.pulse or request.others or case.sign == FROZEN):
         sign.only_with("a pulse: a sounding has its own sign, or is frozen")
     return case
-
-
-def _dispersed(case: StudyPlan, request: SizingRequest, sizing: Sizing) -> float:
-    """Return the rise by dispersions at the worst flight time, over the counted requirement."""
-    counted = request.counted(sizing, case.sign)
-    if counted.quantity != DEAD_BAND or counted not in sizing.worst:
-        raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
-    worst, pulses = sizing.worst[counted], request.pulses(case)
-    at = sizing.winds.index(worst.wind)
-    if at >= len(pulses):
-        wind, vehicle = request.winds(case)[worst.wind], request.schedule.at(worst.time)
-        assert isinstance(wind, MeasuredWind | MeasuredPlanes)
-        return relative_increase_in_wind(vehicle, wind(vehicle), case, counted.dead_band)
-    nominal = Study.of(request.at(case, worst.time, pulses[at]), counted.dead_band)
-    return disperse_study(nominal).relative_increase

@@ -11,7 +11,7 @@ from tvclin.cli.output import say
 ADDS = {
     "slycot": "more routines of python-control",
     "fast": "compiled kernels: thousands of cases in a second",
-    "campaign": "many dispersed cases, tvclin campaign",
+    "campaign": "many dispersed cases, tvclin disperse",
     "sixdof": "flights with six degrees of freedom, tvclin fly --engine sixdof",
     "report": "one page to hand over, tvclin report",
     "notebook": "a page to explore, tvclin explore",

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from typer.models import ArgumentInfo
 
-_SOURCES = ("vehicle", "source", "campaign_file")
+_SOURCES = ("vehicle", "source")
 """Arguments of commands that take a case."""
 _WITHOUT_SETTINGS = ("availability", "explore")
 """Commands whose source is no study file, or which write it into a notebook."""
@@ -37,6 +37,7 @@ _HEADINGS = {
     "case.load.LoadBound": "load",
     "control.autopilot.design_rules.AutopilotDesign": "autopilot",
     "requirement.flight.request.SizingRequest": "size",
+    "ensembles.campaign.campaign_plan.Campaign": "campaign",
 }
 """Tables of the records whose fields are options."""
 _CAMPAIGN = ("cases", "seed", "method")

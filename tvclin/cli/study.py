@@ -1,10 +1,9 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from tvclin.base.errors import InputError
 from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
     GROUP,
@@ -37,25 +36,9 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle_file import numbers_as_written
 
 
-@dataclass(frozen=True)
-class DisperseOptions(Given):
-    """The number of dispersed cases and their seed."""
-
-    def over(self, plan: StudyPlan) -> StudyPlan:
-        """Return a plan with these numbers; `InputError` where nothing is dispersed."""
-        if plan.dispersions is None:
-            self.only_with("--disperse, or a study file with dispersions")
-        return super().over(plan)
-
-
-def _with_limit_shape(stop: str | None, disperse: bool, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with the limit shape of --stop, and with --disperse default dispersions."""
-    plan = replace(plan, nozzle=changed(plan.nozzle, stop=stop))
-    if not disperse or plan.dispersions is not None:
-        return plan
-    from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS
-
-    return replace(plan, dispersions=DEFAULT_DISPERSIONS)
+def _with_limit_shape(stop: str | None, plan: StudyPlan) -> StudyPlan:
+    """Return a plan with the limit shape of --stop."""
+    return replace(plan, nozzle=changed(plan.nozzle, stop=stop))
 
 
 def study(
@@ -70,12 +53,6 @@ def study(
         " --plane. Needs --set wind.direction_deg.",
         metavar="SHAPE",
     ),
-    disperse: bool = switch(
-        "--disperse",
-        "Also find the deflection that covers dispersed vehicles and winds, with assumed"
-        " dispersions where no study file gives them.",
-    ),
-    drawn: DisperseOptions = DisperseOptions(STUDY, ("cases", "seed")),
     explain: bool = switch("--explain", "Explain each symbol and each quantity in one line."),
     as_json: AsJson = False,
     plot: Plot = None,
@@ -88,12 +65,10 @@ def study(
     Exit code 0: every verdict is SUFFICIENT, every criterion MET and every flight SURVIVED, or no
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
-    changes = limit.over, partial(_with_limit_shape, stop, disperse), question.over, drawn.over
+    changes = limit.over, partial(_with_limit_shape, stop), question.over
     plan = case_of(source, *changes, wind=winds.over, told=("study",), time=time)
     with bar("answers") as progress:
         findings = find(questioned(plan), progress)
-    if disperse and findings.dispersed is None:
-        raise InputError(findings.reasons["dispersed"])
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 

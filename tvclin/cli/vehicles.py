@@ -42,6 +42,7 @@ def vehicles(as_json: AsJson = False) -> None:
 def init(
     file: Annotated[Path | None, typer.Argument(help="The file to write, such as my.toml.")] = None,
     study: bool = switch("--study", "A study file: vehicle, wind, laws, margins and more."),
+    campaign: bool = switch("--campaign", "A campaign file, for tvclin disperse: many cases."),
     vehicle: str | None = asked("Copy this vehicle of the package instead (see: tvclin vehicles)."),
     schedule: str | None = asked(
         "Write the vehicle of this flight schedule at a time instead, with --at.",
@@ -51,22 +52,26 @@ def init(
     time: At = None,
     keys: bool = switch("--keys", "List all keys of these files instead, for --set too."),
 ) -> None:
-    """Write a commented vehicle file to fill in, or with --study a whole study."""
+    """Write a commented file to fill in: of a vehicle, or with --study of a whole study."""
     if keys:
         _print_keys(file)
         return
     from tvclin.base.errors import InputError, one_of
     from tvclin.base.files import called, write_new
     from tvclin.cli.inputs import only_with
+    from tvclin.studyfile import campaign_file
     from tvclin.studyfile.read import example
     from tvclin.vehicle.vehicle_file import list_vehicles, read_vehicle_text, template
 
     if file is None:
         raise InputError("name the file to write, such as my.toml (or give --keys)")
-    sources = {"--study": study, "--vehicle": vehicle is not None, "--from": schedule is not None}
+    sources = {"--study": study, "--campaign": campaign, "--vehicle": vehicle is not None}
+    sources |= {"--from": schedule is not None}
     if sum(sources.values()) > 1:
         raise InputError(f"give {' or '.join(name for name in sources if sources[name])}, not both")
     text = example() if study else template()
+    if campaign:
+        text = campaign_file.template()
     if schedule is None:
         only_with("--from", at=time)
     else:
@@ -75,7 +80,7 @@ def init(
         text, _ = read_vehicle_text(one_of("--vehicle", vehicle, list_vehicles()))
     write_new(file, text)
     name = called(file)
-    then = f"tvclin report {name}" if study else f"tvclin study {name}"
+    then = f"tvclin {'report' if study else 'disperse' if campaign else 'study'} {name}"
     say(f"Wrote {name}. Fill in what differs, then: {then}")
 
 

@@ -25,10 +25,11 @@ from tvclin.requirement.case_requirement import CaseRequirement, pulse_of
 from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds import wind_file
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
-from tvclin.winds.soundings.reading import NO_READING
+from tvclin.winds.soundings.reading import NO_READING, SoundingReading
 
 GUST = asked(
     "Gust (1 - cosine) on top of the wind: its peak and duration; more: --set gust.KEY VALUE.",
@@ -128,11 +129,12 @@ class SoundingOptions(PulseOptions):
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""
-        if self.winds is None:
+        sounding = self.sounding_of(plan, source)
+        if sounding is None:
             plan = super().over(plan, source)
             check_reading(plan)
         else:
-            plan = replace(plan, wind=self._sounding(plan, source))
+            plan = replace(plan, wind=sounding)
         if isinstance(plan.wind, SoundingWind):
             for note in plan.wind.notes(plan.vehicle, plan.plane):
                 say(f"Note: {note}.", err=True)
@@ -170,22 +172,23 @@ class SoundingOptions(PulseOptions):
             "required_deflection_deg": required and degrees(required.required_deflection),
         }
 
-    def _sounding(self, plan: StudyPlan, source: str) -> SoundingWind:
-        """Return the sounding of --winds in the flight of a plan or of its vehicle."""
+    def sounding_of(self, case: Case, source: str) -> SoundingWind | None:
+        """Return the sounding of --winds in the flight of a case; None without the option."""
         from tvclin.ascent.schedule_file import load_schedule
 
-        assert self.winds is not None
+        if self.winds is None:
+            return None
         pulse = {name: getattr(self, name, None) for name in ("wind", *vars(_Pulse()))}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
-        reading, request = plan.reading, plan.sizing
-        gust = getattr(plan.wind, "gust", None) if self.gust is None else gust_of_option(self.gust)
+        reading = SoundingReading.of(source_tables(source), Path(source).parent)
+        request, gust = getattr(case, "sizing", None), getattr(case.wind, "gust", None)
         return SoundingWind(
             name=self.winds.name,
             azimuth=azimuth_of(self.azimuth_deg),
             profile=reading.profile(self.winds),
             schedule=load_schedule(vehicle_source(source)) if request is None else request.schedule,
             window=chosen(reading.window, WINDOW_S),
-            gust=gust,
+            gust=gust if self.gust is None else gust_of_option(self.gust),
             bias=reading.mean_wind,
         )
 

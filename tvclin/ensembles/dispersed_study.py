@@ -1,23 +1,19 @@
 """The deflection that covers a dispersed vehicle, within seconds and without a file."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency
-from tvclin.boundary.limit_shapes import limit_shape_of
-from tvclin.case.case import Case
 from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.campaign.cases import BEYOND, divide, evaluate
+from tvclin.ensembles.campaign.cases import BEYOND, evaluate
 from tvclin.ensembles.campaign.outputs import required_name
-from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
-from tvclin.ensembles.random_numbers import draw
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.ensembles.statistics import (
     Quantile,
     Success,
@@ -26,26 +22,12 @@ from tvclin.ensembles.statistics import (
     shares,
     success_probability,
 )
-from tvclin.linear.plant import Plant
 from tvclin.requirement.case_requirement import pulse_of
-from tvclin.requirement.nominal_requirement import covers, required_deflection
-from tvclin.requirement.plane_requirement import (
-    rectangle,
-    separate_requirements,
-    two_plane_requirement,
-)
+from tvclin.requirement.nominal_requirement import covers
 from tvclin.requirement.study import Study
-from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
-from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History
-from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.wind_angles import within_linear
 
-_QUICK_CASES = 2000
-"""Number of cases of `relative_increase_in_wind`."""
-_VECTOR_CASES = 32
-"""Number of cases whose vectors are solved between two checks of `raise_to_vectors`."""
 _MAX_CASES = 10_000_000
 """Largest number of cases in memory at once; a campaign may have more."""
 
@@ -250,91 +232,3 @@ def _campaign(
         method=method,
         sign=study.sign,
     )
-
-
-def relative_increase_in_wind(
-    vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
-) -> float:
-    """Return the relative increase of the required deflection by default dispersions of a vehicle.
-
-    `wind` is of any shape, and not dispersed. Of 2000 cases, relative to the nominal requirement,
-    as `DispersedStudy.relative_increase`: in the plane of the case, or of the vector in both with
-    its stop.
-    """
-    dispersions = Dispersions(
-        tuple(x for x in DEFAULT_DISPERSIONS.distributions if x.parameter not in WIND)
-    )
-    nominal_values = {name: getattr(vehicle, name) for name in dispersions.parameters}
-    numbers = draw(0, 0, _QUICK_CASES, len(dispersions.distributions))
-    cases = dispersions.apply(nominal_values, numbers)
-    required = np.full(_QUICK_CASES, np.nan)
-
-    def vehicles(which: IndexArray) -> Vehicle:
-        return vehicle.replace(**{name: values[which] for name, values in cases.values.items()})
-
-    def answer(which: IndexArray) -> None:
-        required[which] = _required_deflections(vehicles(which), wind, case, dead_band)
-
-    divide(answer, lambda *_: None, np.flatnonzero(cases.possible))
-    if isinstance(wind, PlaneWind):
-        vector = wind
-        raise_to_vectors(
-            required, lambda which: _vector_deflections(vehicles(which), vector, case, dead_band)
-        )
-    answers = required[~np.isnan(required)]
-    if not answers.size:
-        raise InputError("no dispersed case of this flight time has an answer in this wind")
-    nominal = (
-        _vector_deflections(vehicle, wind, case, dead_band)
-        if isinstance(wind, PlaneWind)
-        else _required_deflections(vehicle, wind, case, dead_band)
-    )
-    return _upper(answers) / float(nominal) - 1.0
-
-
-def _upper(required: FloatArray) -> float:
-    """Return the upper bound [rad] of the quantile that covers a campaign by default."""
-    return quantile_bound(required, Campaign.probability, Campaign.confidence).upper
-
-
-def raise_to_vectors(required: FloatArray, vectors: Callable[[IndexArray], FloatArray]) -> None:
-    """Raise the largest requirements [rad] of separate planes to the requirements of the vector.
-
-    `required`: ``(n,)``, changed in place. `vectors`: from indices of cases to the requirements of
-    the vector [rad]. Vectors are solved from the largest requirement downwards, until even twice
-    the largest relative excess so far does not raise the next case to the quantile.
-    """
-    order = np.argsort(-required)[: int(np.sum(~np.isnan(required)))]
-    excess = 0.0
-    for first in range(0, order.size, _VECTOR_CASES):
-        which = order[first : first + _VECTOR_CASES]
-        if first and required[which[0]] * (1.0 + 2.0 * excess) <= _upper(required[order]):
-            return
-        separate, required[which] = required[which], vectors(which)
-        excess = max(excess, float(np.max(required[which] / separate)) - 1.0)
-
-
-def _required_deflections(
-    vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
-) -> FloatArray:
-    """Return required deflections [rad] in a wind, both planes computed separately, ``(n,)``."""
-    if isinstance(wind, PlaneWind):
-        separate = separate_requirements(_plants(vehicle, case), wind, dead_band)
-        return rectangle(limit_shape_of(case.nozzle.stop or ""), separate["pitch"], separate["yaw"])
-    plant = Plant.from_vehicle(vehicle, case.model, case.plane)
-    return np.abs(required_deflection(plant, wind, dead_band).deflection)
-
-
-def _vector_deflections(
-    vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float
-) -> FloatArray:
-    """Return required deflections [rad] of both planes in a wind with its vectors, ``(n,)``."""
-    stop = limit_shape_of(case.nozzle.stop or "")
-    return np.asarray(
-        two_plane_requirement(_plants(vehicle, case), wind, stop, dead_band).deflection
-    )
-
-
-def _plants(vehicle: Vehicle, case: Case) -> dict[str, Plant]:
-    """Return the plants of vehicles by plane."""
-    return {plane: Plant.from_vehicle(vehicle, case.model, plane) for plane in PLANES}

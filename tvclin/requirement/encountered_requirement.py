@@ -28,7 +28,7 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import ShapedWind, WindEnsemble
+from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
 from tvclin.winds.wind_angles import EncounteredWind, angles_from_vector_size, sines_by_heading
 
 
@@ -235,7 +235,7 @@ def encountered_batch(
             for name in directions_of(case, plane)
         ]
     elif uses_encountered_pressure(case.sign):
-        assert isinstance(case.wind, WindEnsemble)
+        assert isinstance(case.wind, FixedWind | WindEnsemble)
         winds = [_of_ensemble(case.wind.history(dict(values)), vehicle, plane)]
     if not winds:
         return nominal

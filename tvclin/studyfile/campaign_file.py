@@ -68,12 +68,14 @@ TABLES = (*_SINGLE_TABLES, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
 """All tables of a file for studies, campaigns and pages, each of which reads some of them."""
 _SUBJECT_KEYS = ("vehicle", "time_s", "model", "plane", "sign")
 """Keys of vehicle, model and plane, in [study] or in [campaign]."""
+CASES = 2000
+"""Default number of cases."""
 _FIELDS = {"names": "outputs"}
 """Fields of `Campaign` by key, where the two names differ."""
 
 
 def load_campaign(path: str | PathLike[str]) -> Campaign:
-    """Return the campaign that a TOML file describes.
+    """Return the campaign that a TOML file describes, by default of 2000 cases.
 
     Parameters
     ----------
@@ -87,9 +89,11 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
         suggested), and as `Campaign`. One sentence says which and how to correct it.
     """
     file = a_path("path", path)
-    start = f"write a campaign file with: tvclin campaign init {called(file)}"
-    name = path if isinstance(path, EditedSource) else str(file)
-    document = tables_of(read_text(file, "a campaign file", start), name)
+    start = f"write a campaign file with: tvclin init --campaign {called(file)}"
+    if isinstance(path, EditedSource):
+        document = tables_of("", path)
+    else:
+        document = tables_of(read_text(file, "a campaign file", start), str(file))
     with naming(called(file)):
         return parse_campaign(document, file.parent)
 
@@ -102,14 +106,13 @@ def template() -> str:
 def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
     """Return the campaign of a document; see `load_campaign`."""
     subject = subject_of(document, folder)
-    head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
+    head = {"cases": CASES} | CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
     head.pop("time", None)
     study = STUDY_TABLE.one(document)
     outputs: dict[str, Any] = {}
     if "dead_band" in study:
         outputs["dead_bands"] = [number("dead_band", study["dead_band"], between(0.0, 1.0))]
     outputs |= OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
-    CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
     wind = wind_for_vehicle(document, wind, vehicle, plane)

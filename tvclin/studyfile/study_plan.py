@@ -13,10 +13,10 @@ from tvclin.linear.deflections import SWITCHES
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study
 from tvclin.studyfile.title_block import Document
-from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.reading import NO_READING, SoundingReading
+from tvclin.winds.vehicle_wind import VehicleWind
 
 if TYPE_CHECKING:
     from tvclin.case.load import LoadBound
@@ -73,7 +73,7 @@ class StudyPlan(Case):
         As `Case`, and for an ensemble of winds.
     """
 
-    wind: ShapedWind | EncounteredWind | History = DEFAULT_WIND
+    wind: ShapedWind | VehicleWind | History = DEFAULT_WIND
     dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
     switch: str = word(SWITCHES, "literal")
     laws: LawsRequest | None = None
@@ -92,7 +92,7 @@ class StudyPlan(Case):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not isinstance(self.wind, EncounteredWind | History):
+        if not isinstance(self.wind, VehicleWind | History):
             pulse_of(self)
         self._check_parts()
 

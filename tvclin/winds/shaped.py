@@ -286,6 +286,32 @@ def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> Histo
 
 
 @dataclass(frozen=True, eq=False)
+class FixedWind:
+    """Wind of any shape that is the same in all cases, as that of a sounding.
+
+    `angle`: wind angle of attack [rad].
+    """
+
+    angle: History
+
+    count = 0
+
+    @property
+    def nominal(self) -> dict[str, float]:
+        """Empty: the wind has no dispersed number."""
+        return {}
+
+    @property
+    def max_angle(self) -> float:
+        """Largest size of the wind angle [rad]."""
+        return abs(float(self.angle.peak))
+
+    def history(self, values: dict[str, Any]) -> History:
+        """Return the wind, whatever the values of a case."""
+        return self.angle
+
+
+@dataclass(frozen=True, eq=False)
 class WindEnsemble:
     """Ensemble of sampled winds, from which each case draws one.
 

@@ -31,7 +31,7 @@ from tvclin.linear.plant import Plant
 from tvclin.requirement.encountered_requirement import directions_of, uses_encountered_pressure
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
-from tvclin.winds.shaped import ShapedWind, WindEnsemble
+from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
 
 OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
 _MAX_CASES = 10**10
@@ -63,7 +63,7 @@ class Campaign(Case):
     ----------
     vehicle : Vehicle
         The nominal vehicle, no batch.
-    wind : ShapedWind or WindEnsemble
+    wind : ShapedWind, FixedWind or WindEnsemble
         The wind or winds, in the plane, or with a direction and a stop of both planes. A gust
         without a time is placed where the nominal vehicle requires most at the first of
         `dead_bands`, as in a study, and keeps its time from the middle of the wind in all cases.
@@ -104,7 +104,7 @@ class Campaign(Case):
     """
 
     vehicle: Vehicle
-    wind: ShapedWind | WindEnsemble
+    wind: ShapedWind | FixedWind | WindEnsemble
     dispersions: Dispersions = DEFAULT_DISPERSIONS
     cases: int = count(check=_case_count)
     seed: int = count(0)
@@ -123,7 +123,7 @@ class Campaign(Case):
         )
         super().__post_init__()
         single("vehicle", self.vehicle.batch)
-        if not isinstance(self.wind, ShapedWind | WindEnsemble):
+        if not isinstance(self.wind, ShapedWind | FixedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
         self._check_planes()
         if isinstance(self.wind, ShapedWind) and self.wind.gust is not None:
@@ -180,7 +180,7 @@ class Campaign(Case):
             )
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
-        if isinstance(self.wind, WindEnsemble):
+        if not isinstance(self.wind, ShapedWind):
             uses_encountered_pressure(self.sign)
         _ = self.gains  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)

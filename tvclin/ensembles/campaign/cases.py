@@ -22,7 +22,7 @@ from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant, flexible_model
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import WindEnsemble
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
 from tvclin.winds.wind_angles import BEYOND_LINEAR, within_linear
 
 _MAX_BATCH_CASES = 4096
@@ -92,7 +92,7 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
     """Return the batch in the plane of a campaign, with `plane_batches` if both are judged."""
-    if isinstance(campaign.wind, WindEnsemble) or campaign.heading is None:
+    if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
         return _plane_batch(campaign, vehicle, values, campaign.wind.history(values), count)
     winds = campaign.wind.in_planes(values, vehicle.attitude)
     if campaign.nozzle.stop is None:

@@ -103,7 +103,7 @@ def cluster(address: str) -> Iterator[Executor]:
         except (distributed.KilledWorker, CancelledError):
             raise InputError(
                 f"the workers or the scheduler at {address} were lost; what was finished is kept,"
-                " go on with: tvclin campaign resume"
+                " run it again into the same folder"
             ) from None
 
 
@@ -392,8 +392,8 @@ def _finished(
             running.update(submit(len(finished)))
     except BrokenExecutor:
         raise InputError(
-            "a worker process has died (killed, or out of memory); what was finished is kept, go on"
-            f" with: tvclin campaign resume {folder}"
+            "a worker process has died (killed, or out of memory); what was finished is kept: run"
+            f" it again into {folder}"
         ) from None
     finally:
         for future in running:

@@ -39,7 +39,7 @@ from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History, Piecewise
-from tvclin.winds.shaped import ShapedWind, WindEnsemble
+from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
 
 if TYPE_CHECKING:
     import pyarrow
@@ -58,7 +58,7 @@ _KINDS: dict[str, Any] = {
         *(Campaign, Dispersions, Dispersion),
         *(Nozzle, NozzleData, Actuator, AutopilotDesign, Filter),
         *(Vehicle, Structure, BendingMode, SloshTank, Engine),
-        *(ShapedWind, WindEnsemble, Piecewise, Pieces),
+        *(ShapedWind, FixedWind, WindEnsemble, Piecewise, Pieces),
     )
 }
 """Classes of the values that a manifest holds, by name."""
@@ -198,6 +198,8 @@ def read(record: Any) -> Any:
 FOLDER = "chunks"
 _MAX_WRITING_S = 3600.0
 """Longest time [s] for which a temporary file is still written to; an older file is removed."""
+_REPAIR = "compute it anew: run the campaign into its folder again"
+"""How a damaged chunk is restored, for messages."""
 _SEAL, _CHUNK, _CONTENT = b"tvclin_campaign", b"tvclin_chunk", b"tvclin_content"
 """Keys of the metadata: hash of the manifest, number of the chunk, hash of its columns."""
 
@@ -280,19 +282,17 @@ def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyA
         For a file that is missing, damaged, or of another campaign or chunk.
     """
     file = chunk_file(folder, chunk)
-    resume = f"tvclin campaign resume {folder}"
     try:
         columns, content, metadata = _read(file)
     except FileNotFoundError:
-        raise InputError(f"{file} is missing; go on with: {resume}") from None
+        raise InputError(f"{file} is missing; {_REPAIR}") from None
     except Exception:  # pyarrow raises whatever a damaged file leads to
-        raise InputError(f"{file} is damaged; compute it anew with: {resume}") from None
+        raise InputError(f"{file} is damaged; {_REPAIR}") from None
     if metadata.get(_SEAL) != manifest.seal.encode() or metadata.get(_CHUNK) != b"%d" % chunk:
         raise InputError(f"{file} is not chunk {chunk} of this campaign")
     if metadata.get(_CONTENT) != content.encode():
         raise InputError(
-            f"{file} is damaged: its columns do not have the hash that it says; compute it anew"
-            f" with: {resume}"
+            f"{file} is damaged: its columns do not have the hash that it says; {_REPAIR}"
         )
     return columns
 

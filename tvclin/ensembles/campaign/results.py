@@ -1,7 +1,7 @@
 """Results of a campaign: columns read chunk by chunk, and their statistics."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -13,8 +13,14 @@ from tvclin.base.errors import InputError, number, one_of, path, small_angle, wh
 from tvclin.base.fields import Field, derived, specs
 from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints
 from tvclin.ensembles.campaign.case_replay import Replay, replay_case
-from tvclin.ensembles.campaign.cases import nominal
-from tvclin.ensembles.campaign.folder import Manifest, chunk_file, read_columns, read_manifest
+from tvclin.ensembles.campaign.cases import evaluate, nominal
+from tvclin.ensembles.campaign.folder import (
+    Manifest,
+    chunk_file,
+    new_manifest,
+    read_columns,
+    read_manifest,
+)
 from tvclin.ensembles.campaign.outputs import MOTIONS, columns
 from tvclin.ensembles.dispersions import UNITS_OF
 from tvclin.ensembles.statistics import (
@@ -26,6 +32,9 @@ from tvclin.ensembles.statistics import (
     sensitivities,
     success_probability,
 )
+
+_MAX_CASES_IN_MEMORY = 1_000_000
+"""Largest number of cases of a campaign without a folder."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,16 +138,20 @@ class CampaignResults(Tabled):
         """Return columns by name, of all finished cases, in one pass over the chunks."""
         values: dict[str, list[AnyArray]] = {name: [] for name in names}
         for k in self.chunks:
-            columns = read_columns(self.folder, self.manifest, k)
+            columns = self._chunk(k)
             for name in names:
                 values[name].append(columns[name])
         return {k: np.concatenate(v) if v else np.zeros(0) for k, v in values.items()}
+
+    def _chunk(self, chunk: int) -> dict[str, AnyArray]:
+        """Return the columns of a finished chunk by name."""
+        return read_columns(self.folder, self.manifest, chunk)
 
     def statuses(self) -> dict[str, int]:
         """Return the number of cases by status, the most frequent first."""
         counts: dict[str, int] = {}
         for k in self.chunks:
-            column = read_columns(self.folder, self.manifest, k)["status"]
+            column = self._chunk(k)["status"]
             for status, count in zip(*np.unique(column, return_counts=True), strict=True):
                 counts[str(status)] = counts.get(str(status), 0) + int(count)
         return dict(sorted(counts.items(), key=lambda item: -item[1]))
@@ -165,7 +178,7 @@ class CampaignResults(Tabled):
         """
         answers = self.answers(output)
         if not answers.size:
-            raise InputError(f"{self.folder} holds no finished case with an answer")
+            raise InputError("there is no finished case with an answer")
         return quantile_bound(answers, *self._level(probability, confidence))
 
     def success(
@@ -318,3 +331,40 @@ class CampaignResults(Tabled):
         drawn = self.campaign.dispersions.parameters
         wind = ("wind",) if self.campaign.wind.count else ()
         return ("case", *drawn, *wind, *self.outputs, "status")
+
+
+@dataclass(frozen=True, eq=False)
+class ResultsInMemory(CampaignResults):
+    """The finished chunks of a campaign without a folder.
+
+    `columns`: the columns of each chunk by name, see `evaluate`.
+    """
+
+    columns: tuple[dict[str, AnyArray], ...] = ()
+
+    @classmethod
+    def of(
+        cls, campaign: Campaign, progress: Callable[[int, int], None] | None = None
+    ) -> "ResultsInMemory":
+        """Return all cases of a campaign, or those up to its convergence.
+
+        `progress`: called with the numbers of finished and of all cases.
+        """
+        if campaign.cases > _MAX_CASES_IN_MEMORY:
+            raise InputError(
+                f"more than {_MAX_CASES_IN_MEMORY} cases need a folder, -o results; got"
+                f" {campaign.cases}"
+            )
+        nominal(campaign)
+        results = cls(Path(), new_manifest(campaign), ())
+        for k in range(campaign.chunks):
+            done = (*results.columns, evaluate(campaign, *campaign.span(k)))
+            results = replace(results, chunks=tuple(range(k + 1)), columns=done)
+            if progress is not None:
+                progress(results.cases, campaign.cases)
+            if results.converged:
+                break
+        return results
+
+    def _chunk(self, chunk: int) -> dict[str, AnyArray]:
+        return self.columns[chunk]

@@ -9,13 +9,15 @@ import numpy as np
 
 from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, document, spec
-from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
+from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant, text
 from tvclin.base.quantities import sufficiency, survival
 from tvclin.case.case import FROZEN
 from tvclin.ensembles.campaign.outputs import plane_columns, required_name
 from tvclin.ensembles.campaign.results import CampaignResults
 from tvclin.ensembles.statistics import Quantile, Success, shares
+from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.coefficients import BOTH
+from tvclin.winds.shaped import ShapedWind
 
 _MAX_SHOWN = 5
 """Largest number of cases and of drivers that are shown."""
@@ -64,6 +66,37 @@ class CampaignSummary(Shown):
         )
 
     @property
+    def sufficient(self) -> bool | None:
+        """Whether the limit covers the quantile with its confidence; None where not known."""
+        r = self.required
+        if (
+            self.limit is None
+            or self.success is None
+            or np.isfinite(r.estimate) > np.isfinite(r.upper)
+        ):
+            return None
+        return bool(covers(self.limit, r.upper))
+
+    @property
+    def verdict(self) -> str:
+        """The covering deflection with its confidence, and whether the limit is sufficient."""
+        r, of = self.required, self.output.replace("_", " ")
+        share = f"{100 * r.probability:g} % of flights, {100 * r.confidence:g} % sure"
+        angle = text(self._bound("verdict", r.upper))
+        words = f"{angle} ({of}) covers {share}" if np.isfinite(r.upper) else f"{share}: {angle}"
+        if self.limit is None or self.success is None:
+            return words
+        return f"limit {np.degrees(self.limit):.3f} deg {sufficiency(self.sufficient)}: {words}"
+
+    @property
+    @derived("part")
+    def increase(self) -> float | None:
+        """Relative increase of the nominal output by dispersions; None where not known."""
+        nominal = self.results.nominal.get(self.output)
+        known = nominal and np.isfinite(self.required.upper)
+        return self.required.upper / nominal - 1.0 if nominal and known else None
+
+    @property
     def trusts_a_forecast(self) -> bool:
         """Whether the output is a boundary with a dead band below one."""
         bands = {required_name(K): K for K in self.results.campaign.dead_bands}
@@ -82,7 +115,11 @@ class CampaignSummary(Shown):
             return "in each wind"
         if plan.sign is not None:
             return f"in a {plan.sign} wind"
-        return "in each wind" if plan.wind.count else "in a head or tail wind, the worse"
+        return (
+            "in each wind"
+            if not isinstance(plan.wind, ShapedWind)
+            else "in a head or tail wind, the worse"
+        )
 
     @property
     @derived("angle")
@@ -109,6 +146,7 @@ class CampaignSummary(Shown):
             **document(self.required, "probability", "confidence"),
             "nominal_deg": None if nominal is None else np.degrees(nominal),
             **self.required.angles,
+            "increase": self.increase,
             "flights": flights and dict(zip(("survived", "lost"), flights, strict=True)),
             "loss": self.loss,
             "loss_drivers": results.loss_drivers(),
@@ -152,6 +190,9 @@ class CampaignSummary(Shown):
             (of_cases, _angle("estimate", self.required.estimate)),
             (of_flights, self._bound("upper", self.required.upper)),
         ]
+        if self.increase is not None:
+            percent = number("increase", 100.0 * self.increase, 1)
+            rows.append(("increase over nominal", (*percent, " % (size.dispersion_percent)")))
         limit = f"{np.degrees(self.limit or 0.0):.3f} deg is {sufficiency(True)} in"
         probabilities = {
             limit: self.success,

@@ -6,7 +6,7 @@ from typing import Any
 from tvclin.winds.histories import History
 
 
-class EncounteredWind(ABC):
+class VehicleWind(ABC):
     """A wind of a case, whose angle follows from the vehicle, as that of a measured wind speed."""
 
     @property

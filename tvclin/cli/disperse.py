@@ -1,0 +1,229 @@
+"""`tvclin disperse`: the deflection that covers dispersed cases, in memory or in a folder."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from tvclin.base.errors import InputError
+from tvclin.base.files import called, exists
+from tvclin.cli.inputs import note_left_out, only_with
+from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
+    MOTION,
+    SOURCE_HELP,
+    STUDY,
+    AsJson,
+    At,
+    Given,
+    More,
+    asked,
+    to_write,
+)
+from tvclin.cli.output import answer, print_answer, print_tables, say
+from tvclin.cli.progress import bar
+from tvclin.cli.wind import WindOptions
+from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.chunk_runner import (
+    cluster,
+    damaged,
+    open_campaign,
+    processes,
+    run_campaign,
+)
+from tvclin.ensembles.campaign.folder import NAME, read_manifest
+from tvclin.ensembles.campaign.results import CampaignResults, ResultsInMemory
+from tvclin.ensembles.campaign.summary import CampaignSummary
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
+from tvclin.studyfile.campaign_file import CASES, load_campaign
+from tvclin.studyfile.settings import with_settings
+from tvclin.vehicle.vehicle_file import source_tables
+from tvclin.winds.shaped import FixedWind
+from tvclin.winds.wind_file import SOUNDING, wind_tables
+
+
+@dataclass(frozen=True)
+class FolderOptions:
+    """Options of a folder of results and of the workers; `grouped` gives them to a command."""
+
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--folder",
+            help="Compute into this folder, in chunks; the same command again continues.",
+        ),
+    ] = None
+    workers: int | None = asked("Number of worker processes; with --folder.")
+    scheduler: str | None = asked("A Dask scheduler, as tcp://10.0.0.1:8786; with --folder.")
+    shard: str | None = asked("Compute part i of n of the chunks, i/n; with --folder.")
+
+    panel = "Folder"
+
+    def run(self, campaign: Campaign) -> CampaignResults:
+        """Return the results of a campaign, computed in memory or into the folder."""
+        if self.folder is None:
+            only_with("--folder", workers=self.workers, scheduler=self.scheduler, shard=self.shard)
+            with bar("cases") as progress:
+                return ResultsInMemory.of(campaign, progress)
+        if exists(self.folder / NAME):
+            for fault in damaged(self.folder, read_manifest(self.folder)).values():
+                say(f"Warning: {fault}", err=True)
+        with self._told(self.folder) as arguments:
+            return run_campaign(campaign, self.folder, **arguments)
+
+    @contextmanager
+    def _told(self, folder: Path) -> Iterator[dict[str, Any]]:
+        """Yield the arguments of a run into a folder; on an interrupt print how to continue."""
+        try:
+            with self._executor() as executor, bar("cases") as progress:
+                yield {"executor": executor, "shard": self.shard, "progress": progress}
+        except KeyboardInterrupt:
+            say(
+                f"Stopped; finished chunks are kept in {called(folder)}. The same command again"
+                " continues.",
+                err=True,
+            )
+            raise typer.Exit(130) from None
+
+    def _executor(self) -> AbstractContextManager[Executor | None]:
+        if self.workers is not None and self.scheduler is not None:
+            raise InputError("give --workers or --scheduler, not both")
+        if self.scheduler is not None:
+            return cluster(self.scheduler)
+        return nullcontext() if self.workers is None else processes(self.workers)
+
+
+@dataclass(frozen=True)
+class AnswerOptions:
+    """Options of the statistics that are printed; `grouped` gives them to a command."""
+
+    case: int | None = asked("Compute one case again, and print it in full with its response.")
+    output: str | None = asked("Output of the statistics.", shown="the first of the file")
+    probability: float | None = asked("Fraction of all flights to be covered.", shown="0.99865")
+    confidence: float | None = asked("Confidence of each bound.", shown="0.9")
+
+    panel = "Answer"
+
+
+def disperse(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="VEHICLE|STUDY|FOLDER",
+            help=f"{SOURCE_HELP} A campaign file is one (see: tvclin init --campaign). Or a folder"
+            " of results, to print what is there.",
+        ),
+    ] = "configuration-i",
+    time: At = None,
+    winds: WindOptions = GROUP,
+    limit: Given = LIMIT,
+    motion: Given = MOTION,
+    dead_band: Given = Given(STUDY, ("dead_band",)),
+    drawn: Given = Given(STUDY, ("cases",)),
+    work: FolderOptions = GROUP,
+    shown: AnswerOptions = GROUP,
+    as_json: AsJson = False,
+    csv: Annotated[
+        Path | None, typer.Option(help="Also write all cases into this file.", callback=to_write)
+    ] = None,
+    more: More = False,
+) -> None:
+    """Print the deflection that covers dispersed vehicles and winds, and its confidence.
+
+    Without [[dispersion]] in the file the dispersions are assumed. A few thousand cases take
+    seconds; with --folder there may be millions, stopped and continued at will.
+
+    Exit code 0: the limit is SUFFICIENT for the probability, or none was given; 1: it is NOT
+    SUFFICIENT, or that is NOT KNOWN; 2: bad input.
+    """
+    if Path(source).is_dir():
+        options = {"at": time, **vars(work), **vars(winds), **motion.values, **drawn.values}
+        only_with("a vehicle or a file, not a folder of results", **options)
+        results = open_campaign(source)
+    else:
+        results = work.run(_campaign(source, time, winds, (limit, motion, dead_band, drawn)))
+        if work.shard is not None:
+            done = f"{results.cases} of {results.campaign.cases} cases are done"
+            say(f"{done}. Print what is there: tvclin disperse {called(results.folder)}")
+            return
+    if csv is not None:
+        results.to_csv(csv)
+    if shown.case is not None:
+        replayed = results.replay(shown.case)
+        answer(as_json, lambda: replayed, lambda: print_tables(*replayed.tables()))
+        return
+    summary = CampaignSummary.of(
+        results, shown.output, limit.values.get("limit"), shown.probability, shown.confidence
+    )
+    good = summary.success is None or bool(summary.sufficient)
+    answer(as_json, lambda: summary, lambda: _print(summary, more), good)
+
+
+def _campaign(
+    source: str, time: float | None, winds: WindOptions, changes: Sequence[Given]
+) -> Campaign:
+    """Return the campaign of a file or a vehicle, with the keys of these options set."""
+    values = {name: value for change in changes for name, value in change.values.items()}
+    keys = _keys(source_tables(source), {"time": time, **vars(winds), **values})
+    try:
+        campaign = load_campaign(with_settings(source, keys.values()))
+    except InputError as error:
+        words = str(error)
+        for option, (key, _) in keys.items():
+            words = words.replace(f"--set {key}", option)
+        raise InputError(words) from None
+    assumed = campaign.dispersions == DEFAULT_DISPERSIONS
+    sounding = winds.sounding_of(campaign, source)
+    if sounding is not None:
+        wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
+        drawn = [d for d in campaign.dispersions.distributions if d.parameter not in WIND]
+        dispersions = Dispersions(tuple(drawn)) if assumed else campaign.dispersions
+        campaign = replace(campaign, wind=wind, dispersions=dispersions)
+    note_left_out(campaign, "disperse")
+    if assumed:
+        say(f"Note: these dispersions are assumed: {campaign.dispersions.words}.", err=True)
+    return campaign
+
+
+def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return the keys of a file with tables, and their values, by the options that give them.
+
+    Without cases in the file they are set, so that a vehicle becomes a file of a campaign.
+    """
+    rows = wind_tables(tables)
+    shaped = next((k for k, row in enumerate(rows) if SOUNDING not in row), 0)
+    wind = f"wind.{shaped + 1}" if isinstance(tables.get("wind"), list) else "wind"
+    campaign = tables.get("campaign", {})
+    home = "study" if "study" in tables or not campaign else "campaign"
+    subject = {
+        key: f"{'campaign' if key in campaign else home}.{key}"
+        for key in ("time_s", "model", "plane")
+    }
+    band = values.get("dead_band")
+    given = {
+        "--at": (subject["time_s"], values["time"]),
+        "--wind": (f"{wind}.shape", values["wind"]),
+        "--duration": (f"{wind}.duration_s", values["duration"]),
+        "--peak-deg": (f"{wind}.peak_deg", values["peak_deg"]),
+        "--peak-speed": (f"{wind}.peak_speed_m_per_s", values["peak_speed"]),
+        "--limit-deg": ("nozzle.limit_rad", values.get("limit")),
+        "--model": (subject["model"], values.get("model")),
+        "--plane": (subject["plane"], values.get("plane")),
+        "--dead-band": ("outputs.dead_bands", None if band is None else f"[{band}]"),
+        "--cases": ("campaign.cases", values.get("cases", campaign.get("cases", CASES))),
+    }
+    return {
+        option: (key, str(value)) for option, (key, value) in given.items() if value is not None
+    }
+
+
+def _print(summary: CampaignSummary, more: bool) -> None:
+    """Print the verdict, the answer with its drivers, and with --more the convergence."""
+    table, convergence = summary.tables()
+    print_answer(summary.verdict, table, more=more, details=lambda: print_tables(convergence))
