@@ -120,6 +120,7 @@ VALUES = {
     "cuts": ["2"],
     "stop": ["square"],
     "switch": ["report"],
+    "seed": ["3"],
     "time": ["70"],
     "from_": ["69"],
     "to": ["73"],

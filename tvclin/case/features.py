@@ -66,7 +66,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
     "nozzle --over load": _NOMINAL_PRESSURE,
     "nozzle --over flight": ("dispersion",),
-    "ascent": (*(feature for feature in _LOOP if feature != "rate limit"), _WORK),
+    "ascent": (*(feature for feature in _LOOP if feature != "rate limit"), "dispersion", _WORK),
     "availability": (*_LOOP, "dispersion", _WORK),
     "disperse": (_WORK,),
     "explore": ("measured wind", "dispersion", _WORK),

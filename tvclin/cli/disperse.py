@@ -136,7 +136,7 @@ def disperse(
 ) -> None:
     """Print the deflection that covers dispersed vehicles and winds, and its confidence.
 
-    Without [[dispersion]] in the file the dispersions are assumed. A few thousand cases take
+    A file that names none of them has assumed dispersions. A few thousand cases take
     seconds; with --folder there may be millions, stopped and continued at will.
 
     Exit code 0: the limit is SUFFICIENT for the probability, or none was given; 1: it is NOT
