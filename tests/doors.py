@@ -18,8 +18,10 @@ from tests.schedules.samples import FOLDER as SCHEDULES
 from tests.schedules.samples import MAP
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.public_names import CHAPTERS
+from tvclin.control.autopilot.feedback import GAINS
 from tvclin.design import minimum_gains, worst_case
 from tvclin.flights.closed_loop import fly_planes as in_step
+from tvclin.linear.system import LinearSystem
 from tvclin.requirement.flight.total import Line
 
 SOUNDINGS = Path(__file__).parent / "soundings"
@@ -177,6 +179,13 @@ def doors(folder: Path) -> dict[str, Door]:
     coefficients = tv.Coefficients.from_vehicle(booster)
     plant = tv.Plant.from_coefficients(coefficients, "fixed-path")
     exact = tv.Plant.from_coefficients(coefficients, "drift-exact")
+    gains_in_steps = LinearSystem(
+        *(np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), np.array([[0.4, 0.5]])),
+        ("attitude", "attitude_rate"),
+        ("deflection_command",),
+        (),
+        np.asarray(0.02),
+    )
     wind = tv.TriangularWind(peak=0.09, duration=2.5)
     limit = float(tv.boundary_limit(plant, wind).deflection)
     held = tv.trim_then_hold(plant, wind, limit)
@@ -619,7 +628,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Document.from_table": Door(tv.studyfile.Document.from_table, {"table": {"revision": "B"}}),
         "Earth": Door(tv.flights.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
         "SystemPlant": Door(
-            tv.SystemPlant,
+            tv.linear.SystemPlant,
             {
                 "system": exact.ss(),
                 "coefficients": coefficients,
@@ -628,10 +637,10 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "SystemPlant.with_effectiveness": Door(
-            tv.SystemPlant(exact.ss()).with_effectiveness, {"factor": 1.1}
+            tv.linear.SystemPlant(exact.ss()).with_effectiveness, {"factor": 1.1}
         ),
         "SystemPlant.numerator": Door(
-            tv.SystemPlant(exact.ss()).numerator, {"output": "attitude", "input": "wind"}
+            tv.linear.SystemPlant(exact.ss()).numerator, {"output": "attitude", "input": "wind"}
         ),
         "FlexiblePlant": Door(
             tv.FlexiblePlant,
@@ -915,6 +924,24 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
         "SaturatedLaw.of": Door(tv.SaturatedLaw.of, {"autopilot": autopilot}),
+        "SystemAutopilot": Door(
+            tv.control.SystemAutopilot,
+            {
+                "system": gains_in_steps,
+                "inputs": ("attitude", "attitude_rate"),
+                **dict.fromkeys(GAINS, 0.0),
+                "actuator": tv.Actuator(),
+                "delay": 0.01,
+                "pade_order": 4,
+                "filters": (),
+                "attitude_filters": (),
+                "rate_filters": (),
+                "sample_rate": 50.0,
+            },
+        ),
+        "SystemLaw": Door(
+            tv.control.SystemLaw, {"autopilot": tv.control.SystemAutopilot(gains_in_steps)}
+        ),
         "ShapedWind": Door(
             tv.ShapedWind,
             {

@@ -49,7 +49,6 @@ from .flights import fly_sixdof as fly_sixdof
 from .flights.flown_boundary import flown_boundary as flown_boundary
 from .linear import FlexiblePlant as FlexiblePlant
 from .linear import Plant as Plant
-from .linear import SystemPlant as SystemPlant
 from .linear import attitude_response as attitude_response
 from .linear import attitude_responses as attitude_responses
 from .linear import is_stable as is_stable

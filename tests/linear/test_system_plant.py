@@ -18,14 +18,14 @@ NAMES = {
 
 def _pair(model="drift-exact", name="configuration-i"):
     plant = tv.Plant.from_vehicle(tv.load_vehicle(name), model)
-    return plant, tv.SystemPlant(plant.ss(), plant.coefficients)
+    return plant, tv.linear.SystemPlant(plant.ss(), plant.coefficients)
 
 
 @pytest.fixture(scope="module")
 def launcher():
     """Return the flexible plant of a small booster, with and without its names."""
     plant = tv.linear.plant_of(tv.load_vehicle("made-up-booster"))
-    return plant, tv.SystemPlant(plant.ss(), plant.coefficients)
+    return plant, tv.linear.SystemPlant(plant.ss(), plant.coefficients)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -91,7 +91,7 @@ def test_margins_bands_and_flights_of_a_flexible_plant_handed_over_are_the_same(
     limits = np.radians([0.2, 0.5, 2.0])
     flown = [
         tv.fly_many(p, law, WIND, deflection_limit=limits, **nozzle)
-        for p in (plant, handed, tv.SystemPlant(plant.ss()))
+        for p in (plant, handed, tv.linear.SystemPlant(plant.ss()))
     ]
     for other in flown[1:]:
         assert other.status.tolist() == flown[0].status.tolist()
@@ -115,7 +115,7 @@ def test_transfer_functions_with_one_denominator_are_a_plant():
     above = [[np.trim_zeros(plant.numerator(o, i), "f") for i in inputs] for o in outputs]
     below = [[plant.denominator] * 2] * 3
     system = control.TransferFunction(above, below, inputs=inputs, outputs=outputs)
-    handed = tv.SystemPlant(system)
+    handed = tv.linear.SystemPlant(system)
     assert len(handed.states) == 3
     omega = np.array([0.01, 0.5, 3.0])
     for o, output in enumerate(plant.outputs):
@@ -134,7 +134,7 @@ def test_a_plant_with_two_integrators_responds_as_its_steps():
     B = np.array([[0.0, 0.0], [-1.3, -0.2], [0.0, 0.0], [5.0, 0.0]])
     C = np.array([[1.0, 0.0, 0.01, 0.0], [0.0, 1.0, 0.0, 0.01], [1.0, 0.0, 0.0, 0.0]])
     D = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, -1.0]])
-    plant = tv.SystemPlant(control.StateSpace(A, B, C, D, **NAMES))
+    plant = tv.linear.SystemPlant(control.StateSpace(A, B, C, D, **NAMES))
     times = np.array([0.0, 1.0, 4.0])
     held = tv.linear.ConstantDeflection(limit=0.01)
     bending = np.array([[0.0, 1.0], [-400.0, -0.4]])
@@ -161,7 +161,7 @@ def test_a_moment_among_the_outputs_gives_the_coefficients():
     system = control.StateSpace(
         A, B, C, D, inputs=NAMES["inputs"], outputs=[*NAMES["outputs"], "moment"]
     )
-    handed = tv.SystemPlant(system)
+    handed = tv.linear.SystemPlant(system)
     assert handed.coefficients.B == plant.coefficients.B
     assert tv.boundary_limit(handed, WIND).limit == pytest.approx(
         tv.boundary_limit(plant, WIND).limit, rel=1e-12
@@ -181,7 +181,7 @@ def test_residues_of_a_repeatedly_rotated_system_stay():
         inputs=plant.inputs,
         outputs=plant.outputs,
     )
-    one, other = all_modes(plant), all_modes(tv.SystemPlant(system))
+    one, other = all_modes(plant), all_modes(tv.linear.SystemPlant(system))
     np.testing.assert_allclose(other.poles, one.poles, rtol=1e-11)
     np.testing.assert_allclose(other.wind_residues, one.wind_residues, rtol=1e-10)
 
@@ -229,11 +229,11 @@ def _system(**changes):
 )
 def test_a_bad_plant_is_refused_in_one_sentence(system, message):
     with pytest.raises(tv.InputError, match=message):
-        tv.SystemPlant(system())
+        tv.linear.SystemPlant(system())
 
 
 def test_what_needs_trim_says_so_where_the_moment_is_not_known():
-    plant = tv.SystemPlant(_pair()[0].ss())
+    plant = tv.linear.SystemPlant(_pair()[0].ss())
     for function in (tv.boundary_limit, tv.required_deflection):
         with pytest.raises(tv.InputError, match="depends on the trim of the wind"):
             function(plant, WIND)

@@ -1,13 +1,14 @@
 """What commands the deflection: autopilot, margins, laws, and how they compare with trim.
 
-- A loop: `Autopilot`, its `Actuator`; over flight times `GainSchedule`.
+- A loop: `Autopilot`, its `Actuator`; over flight times `GainSchedule`; of a state space
+  `SystemAutopilot`.
 - Gains: `design_gains`, `canonical_gains`, `half_relief_gains`, `relief_gains`,
   `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`; by a rule of a file `AutopilotDesign`.
 - Margins: `Autopilot.margins`, `loop_margins` of any `Loop`, their `margin_bounds`, with modes
   `detuned`; what is asked of them: `Criteria`, `CRITERIA`.
-- Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, without a
-  vane `AccelerometerLaw`, and around them `FilteredLaw`, `EstimatedLaw` with a `WindEstimator`; by
-  name `design_law`; your own: `Law`.
+- Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, of a state
+  space `SystemLaw`, without a vane `AccelerometerLaw`, and around them `FilteredLaw`,
+  `EstimatedLaw` with a `WindEstimator`; by name `design_law`; your own: `Law`.
 - In turbulence, by covariance: `turbulence_covariance` of a loop, `turbulence_history` about a
   known wind, `turbulence_along` a flight; with `SensorNoise` and the `LoadSlopes` of a structure.
 - Beside trim: `compare_with_trim`, `worst_duration`.

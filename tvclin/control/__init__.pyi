@@ -16,6 +16,7 @@ from .autopilot.gains import lqr_gains as lqr_gains
 from .autopilot.gains import relief_gains as relief_gains
 from .autopilot.margin_bounds import MarginBounds as MarginBounds
 from .autopilot.margin_bounds import margin_bounds as margin_bounds
+from .autopilot.system_autopilot import SystemAutopilot as SystemAutopilot
 from .comparison import TrimComparison as TrimComparison
 from .comparison import WorstDuration as WorstDuration
 from .comparison import compare_with_trim as compare_with_trim
@@ -29,6 +30,7 @@ from .laws.law import Law as Law
 from .laws.law import Measurement as Measurement
 from .laws.recoverable import RecoverableAttitudeLaw as RecoverableAttitudeLaw
 from .laws.registry import design_law as design_law
+from .laws.system_law import SystemLaw as SystemLaw
 from .laws.trim import DeadBandLaw as DeadBandLaw
 from .laws.trim import TrimLaw as TrimLaw
 from .margins.bands import BandMargins as BandMargins

@@ -10,7 +10,7 @@ without limits.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -53,10 +53,13 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     margins = loop_margins(autopilot.exact_loop(plant))
     if not margins.stable:
         return float(np.inf)
-    if not isinstance(plant, Plant) or not plant.is_rigid:
+    rigid = isinstance(plant, Plant) and plant.is_rigid
+    if not isinstance(plant, Plant) or not rigid or autopilot.controller is not None:
         import control
 
-        return float(control.system_norm(autopilot.close(plant)["deflection", "wind"], p="inf"))
+        return float(
+            control.system_norm(autopilot.close(plant)["deflection", "wind"], p="inf", tol=1e-11)
+        )
     loop = autopilot.rational_loop(plant)
     numerator = wind_numerator(autopilot, plant)
 
@@ -369,7 +372,7 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     margins = loop_margins(autopilot.exact_loop(plant))
     warn_of_feedback(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
-    steady = replace(autopilot, sample_rate=None)
+    steady = autopilot.continuous
     peaks = _peaks(plant, steady, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
     notes = [] if margins.stable else [margins.reason]
     if autopilot.sample_rate is not None:

@@ -434,7 +434,7 @@ def check_plant(plant: object) -> None:
     if not isinstance(plant, AnyPlant):
         raise InputError(
             f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle,"
-            " or SystemPlant of a control.StateSpace)"
+            " or linear.SystemPlant of a control.StateSpace)"
         )
 
 

@@ -8,19 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from math import prod
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.errors import InputError, finite, shown
 from tvclin.linear.system import LinearSystem
+from tvclin.numerics.modal import is_unstable
 
 if TYPE_CHECKING:
     import control
 
     AnySystem: TypeAlias = "LinearSystem | control.StateSpace | control.TransferFunction"
 
+_HIDDEN = 1e-12
+"""Size of an eigenvector in an input or output, relative, that counts as zero."""
+_ON_CIRCLE = 1e-9
+"""Distance of a pole z beyond the unit circle that counts as on it."""
 _RELATIVE_RESIDUAL = 1e-8
 """Largest error of a transfer function that is written with the states of another, relative."""
 
@@ -107,6 +113,57 @@ def require_signals(
             raise InputError(
                 f"{name} has no {kind} {signal}; its {kind}s are {', '.join(available) or 'none'}"
                 f"{hint}{remedy}"
+            )
+
+
+def eigenvectors(A: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return eigenvalues ``(..., n)`` by falling real part, left rows and right columns.
+
+    `A`: ``(..., n, n)``; so are the rows l A = p l and the columns A r = p r.
+    """
+    from scipy.linalg import eig  # late: it takes 0.1 s to import
+
+    n = A.shape[-1]
+    flat = A.reshape(prod(A.shape[:-2]), n, n)
+    values, (left, right) = np.zeros((len(flat), n), complex), np.zeros((2, *flat.shape), complex)
+    for k, matrix in enumerate(flat):
+        if not n:
+            continue
+        roots, rows, columns = eig(matrix, left=True, right=True)
+        order = np.lexsort((-roots.imag, -roots.real))
+        values[k], left[k], right[k] = roots[order], rows.conj().T[order], columns[:, order]
+    return values.reshape(A.shape[:-1]), left.reshape(A.shape), right.reshape(A.shape)
+
+
+def check_hidden_modes(
+    name: str,
+    modes: tuple[ComplexArray, ComplexArray, ComplexArray],
+    B: FloatArray,
+    C: FloatArray,
+    words: tuple[str, str],
+    period: FloatArray | None = None,
+) -> None:
+    """Raise `InputError` for an unstable mode that no input reaches, or that is in no output.
+
+    `modes`: the `eigenvectors` of A. `B`, `C`: of the inputs ``(..., n, m)`` and outputs ``(...,
+    p, n)``. `words`: what is said of the two. `period`: sample time [s].
+    """
+    poles, left, right = modes
+    if not poles.size:
+        return
+    unstable = is_unstable(poles) if period is None else np.abs(poles) > 1.0 + _ON_CIRCLE
+    for rows, columns, fault in (
+        (left, B, words[0]),
+        (np.swapaxes(right, -1, -2), np.swapaxes(C, -1, -2), words[1]),
+    ):
+        products = np.linalg.norm(rows @ columns, axis=-1)
+        sizes = np.linalg.norm(columns, axis=(-1, -2))[..., np.newaxis]
+        hidden = unstable & (products <= _HIDDEN * sizes)
+        if np.any(hidden):
+            pole, unit = poles[hidden][0], "1/s" if period is None else "in z"
+            pair = f" +- {abs(pole.imag):.6g}j" if pole.imag else ""
+            raise InputError(
+                f"{name} has an unstable mode at {pole.real:.6g}{pair} {unit} that {fault}"
             )
 
 

@@ -18,10 +18,15 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import card, lines
 from tvclin.base.errors import InputError, broadcast, instance, one_of, positive
-from tvclin.linear.named_systems import named_system, require_signals
+from tvclin.linear.named_systems import (
+    check_hidden_modes,
+    eigenvectors,
+    named_system,
+    require_signals,
+)
 from tvclin.linear.plant import INPUTS, Plant
 from tvclin.linear.system import LinearSystem
-from tvclin.numerics.modal import ModalSystem, is_unstable
+from tvclin.numerics.modal import ModalSystem
 from tvclin.vehicle.coefficients import Coefficients
 
 if TYPE_CHECKING:
@@ -35,9 +40,6 @@ _MAX_DAMPING = 0.3
 """Largest damping ratio of a pole pair that is a mode with a band of its own."""
 _MAX_POLYNOMIAL_ORDER = 8
 """Highest order of a plant that has polynomials: their rounding grows with the order."""
-_HIDDEN = 1e-12
-"""Cosine between a left eigenvector and an input, or a right one and an output, that counts as
-zero."""
 _ZERO_POLE = 1e-12
 """Size of a pole that counts as zero, over the largest pole."""
 
@@ -75,7 +77,7 @@ class SystemPlant(Plant):
     --------
     >>> import tvclin as tv
     >>> vehicle = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
-    >>> plant = tv.SystemPlant(vehicle.ss())
+    >>> plant = tv.linear.SystemPlant(vehicle.ss())
     >>> tv.unstable_modes(plant).poles.round(5)
     array([0.5102 , 0.01285])
     >>> tv.trim_then_hold(plant, tv.TriangularWind(peak=-0.1, duration=8.0), 0.01)
@@ -137,19 +139,14 @@ class SystemPlant(Plant):
                     f"{name} of the plant must not follow the deflection at once: feedback of it"
                     " would be an algebraic loop"
                 )
-        poles, left, right = self._eigenvectors
-        unstable = is_unstable(poles) if poles.size else np.zeros(poles.shape, bool)
-        columns = np.swapaxes(right, -1, -2)
-        attitude = system.C[..., system.outputs.index("attitude"), :]
-        for sizes, words in (
-            (_cosines(left, system.B[..., 0]), "the deflection does not reach"),
-            (_cosines(columns, attitude), "the attitude does not show"),
-        ):
-            hidden = unstable & (sizes <= _HIDDEN)
-            if np.any(hidden):
-                raise InputError(
-                    f"plant has an unstable mode at {_pole_text(poles[hidden][0])} that {words}"
-                )
+        attitude = system.outputs.index("attitude")
+        check_hidden_modes(
+            "plant",
+            self._eigenvectors,
+            system.B[..., :1],
+            system.C[..., attitude : attitude + 1, :],
+            ("the deflection does not reach", "the attitude does not show"),
+        )
 
     def _repr_html_(self) -> str:
         return card("SystemPlant", self._rows())
@@ -279,22 +276,7 @@ class SystemPlant(Plant):
     @cached_property
     def _eigenvectors(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Poles ``(..., n)`` by falling real part, rows l and columns r, ``(..., n, n)``."""
-        from scipy.linalg import eig  # late: it takes 0.1 s to import
-
-        A = self._system.A
-        n = A.shape[-1]
-        flat = A.reshape(-1, n, n)
-        poles = np.zeros((len(flat), n), complex)
-        left, right = np.zeros((2, len(flat), n, n), complex)
-        for k, matrix in enumerate(flat):
-            values, rows, columns = eig(matrix, left=True, right=True)
-            order = np.lexsort((-values.imag, -values.real))
-            poles[k], left[k], right[k] = values[order], rows.conj().T[order], columns[:, order]
-        return (
-            poles.reshape(A.shape[:-1]),
-            left.reshape(A.shape),
-            right.reshape(A.shape),
-        )
+        return eigenvectors(self._system.A)
 
     @cached_property
     def poles(self) -> AnyArray:
@@ -490,17 +472,3 @@ def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
     C = np.concatenate([system.C, (row @ system.C)[..., np.newaxis, :]], axis=-2)
     D = np.concatenate([system.D, (row @ system.D)[..., np.newaxis, :] + wind], axis=-2)
     return replace(system, C=C, D=D, outputs=(*system.outputs, _MEASURED[3]))
-
-
-def _cosines(rows: ComplexArray, vector: FloatArray) -> FloatArray:
-    """Return the cosine between rows ``(..., n, n)`` and a vector ``(..., n)``, ``(..., n)``."""
-    products = np.abs((rows @ vector[..., np.newaxis])[..., 0])
-    sizes = np.linalg.norm(rows, axis=-1) * np.linalg.norm(vector, axis=-1)[..., np.newaxis]
-    return np.asarray(products / np.where(sizes > 0.0, sizes, 1.0))
-
-
-def _pole_text(pole: complex) -> str:
-    """Return a pole with its unit; of a pair the upper one."""
-    if pole.imag == 0.0:
-        return f"{pole.real:.6g} 1/s"
-    return f"{pole.real:.6g} +- {abs(pole.imag):.6g}j 1/s"

@@ -229,7 +229,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
         raise InputError(f"there is nothing to compare: {c.margins.reason}")
     start, end = float(c.wind.onset), float(c.wind.end)
     times = _times(start, start + _LONGER * (end - start), c.wind, _BESIDE)
-    steady = replace(c.autopilot, sample_rate=None)  # as its peaks
+    steady = c.autopilot.continuous  # as its peaks
     answer = steady.wind_response(c.plant, c.wind)
     seen = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)

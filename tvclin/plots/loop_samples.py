@@ -16,6 +16,7 @@ from tvclin.base.errors import InputError, instance
 from tvclin.base.lines import significant, text
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.autopilot.system_autopilot import SystemAutopilot
 from tvclin.control.margins.bands import GAIN as BY_GAIN
 from tvclin.control.margins.bands import PHASE as BY_PHASE
 from tvclin.control.margins.bands import UNSTABLE, BandMargins, ModeBand, band_margins
@@ -188,6 +189,8 @@ def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> N
 
 def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
     """Return the description of a loop, in one line."""
+    if isinstance(autopilot, SystemAutopilot):
+        return f"{plant.name or plant.model}, {autopilot.description}"
     terms = [f"a0 = {autopilot.attitude_gain:.4g}", f"a1 = {autopilot.rate_gain:.4g} s"]
     if autopilot.alpha_gain:
         terms.append(f"b0 = {autopilot.alpha_gain:.4g}")

@@ -53,7 +53,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
     `stacklevel`: as in `warnings.warn`; 3 points at the caller of the calling method.
     """
     plant = plant.rigid
-    if not plant.coefficients_known:
+    if not plant.coefficients_known or autopilot.controller is not None:
         return
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
@@ -266,6 +266,10 @@ class Autopilot(Feedback):
         """
         instance("plant", plant, Plant, "of a FlexiblePlant see exact_loop")
         self._require_continuous("rational_loop")
+        if self.controller is not None or not plant.is_rigid:
+            raise InputError(
+                "rational_loop() is for gains around a rigid plant; of a state space see exact_loop"
+            )
         broadcast(autopilot=self.batch, plant=plant.batch)
         return rational_loop(self, plant)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from tvclin.control.autopilot.actuator import (
     positive_in_range,
     zero_or_in_range,
 )
+from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter, filter_cells
 
 GAINS = {
@@ -65,7 +67,8 @@ class Feedback(Record):
             rate = positive_in_range("sample_rate", self.sample_rate, "Hz")
             object.__setattr__(self, "sample_rate", plain(rate))
         _ = self.batch  # raises for shapes that do not broadcast
-        if np.any(np.all(np.stack(np.broadcast_arrays(*gains.values())) == 0.0, axis=0)):
+        without_gain = np.all(np.stack(np.broadcast_arrays(*gains.values())) == 0.0, axis=0)
+        if self.controller is None and np.any(without_gain):
             raise InputError(f"an autopilot needs a gain; {', '.join(GAINS)} are all zero")
         integral = gains["integral_gain"]
         if np.any(integral) and not np.all(integral):
@@ -76,6 +79,16 @@ class Feedback(Record):
             raise InputError(
                 f"pade_order must be an integer from 1 to {_MAX_PADE_ORDER}; got {shown(order)}"
             )
+
+    @property
+    def controller(self) -> LinearSystem | None:
+        """State space in place of the gains; None, but of a `SystemAutopilot`."""
+        return None
+
+    @property
+    def continuous(self) -> Self:
+        """Autopilot without samples."""
+        return replace(self, sample_rate=None)
 
     def rows(self) -> list[Row]:
         """Return the parameters of one autopilot as rows of a table; gains of zero are omitted."""

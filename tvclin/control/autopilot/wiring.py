@@ -13,6 +13,7 @@ Workman, Digital Control of Dynamic Systems).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from inspect import cleandoc
 from textwrap import indent
 from typing import Any, TypeVar
@@ -23,8 +24,9 @@ from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Matrices, pade_delay, plant_with_actuator
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
-from tvclin.control.margins.loop import Loop, SampledLoop
+from tvclin.control.margins.loop import Loop, SampledLoop, w_plane_loop
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.named_systems import require_signals
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
 from tvclin.numerics import polynomials, state_space
@@ -70,6 +72,9 @@ LAW_INPUTS = (
     "deflection",
 )
 """Inputs of a law, behind the filters of its sensors."""
+CONTROLLER = "controller_output"
+"""Output of a controller in state space."""
+_ATTITUDE_COMMAND = "attitude_command"
 LAW_OUTPUT, INTEGRAL = "law_output", "attitude_error_integral"
 """Names of the command before its filters, and of the integrator's state."""
 
@@ -112,7 +117,8 @@ def closed_loop(
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:
     """Return the loop with its exact delay: polynomials around a rigid plant, else state space."""
-    if isinstance(plant, Plant) and plant.is_rigid:
+    rigid = isinstance(plant, Plant) and plant.is_rigid
+    if isinstance(plant, Plant) and rigid and autopilot.controller is None:
         return rational_loop(autopilot, plant)
     loop = open_loop(autopilot, plant).select((COMMAND,), (RETURNED,))
     return Loop.from_matrices(loop.A, loop.B, 0.0 - loop.C, 0.0 - loop.D, autopilot.delay)
@@ -126,6 +132,8 @@ def autopilot_blocks(
     `period` [s]: with it the blocks are difference equations.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
+    if autopilot.controller is not None:
+        return _controller_blocks(autopilot.controller, chains, plant, period)
     integral = bool(np.any(np.asarray(autopilot.integral_gain)))
     gains = {
         LAW_INPUTS[0]: autopilot.attitude_gain,
@@ -137,6 +145,62 @@ def autopilot_blocks(
     integrator = attitude_integral(integral)
     sums = [gain(LAW_INPUTS[0], {"attitude_command": -1.0}), gain(LAW_OUTPUT, gains)]
     return [*law_blocks(chains, integrator, plant.sensed, period), *sums]
+
+
+def _controller_blocks(
+    controller: LinearSystem,
+    chains: Mapping[str, Sequence[Filter]],
+    plant: AnyPlant,
+    period: FloatArray | None,
+) -> list[LinearSystem]:
+    """Return the blocks of a controller in state space, see `autopilot_blocks`.
+
+    Its input attitude is the attitude minus its command, unless the command is an input too.
+    """
+    check_controller(controller, plant)
+    takes_command = _ATTITUDE_COMMAND in controller.inputs
+    sums = [] if takes_command else [gain(LAW_INPUTS[0], {_ATTITUDE_COMMAND: -1.0})]
+    blocks = law_blocks(chains, controller_system(controller), plant.sensed, period)
+    return [*blocks, *sums, gain(LAW_OUTPUT, {CONTROLLER: 1.0})]
+
+
+def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
+    """Raise `InputError` for an input of a controller that neither plant nor actuator gives."""
+    available = (*plant.outputs, "deflection", _ATTITUDE_COMMAND)
+    require_signals("the plant", "output", controller.inputs, available)
+
+
+def controller_system(controller: LinearSystem) -> LinearSystem:
+    """Return a controller with its attitude and attitude_rate named as `LAW_INPUTS`."""
+    names = dict(zip(("attitude", "attitude_rate"), LAW_INPUTS[:2], strict=True))
+    states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
+    return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
+
+
+def _measured(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
+    """Return the outputs of plant and actuator that an autopilot reads."""
+    if autopilot.controller is None:
+        return (*plant.sensed, "angle_of_attack")
+    check_controller(autopilot.controller, plant)
+    names = dict(zip(("attitude", "attitude_rate"), plant.sensed, strict=True))
+    read = (names.get(name, name) for name in autopilot.controller.inputs)
+    return tuple(dict.fromkeys(name for name in read if name != _ATTITUDE_COMMAND))
+
+
+def in_steps(system: LinearSystem, period: FloatArray) -> LinearSystem:
+    """Return difference equations of a period [s], with a zero-order hold of continuous inputs.
+
+    `InputError` for a system of another sample time.
+    """
+    if system.period is None:
+        return system.to_steps(period)
+    if np.any(np.abs(period - system.period) > _RELATIVE_PERIOD * period):
+        raise InputError(
+            f"the controller has a sample time of {float(system.period):.6g} s; give sample_rate ="
+            f" {1.0 / float(system.period):.6g} Hz to what it is flown with, not"
+            f" {1.0 / float(np.max(period)):.6g} Hz"
+        )
+    return replace(system, period=period)
 
 
 def attitude_integral(present: bool) -> LinearSystem:
@@ -161,7 +225,7 @@ def law_blocks(
     the law's states with a zero-order hold on their inputs.
     """
     ends = ((sensed[0], LAW_INPUTS[0]), (sensed[1], LAW_INPUTS[1]), (LAW_OUTPUT, RETURNED))
-    blocks = [states if period is None else states.to_steps(period)] if states.states else []
+    blocks = [states if period is None else in_steps(states, period)] if states.outputs else []
     for name, (source, target) in zip(CHAINS, ends, strict=True):
         chain = chains[name]
         if not chain and source != target:
@@ -269,6 +333,8 @@ def _actuator(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:
     return below[..., -1:], below
 
 
+_RELATIVE_PERIOD = 1e-9
+"""Relative distance of two sample times that count as equal."""
 _MAX_DELAY_PERIODS = 25
 """Longest delay, in sample periods."""
 _MAX_POLE_TIMES_PERIOD = 50.0
@@ -284,7 +350,7 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     above 50 sample rates.
     """
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
-    sensed = (*plant.sensed, "angle_of_attack")
+    sensed = _measured(autopilot, plant)
     vehicle = plant_with_actuator(plant, autopilot.actuator).select((COMMAND,), sensed)
     growth = vehicle.poles.real.max(axis=-1) * period
     if np.any(growth > _MAX_POLE_TIMES_PERIOD):
@@ -318,9 +384,5 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
 
 def _w_plane_loops(steps: LinearSystem, period: FloatArray) -> StateLoop:
     """Return the loops in w = (2/h)(z - 1)/(z + 1) of open loops in steps of h [s] ``(...)``."""
-    matrices = state_space.from_steps(steps.matrices(), 0.5 * period)
-    A, B, C, D = (
-        np.broadcast_to(m, (*period.shape, *m.shape[-2:])).reshape(period.size, *m.shape[-2:])
-        for m in matrices
-    )
-    return StateLoop.balanced(A, B[..., 0], 0.0 - C[:, 0], 0.0 - D[:, 0, 0], np.zeros(len(A)))
+    A, B, C, D = steps.matrices()
+    return w_plane_loop((A, B, 0.0 - C, 0.0 - D), period)

@@ -37,6 +37,8 @@ class SaturatedLaw(LinearLaw):
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
         single("autopilot", self.autopilot.batch)
         a = self.autopilot
+        if a.controller is not None:
+            raise InputError("a SaturatedLaw is of gains; SystemLaw is that of a state space")
         if a.actuator is not None or a.delay or a.sample_rate is not None:
             raise InputError(
                 "a SaturatedLaw takes gains and filters only: give actuator, delay and sample_rate"

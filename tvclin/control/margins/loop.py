@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IndexArray
-from tvclin.base.errors import InputError, broadcast, finite, flag, nonnegative, within
-from tvclin.linear.system import split_delay
+from tvclin.base.errors import InputError, broadcast, finite, flag, nonnegative, number, within
+from tvclin.linear.named_systems import named_system
+from tvclin.linear.system import LinearSystem, split_delay
+from tvclin.numerics import state_space
 from tvclin.numerics.loop_margins import LoopAnalysis, analyse_loops
 from tvclin.numerics.loops import AnyLoop, Rational, StateLoop, rightmost_poles
 
@@ -96,14 +98,16 @@ class Loop:
         Parameters
         ----------
         system : control.StateSpace or control.TransferFunction
-            The open loop in continuous time, with the sign of 1 + L = 0.
+            The open loop with the sign of 1 + L = 0, in continuous time, or in steps of a sample
+            time: then a `SampledLoop`, whose delay margins are those of the phase alone.
         delay : array_like
-            A delay [s] in series with it.
+            A delay [s] in series with it; of a loop in steps a whole number of samples.
 
         Raises
         ------
         InputError
-            For another type: margins need the poles, which frequency data do not have.
+            For another type: margins need the poles, which frequency data do not have; for several
+            inputs or outputs, an improper transfer function, and an algebraic loop.
         """
         import control
 
@@ -112,8 +116,10 @@ class Loop:
                 "a loop must be a control.StateSpace or control.TransferFunction, whose poles are"
                 f" known; got a {type(system).__name__}"
             )
-        if not system.issiso() or system.isdtime(strict=True):
-            raise InputError("a loop must have one input and one output, in continuous time")
+        if not system.issiso():
+            raise InputError("a loop must have one input and one output")
+        if system.isdtime(strict=True):
+            return discrete_loop(named_system("loop", system), delay)  # type: ignore[return-value]
         if isinstance(system, control.StateSpace):
             return cls.from_matrices(system.A, system.B, system.C, system.D, delay)
         return cls(system.num[0][0], system.den[0][0], delay)
@@ -319,6 +325,8 @@ _MAX_STEP_OVER_FREQUENCY = 0.05
 _DELAY_TOLERANCE = 1e-11
 """Tolerance of the Newton iteration, relative to the frequency and in phase [rad], and of the
 modulus of a pole z that counts as outside the unit circle."""
+_POLE_TOLERANCE = 1e-12
+"""Distance of a pole z from -1 that counts as zero."""
 _DELAYS_PER_PERIOD = 48.0
 """Number of trial delays in a sample period in the search for the first instability."""
 _TRIAL_DELAYS = (8, 192)
@@ -333,19 +341,20 @@ _BEYOND_MARGIN = 1.0 + 1e-6
 class SampledLoop(Loop):
     """Loop of a sampled autopilot, from the command to minus the returned command.
 
-    Made by `Autopilot.exact_loop`. Frequencies are those of the s plane, from zero to half the
-    sample rate; `form` is in the variable w, z = (1 + w h/2)/(1 - w h/2).
+    Made by `Autopilot.exact_loop` and `Loop.from_system`. Frequencies are those of the s plane,
+    from zero to half the sample rate; `form` is in the variable w, z = (1 + w h/2)/(1 - w h/2).
 
     `period`: h [s], ``(...)``. `loop_delay`: delay [s], ``(...)``. `delayed_form`: function of
     delays below h [s] ``(k,)`` and indices ``(k,)`` in the flattened batch; it returns these loops
     with those delays. `delayed_closed_poles`: function of any delays and indices; it returns the
-    closed-loop poles z.
+    closed-loop poles z. Both are None where only the loop in steps is known, without the motion
+    between them: a delay margin is then the phase over the frequency.
     """
 
     period: FloatArray
     loop_delay: FloatArray
-    delayed_form: Callable[[FloatArray, IndexArray], StateLoop]
-    delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray]
+    delayed_form: Callable[[FloatArray, IndexArray], StateLoop] | None = None
+    delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray] | None = None
 
     def response(self, omega: ArrayLike) -> AnyArray:
         """Return L(e^(j omega h)) at frequencies below half the sample rate [rad/s].
@@ -403,7 +412,8 @@ class SampledLoop(Loop):
         ln L(omega, T) = ln(-1) for frequency and delay; a whole sample is a factor of 1/z.
         """
         margins = phases % (2.0 * np.pi) / omega
-        if not margins.shape[1]:
+        delayed_form = self.delayed_form
+        if not margins.shape[1] or delayed_form is None:
             return margins
         case, column = np.nonzero(stable[:, np.newaxis] & np.isfinite(margins))
         h, delay = self.period.ravel()[case], self.loop_delay.ravel()[case]
@@ -412,7 +422,7 @@ class SampledLoop(Loop):
         for _ in range(_MAX_NEWTON_STEPS if case.size else 0):
             samples, rest = split_delay(delay + margin, h)
             nu = np.tan(0.5 * w * h) / (0.5 * h)
-            form, s = self.delayed_form(rest, case), 1j * nu[:, np.newaxis]
+            form, s = delayed_form(rest, case), 1j * nu[:, np.newaxis]
             L, slope = form.value(s)[:, 0], form.slope(s)[:, 0]
             rate = 1j * slope / L * (1.0 + (0.5 * nu * h) ** 2)  # d ln L/d omega
             step = np.clip(
@@ -439,6 +449,7 @@ class SampledLoop(Loop):
 
     def _is_unstable(self, case: int, delays: FloatArray) -> BoolArray:
         """Return whether a loop is unstable with further delays [s], ``(m,)``."""
+        assert self.delayed_closed_poles is not None
         loop_delay = self.loop_delay.ravel()[case]
         z = self.delayed_closed_poles(loop_delay + delays, np.full(delays.size, case))
         return np.asarray(np.any(np.abs(z) > 1.0 + _DELAY_TOLERANCE, axis=-1))
@@ -487,3 +498,43 @@ class SampledLoop(Loop):
         """Return z = (1 + w h/2)/(1 - w h/2) ``(k, m)``."""
         half = 0.5 * self.period.reshape(-1, 1)
         return (1.0 + w * half) / (1.0 - w * half)
+
+
+def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
+    """Return the loop of one open loop L(z) in steps, with a delay of whole samples [s].
+
+    `InputError` for another delay, and an algebraic loop.
+    """
+    assert system.period is not None
+    T = number("delay", delay, nonnegative, "s")
+    samples, rest = split_delay(np.asarray(T), system.period)
+    if rest:
+        raise InputError(
+            f"delay must be a whole number of samples of {float(system.period):.6g} s; got"
+            f" {float(T):.6g} s"
+        )
+    count = int(samples)
+    if not count and np.any(system.D):
+        raise InputError(
+            "this is an algebraic loop: its command feeds back within the sample (D ="
+            f" {system.D.item():.6g}); give it a delay of a sample"
+        )
+    shift = (np.eye(count, k=-1), np.eye(count, 1), np.eye(1, count)[:, ::-1], np.zeros((1, 1)))
+    matrices = state_space.series(shift, system.matrices()) if count else system.matrices()
+    if np.any(np.abs(system.poles + 1.0) < _POLE_TOLERANCE):
+        raise InputError("loop must not have a pole at z = -1, half the sample rate")
+    form = w_plane_loop(matrices, np.reshape(system.period, 1))
+    return SampledLoop(form, (), system.period, np.asarray(T))
+
+
+def w_plane_loop(matrices: tuple[FloatArray, ...], period: FloatArray) -> StateLoop:
+    """Return loops in w = (2/h)(z - 1)/(z + 1) of open loops L(z) = C (z - A)^-1 B + D.
+
+    `matrices`: A, B, C and D of one input and output. `period`: h [s], ``(...)``.
+    """
+    A, B, C, D = state_space.from_steps(matrices, 0.5 * period)  # type: ignore[arg-type]
+    A, B, C, D = (
+        np.broadcast_to(m, (*period.shape, *m.shape[-2:])).reshape(period.size, *m.shape[-2:])
+        for m in (A, B, C, D)
+    )
+    return StateLoop.balanced(A, B[..., 0], C[:, 0], D[:, 0, 0], np.zeros(len(A)))

@@ -20,7 +20,9 @@ from tvclin.base.errors import MAX_AXES, InputError
 from tvclin.control.autopilot.actuator import INPUTS, Actuator, plant_with_actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.autopilot.system_autopilot import SystemAutopilot
 from tvclin.control.autopilot.wiring import (
+    CONTROLLER,
     LAW_INPUTS,
     LAW_OUTPUT,
     RETURNED,
@@ -28,6 +30,7 @@ from tvclin.control.autopilot.wiring import (
     law_blocks,
 )
 from tvclin.control.laws.law import Chains, Law
+from tvclin.control.laws.system_law import SystemLaw
 from tvclin.flights.closed_loop.outcomes import OutcomeCriteria, outcome_criteria
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers
@@ -224,7 +227,9 @@ class LawBatch:
             for system, chains in zip(systems, self.chains, strict=True)
         )
         wide = size + MEASURED + 1
-        filtered = any(any(chains) for chains in self.chains)
+        filtered = any(any(chains) for chains in self.chains) or any(
+            CONTROLLER in system.outputs for system in systems
+        )
         if not size and not filtered:
             return Memory(
                 np.zeros((1, 0, wide)), np.zeros((0, MEASURED, wide)), np.zeros((0, wide))
@@ -253,6 +258,8 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
 
     `InputError` for another type than a law, and for an autopilot with an actuator or a delay.
     """
+    if isinstance(law, SystemAutopilot):
+        law = SystemLaw(law)
     if isinstance(law, Autopilot):
         return _gains(law, shape)
     laws = _array(law)
@@ -304,10 +311,12 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
 def _with_filters(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
     """Return the step of one law and its filters, of lengths [s] ``(m,)``, padded to `size` states.
 
-    The law's states come first, then the states of each chain.
+    The law's states come first, then the states of each chain. The output of a controller in state
+    space takes the place of the attitude among the law's inputs.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
-    law = connect(blocks, (*SENSED, LAW_OUTPUT), (*LAW_INPUTS, RETURNED))
+    first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]
+    law = connect(blocks, (*SENSED, LAW_OUTPUT), (first, *LAW_INPUTS[1:], RETURNED))
     n, wide = len(law.states), size + MEASURED + 1
     columns = [*range(n), *range(size, wide)]
     rows = np.zeros((lengths.size, size + MEASURED + 1, wide))

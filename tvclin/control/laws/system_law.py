@@ -1,0 +1,98 @@
+"""Law of a controller in state space, under a deflection limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, instance
+from tvclin.base.fields import spec
+from tvclin.control.autopilot.system_autopilot import SystemAutopilot
+from tvclin.control.autopilot.wiring import LAW_INPUTS, controller_system
+from tvclin.control.laws.law import Chains, Law, Measurement
+from tvclin.kernels.control_laws import LawNumbers
+from tvclin.linear.system import LinearSystem
+
+
+@dataclass(frozen=True)
+class SystemLaw(Law):
+    """Law of a `SystemAutopilot`, to be flown with limits.
+
+    Parameters
+    ----------
+    autopilot : SystemAutopilot
+        Its actuator, delay and sample rate belong to the flight, and are not looked at; the flight
+        of difference equations has their sample rate.
+
+    Raises
+    ------
+    InputError
+        For an autopilot of another type, and a controller with an input that a flight does not
+        measure.
+
+    Examples
+    --------
+    >>> import control, tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=0.228, mu_delta=1.317))
+    >>> gains = control.StateSpace([], [], [], [[1.88, 1.59]], inputs=["attitude", "attitude_rate"],
+    ...                            outputs=["deflection_command"])
+    >>> law = tv.control.SystemLaw(tv.control.SystemAutopilot(gains))
+    >>> wind = tv.TriangularWind(peak=0.05, duration=8.0)
+    >>> tv.fly_many(plant, law, wind, deflection_limit=0.01, sample_rate=50.0).status.item()
+    'survived'
+    """
+
+    autopilot: SystemAutopilot = field(metadata=spec())
+
+    def __post_init__(self) -> None:
+        instance("autopilot", self.autopilot, SystemAutopilot, "of a control.StateSpace")
+        for name in self.autopilot.system.inputs:
+            if name not in Measurement._fields and f"sensed_{name}" not in LAW_INPUTS:
+                raise InputError(
+                    f"a flight does not measure {name}, which the controller reads; it measures"
+                    f" {', '.join(Measurement._fields)}"
+                )
+
+    @property
+    def state_space(self) -> LinearSystem:
+        """State space of the controller, from `LAW_INPUTS` to its output."""
+        return controller_system(self.autopilot.system)
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """F and G of the states of a continuous controller; `InputError` for one in steps."""
+        system = self.autopilot.system
+        if system.period is not None:
+            raise InputError(
+                f"the controller has a sample time of {float(system.period):.6g} s; give"
+                f" sample_rate = {1.0 / float(system.period):.6g} Hz"
+            )
+        return system.A, system.B @ self._selection
+
+    @property
+    def chains(self) -> Chains:
+        """Filter chains of the autopilot."""
+        a = self.autopilot
+        return Chains(a.attitude_filters, a.rate_filters, a.filters)
+
+    @property
+    def numbers(self) -> LawNumbers:
+        """Gain of one on the controller's output, which flights by samples measure as attitude."""
+        return LawNumbers(attitude=1.0)
+
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
+        """Return the demanded deflection [rad] of a continuous controller, before the limit."""
+        system = self.autopilot.system
+        values = [measured[Measurement._fields.index(name)] for name in system.inputs]
+        terms = [*zip(system.C[0], states, strict=True), *zip(system.D[0], values, strict=True)]
+        return sum((gain * value for gain, value in terms if gain), 0.0 * measured[0])
+
+    @property
+    def _selection(self) -> FloatArray:
+        """Matrix from `Measurement` to the controller's inputs."""
+        fields = Measurement._fields
+        rows = [[float(name == field) for field in fields] for name in self.autopilot.system.inputs]
+        return np.array(rows).reshape(len(rows), len(fields))
