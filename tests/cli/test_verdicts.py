@@ -47,7 +47,7 @@ def run(*arguments: str) -> Result:
                 (REQUIRED, "Limit 0.400 deg: NOT SUFF"),
             ),
             (("boundary", "--tau-beta", "4"), 0, (f"limit {NOMINAL}",)),
-            (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, "that: SURVIVED", NOMINAL)),
+            (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, " SURVIVED: ", NOMINAL)),
             (("fly", "configuration-i", *WIND, *LIMIT), 0, (SEE, f"Flown {NOMINAL}: SURVIVED")),
             (
                 ("nozzle", "configuration-i", *WIND, *LIMIT),

@@ -2,11 +2,13 @@
 
 from typing import Any
 
+import numpy as np
+
 from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import PLANE, AsJson, At, Given, Plot, Source, asked
-from tvclin.cli.output import answer, draw, print_tables
-from tvclin.linear.modes import Modes, all_modes, mode_table
+from tvclin.cli.output import answer, draw, print_answer
+from tvclin.linear.modes import Modes, all_modes, mode_table, select_unstable
 from tvclin.linear.plant import MODELS, Plant, models_of
 
 
@@ -29,12 +31,23 @@ def poles(
     modes = {name: all_modes(plant) for name, plant in plants.items()}
     draw(plot, lambda: plots.pole_map(plants[names[0]].coefficients, names))
     models = {name: _document(mode_set) for name, mode_set in modes.items()}
+    first = case.model if case.model in modes else names[0]
     title = f"{loaded.name or vehicle}, {plane}: poles of the attitude"
     answer(
         as_json,
         lambda: {"vehicle": loaded.name, "plane": plane, "models": models},
-        lambda: print_tables(mode_table(title, modes)),
+        lambda: print_answer(_fastest(first, modes[first]), mode_table(title, modes)),
     )
+
+
+def _fastest(model: str, modes: Modes) -> str:
+    """Return the fastest unstable pole of a model in words, with the doubling time."""
+    poles = select_unstable(modes.poles)
+    if not poles.size:
+        return f"no unstable pole, model {model}"
+    rate = float(np.real(poles).max())
+    doubled = f"the attitude error doubles in {np.log(2.0) / rate:.3g} s"
+    return f"fastest unstable pole {rate:.4g} 1/s, model {model}: {doubled}"
 
 
 def _document(modes: Modes) -> list[dict[str, Any]]:

@@ -1,5 +1,6 @@
 """`tvclin respond`: the exact response of one vehicle's attitude to a wind."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -18,13 +19,14 @@ from tvclin.cli.options import (
     MOTION,
     At,
     Given,
+    More,
     Points,
     ShownCurves,
     Source,
     Until,
     asked,
 )
-from tvclin.cli.output import answer, print_tables, say, say_notes, say_required
+from tvclin.cli.output import answer, print_answer
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import (
@@ -112,6 +114,14 @@ class Held:
         return None if self.beyond else bool(covers(self.limit, self.nominal))
 
     @property
+    def outcome(self) -> str:
+        """Whether the limit survives, with the required deflection, in words."""
+        ratio = f", {self.limit / self.nominal:.4g} times that" if self.nominal else ""
+        required = f"{np.degrees(self.nominal):.3f} deg required {NOMINAL} by {self.governs}"
+        limit = f"limit {np.degrees(self.limit):.3f} deg{ratio}"
+        return f"{survival(self.survived)}: {required}; {limit}"
+
+    @property
     def beyond(self) -> str:
         """Reason of `beyond_linear` why the answer is not known in this wind; empty if it is."""
         return beyond_linear(float(self.wind.peak))
@@ -182,6 +192,7 @@ def respond(
     motion: Given = MOTION,
     until: Until = 3.0,
     points: Points = 301,
+    more: More = False,
     files: ShownCurves = GROUP,
 ) -> None:
     """Print the attitude response to a wind, with trim up to the dead band and then the limit held.
@@ -206,7 +217,9 @@ def respond(
     )
     note_nominal_pressure(plan)
     answer(
-        files.as_json, lambda: _document(case, largest, shown), lambda: _print(case, largest, shown)
+        files.as_json,
+        lambda: _document(case, largest, shown),
+        lambda: _print(case, largest, shown, more),
     )
 
 
@@ -226,33 +239,41 @@ def _title(case: Held) -> str:
     return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
 
 
-def _print(case: Held, largest: Extremes, shown: ResponseEnd) -> None:
-    """Print the response, its verdict by condition (4b), and the required deflection."""
-    say(case.words)
-    caption = f"{case.case.vehicle.name}: exact response"
+def _print(case: Held, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
+    """Print the outcome with the limit, and the largest motions."""
     wind_covered = _covers_the_wind(case, shown)
-    print_tables(response_table(caption, largest, case.loads if wind_covered else None))
-    ratio_text = f", {case.limit / case.nominal:.4g} times that" if case.nominal else ""
-    needed = f"Required {NOMINAL}: {np.degrees(case.nominal):.3f} deg by {case.governs}"
-    say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{ratio_text}: {survival(case.survived)}")
-    say_required(case.required)
-    say_notes(case.notes)
+    caption = f"{case.case.vehicle.name}: exact response\n{case.words}"
+    see = [] if case.required is None else [case.required.see_study]
+    print_answer(
+        "; ".join([case.outcome, *see]),
+        response_table(caption, largest, case.loads if wind_covered else None),
+        notes=(*case.notes, *_end_notes(case, shown), *_constant_notes(case)),
+        more=more,
+    )
+
+
+def _end_notes(case: Held, shown: ResponseEnd) -> Iterator[str]:
+    """Yield notes on the time at which the shown response ends."""
+    if shown.why == RELEASED:
+        yield (
+            "an autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
+            f" response is shown until then, {shown.time:.3f} s"
+        )
+    elif shown.why == OVERTURNED:
+        yield f"the response is shown until it exceeds 90 deg, {shown.time:.3f} s"
+        if case.survived:
+            yield OVERTURNED_NOTE
+
+
+def _constant_notes(case: Held) -> Iterator[str]:
+    """Yield notes on the deflection that stays constant for ever, by condition (4b)."""
     verdict = case.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
     if not verdict.stable and np.isnan(verdict.final_motion.e_folding_times[0]):
         stable = "by condition (4b) only the slow mode of the flight path is not stable"
-    say(f"Held for ever, the deflection leaves {verdict.final_motion}: {stable}.")
+    yield f"held for ever, the deflection leaves {verdict.final_motion}: {stable}"
     if case.survived and not verdict.stable:
-        say("SURVIVED means with a control that lets go of the limit in time.")
-    if shown.why == RELEASED:
-        say(
-            "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
-            f" response is shown until then, {shown.time:.3f} s."
-        )
-    elif shown.why == OVERTURNED:
-        say(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")
-        if case.survived:
-            say(OVERTURNED_NOTE)
+        yield "SURVIVED means with a control that lets go of the limit in time"
 
 
 def _covers_the_wind(case: Held, shown: ResponseEnd) -> bool:
