@@ -27,8 +27,7 @@ suite:
 
 thorough: export PYTHONDONTWRITEBYTECODE =
 thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every page and notebook
-	$(SUITE) -m thorough --share=$$(($(DAY) % $(SHARES)))/$(SHARES) \
-	  docs $$(grep -rlE "thorough|tests.turns" --include="test_*.py" tests)
+	$(SUITE) -m thorough --share=$$(($(DAY) % $(SHARES)))/$(SHARES) docs tests tvclin
 
 # With SHARES=2 half of them, by turns, a day each.
 SHARES := 1

@@ -93,13 +93,33 @@ def linearised():
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _coarse_pixels():
-    """Write figures with few pixels, of which no test reads one."""
+def _originals(pytestconfig):
+    """Write figures with few pixels, of which no test reads one; and in a usual run save more.
+
+    Figures are not laid out, which is half of their time, and machine code is loaded for shorter
+    calls, of which tests make thousands. Return what that replaces, for `as_users_have_it`.
+    """
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
     from tvclin.plots import style
 
+    changes = [
+        (ConstrainedLayoutEngine, "execute", lambda engine, figure: {}),
+        (choice, "_MIN_LOADING_SECONDS", 0.001),
+    ]
+    originals = [(owner, name, getattr(owner, name)) for owner, name, _ in changes]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(style, "_DPI", 40)
-        yield
+        for change in changes if pytestconfig.option.markexpr == "not thorough" else []:
+            patch.setattr(*change)
+        yield originals
+
+
+@pytest.fixture
+def as_users_have_it(_originals, monkeypatch):
+    """Lay figures out, and choose machine code for the calls that are worth it."""
+    for original in _originals:
+        monkeypatch.setattr(*original)
 
 
 @pytest.fixture(scope="module")

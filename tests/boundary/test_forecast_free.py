@@ -126,7 +126,9 @@ SMOOTH = (
 )
 
 
-@pytest.mark.parametrize("wind", [*(random_wind(seed) for seed in range(12)), *SMOOTH])
+@pytest.mark.parametrize(
+    "wind", usual([*(random_wind(seed) for seed in range(12)), *SMOOTH], 0, 5, 12, 14)
+)
 def test_any_wind_against_quadrature(wind):
     found = tv.forecast_free_limit(plant_of(), wind)
     assert found.wind_known == pytest.approx(ahead(wind, float(wind.onset)), rel=1e-9)
@@ -136,13 +138,13 @@ def test_any_wind_against_quadrature(wind):
     assert max(ahead(wind, t) for t in every) <= worst * (1.0 + 1e-9)
 
 
-@pytest.mark.parametrize("seed", usual(range(12), 0, 3, 6, 9))
+@pytest.mark.parametrize("seed", usual(range(12), 0))
 def test_backward_viability_finds_the_same_limit(seed):
     wind = random_wind(seed)
     assert bisected(lambda y: viable(wind, y)) == pytest.approx(limit_of(wind), abs=1e-3)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", usual(range(12), 0, 5))
 def test_the_greedy_law_survives_just_above_and_not_just_below(seed):
     """Deflect fully until z = y, then hold: it knows only the wind that it feels."""
     wind = random_wind(seed)

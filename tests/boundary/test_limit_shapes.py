@@ -219,7 +219,7 @@ def test_what_is_no_stop_is_refused_in_one_sentence(call, message):
         call()
 
 
-@pytest.mark.parametrize("apart", [1e-16, 1e-13, 1e-9])
+@pytest.mark.parametrize("apart", usual([1e-16, 1e-13, 1e-9], 1))
 def test_corners_that_nearly_coincide_or_lie_on_an_edge_hide_no_other(apart: float) -> None:
     rng, tried = np.random.default_rng(3), 0
     for _ in range(200):

@@ -31,13 +31,17 @@ def relative(plant, wind, loads, **options):
 
 @pytest.mark.parametrize(
     ("plant", "tau_beta", "loads", "expected"),
-    [
-        (FIXED, 2.0, [0.8, 0.6], [0.6909, 1.0591]),
-        (FIXED, 4.0, [0.6, 0.4, 0.2], [0.4393, 0.5125, 0.7249]),
-        (FIXED, 8.0, [0.4, 0.2], [0.2441, 0.2562]),
-        (exact(), 4.0, [0.7, 0.5, 0.3], [0.4013, 0.4768, 0.5686]),
-        (exact(), 8.0, [0.3], [0.2511]),
-    ],
+    usual(
+        [
+            (FIXED, 2.0, [0.8, 0.6], [0.6909, 1.0591]),
+            (FIXED, 4.0, [0.6, 0.4, 0.2], [0.4393, 0.5125, 0.7249]),
+            (FIXED, 8.0, [0.4, 0.2], [0.2441, 0.2562]),
+            (exact(), 4.0, [0.7, 0.5, 0.3], [0.4013, 0.4768, 0.5686]),
+            (exact(), 8.0, [0.3], [0.2511]),
+        ],
+        1,
+        3,
+    ),
 )
 def test_triangles_need_what_a_program_of_their_own_found(plant, tau_beta, loads, expected):
     limits, lower_bounds = relative(plant, triangle(plant, tau_beta), loads)
@@ -113,7 +117,7 @@ def program(tau_beta, load, h, mu=0.0, rho=np.inf):
             ({"mu": 0.3}, 0.6, 6e-4),
             ({"mu": 0.6}, 0.6, 6e-4),
         ],
-        *(0, 3),
+        0,
     ),
 )
 def test_states_at_even_nodes_need_the_same(options, load, tolerance):

@@ -157,16 +157,20 @@ def test_exact_third_order_in_triangular_winds(name, tau_beta, peak, sign, switc
 
 @pytest.mark.parametrize(
     ("name", "tau_beta", "peak"),
-    [
-        ("configuration-i", 4, 0.3706964),
-        ("configuration-i", 14, 0.1446964),
-        ("configuration-i", 20, 0.114),
-        ("configuration-i", 40, 0.192),
-        ("configuration-ii", 4, 0.3719132),
-        ("configuration-ii", 14, 0.1470409),
-        ("configuration-ii", 20, 0.125),
-        ("configuration-ii", 40, 0.210),
-    ],
+    usual(
+        [
+            ("configuration-i", 4, 0.3706964),
+            ("configuration-i", 14, 0.1446964),
+            ("configuration-i", 20, 0.114),
+            ("configuration-i", 40, 0.192),
+            ("configuration-ii", 4, 0.3719132),
+            ("configuration-ii", 14, 0.1470409),
+            ("configuration-ii", 20, 0.125),
+            ("configuration-ii", 40, 0.210),
+        ],
+        0,
+        5,
+    ),
 )
 def test_fourth_order_with_its_complex_pair(name, tau_beta, peak):
     assert scaled_peak(plant_of(name, "drift-and-speed"), tau_beta) == pytest.approx(peak, abs=1e-3)

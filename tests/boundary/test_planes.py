@@ -134,7 +134,9 @@ def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, sw
         assert abs(left) <= 1e-12 * abs(size)
 
 
-@pytest.mark.parametrize("stop", [CircularShape(), EllipticShape(1.0, 0.5), SquareShape(0.3), KITE])
+@pytest.mark.parametrize(
+    "stop", usual([CircularShape(), EllipticShape(1.0, 0.5), SquareShape(0.3), KITE], 1)
+)
 @pytest.mark.parametrize("K", usual([0.3, 1.0], 0))
 def test_the_dead_band_is_left_where_quadrature_says(stop, K):
     wind = veering(4.0, 100.0, angle=0.2)
@@ -172,7 +174,7 @@ TABLE = {
 }
 
 
-@pytest.mark.parametrize("case", TABLE)
+@pytest.mark.parametrize("case", usual([(case,) for case in TABLE], 0, 5))
 def test_the_table_of_veering_triangles(case):
     found = limits(*case)
     numbers = [*(one.limit for one in found), found[-1].no_forecast_bound]
@@ -493,7 +495,9 @@ TURNS = [(8.0, 0.3, 60.0, 0.4145), (8.0, 0.3, 90.0, 0.4688), (8.0, 0.3, 120.0, 0
 
 @pytest.mark.parametrize(
     ("tau_beta", "R", "degrees", "published"),
-    [*TURNS, (8.0, 0.3, 180.0, 0.5645), (4.0, 0.6, 75.0, None), (20.0, 0.8, 40.0, None)],
+    usual(
+        [*TURNS, (8.0, 0.3, 180.0, 0.5645), (4.0, 0.6, 75.0, None), (20.0, 0.8, 40.0, None)], 1, 4
+    ),
 )
 def test_a_turn_instead_of_a_stop_against_a_convex_program(tau_beta, R, degrees, published):
     phi = np.radians(degrees)

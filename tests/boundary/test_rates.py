@@ -7,6 +7,7 @@ from scipy.integrate import quad
 from scipy.optimize import linprog
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.boundary import optimum_with_rate_limit, rate_trade_off
 from tvclin.boundary.limit_over_rate import ramped_deflection
 
@@ -95,7 +96,9 @@ def test_a_linear_program_on_a_fine_grid_needs_the_same(acceleration):
     assert least == pytest.approx(found.fun, rel=1e-4)
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
+@pytest.mark.parametrize(
+    "model", usual(["fixed-path", "drift", "drift-exact", "drift-and-speed"], 0, 2)
+)
 def test_at_any_rate_it_is_the_minimum_of_appendix_c(model):
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
     for tau_beta in (2.0, 8.0, 20.0):

@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.case.load import FlownLoad
 
 BOOSTER = tv.load_vehicle("configuration-i")
@@ -24,7 +25,7 @@ def flown(law, rate=100.0):
     return float(np.degrees(found.load))
 
 
-@pytest.mark.parametrize("station", [-3.0, 0.0, 8.0])
+@pytest.mark.parametrize("station", usual([-3.0, 0.0, 8.0], 2))
 def test_the_load_is_that_of_an_integration_of_the_forces(station):
     law = tv.control.AccelerometerLaw(GAINS, BOOSTER, station=station, bandwidth=30.0)
     v, servo = BOOSTER, tv.Case(vehicle=BOOSTER).nozzle.actuator

@@ -13,6 +13,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.control.comparison import wind_gain
 from tvclin.linear.plant import MODELS
@@ -339,7 +340,7 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", usual(SHAPES, 0, 2))
 def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
     """By python-control on a grid; a pulse is one step less another that comes later."""
     autopilot, plant = Autopilot(attitude_gain=0.3, rate_gain=0.15), plant_of()
@@ -369,11 +370,7 @@ def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
 
 @pytest.mark.parametrize(
     ("damping", "low"),
-    [
-        pytest.param(0.01, 20.0, marks=pytest.mark.thorough),
-        (0.003, 35.0),
-        pytest.param(0.01, 1.0, marks=pytest.mark.thorough),
-    ],
+    usual([(0.003, 54.0), (0.003, 35.0), (0.01, 20.0), (0.01, 1.0)], 0),
 )
 def test_the_worst_of_many_durations_at_which_a_loop_rings_is_found(damping, low):
     """A pulse on an oscillator: one answer to a step less another, in closed form."""

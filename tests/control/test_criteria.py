@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.margin_numbers import NUMBERS
+from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.control.margins.criteria import CRITERIA, Criteria, Criterion
 from tvclin.control.margins.loop import Loop
@@ -44,7 +45,7 @@ LOOPS = {
 EACH = pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
 
 
-@pytest.mark.parametrize("loop", [course_loop(), DRIFT, bending_loop(0.0)])
+@pytest.mark.parametrize("loop", usual([course_loop(), DRIFT, bending_loop(0.0)], 2))
 def test_python_control_gives_the_same_for_stable_loops(loop):
     system, m = control.tf(loop.numerator, loop.denominator), loop_margins(loop)
     assert m.stable
@@ -175,7 +176,7 @@ def test_phase_crossovers_have_the_factors_that_make_the_loop_minus_one(loop):
         assert sorted(status) == ["ok", "unstable"]
 
 
-@EACH
+@pytest.mark.parametrize("loop", usual(LOOPS.values(), 2), ids=LOOPS)
 def test_the_disk_is_the_largest_of_constant_factors_that_the_loop_bears(loop):
     m = loop_margins(loop)
     alpha, worst = m.disk_margin, -1 / loop.response(m.disk_frequency)

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.studyfile.parse import parse_study
@@ -138,7 +139,7 @@ LOOP_FILTERS = [
 ]
 
 
-@pytest.mark.parametrize("rate", [None, 25.0])
+@pytest.mark.parametrize("rate", usual([None, 25.0], 1))
 def test_the_command_line_has_filters_and_a_sample_rate(rate):
     sampled = () if rate is None else ("--sample-rate", str(rate))
     result = margins(*FILTERS, *sampled, "--json")

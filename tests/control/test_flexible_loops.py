@@ -204,6 +204,7 @@ def test_what_each_part_of_the_booster_does(plant, margin, number):
     assert getattr(autopilot.margins(plant), margin) == to_margin(number)
 
 
+@pytest.mark.thorough
 def test_detuned_modes_of_the_booster():
     found = tv.control.detuned(AUTOPILOT, booster())
     m, row = found.margins, found.row

@@ -7,6 +7,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.linear.plant import MODELS
 
@@ -381,7 +382,7 @@ def test_the_answer_to_a_triangular_wind_is_that_of_python_control(model, option
     np.testing.assert_array_equal(autopilot.wind_response(plant, wind)(times), found.outputs)
 
 
-@EACH_MODEL
+@pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_the_answer_to_a_smooth_gust_is_that_of_an_integrator(model):
     plant = Plant.from_coefficients(COEFFICIENTS, model)
     autopilot = Autopilot(**GAINS, **OPTIONS["everything"])

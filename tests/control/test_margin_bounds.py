@@ -7,6 +7,7 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE
+from tests.turns import usual
 from tvclin.control.margins.margins import loop_margins
 
 
@@ -68,7 +69,7 @@ def test_no_gains_have_more_than_the_bounds():
 
 @pytest.mark.parametrize(
     ("mu_alpha", "frequency", "damping", "delay"),
-    [(0.28, 25.13, 0.7, 0.02), (3.3818, 70.0, 0.7, 0.02), (3.3818, 20.0, 0.7, 0.05)],
+    usual([(0.28, 25.13, 0.7, 0.02), (3.3818, 70.0, 0.7, 0.02), (3.3818, 20.0, 0.7, 0.05)], 1),
 )
 def test_the_rule_for_attitude_and_rate_gains_is_good_to_3_percent(
     mu_alpha, frequency, damping, delay

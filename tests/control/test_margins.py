@@ -10,6 +10,7 @@ from scipy.special import lambertw
 
 import tvclin as tv
 from tests.margin_numbers import NUMBERS
+from tests.turns import usual
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import loop_margins
 
@@ -326,16 +327,19 @@ def test_an_undamped_zero_is_no_crossover():
 
 @pytest.mark.parametrize(
     "loop",
-    [
-        # A long delay turns a slow loop many times, each time with a peak.
-        Loop([0.908], [1, 1.2154, 1], 32.8),
-        # The peak at 2.9 rad/s is hardly above the value at zero.
-        Loop(
-            [2.5657e-6, 35.52978, 5.257793],
-            [0.02, 1.0930975, 4.9163915, 13.0465, -1.5513, -4.2199],
-            0.02,
-        ),
-    ],
+    usual(
+        [
+            # A long delay turns a slow loop many times, each time with a peak.
+            Loop([0.908], [1, 1.2154, 1], 32.8),
+            # The peak at 2.9 rad/s is hardly above the value at zero.
+            Loop(
+                [2.5657e-6, 35.52978, 5.257793],
+                [0.02, 1.0930975, 4.9163915, 13.0465, -1.5513, -4.2199],
+                0.02,
+            ),
+        ],
+        1,
+    ),
 )
 def test_of_many_peaks_the_highest_is_found(loop):
     omega = np.linspace(0, 6, 3_000_001)

@@ -12,6 +12,7 @@ from scipy.signal import bilinear, tf2ss
 import tvclin as tv
 from tests.control.test_flexible_loops import AUTOPILOT, FILTERS, booster, to_margin
 from tests.flexible import BOOSTER, transfer
+from tests.turns import usual
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.wiring import COMMAND
 
@@ -77,7 +78,9 @@ def by_aliases(autopilot, plant, omega, terms=640):
     return -value
 
 
-@pytest.mark.parametrize(("rate", "delay"), [(25.0, 0.02), (25.0, 0.11), (12.5, 0.08), (40.0, 0.0)])
+@pytest.mark.parametrize(
+    ("rate", "delay"), usual([(25.0, 0.02), (25.0, 0.11), (12.5, 0.08), (40.0, 0.0)], 1)
+)
 def test_the_loop_is_the_sum_over_all_aliases(rate, delay):
     autopilot = replace(AUTOPILOT, sample_rate=rate, delay=delay)
     loop = autopilot.exact_loop(booster())

@@ -287,6 +287,7 @@ def test_a_flight_has_gains_at_each_time():
     assert found.deflection == max(one.deflection for one in found.designs)
 
 
+@pytest.mark.thorough
 def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     flexible = tv.linear.plant_of(tv.load_vehicle("made-up-launcher"))
     criteria = tv.control.Criteria.custom(

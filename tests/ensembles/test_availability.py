@@ -170,6 +170,7 @@ def test_a_narrow_window_of_losses_above_a_limit_that_survives_is_seen(flight) -
         assert tv.availability(flight, one(wind), limit=limit, **asked).flies[0] == flies
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "plane", "seed"),
     usual(

@@ -117,6 +117,7 @@ def test_a_scheduler_that_is_not_there_leaves_no_client_that_closes_for_ten_seco
                 pass
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(os.name != "posix", reason="the signal masks of POSIX")
 @pytest.mark.parametrize(
     "seconds", [0.7, *(pytest.param(one, marks=pytest.mark.thorough) for one in (0.0, 0.3, 1.5))]

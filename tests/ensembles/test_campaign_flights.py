@@ -140,6 +140,7 @@ def test_a_document_keeps_the_flight():
     assert read(json.loads(json.dumps(written(plan)))) == plan
 
 
+@pytest.mark.thorough
 def test_the_command_line_says_how_many_survive_and_replays_a_flight(tmp_path, trimmed):
     pytest.importorskip("pyarrow")
     plan = replace(parse_campaign(TABLES), cases=4)

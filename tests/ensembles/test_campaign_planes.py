@@ -151,6 +151,7 @@ def test_a_case_that_cannot_be_has_its_own_status_and_the_others_go_on() -> None
     assert alone["required_K1"][0] == found["required_K1"][some]
 
 
+@pytest.mark.thorough
 def test_results_and_a_replay_show_both_planes(tmp_path) -> None:
     pytest.importorskip("pyarrow")
     plan = parse_campaign(FLOWN)

@@ -276,6 +276,7 @@ def without_a_column(table):
     return table.drop_columns(["required_K1"])
 
 
+@pytest.mark.thorough
 def test_what_a_footer_says_is_no_more_believed_than_the_numbers(plan, whole, tmp_path):
     import pyarrow.parquet
 
@@ -311,6 +312,7 @@ def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp
     same(whole, tv.ensembles.resume_campaign(tmp_path))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("what", usual(["folder", "full folder", "pipe"], 1))
 def test_what_stands_in_the_place_of_a_chunk_is_moved_aside(plan, whole, tmp_path, what):
     tv.run_campaign(plan, tmp_path, shard="1/3")
@@ -414,6 +416,7 @@ def test_a_case_that_cannot_be_has_a_status_and_the_others_go_on(plan, tmp_path)
     assert found.quantile().cases == 700 - bad.sum()
 
 
+@pytest.mark.thorough
 def test_a_case_that_fails_takes_no_other_with_it(plan, whole, tmp_path, monkeypatch):
     drawn = whole.column("thrust")
     inner = REGISTRY["required"]
@@ -462,6 +465,7 @@ def test_a_dataset_has_every_column_with_its_unit(whole):
         np.testing.assert_array_equal(table[name].values, whole.column(name))
 
 
+@pytest.mark.thorough
 def test_a_stable_case_needs_nothing(plan, tmp_path):
     either = tv.Dispersions((tv.Dispersion("aerodynamic_arm", "normal", 1.0),))
     every = ("required", "minimum", "forecast-free")

@@ -85,7 +85,10 @@ TABLE = {
 
 @pytest.mark.parametrize(
     ("law", "model", "tau_beta", "expected"),
-    [(*case, *pair) for case, row in TABLE.items() for pair in zip(TAUS, row, strict=True)],
+    usual(
+        [(*case, *pair) for case, row in TABLE.items() for pair in zip(TAUS, row, strict=True)],
+        *(0, 5, 10),
+    ),
 )
 def test_laws_without_hardware_need_what_the_table_says(law, model, tau_beta, expected):
     plant = plant_of(model)
@@ -203,7 +206,7 @@ def test_in_the_yaw_plane_the_speed_changes_nothing():
     assert limits[0] == pytest.approx(limits[1], rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", usual(range(4), 0))
 def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
     rng, plant = np.random.default_rng(seed), plant_of()
     time, angle = np.cumsum(rng.uniform(0.5, 4.0, 6)), rng.uniform(0.1, 0.8, 6) * PEAK
@@ -219,12 +222,15 @@ def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
 
 @pytest.mark.parametrize(
     ("model", "kind", "tau_beta"),
-    [
-        ("fixed-path", TrimLaw, 4.0),
-        ("fixed-path", lean, 4.0),
-        ("drift-exact", lean, 4.0),
-        ("drift-exact", lean, 12.0),
-    ],
+    usual(
+        [
+            ("fixed-path", TrimLaw, 4.0),
+            ("fixed-path", lean, 4.0),
+            ("drift-exact", lean, 4.0),
+            ("drift-exact", lean, 12.0),
+        ],
+        2,
+    ),
 )
 def test_the_edge_is_confirmed_by_flights_that_hit_every_event(model, kind, tau_beta):
     plant = plant_of(model)
@@ -333,7 +339,7 @@ def test_a_mode_that_the_law_lets_creep_away_is_told(design, kind):
     assert grown == pytest.approx(edge.growth, rel=0.02)
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_with_a_nozzle_the_growth_is_that_of_the_linear_loop(model):
     """And a rate that is too slow for the gains is told as well."""
     plant = plant_of(model)

@@ -34,7 +34,7 @@ def triangle(vehicle, tau_pole):
 
 
 @EACH_ENGINE
-@EACH_PLANE
+@pytest.mark.parametrize("plane", usual(["pitch", "yaw"], 1))
 @pytest.mark.parametrize(
     ("damping", "tau_pole", "K"), usual([(0.03, 4.0, 1.0), (0.25, 6.0, 0.5), (0.6, 3.0, 0.3)], 1)
 )
@@ -111,7 +111,7 @@ def test_along_the_trajectory_both_engines_fly_the_same(plane):
     assert np.abs(calm - planar).max() > 3e-3 * DEGREE
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_the_law_that_leans_survives_above_the_bound_and_no_law_below(model):
     """In z = theta + theta'/(p + d) alone is a state on the edge of what can be brought back."""
     vehicle = damped("configuration-ii", 0.2)

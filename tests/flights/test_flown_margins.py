@@ -76,7 +76,7 @@ def radius(*args):
     return np.abs(np.linalg.eigvals(by_scipy(GAINS, *args))).max()
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.0137, 0.05])
+@pytest.mark.parametrize("delay", usual([0.0, 0.0137, 0.05], 1))
 def test_margins_near_rest_bring_an_eigenvalue_of_another_step_to_the_circle(delay):
     law, h = LAWS["attitude and rate"], 0.02
     one = one_flight(PLANT, law, WIND, 2.0 * TRIM, Hardware(h, delay, SERVO))
@@ -157,7 +157,7 @@ def test_the_course_booster_has_426_ms_in_continuous_time_and_half_a_sample_less
     assert found.effectiveness_fall.value == pytest.approx(1.170, abs=1e-3)
 
 
-@EACH_LAW
+@pytest.mark.parametrize("law", usual(LAWS.values(), 0, 3), ids=LAWS)
 def test_at_the_boundary_no_effectiveness_may_be_lost(law):
     """F y_b(1/f) = L, and y_b does not fall with falling gain: f is at most the spare."""
     found = margins(law, 1.003, rate=50.0)

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 import tvclin as tv
 from tests.flying import BETA, COEFFICIENTS, GAINS, LAG, LAWS, MORE, PEAK, SERVO, WIND, B, plant_of
-from tests.turns import usual
+from tests.turns import by_turns, usual
 from tvclin import Actuator, Autopilot, InputError, Plant, SampledWind, TriangularWind
 from tvclin.flights.closed_loop import continuous
 from tvclin.flights.closed_loop.continuous import Loop
@@ -39,9 +39,7 @@ CORNERS = 10.0 * np.sqrt(24) * PROMISED
 """The same where a limit or the end of a lean leaves a corner inside a step, which only the error
 control sees. A corner costs the polynomial of a step about one more decimal, and flights here have
 up to two dozen of them, whose errors add as squares."""
-EACH_CASE = pytest.mark.parametrize(
-    ("name", "model", "part", "hardware"), usual(CASES, 1, 2, 4, 11)
-)
+EACH_CASE = pytest.mark.parametrize(("name", "model", "part", "hardware"), usual(CASES, 2, 11))
 
 
 def asked(name, law, x, memory, wind, limit):
@@ -199,7 +197,7 @@ def stepped(name, model, limit, rate, times, actuator=None, rate_limit=np.inf):
 
 @pytest.mark.parametrize(
     ("name", "model", "part", "hardware"),
-    [*CASES, ("lean", "drift-exact", 0.5, {"rate_limit": 0.003})],
+    usual([*CASES, ("lean", "drift-exact", 0.5, {"rate_limit": 0.003})], 2, 7, 10, 12),
 )
 def test_a_sampled_flight_is_the_same_step_by_step(name, model, part, hardware):
     limit, plant = part * B * PEAK, plant_of(model)
@@ -222,8 +220,7 @@ def test_a_sampled_flight_comes_to_that_without_pause_as_the_rate_grows(name, pa
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, atol=0.4)
 
 
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("actuator", [None, SERVO, LAG])
+@by_turns("model,actuator", MODELS, [None, SERVO, LAG], each=4)
 def test_without_saturation_it_is_the_linear_loop(model, actuator):
     plant, times = plant_of(model), np.linspace(-1.0, 20.0, 421)
     law = LAWS["all gains"](plant)

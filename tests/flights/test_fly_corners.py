@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import Actuator, Plant, TriangularWind
 
 PEAK = np.radians(5.0)
@@ -95,12 +96,15 @@ def from_corner_to_corner(limit, most, actuator, times=TIMES):
 
 @pytest.mark.parametrize(
     ("part", "most", "actuator"),
-    [
-        (1.1, 0.004, Actuator(natural_frequency=20.0, damping=0.7)),
-        (1.2, 0.006, Actuator(natural_frequency=12.0, damping=0.6)),
-        (1.5, 0.003, Actuator(natural_frequency=20.0, damping=0.7)),
-        (1.1, 0.005, Actuator(natural_frequency=8.0, damping=None)),
-    ],
+    usual(
+        [
+            (1.1, 0.004, Actuator(natural_frequency=20.0, damping=0.7)),
+            (1.2, 0.006, Actuator(natural_frequency=12.0, damping=0.6)),
+            (1.5, 0.003, Actuator(natural_frequency=20.0, damping=0.7)),
+            (1.1, 0.005, Actuator(natural_frequency=8.0, damping=None)),
+        ],
+        1,
+    ),
 )
 def test_after_rate_limit_and_stop_a_flight_is_exact_as_stated(part, most, actuator):
     """To 1e-9 of the largest attitude, for many seconds and whether it is lost or not."""

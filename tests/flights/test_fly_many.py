@@ -9,7 +9,7 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.flying import BETA, GAINS, LAG, MORE, PEAK, SERVO, WIND, B, plant_of
 from tests.flying import LAWS as FLOWN
-from tests.turns import by_turns
+from tests.turns import by_turns, usual
 from tvclin import Autopilot, Coefficients, InputError, SampledWind, TriangularWind
 from tvclin.kernels.choice import available, pinned
 
@@ -114,7 +114,7 @@ def test_without_limits_a_flight_is_the_linear_sampled_loop(compiled):
 
 
 @EACH_WAY
-@pytest.mark.parametrize("samples", [0.3, 1.0, 2.0, 2.6])
+@pytest.mark.parametrize("samples", usual([0.3, 1.0, 2.0, 2.6], 0, 3))
 @pytest.mark.parametrize("actuator", [None, SERVO, LAG])
 def test_a_command_takes_effect_after_any_delay(samples, actuator, compiled):
     plant, rate = plant_of("drift"), 50.0
@@ -211,7 +211,7 @@ def by_small_steps(which: int, rate: float, limit: float, until: float) -> tuple
 
 
 @EACH_WAY
-@pytest.mark.parametrize("which", range(1, len(HARDWARE)))
+@pytest.mark.parametrize("which", usual(range(1, len(HARDWARE)), 1))
 def test_limits_of_the_nozzle_are_flown_to_a_hundredth_of_a_percent(which, compiled):
     """Beside small steps, in which the rate and the stop bound it."""
     rate, limit, until = 50.0, 1.25 * B * PEAK, 14.0
@@ -230,8 +230,8 @@ def test_limits_of_the_nozzle_are_flown_to_a_hundredth_of_a_percent(which, compi
     assert float(flown.peak_attitude) == pytest.approx(worst, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", ["trim", "lean"])
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("name", usual(["trim", "lean"], 0))
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_outcomes_are_those_of_flights_without_pause(name, model):
     """Just above the boundary a flight settles, just below it leaves for ever."""
     plant, wind = plant_of(model), TriangularWind(peak=PEAK, duration=8.0)

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tests.turns import by_turns
+from tests.turns import by_turns, usual
 
 BETA, B = 0.5, 0.1
 PLANT = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=BETA, B=B))
@@ -36,7 +36,7 @@ LAWS = {
 }
 
 
-@by_turns("name,nozzle", LAWS, ["at once", "late"], each=2)
+@by_turns("name,nozzle", LAWS, ["at once", "late"], each=4)
 def test_in_a_straight_wind_it_is_the_flight_of_one_plane(name, nozzle) -> None:
     """In any direction; rates are limited in each plane, so that none is here."""
     law, limits = LAWS[name], np.array([0.35, 0.6, 0.75, 0.95])
@@ -79,7 +79,7 @@ def test_a_flight_is_the_solution_of_its_equations(stop, saturate) -> None:
 
 @pytest.mark.parametrize(
     ("name", "degrees", "lost", "saved"),
-    [("trim", 90, 0.67, 0.70), ("trim", 180, 0.66, 0.69), ("lean", 180, 0.44, 0.49)],
+    usual([("trim", 90, 0.67, 0.70), ("trim", 180, 0.66, 0.69), ("lean", 180, 0.44, 0.49)], 2),
 )
 def test_what_a_turning_wind_asks_of_a_flight(name, degrees, lost, saved) -> None:
     """More than the boundary of both planes, whose control must know where the wind turns to."""

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.flying import BETA, COEFFICIENTS, PEAK, SERVO, WIND, B, plant_of
+from tests.turns import usual
 
 HALF = tv.control.half_relief_gains(COEFFICIENTS)
 RATIOS = pytest.mark.parametrize("ratio", [0.4, 0.5, 0.6])
@@ -50,7 +51,7 @@ def test_a_stable_vehicle_has_no_pole_to_begin_with():
         tv.control.half_relief_gains(stable)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", usual(range(6), 0, 1))
 def test_what_rests_within_the_reach_comes_back_and_its_energy_falls(seed):
     """Any k > 1, d > 0: theta'' = theta - sat(k theta + d theta') from rest, time in 1/beta."""
     draw = np.random.default_rng(seed)

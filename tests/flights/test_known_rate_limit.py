@@ -146,7 +146,7 @@ def test_with_drift_an_actuator_a_delay_and_sudden_stops():
     assert found.limit < 0.65
 
 
-@pytest.mark.parametrize("name", ["trim", "recoverable-attitude"])
+@pytest.mark.parametrize("name", usual(["trim", "recoverable-attitude"], 0))
 def test_flights_in_jsbsim_need_the_same_within_half_a_percent(name):
     """In a wind of half a degree, where the linear plant is the vehicle."""
     wind, rate = 0.1 * triangle(EXACT, 4.0), 0.1 * turning(EXACT, 1.0)
@@ -157,7 +157,9 @@ def test_flights_in_jsbsim_need_the_same_within_half_a_percent(name):
     assert flown.limit == pytest.approx(linear.limit, rel=5e-3)
 
 
-@pytest.mark.parametrize(("tau_beta", "rho"), [(2.0, 1.2), (4.0, 0.6), (4.0, 1.0), (8.0, 0.5)])
+@pytest.mark.parametrize(
+    ("tau_beta", "rho"), usual([(2.0, 1.2), (4.0, 0.6), (4.0, 1.0), (8.0, 0.5)], 1)
+)
 def test_trim_with_the_gain_that_suits_needs_the_known_minimum_of_a_nozzle_as_slow(tau_beta, rho):
     """Trim that is never late needs eq. (12) with K = 1, from the wind's own rate on."""
     rate, wind = turning(FIXED, rho), triangle(FIXED, tau_beta)

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.report_responses import triangular_attitude
+from tests.turns import usual
 from tvclin import InputError, TriangularWind, flown_boundary, fly_planar
 from tvclin.ascent.atmosphere import standard_atmosphere
 from tvclin.ascent.flight_condition import load_flight_condition
@@ -96,7 +97,7 @@ def test_a_small_deflection_history_gives_the_exact_linear_response(name, plane)
 
 
 @EACH_NAME
-@pytest.mark.parametrize(("K", "limit"), [(1.0, 0.68846), (0.5, 0.55876), (0.0, 0.37382)])
+@pytest.mark.parametrize(("K", "limit"), usual([(1.0, 0.68846), (0.5, 0.55876), (0.0, 0.37382)], 1))
 def test_without_drift_the_boundary_is_equation_12(name, K, limit):
     flown = flown_boundary(*case(name), K, drift=False, tolerance=2e-4)
     assert flown.limit == pytest.approx(limit, abs=4e-4)
@@ -104,11 +105,14 @@ def test_without_drift_the_boundary_is_equation_12(name, K, limit):
 
 @pytest.mark.parametrize(
     ("name", "K", "limit"),
-    [  # a Runge-Kutta integration of (B1) of its own, bisected
-        (NAMES[0], 1.0, 0.6561),
-        (NAMES[0], 0.0, 0.3707),
-        (NAMES[1], 0.5, 0.5381),
-    ],
+    usual(
+        [  # a Runge-Kutta integration of (B1) of its own, bisected
+            (NAMES[0], 1.0, 0.6561),
+            (NAMES[0], 0.0, 0.3707),
+            (NAMES[1], 0.5, 0.5381),
+        ],
+        2,
+    ),
 )
 def test_with_drift_the_boundary_is_that_of_another_integration(name, K, limit):
     flown = flown_boundary(*case(name), K, tolerance=2e-4)

@@ -12,7 +12,7 @@ import pytest
 import tvclin as tv
 from tests.planar import random_vehicle
 from tests.report_responses import triangular_attitude
-from tests.turns import by_turns
+from tests.turns import by_turns, usual
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.units import FOOT
@@ -52,7 +52,7 @@ def steering(vehicle, deflection=0.001, plane="pitch"):
     return engine.reader
 
 
-@pytest.mark.parametrize("dead_band", BANDS)
+@pytest.mark.parametrize("dead_band", usual(BANDS, 1))
 def test_the_boundary_without_drift_is_that_of_the_closed_form(configuration_i, dead_band):
     flown = in_jsbsim(
         configuration_i, triangle(configuration_i), dead_band, drift=False, tolerance=5e-6
@@ -68,7 +68,7 @@ OTHERS = {
 }
 
 
-@by_turns("plane,name", ["pitch", "yaw"], ["I", "II"], each=2)
+@by_turns("plane,name", ["pitch", "yaw"], ["I", "II"], each=3)
 def test_the_boundary_with_drift_is_that_of_the_cubic_model(
     configuration_i, configuration_ii, name, plane
 ):
@@ -269,7 +269,7 @@ def test_along_the_trajectory_it_flies_as_the_equations_of_the_report(configurat
         assert off[3] < 2e-3  # the end of a jump or a bend is felt up to half a step early
 
 
-@pytest.mark.parametrize(("plane", "planar"), [("pitch", 0.62851), ("yaw", 0.64810)])
+@pytest.mark.parametrize(("plane", "planar"), usual([("pitch", 0.62851), ("yaw", 0.64810)], 0))
 def test_the_boundary_along_the_trajectory_is_that_of_planar_flights(
     configuration_i, plane, planar
 ):
@@ -328,7 +328,7 @@ def test_over_the_earth_a_flight_is_measured_against_the_one_without_wind(config
     assert np.abs(blown.outputs - flat.outputs).max() > 1e-6
 
 
-@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+@pytest.mark.parametrize("plane", usual(["pitch", "yaw"], 1))
 def test_the_turning_earth_moves_the_frozen_boundary_by_less_than_a_part_in_500(
     configuration_i, plane
 ):
@@ -465,7 +465,8 @@ def test_a_history_is_limited(configuration_i):
 
 
 @pytest.mark.parametrize(
-    ("law", "linear"), [("trim", 0.6545), ("half-relief", 0.4429), ("recoverable-attitude", 0.3895)]
+    ("law", "linear"),
+    usual([("trim", 0.6545), ("half-relief", 0.4429), ("recoverable-attitude", 0.3895)], 1),
 )
 def test_a_law_needs_in_six_degrees_what_it_needs_in_the_linear_theory(
     configuration_i, law, linear

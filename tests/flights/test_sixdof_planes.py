@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.flights.sixdof.fly_sixdof import planes_verdict
 
 pytest.importorskip("jsbsim")
@@ -15,7 +16,7 @@ TRIM = FIXED.coefficients.B * GUST.peak
 EXACT = {plane: tv.Plant.from_vehicle(VEHICLE, "drift-exact", plane) for plane in ("pitch", "yaw")}
 
 
-@pytest.mark.parametrize("drift", [False, True])
+@pytest.mark.parametrize("drift", usual([False, True], 1))
 @pytest.mark.parametrize("stop", ["round", "square"])
 def test_a_slanting_wind_has_the_linear_boundary_within_a_percent(drift, stop) -> None:
     wind = tv.winds.PlaneWind.towards(GUST, np.radians(35))

@@ -9,6 +9,7 @@ import pytest
 
 import tvclin as tv
 from tests.archives import Balloon, jet
+from tests.turns import usual
 
 SOON = 60.0
 """Seconds of the processor; without bounds these took minutes, or all memory."""
@@ -46,7 +47,7 @@ def packed(tmp_path):
     return pack
 
 
-@pytest.mark.parametrize("how", ["ZIP_DEFLATED", "ZIP_BZIP2", "ZIP_LZMA"])
+@pytest.mark.parametrize("how", usual(["ZIP_DEFLATED", "ZIP_BZIP2", "ZIP_LZMA"], 0))
 def test_every_way_of_packing_that_is_damaged_is_one_sentence(packed, how) -> None:
     text = "".join(Balloon(f"2024-02-{day:02d}T00", jet(30.0)).text for day in range(1, 29))
     file = packed(text.encode(), getattr(zipfile, how))
@@ -74,6 +75,7 @@ def test_a_line_that_unpacks_to_gigabytes_is_not_gathered(packed) -> None:
     assert said.endswith("line 1: it has 1000 bytes or more")
 
 
+@pytest.mark.thorough
 def test_a_sounding_of_millions_of_levels_is_not_gathered(packed) -> None:
     head, *levels = Balloon("2024-02-01T00", jet(30.0)).text.splitlines(keepends=True)
     file = packed((head + "".join(levels) * 20_000).encode())
@@ -112,6 +114,7 @@ def test_a_line_of_hundreds_of_megabytes_is_refused(tmp_path) -> None:
         assert "line 2: it has more than 1000000 letters" in refused(read, file, *more)
 
 
+@pytest.mark.thorough
 def test_a_text_without_a_header_is_not_searched_to_its_end(tmp_path) -> None:
     file = tmp_path / "none.csv"
     file.write_text("1.5,2.5,3.5,4.5 word (m)\n" * 1_000_000)

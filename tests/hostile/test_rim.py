@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import plots
 
 FULL = Path("/dev/full")
@@ -27,7 +28,8 @@ def run(*arguments: str, **options) -> subprocess.CompletedProcess:
 
 @pytest.mark.skipif(not FULL.exists(), reason="a device of Linux")
 @pytest.mark.parametrize(
-    "arguments", [["--help"], ["--version"], ["study", "--help"], ["poles", "configuration-i"]]
+    "arguments",
+    usual([["--help"], ["--version"], ["study", "--help"], ["poles", "configuration-i"]], 1, 3),
 )
 def test_a_full_device_is_one_sentence(arguments) -> None:
     with FULL.open("w") as full:
@@ -43,6 +45,7 @@ def test_a_terminal_of_ascii_has_a_question_mark_for_what_it_lacks() -> None:
     assert "kg m?" in done.stdout
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_a_command_that_is_told_to_end_leaves_nothing_half_written(tmp_path) -> None:
     file = tmp_path / "my.toml"
@@ -57,7 +60,7 @@ def test_a_command_that_is_told_to_end_leaves_nothing_half_written(tmp_path) -> 
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+@pytest.mark.parametrize("kind", usual(["png", "pdf", "svg"], 0))
 def test_a_figure_on_a_full_disk_is_one_sentence(tmp_path, kind, monkeypatch) -> None:
     resource = pytest.importorskip("resource")
     # Else what is first imported here leaves its bytecode cut short.

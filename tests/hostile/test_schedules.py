@@ -11,6 +11,7 @@ import pytest
 
 import tvclin as tv
 from tests.schedules.samples import FOLDER, GIVEN, MAP, OPENROCKET, read
+from tests.turns import usual
 
 READERS: dict[str, Callable[[Path], tv.FlightSchedule]] = {
     "openrocket.csv": read,
@@ -45,7 +46,7 @@ def hurt(content: bytes, drawn: random.Random) -> bytes:
     return b"\n".join(lines)
 
 
-@pytest.mark.parametrize("name", READERS)
+@pytest.mark.parametrize("name", usual(READERS, 0))
 def test_a_damaged_file_is_a_schedule_or_one_sentence(tmp_path: Path, name: str) -> None:
     drawn, file, said = random.Random(7), tmp_path / "flight.csv", []
     for _ in range(80):

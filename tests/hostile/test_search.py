@@ -157,10 +157,10 @@ def away():
 
 
 def found(count: int, *strategies: Any) -> Callable:
-    """Return what searches among so many cases where it is thorough, else among a sixteenth."""
+    """Return what searches among so many cases where it is thorough, else among a fortieth."""
     more = {"max_examples": MORE, "derandomize": False} if MORE else {}
     return drawn(
-        -(-count // 16),
+        -(-count // 40),
         count,
         *strategies,
         database=None,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.kernels.test_source import total
+from tests.turns import usual
 from tvclin.kernels import source
 
 numba = pytest.importorskip("numba")
@@ -51,7 +52,7 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGE)
+@pytest.mark.parametrize("damage", usual(DAMAGE, 0, 3))
 def test_damaged_machine_code_is_told_of_once_and_compiled_anew(folder, damage):
     wanted = as_another_process()(VALUES, 0.3)
     whole = kept(folder).read_bytes()

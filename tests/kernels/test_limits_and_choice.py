@@ -15,6 +15,8 @@ from tvclin.boundary import closed_forms
 from tvclin.kernels import choice, threads
 from tvclin.kernels.small_roots import small_roots
 
+pytestmark = pytest.mark.usefixtures("as_users_have_it")
+
 CASES = 20_000
 
 

@@ -138,7 +138,7 @@ def exact_piece(pieces: Pieces, i: int) -> Callable[[Any], Any]:
     )
 
 
-@by_turns("model,name", MODELS, ["lost", "gust", "exponentials", "high powers", "resonant"], each=3)
+@by_turns("model,name", MODELS, ["lost", "gust", "exponentials", "high powers", "resonant"], each=5)
 def test_whatever_drives_it_the_attitude_is_its_integral(model: str, name: str, run: None) -> None:
     plant = dispersed(model, 1)
     inputs, times = histories(plant)[name], (0.9, 2.8, 5.5, 9.0)

@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.turns import usual
 from tvclin.kernels import choice, source
 from tvclin.kernels.source import kernel, machine_code
+
+pytestmark = pytest.mark.usefixtures("as_users_have_it")
 
 GROWTH = 1.5
 
@@ -47,7 +50,7 @@ def test_what_is_cached_has_another_name_when_a_called_function_changes(monkeypa
     assert source.digest.__wrapped__(total) != before
 
 
-@pytest.mark.parametrize("place", ["beside the source", "as asked", "with the user"])
+@pytest.mark.parametrize("place", usual(["beside the source", "as asked", "with the user"], 0))
 def test_machine_code_is_found_where_numba_keeps_it(tmp_path, place):
     pytest.importorskip("numba")
     rooms = tmp_path / "rooms"

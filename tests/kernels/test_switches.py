@@ -61,7 +61,7 @@ def largest_root(plant, wind, dead_band, switch):
     return brentq(lambda y: float(residue(y)), tried[last], tried[last + 1], xtol=1e-16, rtol=1e-15)
 
 
-@by_turns("model,kind,dead_band", MODELS, ["sampled", "gust", "two"], [0.15, 0.6, 0.95], each=6)
+@by_turns("model,kind,dead_band", MODELS, ["sampled", "gust", "two"], [0.15, 0.6, 0.95], each=8)
 def test_the_limit_is_the_largest_root_of_the_residue_of_the_whole_control(model, kind, dead_band):
     rng = np.random.default_rng(int(100 * dead_band))
     plant, wind = plants(rng, model, 0), wind_of(kind, rng)

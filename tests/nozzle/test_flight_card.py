@@ -242,14 +242,18 @@ def test_both_planes_have_their_part_of_the_stop():
 
 @pytest.mark.parametrize(
     ("sheet", "worst", "met"),
-    [
-        ({}, "limit", True),
-        ({"rate_limit": 0.25 * DEG}, "rate limit", True),
-        ({"acceleration_limit": 1.0 * DEG}, "acceleration", False),
-        ({"torque_limit": 1e3}, "torque", False),
-        ({"power_limit": 1e5}, "limit", True),
-        ({"travel_limit": 1.2 * DEG}, "travel of a flight", False),
-    ],
+    usual(
+        [
+            ({}, "limit", True),
+            ({"rate_limit": 0.25 * DEG}, "rate limit", True),
+            ({"acceleration_limit": 1.0 * DEG}, "acceleration", False),
+            ({"torque_limit": 1e3}, "torque", False),
+            ({"power_limit": 1e5}, "limit", True),
+            ({"travel_limit": 1.2 * DEG}, "travel of a flight", False),
+        ],
+        1,
+        5,
+    ),
 )
 def test_the_worst_line_heads_the_verdict(sheet, worst, met):
     found = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 
 VEHICLE = tv.load_vehicle("configuration-i")
 NOZZLE = tv.Nozzle(limit=np.radians(0.4), rate_limit=np.radians(0.5), actuator=None)
@@ -85,7 +86,7 @@ def test_progress_advances_within_a_boundary():
     assert told[-1] == 1.0
 
 
-@pytest.mark.parametrize("given", [{"sample_rate": 1e5}, {"duration": 4000.0}])
+@pytest.mark.parametrize("given", usual([{"sample_rate": 1e5}, {"duration": 4000.0}], 0))
 def test_more_samples_than_can_be_flown_are_refused_at_once(given):
     """The default is 30 boundaries of 2 winds with up to 253 limits: 1.5e4 flights."""
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=given.get("duration", 7.5))

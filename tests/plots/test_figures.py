@@ -329,6 +329,7 @@ def test_a_flight_that_meets_both_stops_is_drawn_with_both(configuration_i):
         assert np.all(drawn.column(label, "deflection") == sign * np.degrees(limit))
 
 
+@pytest.mark.thorough
 def test_importing_the_figures_loads_neither_control_nor_matplotlib():
     code = (
         "import sys, tvclin.plots, tvclin.show.reproduce;"

@@ -13,6 +13,7 @@ from tests.turns import by_turns, usual
 from tvclin import plots
 from tvclin.plots.frequency_response import box_sides
 from tvclin.plots.root_locus import LocusPoles
+from tvclin.plots.style import place_numbers
 
 mpl.use("Agg")
 
@@ -95,7 +96,10 @@ def chart(name, make):
 
 
 def cases(table):
-    return [pytest.param(make, id=name) for name, make in table.items()]
+    """Return each loop, of which a usual run takes those that show what can be shown."""
+    shown = ("course with lags", "integral", "stable vehicle", "gains too low")
+    thorough = {name: pytest.mark.thorough for name in table if name not in shown}
+    return [pytest.param(m, id=name, marks=thorough.get(name, ())) for name, m in table.items()]
 
 
 def marked(plot, start, panel=0):
@@ -115,6 +119,7 @@ def heading(plot):
     return suptitle or plot.axes[0, 0].get_title()
 
 
+@pytest.mark.usefixtures("as_users_have_it")
 @by_turns("name,make", CHARTS, [course, drifting, integrating, weak], each=6)
 def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name, make):
     _, plant = make()
@@ -136,6 +141,7 @@ def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name,
 
 
 def every_number_can_be_read(plot):
+    place_numbers(*plot.axes.flat)
     plot.figure.draw_without_rendering()
     for axes in plot.axes.flat:
         frame = axes.get_window_extent()

@@ -158,6 +158,7 @@ def test_the_verdict_counts_the_worst_of_head_and_tail_wind() -> None:
     assert asked["frozen"].governs == "the boundary of the control with the exit on trim"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sign", usual(["head", "tail", "frozen", None], 0))
 def test_a_limit_is_what_the_peak_that_it_survives_requires(sign: str | None) -> None:
     for limit in np.radians([0.02, 0.1, 0.4, 0.7]):

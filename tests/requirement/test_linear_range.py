@@ -47,7 +47,7 @@ def study(deg: float, **options) -> tv.Study:
             ("ascent", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
             ("nozzle", ("--over", "flight", "--from", "66", "--to", "66"), "NOT KNOWN"),
         ],
-        *(0, 3, 8),
+        0,
     ),
 )
 def test_no_command_judges_a_wind_of_60_degrees(command, options, words) -> None:
@@ -55,7 +55,7 @@ def test_no_command_judges_a_wind_of_60_degrees(command, options, words) -> None
     assert (code, words in said, SENTENCE in said) == (1, True, True), said
 
 
-@pytest.mark.parametrize("command", ["respond", "boundary"])
+@pytest.mark.parametrize("command", usual(["respond", "boundary"], 1))
 def test_an_answer_without_an_exit_code_says_the_sentence(command) -> None:
     options = WIDE if command == "respond" else WIDE[:3]
     code, said = run(command, *options)

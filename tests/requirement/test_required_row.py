@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.requirement.study import Study
 from tvclin.requirement.study_tables import boundaries, verdict
@@ -17,13 +18,20 @@ def marked(study: Study) -> list[str]:
 
 @pytest.mark.parametrize(
     ("label", "changes"),
-    [
-        ("head wind (verdict)", {"duration": 90.0, "dead_band": 0.5}),
-        ("required (verdict)", {"duration": 90.0, "dead_band": 0.5, "sign": "frozen"}),
-        ("K = 1 (verdict)", {"duration": 7.5, "sign": "frozen"}),
-        ("cross wind (verdict)", {"duration": 7.5, "plane": "yaw"}),
-        ("both planes (verdict)", {"duration": 7.5, "heading": np.radians(225), "stop": "round"}),
-    ],
+    usual(
+        [
+            ("head wind (verdict)", {"duration": 90.0, "dead_band": 0.5}),
+            ("required (verdict)", {"duration": 90.0, "dead_band": 0.5, "sign": "frozen"}),
+            ("K = 1 (verdict)", {"duration": 7.5, "sign": "frozen"}),
+            ("cross wind (verdict)", {"duration": 7.5, "plane": "yaw"}),
+            (
+                "both planes (verdict)",
+                {"duration": 7.5, "heading": np.radians(225), "stop": "round"},
+            ),
+        ],
+        0,
+        4,
+    ),
 )
 def test_the_marked_row_is_what_the_verdict_requires(label, changes) -> None:
     vehicle = tv.load_vehicle("configuration-i")

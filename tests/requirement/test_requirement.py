@@ -12,7 +12,7 @@ from scipy.linalg import eig
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tests.turns import drawn
+from tests.turns import drawn, usual
 from tvclin.boundary.limit import PAIRED_POLES
 from tvclin.boundary.open_loop import (
     Reason,
@@ -82,7 +82,7 @@ def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(confi
         assert tv.survivable_peak(plant, wind, 0.5 * need, dead_band) == pytest.approx(0.5 * PEAK)
 
 
-@pytest.mark.parametrize("aerodynamic_arm", [None, -7.0])
+@pytest.mark.parametrize("aerodynamic_arm", usual([None, -7.0], 1))
 def test_an_effector_ahead_of_the_centre_of_gravity_needs_about_as_much(
     configuration_i, aerodynamic_arm
 ):

@@ -49,6 +49,7 @@ def texts(parts):
     return [one.text for line in parts for one in line if isinstance(one, Number)]
 
 
+@pytest.mark.thorough
 def test_every_number_of_the_page_stands_in_the_terminal_with_the_same_digits(answers):
     printed, page, _, _ = answers
     shown = [

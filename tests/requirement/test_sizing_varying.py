@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
 from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirement
@@ -123,7 +124,9 @@ def what_grows_in_the_end(schedule, wind, limit, K) -> float:
     return float(row @ last + row @ inputs[:, 0] * side * limit / poles[fastest].real)
 
 
-@pytest.mark.parametrize(("K", "damping"), [(1.0, 0.0), (0.0, 0.0), (1.0, 0.3), (0.0, 0.3)])
+@pytest.mark.parametrize(
+    ("K", "damping"), usual([(1.0, 0.0), (0.0, 0.0), (1.0, 0.3), (0.0, 0.3)], 1, 2)
+)
 def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K, damping) -> None:
     schedule = falling(configuration_i, damping)
     wind = tv.TriangularWind(peak=0.05, duration=16.0)
@@ -161,7 +164,7 @@ def trim_law_is_lost(schedule, wind, model, limits):
     return np.abs(x[:, 0] + x[:, 1] / pole[-1]) > reach
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift", "drift-exact"], 2))
 def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     """On a fixed path by trim and demand alone; with drift the path of a limited flight counts."""
     flight = tv.load_schedule("configuration-ii")

@@ -137,7 +137,9 @@ def test_one_pole_is_doubted_in_a_long_wind_unless_both_were_flown(
     assert doubt not in _notes(configuration_i, 60.0, 1.0, "drift-exact")
 
 
-@pytest.mark.parametrize("changes", [{"velocity": 45.0, "attitude": 1.5}, {"aerodynamic_arm": -2}])
+@pytest.mark.parametrize(
+    "changes", usual([{"velocity": 45.0, "attitude": 1.5}, {"aerodynamic_arm": -2}], 1)
+)
 def test_a_model_that_leaves_out_what_the_exact_one_needs_says_so(
     configuration_i: tv.Vehicle, changes: dict[str, float]
 ) -> None:

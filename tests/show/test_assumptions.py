@@ -31,7 +31,7 @@ def check_of(answers: Findings, begin: str):
     return next(one for one in assumptions(answers) if text(one.line).startswith(begin))
 
 
-@pytest.mark.parametrize("duration", [5.0, 30.0])
+@pytest.mark.parametrize("duration", usual([5.0, 30.0], 1))
 def test_a_vehicle_that_changes_by_more_than_a_tenth_is_not_marked_as_frozen(
     duration, tmp_path
 ) -> None:
@@ -75,6 +75,7 @@ def test_a_page_does_not_judge_a_wind_of_60_degrees(tmp_path) -> None:
     assert any(sentence in note for note in study_warnings(answers))
 
 
+@pytest.mark.thorough
 def test_the_panel_does_not_judge_a_wind_of_60_degrees() -> None:
     from tvclin.show.explorer.answer import answer
     from tvclin.show.explorer.choices import Choices

@@ -302,6 +302,7 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
         tv.explore(own.replace(thrust=np.array([3e7, 4e7])))
 
 
+@pytest.mark.thorough
 def test_in_a_notebook_the_panel_is_there_before_its_curve(
     panel: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -453,6 +454,7 @@ def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[st
         assert list(Path(folder).glob("*/package.json"))
 
 
+@pytest.mark.thorough
 def test_a_server_that_opened_its_page_ends_some_time_after_it(started: list[list[str]]) -> None:
     def timeouts(*options: str) -> list[str]:
         assert CliRunner().invoke(app, ["explore", *options]).exit_code == 0
@@ -465,6 +467,7 @@ def test_a_server_that_opened_its_page_ends_some_time_after_it(started: list[lis
     assert no_kernel.startswith("--ServerApp.shutdown_no_activity_timeout=")
 
 
+@pytest.mark.thorough
 def test_a_jupyterlab_that_cannot_start_is_one_sentence(
     started: list[list[str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:

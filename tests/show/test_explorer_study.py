@@ -90,7 +90,7 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: Any) -> tuple[Answ
         return answer(choices, 4), path
 
 
-_SHORT = ("rigid", "flexible, filtered, sampled", "both planes", "rate limited")
+_SHORT = ("flexible, filtered, sampled", "both planes")
 _PLACES = [list(CASES).index(name) for name in _SHORT]
 every = pytest.mark.parametrize("written", usual(CASES, *_PLACES), indirect=True)
 

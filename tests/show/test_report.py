@@ -714,6 +714,7 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
         assert any("slow motion" in one for one in doubts) is told
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("change", "duration", "dead_band", "said"),
     usual(

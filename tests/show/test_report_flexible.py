@@ -179,6 +179,7 @@ def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
     assert "no limit in the range survives" in shown.text
 
 
+@pytest.mark.thorough
 def test_a_vehicle_alone_says_what_its_margins_need(folder):
     found = find(tv.load_study(folder / "my.toml"))
     said = section(found, "flexible").of("p")[-1]
@@ -204,6 +205,7 @@ def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_l
     assert "second order" in section(found, "flexible").of("p")[-1]
 
 
+@pytest.mark.thorough
 def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
     """With an actuator of 25.1 rad/s, of any number of samples in its time."""
     for rate in (20.0, 50.0, 60.0):

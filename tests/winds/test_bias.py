@@ -73,6 +73,7 @@ def bias(file, month=None):
     return [word for key in given for word in ("--set", key)]
 
 
+@pytest.mark.thorough
 def test_a_biased_path_leaves_less_to_the_nozzle(tmp_path):
     plain = json.loads(asked().stdout)
     biased = json.loads(asked(*bias(SOUNDINGS / "table.csv")).stdout)
