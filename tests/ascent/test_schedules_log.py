@@ -109,7 +109,7 @@ def test_what_is_no_mat_file_is_refused(tmp_path) -> None:
 
 def test_the_command_writes_both(tmp_path) -> None:
     out, wind = tmp_path / "flight.csv", tmp_path / "wind.csv"
-    words = ["schedule", "from", "log", str(LOG), "-o", str(out), "--wind-output", str(wind)]
+    words = ["import", "log", str(LOG), "-o", str(out), "--wind-output", str(wind)]
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
     assert tv.load_schedule(out).span == (2.0, 8.0)

@@ -14,7 +14,7 @@ from tvclin.cli.option_names import in_options
 
 V = "configuration-i"
 OPENROCKET = "tests/schedules/openrocket.csv"
-EXPORT = ("schedule", "from", "openrocket", OPENROCKET, "-o", "out.csv")
+EXPORT = ("import", "openrocket", OPENROCKET, "-o", "out.csv")
 SITE = ("--gimbal-station-m", "2.95", "--cn-alpha-per-rad", "2", "--ground-m", "160")
 REFUSED = {
     "--duration": ("study", V, "--duration", "1e12"),
@@ -57,7 +57,7 @@ def test_rows_that_are_refused_are_left_out_with_the_options_of_the_command(tmp_
         lines[k] = ",".join(cells)
     file = tmp_path / "flight.csv"
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    given = ["schedule", "from", "openrocket", file, *SITE, "-o", tmp_path / "out.csv"]
+    given = ["import", "openrocket", file, *SITE, "-o", tmp_path / "out.csv"]
     result = CliRunner().invoke(app, [str(one) for one in given])
     assert result.exit_code == 2
     assert "leave these rows out with --from and --to" in result.output

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from functools import wraps
 from importlib import import_module
 from io import TextIOWrapper
+from keyword import iskeyword
 from pkgutil import get_data
 from typing import Annotated, Any
 
@@ -26,11 +27,11 @@ _PANELS = {
     "Control": ("autopilot", "margins", "laws", "fly"),
     "Whole flight": ("ascent", "nozzle", "availability"),
     "Many cases": ("disperse",),
-    "This installation": ("schedule", "doctor"),
+    "This installation": ("import", "doctor"),
 }
 NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
 """Panel of the help of each command, by name."""
-_FILE_OF_COMMAND = {"init": "vehicles"}
+_FILE_OF_COMMAND = {"init": "vehicles", "import": "flight_import"}
 """File of a command that shares the file of another."""
 _STRICT_HANDLERS = ("strict", "surrogateescape")
 """Error handlers of a stream that raise for a letter which its encoding lacks."""
@@ -101,7 +102,8 @@ def _listed(name: str) -> Any:
     def command() -> None: ...
 
     text = get_data("tvclin.cli", f"{_FILE_OF_COMMAND.get(name, name)}.py") or b""
-    said = re.search(rf'(?s)^(?:def {name}\(.*?"""|{name} = .*?help=")(.+?)"', text.decode(), re.M)
+    pattern = rf'(?s)^(?:def {name}\(.*?"""|{name}_ = .*?help=")(.+?)"'
+    said = re.search(pattern, text.decode(), re.M)
     command.__doc__ = said[1] if said else None
     return _made(name, command)
 
@@ -120,7 +122,8 @@ def _unwrapped(command: Any) -> Any:
 
 def function_of(name: str) -> Any:
     """Return the function of a command, or the commands below it."""
-    return getattr(import_module(f"tvclin.cli.{_FILE_OF_COMMAND.get(name, name)}"), name)
+    module = import_module(f"tvclin.cli.{_FILE_OF_COMMAND.get(name, name)}")
+    return getattr(module, f"{name}_" if iskeyword(name) else name)
 
 
 class Commands(TyperGroup):

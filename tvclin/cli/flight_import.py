@@ -1,4 +1,4 @@
-"""`tvclin schedule`: flight schedules from files of other tools."""
+"""`tvclin import`: flight schedules from files of other tools."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,20 +14,16 @@ from tvclin.ascent.importers.simulation_log import read_log
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called, exists, read_text, tables_of
-from tvclin.base.lines import words
-from tvclin.cli.options import GROUP, asked, grouped, to_write
-from tvclin.cli.output import print_tables, say
+from tvclin.base.lines import Table, words
+from tvclin.cli.options import GROUP, More, asked, grouped, to_write
+from tvclin.cli.output import print_answer, say
 from tvclin.vehicle.coefficients import Coefficients
 
-schedule = typer.Typer(
-    no_args_is_help=True, help="Make flight schedules: a vehicle over the time of its flight."
-)
-source = typer.Typer(
+import_ = typer.Typer(
     no_args_is_help=True,
-    help="Make a schedule of a flight that another tool has simulated.",
+    help="Make a flight schedule of a flight that another tool has simulated.",
     epilog="Then: tvclin ascent my-flight.csv --peak-deg 5 --limit-deg 3",
 )
-schedule.add_typer(source, name="from")
 
 File = Annotated[Path, typer.Argument(help="The file that the tool exported.")]
 Output = Annotated[
@@ -73,7 +69,7 @@ class Rows:
     )
 
 
-@source.command()
+@import_.command()
 @grouped
 def openrocket(
     file: File,
@@ -84,6 +80,7 @@ def openrocket(
         "Reference area of a given slope, in m^2.", shown="that of the file"
     ),
     rows: Rows = GROUP,
+    more: More = False,
 ) -> None:
     """Read the data that OpenRocket exports of a simulation without wind.
 
@@ -96,10 +93,10 @@ def openrocket(
         **site.arguments,
         **vars(rows),
     )
-    _write(imported, file, output)
+    _write(imported, file, output, more)
 
 
-@source.command()
+@import_.command()
 @grouped
 def rasaero(
     file: File,
@@ -114,6 +111,7 @@ def rasaero(
     ],
     site: Site = GROUP,
     rows: Rows = GROUP,
+    more: More = False,
 ) -> None:
     """Read the flight that RASAero II exports, of a simulation without wind.
 
@@ -129,10 +127,10 @@ def rasaero(
         **arguments,
         **vars(rows),
     )
-    _write(imported, file, output)
+    _write(imported, file, output, more)
 
 
-@source.command()
+@import_.command()
 @grouped
 def table(
     file: File,
@@ -142,16 +140,17 @@ def table(
         typer.Option(help='TOML file with a table named columns: weight = "Gross weight (lbf)".'),
     ],
     rows: Rows = GROUP,
+    more: More = False,
 ) -> None:
     """Read any table with a line of column names, with --columns to say which is which.
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
     made = read_table(file, _columns(columns), **vars(rows))
-    _write(made, file, output)
+    _write(made, file, output, more)
 
 
-@source.command()
+@import_.command()
 @grouped
 def log(
     file: Annotated[
@@ -162,10 +161,11 @@ def log(
         "Also write the wind that the flight met, over height, as CSV.", callback=to_write
     ),
     columns: Path | None = asked(
-        "TOML file with a table named columns, as of tvclin schedule from table.",
+        "TOML file with a table named columns, as of tvclin import table.",
         shown="our names, with their units",
     ),
     rows: Rows = GROUP,
+    more: More = False,
 ) -> None:
     """Read the log of a simulation in wind: a schedule, and the wind that it met.
 
@@ -175,10 +175,10 @@ def log(
     """
     result = read_log(file, None if columns is None else _columns(columns), **vars(rows))
     if wind_output is None:
-        _write(result.schedule, file, output)
+        _write(result.schedule, file, output, more)
         return
     result.profile  # noqa: B018  # nothing is written where it has none
-    _write(result.schedule, file, output)
+    _write(result.schedule, file, output, more)
     result.write_wind(wind_output)
     say(f"Wrote {called(wind_output)}: add --winds {wind_output} --azimuth-deg 0")
 
@@ -204,17 +204,23 @@ def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
     return list(times), list(inertias)
 
 
-def _write(schedule: FlightSchedule, file: Path, output: Path) -> None:
+def _write(schedule: FlightSchedule, file: Path, output: Path, more: bool) -> None:
     """Write a schedule, and print its coefficients over time and its notes."""
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     schedule.to_csv(output)
-    _print(schedule)
-    say(f"Wrote {called(output)}: {schedule.times.size} times. Then: tvclin ascent {output}")
+    written = f"wrote {called(output)}: {schedule.times.size} times. Then: tvclin ascent {output}"
+    notes = sorted(schedule.notes, key=_describes_column)
+    print_answer(written, _table(schedule), notes=notes, more=more)
 
 
-def _print(schedule: FlightSchedule) -> None:
-    """Print the schedule and its notes."""
+def _describes_column(note: str) -> bool:
+    """Return whether a note says where a column comes from, and no more."""
+    return note.partition(":")[0].isidentifier()
+
+
+def _table(schedule: FlightSchedule) -> Table:
+    """Return the table of the coefficients at the first, the middle and the last time."""
     first, last = schedule.span
     times = np.array([first, 0.5 * (first + last), last])
     c = Coefficients.from_vehicle(schedule.at(times))
@@ -223,6 +229,4 @@ def _print(schedule: FlightSchedule) -> None:
         for t, mu_alpha, mu_delta, B in np.column_stack([times, c.mu_alpha, c.mu_delta, c.B])
     ]
     head = ["t [s]", "mu_alpha [1/s^2]", "mu_delta [1/s^2]", "B [-]"]
-    print_tables(words(schedule.vehicle.name, head, rows))
-    for note in schedule.notes:
-        say(note)
+    return words(schedule.vehicle.name, head, rows)

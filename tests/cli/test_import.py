@@ -1,4 +1,4 @@
-"""`tvclin schedule`: what it writes and prints, and everything that would be silently wrong."""
+"""`tvclin import`: what it writes and prints, and everything that would be silently wrong."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ INERTIA = ("--inertia", "0:24", "--inertia", "5:20")
 
 
 def run(*arguments: object) -> Result:
-    return CliRunner().invoke(app, ["schedule", "from", *map(str, arguments)])
+    return CliRunner().invoke(app, ["import", *map(str, arguments)])
 
 
 def refused(folder: Path, *arguments: object) -> str:
@@ -57,7 +57,7 @@ def damaged(lines: Sequence[str], at: str, change: dict[str, str]) -> list[str]:
 
 def test_a_schedule_is_written_with_a_comment_on_every_column(tmp_path: Path) -> None:
     output = tmp_path / "my.csv"
-    result = run("openrocket", OPENROCKET, *GIVEN, "-o", output)
+    result = run("openrocket", OPENROCKET, *GIVEN, "-o", output, "--more")
     assert result.exit_code == 0, result.output
     found, expected = tv.load_schedule(output), read(OPENROCKET)
     np.testing.assert_allclose(found.vehicle.weight, expected.vehicle.weight, rtol=1e-11)
