@@ -27,6 +27,8 @@ from tvclin.requirement.flight.total import Line
 SOUNDINGS = Path(__file__).parent / "soundings"
 
 ANSWERS = {
+    "EqualValues",
+    "Sweep",
     "SurvivalFraction",
     "Today",
     "BoundaryLimit",
@@ -726,6 +728,18 @@ def doors(folder: Path) -> dict[str, Door]:
         "ModeNotch.at": Door(mode_notch.at, {"flight": bent, "time": 66.0}),
         "flight_variable": Door(
             tv.ascent.flight_variable, {"flight": schedule, "variable": "mach", "time": 66.0}
+        ),
+        "sweep": Door(
+            tv.control.sweep,
+            {
+                "flight": bent,
+                "autopilot": two,
+                "times": [60.0, 66.0],
+                "criteria": tv.control.CRITERIA["classic"],
+                "factors": [0.9],
+                "model": "drift-exact",
+                "plane": "pitch",
+            },
         ),
         "equal_values": Door(
             tv.control.equal_values,

@@ -186,6 +186,13 @@ def figures(folder: Path) -> dict[str, Door]:
             lambda plot, path: plots.save_figure(plots.sketch_a() if plot is GOOD else plot, path),
             {"plot": GOOD, "path": folder / "a.svg"},
         ),
+        "sweep_chart": Door(
+            plots.sweep_chart,
+            {
+                "sweep": tv.control.sweep(schedule, lagging, [60.0, 70.0]),
+                "name": "made up",
+            },
+        ),
         "sizing_chart": Door(plots.sizing_chart, {"sizing": sizing, "limit": 0.01, "name": "a"}),
         "sketch_a": Door(plots.sketch_a, {"tau_beta": 4.0}),
         "sketch_b": Door(plots.sketch_b, {"tau_beta": 4.0, "dead_band": 0.5}),

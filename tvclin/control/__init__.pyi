@@ -16,6 +16,8 @@ from .autopilot.gains import lqr_gains as lqr_gains
 from .autopilot.gains import relief_gains as relief_gains
 from .autopilot.margin_bounds import MarginBounds as MarginBounds
 from .autopilot.margin_bounds import margin_bounds as margin_bounds
+from .autopilot.sweep import Sweep as Sweep
+from .autopilot.sweep import sweep as sweep
 from .autopilot.system_autopilot import SystemAutopilot as SystemAutopilot
 from .comparison import TrimComparison as TrimComparison
 from .comparison import WorstDuration as WorstDuration

@@ -397,11 +397,12 @@ class StateLoop:
         residues = self.residues[self.case].T[..., np.newaxis]
         total = np.zeros(s.shape, dtype=complex)
         total.real = self.direct[:, np.newaxis]
+        at_real, at_imag = np.ascontiguousarray(s.real), np.ascontiguousarray(s.imag)
         block = max(1, _TERMS_PER_BLOCK // max(s.size, 1))
         with np.errstate(all="ignore"):
             for k in range(0, len(poles), block):
                 p, r = poles[k : k + block], residues[k : k + block]
-                x, y = s.real - p.real, s.imag - p.imag
+                x, y = at_real - p.real, at_imag - p.imag
                 size = x**2 + y**2
                 real, imag = (r.real * x + r.imag * y) / size, (r.imag * x - r.real * y) / size
                 if s.size > _MAX_POINTS_OF_CUMULATIVE_SUMS:  # the same sequence of additions

@@ -33,6 +33,7 @@ from .responses import study_response_chart as study_response_chart
 from .root_locus import pole_map as pole_map
 from .root_locus import root_locus_chart as root_locus_chart
 from .style import save_figure as save_figure
+from .sweeps import sweep_chart as sweep_chart
 from .trade_offs import gain_trade_off_chart as gain_trade_off_chart
 from .trade_offs import laws_chart as laws_chart
 from .trade_offs import load_chart as load_chart

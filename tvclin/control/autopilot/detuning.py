@@ -201,29 +201,40 @@ def detuned(
     names, _ = named_modes(plant)
     if not names:
         raise InputError("detuned() needs a plant with a bending mode or a tank; this has none")
-    count = len(names)
-    bending = len(plant.structure.bending)
-    changes = ["nominal", *(f"{name} x {factor:.6g}" for name in names for factor in row)]
-    changes += [f"{name}, half its damping" for name in names]
-    changes += [f"{name}, slopes at the sensors turned" for name in names[:bending]]
-    # One row for each change, one column for each mode.
-    mode = np.arange(count)
-    frequency, damping, slope_sign = np.ones((3, len(changes), count))
-    start = 1 + count * row.size
-    frequency[np.arange(1, start), np.repeat(mode, row.size)] = np.tile(row, count)
-    damping[start + mode, mode] = 0.5
-    slope_sign[start + count + mode[:bending], mode[:bending]] = -1.0
-    plants = with_mode_factors(plant, frequency, damping, slope_sign)
+    changes, *mode_factors = mode_changes(names, len(plant.structure.bending), row)
+    plants = with_mode_factors(plant, *mode_factors)
     bands = autopilot.band_margins(plants) if criteria.has_mode_limits else None
     margins = loop_margins(autopilot.exact_loop(plants)) if bands is None else bands.margins
     return Detuned(
-        tuple(changes),
+        changes,
         margins,
         _critical_margins(criteria, bands or margins, margins, len(changes)),
         np.broadcast_to(criteria.are_satisfied(bands or margins), len(changes)),
         tuple(_stable_ranges(autopilot, plant, names, float(row.min()), float(row.max()))),
         plants,
     )
+
+
+def mode_changes(
+    names: tuple[str, ...], bending: int, factors: FloatArray
+) -> tuple[tuple[str, ...], FloatArray, FloatArray, FloatArray]:
+    """Return changes of single modes, and their factors on frequency, damping and slopes.
+
+    The factors are ``(changes, modes)``, the first row nominal; see `with_mode_factors`. `bending`:
+    number of bending modes, the first of `names`. `factors`: factors on a frequency, ``(n,)``.
+    """
+    count = len(names)
+    changes = ["nominal", *(f"{name} x {factor:.6g}" for name in names for factor in factors)]
+    changes += [f"{name}, half its damping" for name in names]
+    changes += [f"{name}, slopes at the sensors turned" for name in names[:bending]]
+    # One row for each change, one column for each mode.
+    mode = np.arange(count)
+    frequency, damping, slope_sign = np.ones((3, len(changes), count))
+    start = 1 + count * factors.size
+    frequency[np.arange(1, start), np.repeat(mode, factors.size)] = np.tile(factors, count)
+    damping[start + mode, mode] = 0.5
+    slope_sign[start + count + mode[:bending], mode[:bending]] = -1.0
+    return tuple(changes), frequency, damping, slope_sign
 
 
 def with_mode_factors(

@@ -1,0 +1,332 @@
+"""Sweep of a loop over the flight: margins by band, poles, criteria and detuned modes by time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, ComplexArray, FloatArray
+from tvclin.base.cards import table
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.errors import InputError, finite, instance, one_row, positive, times_row
+from tvclin.base.fields import derived, spec
+from tvclin.base.lines import Line, Table, number, significant
+from tvclin.base.quantities import satisfaction
+from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback, warn_of_sampling
+from tvclin.control.autopilot.detuning import mode_changes, with_mode_factors
+from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
+from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
+from tvclin.control.margins.criteria import CRITERIA, Criteria, Judgement
+from tvclin.control.margins.loop import Loop, SampledLoop
+from tvclin.control.margins.margins import MARGINS, Margins, margins_of
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, named_modes
+from tvclin.linear.plant import DEFAULT_MODEL, Plant
+
+_COLUMNS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin")
+"""Margins of the whole loop in a CSV."""
+
+
+class WorstMargin(NamedTuple):
+    """Margin with the smallest surplus over a sweep.
+
+    `margin`: name of the margin, with its mode and the change of a mode. `value`: in the unit of
+    the criterion; NaN for an unstable loop. `time`: time of flight [s]. `surplus`: distance from
+    the limit. `satisfied`: whether the criterion is satisfied at all times.
+    """
+
+    margin: str
+    value: float
+    time: float
+    surplus: float
+    satisfied: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep(Tabled):
+    """Margins of a loop over the flight, each time as if frozen.
+
+    Attributes
+    ----------
+    times : ndarray
+        Times of flight [s], ``(n,)``.
+    margins : Margins
+        Margins of the whole loop, ``(n,)``; delay margins only where a criterion limits them.
+    modes : tuple of ModeBand
+        Margins of each bending mode and tank by its name in the flight, ``(n,)``.
+    poles : ndarray
+        Closed-loop poles [1/s], ``(n, k)``; log(z)/h of a loop in samples of h. NaN fills the rows.
+    criteria : Criteria
+        Criteria of the margins.
+    judgements : tuple of Judgement
+        Judgements ``(n,)`` in the order of the criteria, of the loop and of its modes.
+    changes : tuple of str
+        Changes of single modes, such as "first x 0.9".
+    detuned : Margins or None
+        Margins of the whole loop with each change, ``(changes, n)``.
+    detuned_judgements : tuple of Judgement
+        Judgements of these, ``(changes, n)``.
+    """
+
+    times: FloatArray = field(metadata=spec("time"))
+    margins: Margins = field(metadata=spec(document=False))
+    modes: tuple[ModeBand, ...] = field(metadata=spec(of=lambda s: s.mode_names))
+    poles: ComplexArray = field(metadata=spec(card=False))
+    criteria: Criteria = field(metadata=spec(of="criteria.name"))
+    judgements: tuple[Judgement, ...] = field(metadata=spec(document=False, card=False))
+    changes: tuple[str, ...] = field(metadata=spec())
+    detuned: Margins | None = None
+    detuned_judgements: tuple[Judgement, ...] = ()
+
+    @property
+    def mode_names(self) -> tuple[str, ...]:
+        """Names of the modes and tanks."""
+        return tuple(mode.name for mode in self.modes)
+
+    @property
+    @derived()
+    def satisfied(self) -> BoolArray:
+        """Whether all criteria are satisfied at each time, with every change, ``(n,)``."""
+        verdicts = [
+            np.asarray(judged.satisfied).reshape(-1, self.times.size).all(axis=0)
+            for judged in (*self.judgements, *self.detuned_judgements)
+        ]
+        return np.asarray(np.logical_and.reduce(verdicts))
+
+    @property
+    @derived()
+    def all_satisfied(self) -> bool:
+        """Whether all criteria are satisfied at all times, with every change."""
+        return bool(np.all(self.satisfied))
+
+    @property
+    def minimum_damping(self) -> FloatArray:
+        """Smallest damping ratio of the oscillating closed-loop poles at each time, ``(n,)``.
+
+        NaN without one.
+        """
+        oscillating = np.where(self.poles.imag > 0.0, self.poles, np.nan)
+        with np.errstate(invalid="ignore"):
+            ratios = -oscillating.real / np.abs(oscillating)
+        ratios = np.where(np.isnan(ratios), np.inf, ratios).min(axis=-1, initial=np.inf)
+        return np.where(np.isinf(ratios), np.nan, ratios)
+
+    @property
+    def worst(self) -> tuple[WorstMargin, ...]:
+        """Worst of each criterion over the flight, of the loop and its modes, then with changes."""
+        named = [*(_worst(judged, self.times) for judged in self.judgements)]
+        if self.changes:
+            named += [
+                _worst(judged, self.times, self.changes) for judged in self.detuned_judgements
+            ]
+        return tuple(named)
+
+    def table(self) -> Table:
+        """Return the table of the worst of each margin, its time and its limit."""
+        judged = (*self.judgements, *self.detuned_judgements)
+        rows: list[tuple[Line, ...]] = []
+        for k, (worst, of) in enumerate(zip(self.worst, judged, strict=True)):
+            unstable = np.isnan(worst.surplus)
+            unit = of.criterion.unit
+            applies = np.isfinite(worst.surplus)
+            rows.append(
+                (
+                    (worst.margin,),
+                    ("unstable",)
+                    if unstable
+                    else number(f"sweep.{k}.value", worst.value, 2, unit)
+                    if applies
+                    else ("-",),
+                    significant(f"sweep.{k}.time", worst.time) if applies or unstable else ("-",),
+                    significant(f"sweep.{k}.limit", of.criterion.limit, 4, unit),
+                    (satisfaction(worst.satisfied),),
+                )
+            )
+        least = self.minimum_damping
+        if np.any(np.isfinite(least)):
+            at = int(np.nanargmin(least))
+            damping = significant("sweep.damping", least[at], 3)
+            time = significant("sweep.damping.time", self.times[at])
+            rows.append((("damping of the poles",), damping, time, ("",), ("",)))
+        head = ("margin", "worst", "at [s]", "asked", "")
+        return Table("Worst margins over the flight", head, tuple(rows))
+
+    def _repr_html_(self) -> str:
+        return table(self.table())
+
+    def _columns(self) -> Columns:
+        axis = Column("time", self.times, "s")
+        columns = [Column("status", np.asarray(self.margins.status), "")]
+        columns += [_of_margin(name, getattr(self.margins, name)) for name in _COLUMNS]
+        for mode in self.modes:
+            key = mode.name.replace(" ", "_")
+            columns += [
+                Column(f"{key}_held_by", np.asarray(mode.stabilised), ""),
+                Column(f"{key}_frequency", np.asarray(mode.frequency), "rad/s"),
+                Column(f"{key}_gain_margin", np.asarray(mode.gain_margin_dB), "dB"),
+                Column(f"{key}_phase_margin", np.radians(mode.phase_margin_deg), "rad"),
+            ]
+        columns.append(Column("minimum_damping", self.minimum_damping))
+        if self.detuned is not None:
+            for name in _COLUMNS:
+                values = np.asarray(getattr(self.detuned, name))
+                lowest = np.where(np.any(np.isnan(values), axis=0), np.nan, values.min(axis=0))
+                columns.append(_of_margin(f"detuned_{name}", lowest))
+        columns.append(Column("met", self.satisfied, ""))
+        return Columns((axis,), tuple(columns), {"criteria": self.criteria.name})
+
+
+def _of_margin(name: str, values: FloatArray) -> Column:
+    """Return the column of a margin by its name with a unit."""
+    for unit in ("dB", "deg"):
+        if name.endswith(f"_{unit}"):
+            key = name.removesuffix(f"_{unit}")
+            return (
+                Column(key, np.radians(values), "rad")
+                if unit == "deg"
+                else Column(key, np.asarray(values), unit)
+            )
+    return Column(name, np.asarray(values))
+
+
+def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",)) -> WorstMargin:
+    """Return the margin with the smallest surplus over times and changes; unstable loops first."""
+    surplus = np.asarray(judged.surplus, float).reshape(-1, times.size)
+    values = np.asarray(judged.value, float).reshape(-1, times.size)
+    at = np.unravel_index(np.argmin(np.where(np.isnan(surplus), -np.inf, surplus)), surplus.shape)
+    change = changes[at[0]] if changes[at[0]] else ""
+    words = [MARGINS.get(judged.criterion.margin, (judged.criterion.name,))[0], judged.band, change]
+    return WorstMargin(
+        ", ".join(filter(None, words)),
+        float(values[at]),
+        float(times[at[1]]),
+        float(surplus[at]),
+        bool(np.all(judged.satisfied)),
+    )
+
+
+def plants_along(flight: FlightSchedule, times: FloatArray, model: str, plane: str) -> AnyPlant:
+    """Return the plants of a flight at times [s], flexible where it has a structure."""
+    vehicle = flight.at(times)
+    if vehicle.structure is None:
+        return Plant.from_vehicle(vehicle, model, plane)
+    return FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, model, plane)
+
+
+def flight_mode_names(flight: FlightSchedule) -> tuple[str, ...]:
+    """Return the names of bending modes and tanks of a flight; none without a structure."""
+    return () if flight.structure is None else (*flight.structure.modes, *flight.structure.tanks)
+
+
+def sweep(
+    flight: FlightSchedule,
+    autopilot: Autopilot | GainSchedule,
+    times: ArrayLike,
+    *,
+    criteria: Criteria = CRITERIA["classic"],
+    factors: ArrayLike = (0.9, 1.1),
+    model: str = DEFAULT_MODEL,
+    plane: str = "pitch",
+) -> Sweep:
+    """Return the margins of a loop at times of the flight, nominal and with detuned modes.
+
+    Parameters
+    ----------
+    flight : FlightSchedule
+        Flight, with its structure and actuator where it has them.
+    autopilot : Autopilot or GainSchedule
+        One autopilot for all times, or its schedule.
+    times : array_like
+        Times of flight [s], ``(n,)``.
+    criteria : Criteria
+        Criteria of the margins, of the loop and of modes.
+    factors : array_like
+        Factors on the frequency of one mode or tank at a time, positive; empty for none. A notch
+        that follows a mode stays at the nominal frequency.
+    model : {"fixed-path", "drift", "drift-exact", "drift-and-speed"}
+        Model of the motion; "drift" without a structure alone.
+    plane : {"pitch", "yaw"}
+        Plane of the motion.
+
+    Raises
+    ------
+    InputError
+        For times outside the flight, factors that are not positive, criteria of modes without a
+        structure, and in the same cases as `Autopilot.exact_loop`.
+
+    Warns
+    -----
+    UserWarning
+        In the same cases as `Autopilot.margins`.
+
+    Notes
+    -----
+    Each time is judged as if frozen: margins at every time are no proof of the flight, see
+    `fly_along`.
+    """
+    instance("flight", flight, FlightSchedule, "see load_schedule")
+    instance("criteria", criteria, Criteria, "see Criteria.custom")
+    at = times_row("times", times)
+    if not at.size:
+        raise InputError("times must be one or more times of flight in s")
+    row = finite("factors", factors)
+    row = positive("factors", one_row("factors", row)) if row.size else np.zeros(0)
+    if isinstance(autopilot, Autopilot) and autopilot.batch:
+        raise InputError("autopilot must be one autopilot for all times, or a GainSchedule")
+    laws = autopilot_along(autopilot, flight, at)
+    plants = plants_along(flight, at, model, plane)
+    names = flight_mode_names(flight)
+    if criteria.has_mode_limits and not names:
+        raise InputError("criteria of modes need a flight with a structure over time")
+    delays = any(limit.margin == "delay_margin" for limit in criteria.limits)
+    loop = laws.exact_loop(plants)
+    warn_of_feedback(laws, plants)
+    warn_of_sampling(laws, plants)
+    bands = _bands(loop, plants, names, delays)
+    judged = bands if criteria.has_mode_limits else bands.margins
+    changes: tuple[str, ...] = ()
+    detuned, detuned_judgements = None, criteria.judge(judged)[:0]
+    if row.size and isinstance(plants, FlexiblePlant):
+        count = len(names) * row.size
+        every, *mode_factors = mode_changes(names, len(plants.structure.bending), row)
+        changes = every[1 : 1 + count]
+        varied = with_mode_factors(plants, *(a[1 : 1 + count, np.newaxis] for a in mode_factors))
+        changed = laws.exact_loop(varied)
+        if criteria.has_mode_limits:
+            varied_bands = _bands(changed, varied, names, delays)
+            detuned = varied_bands.margins
+            detuned_judgements = criteria.judge(varied_bands)
+        else:
+            detuned = margins_of(changed.analysis(delays=delays), changed.batch)
+            detuned_judgements = criteria.judge(detuned)
+    return Sweep(
+        at,
+        bands.margins,
+        bands.modes,
+        _poles(loop),
+        criteria,
+        criteria.judge(judged),
+        changes,
+        detuned,
+        detuned_judgements,
+    )
+
+
+def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -> BandMargins:
+    """Return margins by band of loops, with the names of the modes of the flight."""
+    if isinstance(plants, Plant):
+        margins = margins_of(loop.analysis(delays=delays), loop.batch)
+        return BandMargins(margins, None, ())  # type: ignore[arg-type]
+    return band_margins(loop, names, named_modes(plants)[1], delays=delays)
+
+
+def _poles(loop: Loop) -> ComplexArray:
+    """Return closed-loop poles [1/s] ``(n, k)``, of a sampled loop log(z)/h."""
+    poles = loop.closed_loop_poles
+    if isinstance(loop, SampledLoop):
+        with np.errstate(divide="ignore"):
+            poles = np.log(poles.astype(complex)) / np.asarray(loop.period)[..., np.newaxis]
+    return poles
