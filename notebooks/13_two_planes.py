@@ -91,7 +91,7 @@ for part in (0.95, 1.05):
 # %% [markdown]
 # **Try:** other azimuths, `dead_bands=(1.0, 0.5)`, a wind that turns by 180 degrees (trim then
 # needs more than the boundary), `saturate="each plane"`. In a shell: `tvclin ascent configuration-i
-# --plane both --stop square --winds FILE --azimuth-deg 30`.
+# --set nozzle.limit_shape square --winds FILE --azimuth-deg 30`.
 
 # %%
 worst = max(misses, key=misses.get)

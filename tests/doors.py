@@ -1056,7 +1056,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "load": tv.case.LoadBound(load=0.05),
                 "switch": "report",
                 "sign": "frozen",
-                "nozzle": tv.Nozzle(limit=0.01, stop="square"),
+                "nozzle": tv.Nozzle(limit=0.01, limit_shape="square"),
                 "laws": tv.design.LawsRequest(),
                 "design": tv.AutopilotDesign(design="canonical"),
                 "criteria": tv.CRITERIA["classic"],

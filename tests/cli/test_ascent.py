@@ -444,11 +444,27 @@ def test_gusts_and_signs_without_meaning_are_refused(given, words) -> None:
 @pytest.mark.thorough
 def test_both_planes_stand_beside_each_plane_alone() -> None:
     given = ("--set", "wind.direction_deg=270", "--azimuth-deg", "45", "--peak-speed", "50", *FAST)
-    both = run("ascent", "configuration-i", "--plane", "both", "--stop", "square", *given, "--more")
+    both = run(
+        "ascent",
+        "configuration-i",
+        "--plane",
+        "both",
+        "--set",
+        "nozzle.limit_shape=square",
+        *given,
+        "--more",
+    )
     assert "pitch alone misses" in " ".join(both.output.split())
     document = json.loads(
         run(
-            "ascent", "configuration-i", "--plane", "both", "--stop", "square", *given, "--json"
+            "ascent",
+            "configuration-i",
+            "--plane",
+            "both",
+            "--set",
+            "nozzle.limit_shape=square",
+            *given,
+            "--json",
         ).stdout
     )
     needed = np.array(document["required_deg"]["K = 1"])
@@ -465,8 +481,7 @@ def test_both_planes_need_a_direction() -> None:
         ("--plane", "both"): "both planes need a wind with a direction",
         ("--azimuth-deg", "9"): "--azimuth-deg is for a sounding, --winds FILE",
         ("--set", "wind.direction_deg=9"): "direction in [wind] needs azimuth (--azimuth-deg)",
-        ("--plane", "both", "--stop", "oval"): "stop must be one of round",
-        ("--stop", "square"): "--stop needs --plane both",
+        ("--set", "nozzle.limit_shape=oval"): "limit_shape must be one of round",
     }.items():
         result = run("ascent", "configuration-i", *FAST, *given)
         assert result.exit_code == 2

@@ -118,7 +118,7 @@ VALUES = {
     "boundary": [None],
     "along_trajectory": [None],
     "cuts": ["2"],
-    "stop": ["square"],
+    "limit_shape": ["square"],
     "switch": ["report"],
     "seed": ["3"],
     "time": ["70"],

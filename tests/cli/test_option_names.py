@@ -21,7 +21,7 @@ REFUSED = {
     "--peak-deg": ("study", V, "--peak-deg", "1e9"),
     "--peak-speed": ("study", V, "--peak-speed", "1e9"),
     "--gust": ("study", V, "--gust", "1e12", "1"),
-    "--stop": ("study", V, "--stop", "nonsense"),
+    "--limit-shape": ("study", V, "--limit-shape", "nonsense"),
     "--model": ("poles", V, "--model", "nonsense"),
     "--start": ("boundary", V, "--start", "nan"),
     "--horizon": ("boundary", V, "--horizon", "-1"),

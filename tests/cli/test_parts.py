@@ -36,7 +36,7 @@ VALUES = {
     "sign that counts": ("--sign", "frozen"),
     "heading": ("--set", "wind.direction_deg=250", "--azimuth-deg", 45),
     "measured wind": ("--winds", SOUNDING, "--azimuth-deg", 90),
-    "shape of the stop": ("--stop", "square"),
+    "limit shape": ("--limit-shape", "square"),
     "actuator": ("--set", "nozzle.actuator_frequency_Hz=3"),
     "rate limit": ("--rate-limit-deg", 0.2),
     "delay": ("--delay-ms", 40),
@@ -77,16 +77,16 @@ OTHERWISE = {
     ("margins", "rate limit"): ("--flown", "--limit-deg", 2, "--rate-limit-deg", 1),
     ("margins", "limit"): ("--flown", "--limit-deg", 3),
     ("laws", "measured wind"): VALUES["measured wind"],
-    ("ascent", "shape of the stop"): (
-        *("--plane", "both", "--stop", "square", "--from", 70, "--to", 70),
+    ("ascent", "limit shape"): (
+        *("--plane", "both", "--set", "nozzle.limit_shape=square", "--from", 70, "--to", 70),
         *VALUES["heading"],
     ),
     ("availability", "measured wind"): (SOUNDING, "--limit-deg", 0.35, "--azimuth-deg", 45),
     ("fly", "limit"): (*LINEAR[:-1], 1.5),
     ("nozzle", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("nozzle --over flight", "limit"): (*FLIGHT[:3], 1.5, *FLIGHT[4:]),
-    ("nozzle --over flight", "shape of the stop"): (
-        *(*FLIGHT, "--plane", "both", "--stop", "square", *VALUES["heading"]),
+    ("nozzle --over flight", "limit shape"): (
+        *(*FLIGHT, "--plane", "both", "--set", "nozzle.limit_shape=square", *VALUES["heading"]),
     ),
     **{
         (question, part): (*BASE[question], *key)
@@ -95,7 +95,7 @@ OTHERWISE = {
         for part, key in KEYS.items()
     },
     **{
-        (question, "shape of the stop"): ("--plane", "both", "--stop", "square")
+        (question, "limit shape"): ("--plane", "both", "--set", "nozzle.limit_shape=square")
         for question in ("nozzle", "nozzle --over load")
     },
     ("ascent", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["ascent"]),
@@ -108,9 +108,9 @@ OTHERWISE = {
     },
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
     ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 45),
-    ("availability", "shape of the stop"): (
+    ("availability", "limit shape"): (
         *("--limit-deg", 0.35, "--azimuth-deg", 45),
-        *("--plane", "both", "--stop", "square"),
+        *("--plane", "both", "--set", "nozzle.limit_shape=square"),
     ),
 }
 
@@ -217,7 +217,7 @@ IN_FILES = {
     "head wind": {"wind": {"peak_deg": -5.0}},
     "sign that counts": {"study": {"sign": "frozen"}},
     "heading": {"wind": DIRECTION},
-    "shape of the stop": {"wind": DIRECTION, "nozzle": {"stop": "square"}},
+    "limit shape": {"wind": DIRECTION, "nozzle": {"limit_shape": "square"}},
     "actuator": {"nozzle": {"actuator_frequency_rad_per_s": 18.0}},
     "rate limit": {"nozzle": {"rate_limit_deg_per_s": 0.3}},
     "delay": {"autopilot": {"delay_ms": 40}},
@@ -289,7 +289,7 @@ OF_ONE_TIME = {
     "nozzle": ("--law", "autopilot"),
     "nozzle --over load": ("--law", "autopilot"),
 }
-IN_FLIGHT = ("gust", "head wind", "heading", "shape of the stop", "rate limit", "limit")
+IN_FLIGHT = ("gust", "head wind", "heading", "limit shape", "rate limit", "limit")
 """Parts that count in flown margins alone."""
 
 
@@ -313,7 +313,7 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
 
     assert base().exit_code in (0, 1), base().output
     wrong = {}
-    in_files = IN_FILES | {"shape of the stop": {"nozzle": {"stop": "square"}}}
+    in_files = IN_FILES | {"limit shape": {"nozzle": {"limit_shape": "square"}}}
     if question == "margins":  # with less the flight is lost
         in_files |= {
             "rate limit": {"nozzle": {"rate_limit_deg_per_s": 1.0}},

@@ -24,7 +24,7 @@ TABLES = {
     "campaign": {"vehicle": "configuration-i", "cases": 12, "seed": 3, "model": "drift"},
     "wind": {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 250, "azimuth_deg": 25},
     "outputs": {"names": ["required"], "dead_bands": [1.0, 0.5]},
-    "nozzle": {"stop": "round", "limit_deg": 0.36},
+    "nozzle": {"limit_shape": "round", "limit_deg": 0.36},
     "dispersion": SPREAD,
 }
 
@@ -60,7 +60,7 @@ def test_cases_are_those_of_single_studies(model, stop, direction, gust) -> None
     document = TABLES | {
         "campaign": TABLES["campaign"] | {"model": model},
         "wind": TABLES["wind"] | {"direction_deg": direction},
-        "nozzle": {"stop": stop},
+        "nozzle": {"limit_shape": stop},
     }
     if gust:
         document["gust"] = {"peak_deg": 1.0, "duration_s": 2.0}
@@ -111,7 +111,7 @@ def test_what_nothing_undercuts_is_that_of_the_vectors() -> None:
 FLOWN = TABLES | {
     "campaign": TABLES["campaign"] | {"model": "fixed-path"},
     "outputs": {"names": ["required", "flight"], "law": "trim"},
-    "nozzle": {"stop": "round", "limit_deg": 0.33, "actuator_frequency_rad_per_s": 0},
+    "nozzle": {"limit_shape": "round", "limit_deg": 0.33, "actuator_frequency_rad_per_s": 0},
     "autopilot": {"sample_rate_Hz": 50},
 }
 
@@ -183,7 +183,7 @@ def test_results_and_a_replay_show_both_planes(tmp_path) -> None:
         ({"wind": {"peak_deg": 5.0, "duration_s": 7.5}}, "needs a wind with a direction"),
         ({"campaign": TABLES["campaign"] | {"sign": "head"}}, "leave sign"),
         ({"outputs": {"names": ["flown"]}}, '"flown" is of one plane'),
-        ({"nozzle": {"stop": "oval"}}, "stop must be one of round"),
+        ({"nozzle": {"limit_shape": "oval"}}, "limit_shape must be one of round"),
         ({"wind": TABLES["wind"] | {"direction_deg": 115}}, "no part in pitch"),
     ],
 )

@@ -230,7 +230,7 @@ def test_noise_is_that_of_the_gyro_for_each_sample():
 
 def test_both_planes_have_their_part_of_the_stop():
     wind = tv.ShapedWind("triangular", 5.0 * DEG, 7.5, heading=np.radians(200.0))
-    nozzle = replace(NOZZLE, stop="round")
+    nozzle = replace(NOZZLE, limit_shape="round")
     card = tv.nozzle.flight_duty(plan(wind=wind, nozzle=nozzle, sign=None), asked(stop=60.0))
     pitch, yaw = card.points
     assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)

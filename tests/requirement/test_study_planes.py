@@ -52,7 +52,9 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
         ("square", tv.boundary.SquareShape()),
     ):
         exact = tv.plane_limit(plant, tv.winds.PlaneWind(pitch=pitch, yaw=yaw), shape)
-        found = json.loads(run("study", *JET, "--sign", "frozen", "--stop", stop, "--json").stdout)
+        found = json.loads(
+            run("study", *JET, "--sign", "frozen", "--limit-shape", stop, "--json").stdout
+        )
         needed = np.radians(found["verdict"]["required_deflection_deg"])
         assert needed == pytest.approx(exact.deflection, rel=1e-8)
         alone = np.radians(found["planes"]["separate_deg"]["pitch"])
@@ -61,7 +63,7 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
 
 def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
     enough = ("--limit-deg", "0.3")
-    one, both = run("study", *JET, *enough), run("study", *JET, *enough, "--stop", "round")
+    one, both = run("study", *JET, *enough), run("study", *JET, *enough, "--limit-shape", "round")
     assert "with a round stop they need 0.339 deg" in " ".join(one.output.split())
     assert "42 % of which the pitch plane alone does not see" in " ".join(one.output.split())
     assert (one.exit_code, both.exit_code) == (0, 1)
@@ -69,7 +71,7 @@ def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("stop", [(), ("--stop", "square")])
+@pytest.mark.parametrize("stop", [(), ("--limit-shape", "square")])
 def test_a_peak_says_of_what_it_is(stop) -> None:
     """A wind whose vector, or part in the plane, has the peak that is survived needs the limit.
 
@@ -107,21 +109,21 @@ def test_a_study_keeps_its_direction(booster) -> None:
 def test_a_file_gives_the_direction_in_its_wind() -> None:
     wind = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
     study = {"vehicle": "configuration-i"}
-    document = {"study": study, "nozzle": {"stop": "round"}, "wind": wind}
+    document = {"study": study, "nozzle": {"limit_shape": "round"}, "wind": wind}
     plan = parse_study(document)
     assert plan.wind.heading == pytest.approx(np.radians(225))
     assert plan.study().planes is not None
     flight = parse_study(document | {"schedule": {"source": "configuration-i"}})
     assert flight.sizing is not None
-    assert (flight.planes, flight.nozzle.stop) == ("both", "round")
+    assert (flight.planes, flight.nozzle.limit_shape) == ("both", "round")
 
 
 def test_what_has_no_direction_is_told_so(booster) -> None:
     said = {
-        ("--stop", "round"): "a stop of both planes needs a wind with a direction",
+        ("--limit-shape", "round"): "a stop of both planes needs a wind with a direction",
         ("--azimuth-deg", "9"): "--azimuth-deg is for a sounding",
         ("--set", "wind.direction_deg=0", "--azimuth-deg", "90"): "has no part in pitch",
-        (*JET, "--stop", "oval"): "stop must be one of round",
+        (*JET, "--limit-shape", "oval"): "--limit-shape must be one of round",
     }
     for options, words in said.items():
         found = run("study", *options)
@@ -136,7 +138,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
 
 SLANTING = {
     "study": {"vehicle": "configuration-i", "model": "fixed-path", "sign": "frozen"},
-    "nozzle": {"stop": "round", "limit_deg": 0.45},
+    "nozzle": {"limit_shape": "round", "limit_deg": 0.45},
     "wind": {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 340.0},
 }
 

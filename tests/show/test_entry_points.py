@@ -44,7 +44,7 @@ def random_case(rng: np.random.Generator) -> dict[str, Any]:
         wind |= {"direction_deg": float(rng.uniform(0.0, 360.0)), "azimuth_deg": 90.0}
         signs = [None, "frozen"]
         stop = [None, "round", "square"][rng.integers(3)]
-        tables |= {"nozzle": {"stop": stop}} if stop else {}
+        tables |= {"nozzle": {"limit_shape": stop}} if stop else {}
     tables["study"] = {
         "model": str(rng.choice(MODELS)),
         "plane": plane,
@@ -63,7 +63,7 @@ def options(tables: dict[str, Any]) -> list[str]:
         ("wind", "peak_deg"): "--peak-deg",
         ("wind", "peak_speed_m_per_s"): "--peak-speed",
         ("wind", "azimuth_deg"): "--azimuth-deg",
-        ("nozzle", "stop"): "--stop",
+        ("nozzle", "limit_shape"): "--limit-shape",
         **{("study", key): "--" + key.replace("_", "-") for key in tables["study"]},
     }
     rows = [

@@ -152,7 +152,7 @@ MOVED: dict[str, dict[str, Any]] = {
     "head wind": {"peak": -5.0},
     "sign that counts": {"sign": "frozen"},
     "heading": {"direction": "from a direction"},
-    "shape of the stop": {"plane": BOTH, "stop": "square"},
+    "limit shape": {"plane": BOTH, "stop": "square"},
     "actuator": {"actuator": 9.0},
     "rate limit": {"rate_limit": 0.3},
     "delay": {"delay": 40.0},

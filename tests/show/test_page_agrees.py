@@ -44,7 +44,7 @@ FLEXIBLE = {
         {"sounding": "wind.csv", "azimuth_deg": 45.0},
     ],
     "gust": {"peak_deg": 1.0, "duration_s": 2.0, "peak_time_s": 3.0},
-    "nozzle": {"limit_deg": 3.0, "stop": "square", "actuator_frequency_Hz": 10.0},
+    "nozzle": {"limit_deg": 3.0, "limit_shape": "square", "actuator_frequency_Hz": 10.0},
     "autopilot": {
         **{"design": "poles", "natural_frequency_rad_per_s": 1.5, "damping": 0.8},
         **{"delay_ms": 10, "sample_rate_Hz": 100.0},

@@ -198,7 +198,7 @@ LISTS = {
         ({"months": [7]}, "soundings must hold one or more"),
         ({"years": [2023]}, "years must be the first and the last"),
         ({"plane": "roll"}, "plane must be"),
-        ({"stop": "round"}, r"stop stands in \[nozzle\], not in \[availability\]"),
+        ({"limit_shape": "round"}, r"limit_shape stands in \[nozzle\], not in \[availability\]"),
         ({"least_part": 95}, "least_part must be"),
         ({"persistence_deg": -1}, "persistence must be"),
         ({"known_to_m": -1}, "known_to must be"),
@@ -227,7 +227,7 @@ def test_model_limit_stop_and_gust_are_those_of_the_study(folder) -> None:
             "study": {"vehicle": "configuration-i", "model": "drift"},
             "wind": wind,
             "gust": {"peak_deg": 0.5, "duration_s": 2.0},
-            "nozzle": {"limit_deg": 0.3, "stop": "square"},
+            "nozzle": {"limit_deg": 0.3, "limit_shape": "square"},
         },
         folder,
     )

@@ -28,7 +28,7 @@ def values(html: str) -> dict[str, float]:
 @pytest.mark.parametrize("stop", usual([None, "square"], 1))
 def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None:
     head = {"vehicle": "configuration-i"}
-    nozzle = {} if stop is None else {"stop": stop}
+    nozzle = {} if stop is None else {"limit_shape": stop}
     plan = parse_study({"study": head, "wind": WIND, "nozzle": nozzle})
     html, found = page_of(plan)
     study = found.study

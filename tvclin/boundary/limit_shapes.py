@@ -333,18 +333,21 @@ _SHAPES: dict[str, Callable[[], LimitShape]] = {
     "square-45": lambda: SquareShape(np.pi / 4.0),
 }
 LIMIT_SHAPES = tuple(_SHAPES)
-"""Stops that files and options name."""
+"""Limit shapes that files and options name."""
 
 
-def limit_shape_of(stop: LimitShape | str) -> LimitShape:
-    """Return a limit shape, or the shape of a name of `LIMIT_SHAPES`; else raise `InputError`."""
+def limit_shape_of(stop: LimitShape | str, name: str = "stop") -> LimitShape:
+    """Return a limit shape, or the shape of a name of `LIMIT_SHAPES`; else raise `InputError`.
+
+    `name`: the argument, for the message.
+    """
     if isinstance(stop, LimitShape):
         return stop
     if not isinstance(stop, str):
         raise InputError(
-            f"stop must be one of {', '.join(LIMIT_SHAPES)}, or a LimitShape; got {shown(stop)}"
+            f"{name} must be one of {', '.join(LIMIT_SHAPES)}, or a LimitShape; got {shown(stop)}"
         )
-    return _SHAPES[one_of("stop", stop, LIMIT_SHAPES)]()
+    return _SHAPES[one_of(name, stop, LIMIT_SHAPES)]()
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ class Case:
     @property
     def planes(self) -> str:
         """The judged plane; "both" where the nozzle has a limit shape of both planes."""
-        return self.plane if self.nozzle.stop is None else BOTH
+        return self.plane if self.nozzle.limit_shape is None else BOTH
 
     @property
     def loop_model(self) -> str:

@@ -25,7 +25,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "head wind": ("--peak-deg", "--peak-speed"),
     "sign that counts": ("--sign",),
     "heading": (),
-    "shape of the stop": ("--stop",),
+    "limit shape": ("--limit-shape",),
     "measured wind": ("--winds",),
     "actuator": (),
     "rate limit": ("--rate-limit-deg",),
@@ -46,7 +46,7 @@ _LAW = ("actuator", "delay", "filters")
 _LOOP = (*_LAW, "rate limit", "sample rate", "gains")
 _WIND = ("gust", "head wind", "sign that counts", "heading", "measured wind")
 _WORK = "torque, power, travel and acceleration limits"
-_STUDY_FEATURES = ("shape of the stop", "dispersion", _WORK)
+_STUDY_FEATURES = ("limit shape", "dispersion", _WORK)
 _NOMINAL_PRESSURE = ("sign that counts", *_STUDY_FEATURES)
 _REFUSED: dict[str, tuple[str, ...]] = {
     "study": (_WORK,),
@@ -63,7 +63,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "autopilot": _STUDY_FEATURES,
     "laws": (*_NOMINAL_PRESSURE, "limit"),
     "fly": _NOMINAL_PRESSURE,
-    "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
+    "nozzle": ("sign that counts", "limit shape", "dispersion"),
     "nozzle --over load": _NOMINAL_PRESSURE,
     "nozzle --over flight": ("dispersion",),
     "ascent": (*(feature for feature in _LOOP if feature != "rate limit"), "dispersion", _WORK),
@@ -187,7 +187,7 @@ def _specified_features(case: Case, omitted: set[str]) -> list[str]:
         "head wind": lambda: getattr(wind, "peak", 0.0) < 0.0,
         "sign that counts": lambda: case.sign is not None,
         "heading": lambda: case.heading is not None,
-        "shape of the stop": lambda: nozzle.stop is not None,
+        "limit shape": lambda: nozzle.limit_shape is not None,
         "measured wind": lambda: sizing and sizing.soundings and isinstance(wind, ShapedWind),
         "actuator": lambda: nozzle.actuator != USUAL_ACTUATOR,
         "rate limit": lambda: nozzle.rate_limit is not None,

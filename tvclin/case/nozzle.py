@@ -73,7 +73,7 @@ class Nozzle:
     ----------
     limit : float, optional
         Deflection limit [rad], which is judged.
-    stop : LimitShape or str, optional
+    limit_shape : LimitShape or str, optional
         Limit shape of both planes, normalised by the limit, or its name: "round",
         "round-each-plane" (within it each plane is limited separately), "square", "square-45"
         (turned by 45 degrees). With it both planes are judged, which share the limit.
@@ -101,7 +101,7 @@ class Nozzle:
     """
 
     limit: float | None = quantity("angle", None, small_angle("a deflection", positive))
-    stop: LimitShape | str | None = None
+    limit_shape: LimitShape | str | None = None
     rate_limit: float | None = quantity("angular rate", None, positive)
     actuator: Actuator | None = USUAL_ACTUATOR
     data: NozzleData | None = None
@@ -112,8 +112,8 @@ class Nozzle:
 
     def __post_init__(self) -> None:
         checked(self)
-        if self.stop is not None:
-            limit_shape_of(self.stop)
+        if self.limit_shape is not None:
+            limit_shape_of(self.limit_shape, "limit_shape")
         if self.actuator is not None:
             instance("actuator", self.actuator, Actuator, "or None")
         if self.data is not None:
@@ -143,7 +143,7 @@ NOZZLE_TABLE = file_table(
     "[nozzle]",
     Nozzle,
     quantities={**_ACTUATOR, "mass": "mass", "arm": "length", "inertia": "inertia", **_HINGE},
-    words=("stop",),
+    words=("limit_shape",),
 )
 
 

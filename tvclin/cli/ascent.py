@@ -12,13 +12,11 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.files import called
-from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.case.case import FROZEN
-from tvclin.cli.inputs import changed, chosen, note_source, only_with
+from tvclin.cli.inputs import changed, chosen, note_source
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
-    LIMIT_SHAPES_HELP,
     MODEL,
     SIGN,
     AsJson,
@@ -105,29 +103,22 @@ class FlightOptions(ShapedOptions):
 
 @dataclass(frozen=True)
 class PlaneOptions:
-    """Options of the plane of a flight, and of the limit shape for both planes."""
+    """Option of the plane of a flight, or of both with a limit shape."""
 
     plane: str | None = asked(
-        "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
-    )
-    stop: str | None = asked(
-        f"Shape of the stop of the nozzle, with --plane both: {LIMIT_SHAPES_HELP}",
-        shown="round",
-        metavar="SHAPE",
+        "Plane of the motion: pitch, yaw, or both with one limit, of a shape: --set"
+        " nozzle.limit_shape SHAPE.",
+        shown="pitch",
     )
 
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan of this plane, or of both with a limit shape, round by default."""
-        plan = changed(plan, plane=None if self.plane == BOTH else self.plane)
-        stop = self._stop(plan.nozzle.stop)
-        return replace(plan, nozzle=replace(plan.nozzle, stop=stop))
-
-    def _stop(self, own: LimitShape | str | None) -> LimitShape | str | None:
-        """Return the limit shape of both planes; None for a single plane."""
-        if self.plane not in (None, BOTH) or (own is None and self.plane is None):
-            only_with(f"--plane {BOTH}", stop=self.stop)
-            return None
-        return chosen(self.stop, own or "round")
+        if self.plane is None:
+            return plan
+        both = self.plane == BOTH
+        plan = plan if both else changed(plan, plane=self.plane)
+        shape = (plan.nozzle.limit_shape or "round") if both else None
+        return replace(plan, nozzle=replace(plan.nozzle, limit_shape=shape))
 
 
 def ascent(
@@ -206,7 +197,7 @@ def _print(
 ) -> None:
     """Print the verdict, the required deflections and notes, and the budget with `more`."""
     name = sizing.schedule.vehicle.name or source
-    planes = "both planes, one stop" if sizing.separate else sizing.plane
+    planes = "both planes, one limit" if sizing.separate else sizing.plane
     title = f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}"
     first, further = (all_tables := tables.time_tables(sizing, counted))[:1], all_tables[1:]
 

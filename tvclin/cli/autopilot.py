@@ -165,7 +165,9 @@ def autopilot(
         )
         compared = compare_with_trim(case.plant, loop_of, wind)
         worst, need = _worst(compared, case.wind_in_plane), study_requirement(case)
-        single_plane_case = replace(case, nozzle=replace(case.nozzle, stop=None))  # in this plane
+        single_plane_case = replace(
+            case, nozzle=replace(case.nozzle, limit_shape=None)
+        )  # in this plane
         flown, reason = None, "the loop is not stable"
         if compared.margins.stable:
             try:

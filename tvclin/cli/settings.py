@@ -26,7 +26,7 @@ _WIND_KEYS: dict[str, tuple[str, ...]] = {
     "--gust": ("gust",),
 }
 _OTHER_KEYS: dict[str, tuple[str, ...]] = {
-    "--stop": ("nozzle.stop",),
+    "--limit-shape": ("nozzle.limit_shape",),
     "--at": ("study.time",),
     "--criteria": ("criteria",),
 }

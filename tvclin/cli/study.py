@@ -36,9 +36,9 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle_file import numbers_as_written
 
 
-def _with_limit_shape(stop: str | None, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with the limit shape of --stop."""
-    return replace(plan, nozzle=changed(plan.nozzle, stop=stop))
+def _with_limit_shape(limit_shape: str | None, plan: StudyPlan) -> StudyPlan:
+    """Return a plan with the limit shape of --limit-shape."""
+    return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
 
 
 def study(
@@ -47,8 +47,8 @@ def study(
     winds: ShapedOptions = GROUP,
     question: Given = Given(STUDY, ("dead_band", "switch", "sign", "model", "plane")),
     limit: Given = LIMIT,
-    stop: str | None = asked(
-        f"Judge both planes with one stop of the nozzle: {LIMIT_SHAPES_HELP} The peak that the"
+    limit_shape: str | None = asked(
+        f"Judge both planes with one limit of this shape: {LIMIT_SHAPES_HELP} The peak that the"
         " limit survives is then that of the wind's vector; without, that of its part in"
         " --plane. Needs --set wind.direction_deg.",
         metavar="SHAPE",
@@ -65,7 +65,7 @@ def study(
     Exit code 0: every verdict is SUFFICIENT, every criterion MET and every flight SURVIVED, or no
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
-    changes = limit.over, partial(_with_limit_shape, stop), question.over
+    changes = limit.over, partial(_with_limit_shape, limit_shape), question.over
     plan = case_of(source, *changes, wind=winds.over, told=("study",), time=time)
     with bar("answers") as progress:
         findings = find(questioned(plan), progress)

@@ -284,7 +284,9 @@ class _Conditions:
             if not in_plane.calm:
                 plant = Plant.from_vehicle(vehicle, case.law_model, plane)
                 sizes[plane] = abs(float(plant.coefficients.B) * float(in_plane.history.peak))
-        total = float(rectangle(limit_shape_of(case.nozzle.stop or "round"), *sizes.values()))
+        total = float(
+            rectangle(limit_shape_of(case.nozzle.limit_shape or "round"), *sizes.values())
+        )
         return {k: self.limit * size / total for k, size in sizes.items()} if total else sizes
 
     def _encountered(

@@ -115,7 +115,7 @@ class CaseRequirement:
     @property
     def judges_both_planes(self) -> bool:
         """Whether the verdict is on both planes."""
-        return self.case.nozzle.stop is not None
+        return self.case.nozzle.limit_shape is not None
 
     @property
     def history(self) -> History:
@@ -246,7 +246,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     """Return the requirement of a wind of one shape on a case; it raises as `Study.of`."""
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
-    stop = None if case.nozzle.stop is None else limit_shape_of(case.nozzle.stop)
+    stop = None if case.nozzle.limit_shape is None else limit_shape_of(case.nozzle.limit_shape)
     in_plane, planes = case.wind_in_plane_at(K), None
     assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:

@@ -167,7 +167,7 @@ def encountered_requirements(
     if not names:
         return {}
     vehicle = complete_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
-    planes: tuple[str, ...] = (case.plane,) if case.nozzle.stop is None else PLANES
+    planes: tuple[str, ...] = (case.plane,) if case.nozzle.limit_shape is None else PLANES
     if case.heading is not None:
         peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
         planes = tuple(plane for plane in planes if peaks[plane])

@@ -215,7 +215,7 @@ def direction_notes(
             f"this wind blows in both planes: with a round stop they need"
             f" {np.degrees(planes.deflection):.3f} deg{air}, {missing:.0f} % of which"
             f" the {plane} plane"
-            " alone does not see (to judge both: --stop, or stop in [nozzle])"
+            " alone does not see (to judge both: limit_shape in [nozzle])"
         )
         return
     yield (

@@ -301,7 +301,7 @@ class Study(CaseRequirement, Shown):
         """
         one_of("wind", wind, SHAPES)
         shaped_wind = ShapedWind(wind, peak, duration, heading, gust, gust_at)
-        nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
+        nozzle, model = Nozzle(limit=limit, limit_shape=stop), "" if model is None else model
         options: Any = {"model": model, "plane": plane, "wind": shaped_wind, "nozzle": nozzle}
         return cls.of(Case(vehicle=vehicle, sign=sign, **options), dead_band, switch)
 

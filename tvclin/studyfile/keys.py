@@ -90,7 +90,7 @@ _HELP = {
     "nozzle.mass": "Mass that turns, for torque and power.",
     "nozzle.arm": "Distance of its centre of mass aft of the hinge.",
     "nozzle.inertia": "Moment of inertia about that centre.",
-    "nozzle.stop": "Limit shape of both planes: round, round-each-plane, square or square-45.",
+    "nozzle.limit_shape": "Limit in both planes: round, round-each-plane, square or square-45.",
     "load.q_alpha": "Largest product of dynamic pressure and angle of attack.",
     "load.alpha_moment": "Bending moment per angle of attack at the station.",
     "load.deflection_moment": "Bending moment per deflection at the station.",

@@ -90,7 +90,7 @@ class AvailabilityRequest:
             limit=case.nozzle.limit,
             azimuth=self.azimuth,
             plane=self.plane,
-            stop=one_of("stop of availability", case.nozzle.stop or "round", STOPS),
+            stop=one_of("limit_shape of availability", case.nozzle.limit_shape or "round", STOPS),
             model=case.model,
             persistence=self.persistence,
             gust=getattr(case.wind, "gust", None),

@@ -136,7 +136,7 @@ class Campaign(Case):
 
     def _check_planes(self) -> None:
         """Raise `InputError` for a wind, stop and outputs that do not fit together."""
-        if self.nozzle.stop is None:
+        if self.nozzle.limit_shape is None:
             if isinstance(self.wind, ShapedWind) and self.heading is not None:
                 self.wind.in_plane(self.plane, float(np.asarray(self.vehicle.attitude)))
                 directions_of(self)
@@ -146,7 +146,7 @@ class Campaign(Case):
                 "a stop of both planes needs a wind with a direction: give where it blows from,"
                 " and the azimuth of the flight"
             )
-        one_of("stop of a campaign", self.nozzle.stop, LIMIT_SHAPES)
+        one_of("limit_shape of a campaign", self.nozzle.limit_shape, LIMIT_SHAPES)
         directions_of(self)
         if "flown" in self.outputs:
             raise InputError(
@@ -163,9 +163,12 @@ class Campaign(Case):
         InputError
             For a wind without a component in `plane`.
         """
-        if self.nozzle.stop is None or not isinstance(self.wind, ShapedWind):
+        if self.nozzle.limit_shape is None or not isinstance(self.wind, ShapedWind):
             return {self.plane: self}
-        path, nozzle = float(np.asarray(self.vehicle.attitude)), replace(self.nozzle, stop=None)
+        path, nozzle = (
+            float(np.asarray(self.vehicle.attitude)),
+            replace(self.nozzle, limit_shape=None),
+        )
         windy = [name for name, peak in self.wind.peaks(path).items() if peak]
         return {
             name: replace(self, plane=name, nozzle=nozzle, wind=self.wind.in_plane(name, path))

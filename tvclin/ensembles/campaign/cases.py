@@ -95,7 +95,7 @@ def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], co
     if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
         return _plane_batch(campaign, vehicle, values, campaign.wind.history(values), count)
     winds = campaign.wind.in_planes(values, vehicle.attitude)
-    if campaign.nozzle.stop is None:
+    if campaign.nozzle.limit_shape is None:
         return _plane_batch(campaign, vehicle, values, winds[campaign.plane], count)
     batches = {
         plane: _plane_batch(in_plane, vehicle, values, winds[plane], count)

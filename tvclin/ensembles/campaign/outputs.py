@@ -158,7 +158,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     diverged = (pitch["flight_survived"] == 0.0) | (yaw["flight_survived"] == 0.0)
     combined = {name: np.hypot(pitch[name], yaw[name]) for name in _MOTIONS}
     combined["flight_peak_deflection"] = rectangle(
-        limit_shape_of(campaign.nozzle.stop or ""),
+        limit_shape_of(campaign.nozzle.limit_shape or ""),
         pitch["flight_peak_deflection"],
         yaw["flight_peak_deflection"],
     )
@@ -174,7 +174,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the fractions of the limit by plane, ``(n,)``, in the ratio of the peak winds."""
     peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.plane_batches.items()}
-    stop = limit_shape_of(campaign.nozzle.stop or "")
+    stop = limit_shape_of(campaign.nozzle.limit_shape or "")
     total = rectangle(stop, *(peaks.get(plane, 0.0) for plane in PLANES))
     return {plane: peak / total for plane, peak in peaks.items()}
 
@@ -276,7 +276,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     if not batch.plane_batches:
         nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
         return {name: at_encountered(campaign.plane, np.abs(nominal))}
-    stop = limit_shape_of(campaign.nozzle.stop or "")
+    stop = limit_shape_of(campaign.nozzle.limit_shape or "")
     nominal = two_plane_requirement(batch.plants, batch.vectors, stop, dead_band)
     separate = {
         plane: at_encountered(plane, np.abs(nominal.separate[plane]))
@@ -321,7 +321,7 @@ def _bound(
     """
     if not batch.plane_batches:
         return {name: scalar(batch.plant, batch.wind)}
-    stop, shape = limit_shape_of(campaign.nozzle.stop or ""), (batch.count,)
+    stop, shape = limit_shape_of(campaign.nozzle.limit_shape or ""), (batch.count,)
     bounds = dict.fromkeys(PLANES, 0.0)
     for plane, in_plane in batch.plane_batches.items():
         first = in_plane.first

@@ -161,7 +161,7 @@ class CampaignSummary(Shown):
     def tables(self) -> tuple[Table, Table]:
         """Return the tables of the answer with its drivers, and of its convergence."""
         plan, r = self.results.campaign, self.required
-        planes = f", both planes, {plan.nozzle.stop} stop" if plan.planes == BOTH else ""
+        planes = f", both planes, {plan.nozzle.limit_shape} stop" if plan.planes == BOTH else ""
         caption = f"{plan.vehicle.name}, {plan.model}{planes}: {self.output}"
         rows = tuple(
             (

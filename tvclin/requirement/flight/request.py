@@ -398,7 +398,7 @@ class SizingRequest:
             plane=case.planes,
             law=self.law,
             varying=self.varying,
-            stop=case.nozzle.stop or "round",
+            stop=case.nozzle.limit_shape or "round",
             progress=progress,
         )
         if self.soundings and any(requirement.varying for requirement in result.required):
@@ -416,7 +416,7 @@ class SizingRequest:
 
     def _mode(self, case: Case, sizing: Sizing) -> FlightMode | None:
         """Return the flight over schedule and winds; None with both planes or frozen parameters."""
-        if case.nozzle.stop is not None or not base_requirement(sizing).varying:
+        if case.nozzle.limit_shape is not None or not base_requirement(sizing).varying:
             return None
         first, last = self.schedule.span
         span = np.nanmin([first, *sizing.begins.flat]), np.nanmax([last, *sizing.ends.flat])

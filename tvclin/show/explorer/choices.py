@@ -83,7 +83,11 @@ class Choices:
     def requirement_inputs(self) -> StudyPlan:
         """Plan of the values on which the required deflection depends."""
         p = self.plan
-        inputs = {"wind": p.wind, "nozzle": Nozzle(stop=p.nozzle.stop), "design": None}
+        inputs = {
+            "wind": p.wind,
+            "nozzle": Nozzle(limit_shape=p.nozzle.limit_shape),
+            "design": None,
+        }
         return _bare(p, dead_band=p.dead_band, sign=p.sign, **inputs)
 
     @property
@@ -97,7 +101,7 @@ class Choices:
     def motion_inputs(self) -> StudyPlan:
         """Plan of the values on which response or flight depend, except the time of the gust."""
         p, flown = self.plan, self.law != REPORT
-        hardware = replace(p.nozzle, stop=None) if flown else Nozzle(limit=p.nozzle.limit)
+        hardware = replace(p.nozzle, limit_shape=None) if flown else Nozzle(limit=p.nozzle.limit)
         design = p.design if self.law == AUTOPILOT else loop_of(p.autopilot_design)
         return _bare(
             p,
@@ -143,7 +147,7 @@ def with_numerical_gains(plan: StudyPlan) -> StudyPlan:
 
 def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str], str]]:
     """Return the lists, by field: label, options, and start value for a plan."""
-    wind, design, stop = plan.wind, plan.autopilot_design, plan.nozzle.stop
+    wind, design, stop = plan.wind, plan.autopilot_design, plan.nozzle.limit_shape
     rule = _rule(design)
     further_rules = [] if rule in _RULES else [rule]
     law = TRIM if plan.design is None else AUTOPILOT
@@ -233,7 +237,7 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         wind=wind,
         nozzle=Nozzle(
             limit=v["limit"] * _DEG,
-            stop=v["stop"] if both_planes else None,
+            limit_shape=v["stop"] if both_planes else None,
             rate_limit=v["rate_limit"] * _DEG or None,
             actuator=actuator,
         ),
@@ -435,7 +439,7 @@ def _nozzle(choices: Choices) -> Table:
     return _without_none(
         {
             "limit_deg": _deg(nozzle.limit),
-            "stop": nozzle.stop,
+            "limit_shape": nozzle.limit_shape,
             "rate_limit_deg_per_s": _deg(nozzle.rate_limit),
             "actuator_frequency_rad_per_s": servo.natural_frequency if servo else 0.0,
             "actuator_damping": servo.damping if servo else None,
