@@ -276,6 +276,9 @@ def doors(folder: Path) -> dict[str, Door]:
         'shape = "normal"\npercent = 1\n'
     )
 
+    system_file = folder / "system.npz"
+    tv.linear.write_system(gains_in_steps, system_file)
+
     def run_anew(folder: Any = None, **others: Any) -> Any:
         given = mkdtemp(dir=done.parent) if folder is NEW else folder
         return tv.run_campaign(folder=given, **others)
@@ -952,6 +955,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_filters": (),
                 "sample_rate": 50.0,
             },
+        ),
+        "read_system": Door(tv.linear.read_system, {"source": system_file}),
+        "write_system": Door(
+            tv.linear.write_system, {"system": gains_in_steps, "path": folder / "written.mat"}
         ),
         "SystemLaw": Door(
             tv.control.SystemLaw, {"autopilot": tv.control.SystemAutopilot(gains_in_steps)}

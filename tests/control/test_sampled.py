@@ -259,7 +259,6 @@ def test_what_cannot_be_sampled_is_refused():
     with pytest.raises(tv.InputError, match="is too low for a vehicle whose motion grows"):
         replace(SAMPLED, sample_rate=1e-3, filters=()).margins(booster())
     for call in (
-        SAMPLED.loop,
         SAMPLED.close,
         SAMPLED.closed_loop_poles,
         SAMPLED.wind_response_function,
@@ -315,3 +314,14 @@ def test_a_mode_beside_half_the_sample_rate_grows_with_less_delay_than_phase_say
         late = autopilot.delay + part * margins.delay_margin
         loop = replace(autopilot, delay=late).exact_loop(plant)
         assert (np.abs(loop.closed_loop_poles).max() < 1.0) == (part < 1.0)
+
+
+def test_the_loop_in_steps_of_python_control_is_the_exact_one():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    autopilot = tv.Autopilot(
+        attitude_gain=0.3, rate_gain=0.5, actuator=tv.Actuator(), delay=0.013, sample_rate=50.0
+    )
+    steps, omega = autopilot.loop(plant), np.array([0.3, 2.0, 40.0])
+    assert steps.dt == 0.02
+    expected = autopilot.frequency_response(plant, omega)
+    np.testing.assert_allclose(steps(np.exp(1j * omega * 0.02)), expected, rtol=1e-9)

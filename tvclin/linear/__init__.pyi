@@ -14,6 +14,8 @@ from .plant import available_models as available_models
 from .response import Responses as Responses
 from .response import attitude_response as attitude_response
 from .response import attitude_responses as attitude_responses
+from .system_file import read_system as read_system
+from .system_file import write_system as write_system
 from .system_plant import SystemPlant as SystemPlant
 from .verdict import FinalMotion as FinalMotion
 from .verdict import Verdict as Verdict

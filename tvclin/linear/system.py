@@ -179,7 +179,8 @@ class LinearSystem:
             )
         signals = {"inputs": self.inputs, "outputs": self.outputs, "states": self.states}
         named = {kind: list(names) for kind, names in signals.items()}
-        return control.StateSpace(*self.matrices(), 0, name=name, **named)
+        dt = 0 if self.period is None else float(self.period)
+        return control.StateSpace(*self.matrices(), dt, name=name, **named)
 
 
 def split_delay(

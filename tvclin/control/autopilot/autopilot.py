@@ -26,6 +26,7 @@ from tvclin.control.autopilot.wiring import (
     RETURNED,
     closed_loop,
     exact_loop,
+    loop_in_steps,
     open_loop,
     rational_loop,
     sampled_loop,
@@ -158,7 +159,7 @@ class Autopilot(Feedback):
     sample_rate : array_like, optional
         Samples per second [Hz]. With it, gains and filters are difference equations, and `delay` is
         the time from a sample until its command arrives at the actuator, up to 25 periods, a whole
-        number of them or not. `exact_loop`, `margins` and `frequency_response` are exact; `loop`,
+        number of them or not. `exact_loop`, `margins`, `frequency_response` and `loop` are exact;
         `close` and wind responses take continuous autopilots only.
 
     Raises
@@ -192,7 +193,8 @@ class Autopilot(Feedback):
         -------
         control.StateSpace
             From deflection_command to returned_command [rad]. The sign is such that the closed
-            loop is 1 + L = 0: on eq (5), L = (a0 + a1 s) mu_delta/(s^2 - mu_alpha).
+            loop is 1 + L = 0: on eq (5), L = (a0 + a1 s) mu_delta/(s^2 - mu_alpha). With a sample
+            rate it is the loop in steps of a sample, in which the delay is exact.
 
         Raises
         ------
@@ -205,9 +207,12 @@ class Autopilot(Feedback):
             If a gain that should stiffen or damp is zero or positive feedback on this plant, and
             if the actuator is slower than the fastest unstable pole.
         """
-        self._require_single("loop", plant)
+        self._require_single("loop", plant, sampled=True)
         warn_of_feedback(self, plant)
-        loop = open_loop(self, plant, pade=True).select((COMMAND,), (RETURNED,))
+        if self.sample_rate is None:
+            loop = open_loop(self, plant, pade=True).select((COMMAND,), (RETURNED,))
+        else:
+            loop = loop_in_steps(self, plant)
         return replace(loop, C=0.0 - loop.C, D=0.0 - loop.D).to_control(f"{plant.model} loop")
 
     @with_diagram
@@ -451,10 +456,11 @@ class Autopilot(Feedback):
             warnings.warn(f"{PADE_WARNING} (see margins)".format(self.pade_order), stacklevel=3)
         return loop
 
-    def _require_single(self, method: str, plant: AnyPlant) -> None:
-        """Raise `InputError` for a batch and a sampled autopilot, in the name of a method."""
+    def _require_single(self, method: str, plant: AnyPlant, *, sampled: bool = False) -> None:
+        """Raise `InputError` for a batch, and unless allowed a sampled autopilot, for a method."""
         check_plant(plant)
-        self._require_continuous(method)
+        if not sampled:
+            self._require_continuous(method)
         if self.batch or plant.batch:
             raise InputError(
                 f"{method}() is for one autopilot and one plant; got batches of shape"

@@ -341,14 +341,8 @@ _MAX_POLE_TIMES_PERIOD = 50.0
 """Largest unstable pole times the sample period: the motion grows by at most e^50 in a sample."""
 
 
-def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
-    """Return the exact loop of an autopilot with a sample rate, for one plant or a batch.
-
-    `autopilot`: with a sample_rate [Hz]; its delay [s] runs from the sample to the command at the
-    actuator, up to 25 periods, a whole number of them or not. `InputError` for a filter whose own
-    frequency is not below half the sample rate, a delay above 25 periods, and an unstable pole
-    above 50 sample rates.
-    """
+def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem, LinearSystem]:
+    """Return the plant with its actuator, and the law in steps, of the loop of `sampled_loop`."""
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = _measured(autopilot, plant)
     vehicle = plant_with_actuator(plant, autopilot.actuator).select((COMMAND,), sensed)
@@ -364,7 +358,28 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
             f" {np.max(delay / period):.6g} (lower sample_rate, or leave it out: so fast a law is"
             " continuous)"
         )
-    law = connect(autopilot_blocks(autopilot, plant, period), sensed, (RETURNED,))
+    return vehicle, connect(autopilot_blocks(autopilot, plant, period), sensed, (RETURNED,))
+
+
+def loop_in_steps(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
+    """Return the open loop of an autopilot with a sample rate, from a command to the next.
+
+    Same parameters and exceptions as `sampled_loop`.
+    """
+    vehicle, law = _vehicle_and_law(autopilot, plant)
+    return vehicle.to_steps(1.0 / np.asarray(autopilot.sample_rate), autopilot.delay).series(law)
+
+
+def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
+    """Return the exact loop of an autopilot with a sample rate, for one plant or a batch.
+
+    `autopilot`: with a sample_rate [Hz]; its delay [s] runs from the sample to the command at the
+    actuator, up to 25 periods, a whole number of them or not. `InputError` for a filter whose own
+    frequency is not below half the sample rate, a delay above 25 periods, and an unstable pole
+    above 50 sample rates.
+    """
+    period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
+    vehicle, law = _vehicle_and_law(autopilot, plant)
     batch = np.broadcast_shapes(vehicle.batch, law.batch, period.shape, delay.shape)
     h, T = (np.broadcast_to(array, batch) for array in (period, delay))
 
