@@ -424,7 +424,6 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (("--gust", "1", "2", "--set", "gust.plateau_s=1"), "not both"),
         (("--set", "gust.plateau_s=1"), "duration"),
         (gust_of(1, plateau_s=2), "must be shorter than the gust"),
         (("--sign", "up"), "sign"),

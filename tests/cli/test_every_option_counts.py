@@ -49,11 +49,12 @@ delay_ms = 10
 [laws]
 names = ["trim"]
 """
+GUST = ("--set", "gust.peak_deg=1", "--set", "gust.duration_s=2")
 STARTS = {
     "respond": [(V,), (V, "--winds", SOUNDING, "--azimuth-deg", "90"), (F,)],
     "autopilot": [
         ("made-up-launcher", "--natural-frequency", "1.2"),
-        (V, "--gust", "1", "2"),
+        (V, *GUST),
         (F,),
     ],
     "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2"), (F,)],
@@ -69,7 +70,7 @@ STARTS = {
     "poles": [(V,), (F,)],
     "boundary": [
         (V,),
-        (V, "--gust", "1", "2"),
+        (V, *GUST),
         (F,),
         (V, "--tau-beta", "3"),
         (F, "--tau-beta", "3"),

@@ -183,6 +183,6 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     assert document["flexible"]
     assert trim["limit"] == pytest.approx(expected.limit, rel=1e-12)
     assert trim["status"] == expected.status == "ok"
-    drawn = CliRunner().invoke(app, ["laws", mine, "--plot", "laws.png", "--gust", "1", "2"])
+    drawn = CliRunner().invoke(app, ["laws", mine, "--plot", "laws.png", "--winds", "x.csv"])
     assert drawn.exit_code == 2
-    assert "--gust needs no --plot: that is drawn of pulses alone" in drawn.stderr
+    assert "--winds needs no --plot: that is drawn of pulses alone" in drawn.stderr

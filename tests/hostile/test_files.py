@@ -189,7 +189,17 @@ def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
         (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "between 0.01 and 1e+06"),
         (["laws", "--wind", "triangle", "--duration", "1e6"], "samples"),
         (
-            [*("ascent", "--gust", "20", "1e4", "--varying"), *("--from", "70", "--to", "71")],
+            [
+                *(
+                    "ascent",
+                    "--set",
+                    "gust.peak_deg=20",
+                    "--set",
+                    "gust.duration_s=1e4",
+                    "--varying",
+                ),
+                *("--from", "70", "--to", "71"),
+            ],
             "for at most 2000 times",
         ),
     ],

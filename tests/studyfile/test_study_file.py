@@ -96,7 +96,18 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     file.write_text(FLIGHT)
     sounding.write_text((SOUNDINGS / "wyoming.txt").read_text())
     options = ["--peak-deg", 4, "--winds", sounding, "--azimuth-deg", 90, "--model", "drift"]
-    options += ["--gust", 1, 2, "--from", 70, "--to", 90, "--every", 20]
+    options += [
+        "--set",
+        "gust.peak_deg=1",
+        "--set",
+        "gust.duration_s=2",
+        "--from",
+        70,
+        "--to",
+        90,
+        "--every",
+        20,
+    ]
     budget = ("dispersion_percent=20", "thrust_offset_deg=0.1", "gravity_offset_m=0.02")
     keys = [f"size.{key}" for key in (*budget, "reserve_percent=10")]
     options += [w for key in (*keys, "sounding.window_s=16") for w in ("--set", key)]

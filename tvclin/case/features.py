@@ -21,7 +21,7 @@ COMPUTED, NOTED, REFUSED = "computed", "noted", "refused"
 OPTIONS: dict[str, tuple[str, ...]] = {
     "structure": ("--rigid",),
     "damping": (),
-    "gust": ("--gust",),
+    "gust": (),
     "head wind": ("--peak-deg", "--peak-speed"),
     "sign that counts": ("--sign",),
     "heading": (),

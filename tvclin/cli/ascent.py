@@ -96,7 +96,6 @@ class FlightOptions(ShapedOptions):
             request,
             pulse=request.pulse or any(value is not None for value in named),
             peak_speed=None if self.peak_deg is not None else chosen(speed, request.peak_speed),
-            gust_speed=request.gust_speed if self.gust is None else None,
         )
         return replace(plan, sizing=request)
 

@@ -210,7 +210,8 @@ def _write(schedule: FlightSchedule, file: Path, output: Path, more: bool) -> No
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     schedule.to_csv(output)
     written = f"wrote {called(output)}: {schedule.times.size} times. Then: tvclin ascent {output}"
-    notes = sorted(schedule.notes, key=_describes_column)
+    columns = [note for note in schedule.notes if _describes_column(note)]
+    notes = [*(note for note in schedule.notes[::-1] if note not in columns), *columns]
     print_answer(written, _table(schedule), notes=notes, more=more)
 
 

@@ -78,7 +78,6 @@ def laws(
     if shown.plot is not None:
         only_with(
             "no --plot: that is drawn of pulses alone",
-            gust=wind_options.gust,
             winds=wind_options.winds,
         )
     within("--cuts", cuts, 0, 1000)

@@ -11,8 +11,8 @@ from typer.models import ArgumentInfo
 
 _SOURCES = ("vehicle", "source")
 """Arguments of commands that take a case."""
-_WITHOUT_SETTINGS = ("availability", "explore")
-"""Commands whose source is no study file, or which write it into a notebook."""
+_WITHOUT_SETTINGS = ("explore",)
+"""Commands that write their source into a notebook."""
 _PARAMETER = "settings"
 _LAST = ("as_json", "csv", "plot")
 """Options of the output, which stand last in the help."""
@@ -76,7 +76,7 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
         settings = pairs(values.pop(_PARAMETER) or ())
         if settings:
             values[source] = _edited(values[source], settings)
-        azimuth = values.get("azimuth_deg")
+        azimuth = values.get("azimuth_deg")  # of availability it is a list of another name
         if azimuth is not None and values[source] is not None:
             values[source] = _with_azimuth(values[source], settings, azimuth)
         command(**values)

@@ -1,9 +1,12 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
+from tvclin.base.errors import nonzero, number, positive
 from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
     GROUP,
@@ -22,6 +25,7 @@ from tvclin.cli.output import answer, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
 from tvclin.requirement import study_tables as tables
+from tvclin.requirement.case_requirement import pulse_of
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.questions import (
     all_yes,
@@ -34,6 +38,27 @@ from tvclin.studyfile.questions import (
 )
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle_file import numbers_as_written
+from tvclin.winds.wind_file import gust_of
+
+
+@dataclass(frozen=True)
+class StudyWind(ShapedOptions):
+    """Options of a pulse with its gust; `grouped` gives them to a command."""
+
+    gust: tuple[float, float] | None = asked(
+        "Gust (1 - cosine) on top of the wind: its peak and duration; more: --set gust.KEY VALUE.",
+        metavar="DEG S",
+    )
+
+    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
+        """Return a plan with the pulse and the gust, at the time of the largest requirement."""
+        plan = super().over(plan, source)
+        if self.gust is None:
+            return plan
+        peak, duration = self.gust
+        radians = float(np.radians(number("--gust", peak, nonzero)))
+        gust = gust_of(radians, float(number("--gust", duration, positive)))
+        return replace(plan, wind=replace(pulse_of(plan), gust=gust, gust_at=None, gust_speed=None))
 
 
 def _with_limit_shape(limit_shape: str | None, plan: StudyPlan) -> StudyPlan:
@@ -44,7 +69,7 @@ def _with_limit_shape(limit_shape: str | None, plan: StudyPlan) -> StudyPlan:
 def study(
     source: Source = "configuration-i",
     time: At = None,
-    winds: ShapedOptions = GROUP,
+    winds: StudyWind = GROUP,
     question: Given = Given(STUDY, ("dead_band", "switch", "sign", "model", "plane")),
     limit: Given = LIMIT,
     limit_shape: str | None = asked(

@@ -26,23 +26,8 @@ from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle_file import source_tables
-from tvclin.winds import wind_file
-from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
 from tvclin.winds.soundings.reading import NO_READING, SoundingReading
-
-GUST = asked(
-    "Gust (1 - cosine) on top of the wind: its peak and duration; more: --set gust.KEY VALUE.",
-    metavar="DEG S",
-)
-
-
-def gust_of_option(
-    gust: tuple[float, float], plateau: float = 0.0, option: str = "--gust"
-) -> History:
-    """Return the gust of a peak [deg] and a duration [s] of an option, with a plateau [s]."""
-    peak, duration = number(option, gust[0], nonzero), number(option, gust[1], positive)
-    return wind_file.gust_of(float(np.radians(peak)), duration, plateau)
 
 
 @dataclass(frozen=True)
@@ -58,7 +43,6 @@ class _Pulse:
 class PulseOptions(_Pulse):
     """Options of a pulse but its shape; `grouped` gives them to a command."""
 
-    gust: tuple[float, float] | None = GUST
     azimuth_deg: float | None = asked(
         "Direction of flight, in deg from north, clockwise: for a sounding, or for a wind with a"
         " direction, --set wind.direction_deg, whose peak is then that of its vector."
@@ -78,8 +62,7 @@ class PulseOptions(_Pulse):
         wind, shape = plan.wind, getattr(self, "wind", None)
         pulse = (shape, self.duration, self.peak_deg, self.peak_speed)
         if isinstance(wind, SoundingWind) and all(value is None for value in pulse):
-            gust = wind.gust if self.gust is None else gust_of_option(self.gust)
-            return replace(plan, wind=replace(wind, gust=gust))
+            return plan
         wind = wind if isinstance(wind, ShapedWind) else DEFAULT_WIND
         lasts = number("--duration", chosen(self.duration, wind.duration), positive, "s")
         peak = wind.peak
@@ -96,18 +79,11 @@ class PulseOptions(_Pulse):
                 "--azimuth-deg is for a sounding, --winds FILE, and for a wind with a direction,"
                 " --set wind.direction_deg 270"
             )
-        wind = self._gusty(wind)
         if self.peak_speed is not None:
             vehicle = complete_vehicle(plan.vehicle, "--peak-speed")
             speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")
             wind = wind.with_speed(speed, vehicle, plan.plane)
         return replace(plan, wind=wind)
-
-    def _gusty(self, wind: ShapedWind) -> ShapedWind:
-        """Return a wind with the gust of these options, at the time of the largest requirement."""
-        if self.gust is None:
-            return wind
-        return replace(wind, gust=gust_of_option(self.gust), gust_at=None, gust_speed=None)
 
 
 @dataclass(frozen=True)
@@ -181,14 +157,14 @@ class SoundingOptions(PulseOptions):
         pulse = {name: getattr(self, name, None) for name in ("wind", *vars(_Pulse()))}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
         reading = SoundingReading.of(source_tables(source), Path(source).parent)
-        request, gust = getattr(case, "sizing", None), getattr(case.wind, "gust", None)
+        request = getattr(case, "sizing", None)
         return SoundingWind(
             name=self.winds.name,
             azimuth=azimuth_of(self.azimuth_deg),
             profile=reading.profile(self.winds),
             schedule=load_schedule(vehicle_source(source)) if request is None else request.schedule,
             window=chosen(reading.window, WINDOW_S),
-            gust=gust if self.gust is None else gust_of_option(self.gust),
+            gust=getattr(case.wind, "gust", None),
             bias=reading.mean_wind,
         )
 

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from numpy.typing import ArrayLike
+
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, between, directions, fraction, instance, nonzero, one_of
 from tvclin.base.fields import checked, file_table, quantity, word
@@ -72,12 +74,15 @@ class AvailabilityRequest:
         growth_of(self.persistence)
 
     def availability(
-        self, case: Case, progress: Callable[[int, int], None] | None = None
+        self,
+        case: Case,
+        progress: Callable[[int, int], None] | None = None,
+        azimuth: ArrayLike | None = None,
     ) -> Availability:
         """Return the availability of a case; `InputError` without a limit.
 
         Same exceptions as `availability`. In both planes the limit shape is from the nozzle, or
-        round.
+        round. `azimuth`: directions of flight [rad] in place of the one specified.
         """
         from tvclin.ensembles.availability.availability import availability
 
@@ -88,7 +93,7 @@ class AvailabilityRequest:
             self.flight,
             self.soundings,
             limit=case.nozzle.limit,
-            azimuth=self.azimuth,
+            azimuth=self.azimuth if azimuth is None else azimuth,
             plane=self.plane,
             stop=one_of("limit_shape of availability", case.nozzle.limit_shape or "round", STOPS),
             model=case.model,
