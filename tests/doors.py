@@ -259,6 +259,8 @@ def doors(folder: Path) -> dict[str, Door]:
     }
     drifting = {"tau_beta": 4.0, "dead_band": 0.5, "beta": 0.5, "b1": 0.02, "b2": -0.01}
     planes = {"plant": exact, "wind": veering, "stop": ellipse, "yaw_plant": exact}
+    lateral = {"drift_rate_gain": 1e-4, "drift_gain": 0.0, "acceleration_gain": 1e-3}
+    lateral |= {"acceleration_station": 2.0, "accelerometer_bandwidth": 80.0}
     options = {"actuator": actuator, "delay": 0.01, "integral_gain": 0.0, "pade_order": 2}
     hardware = {"rate_limit": 1.0, "actuator": actuator}
     history = {"plant": plant, "wind": wind}
@@ -288,7 +290,8 @@ def doors(folder: Path) -> dict[str, Door]:
     simulated = {"gimbal_station": 2.95, "ground": 0.0, **span}
     bending = {"frequency": 13.6, "damping": 0.005, "modal_mass": 5.1e4}
     bending |= {"gimbal_displacement": 1.0, "gimbal_slope": -0.068, "attitude_slope": 0.27}
-    bending |= {"rate_slope": 0.25, "pressure_displacement": -0.43}
+    bending |= {"rate_slope": 0.25, "pressure_displacement": -0.43, "drift_displacement": 0.9}
+    bending |= {"accelerometer_displacement": 0.9, "accelerometer_slope": 0.25}
     bending |= {"tank_displacements": (0.25,), "tank_slopes": (0.17,)}
     sloshing = {"mass": 2400.0, "station": 19.9, "damping": 0.01, "pendulum_length": 2.1}
     swinging = {"mass": 700.0, "arm": 1.4, "moment_of_inertia": 2e3}
@@ -298,6 +301,7 @@ def doors(folder: Path) -> dict[str, Door]:
         engine=tv.vehicle.Engine(**swinging),
         rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7),
     )
+    rising = tv.Plant.from_vehicle(booster)
     flexible = tv.FlexiblePlant.from_vehicle(booster, structure, "drift-exact")
     notch = tv.vehicle.Filter.notch(32.0, 0.06, 0.6)
     steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
@@ -443,6 +447,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_gain": 0.2,
                 "alpha_gain": 0.0,
                 **options,
+                **lateral,
                 "filters": steered.filters,
                 "attitude_filters": (),
                 "rate_filters": steered.filters,
@@ -566,6 +571,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "b2": 0.1,
                 "q": 0.0,
                 "damping": 0.03,
+                "velocity": 400.0,
                 "name": "Booster",
             },
         ),
@@ -654,6 +660,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "FlexiblePlant.from_vehicle": Door(
             tv.FlexiblePlant.from_vehicle,
             {"vehicle": booster, "structure": structure, "model": "drift-exact", "plane": "pitch"},
+        ),
+        "FlexiblePlant.lateral_rows": Door(
+            flexible.lateral_rows, {"signal": "acceleration", "station": 2.0}
         ),
         "FlexiblePlant.with_effectiveness": Door(flexible.with_effectiveness, {"factor": 1.1}),
         "Filter": Door(tv.vehicle.Filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
@@ -774,6 +783,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_gain": 0.2,
                 "alpha_gain": 0.1,
                 "integral_gain": 0.0,
+                **lateral,
                 "delay": 0.0,
                 "crossover": 5.0,
                 "filters": (notch,),
@@ -902,6 +912,10 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Plant.from_vehicle, {"vehicle": booster, "model": "drift", "plane": "yaw"}
         ),
         "Plant.numerator": Door(exact.numerator, {"output": "attitude", "input": "wind"}),
+        "Plant.lateral_numerator": Door(
+            rising.lateral_numerator, {"signal": "drift_rate", "input": "wind", "station": 2.0}
+        ),
+        "Plant.lateral_rows": Door(rising.lateral_rows, {"signal": "acceleration", "station": 2.0}),
         "Plant.with_effectiveness": Door(exact.with_effectiveness, {"factor": 1.1}),
         "Plant.tf": Door(exact.tf, {"output": "attitude", "input": "wind"}),
         "RangeReference.component": Door(months[0].component, {"percentile": 95.0, "azimuth": 1.5}),

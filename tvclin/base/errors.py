@@ -28,6 +28,9 @@ MAX_TIME = 1e9
 _Check = Callable[..., FloatArray]
 _MAX_QUOTED_CHARACTERS = 60
 """Largest number of characters of a value that a message quotes."""
+_MAX_LISTED_CHARACTERS, _MIN_QUOTED_CHARACTERS = 360, 20
+"""Largest number of characters of a list of names with the value that is not among them, and the
+smallest number of characters of that value."""
 _MAX_FILE_NAME = 255
 """Largest number of characters of a file name."""
 
@@ -196,7 +199,10 @@ def one_of(name: str, value: object, choices: Iterable[str]) -> str:
     word = isinstance(value, str) and len(value) <= _MAX_QUOTED_CHARACTERS
     similar = get_close_matches(str(value), names, n=2, cutoff=0.5) if word else []
     hint = f" (did you mean {' or '.join(map(repr, similar))}?)" if similar else ""
-    raise InputError(f"{name} must be one of {', '.join(names)}; got {shown(value)}{hint}")
+    listed = ", ".join(names)
+    room = _MAX_LISTED_CHARACTERS - len(listed)
+    got = _shortened(shown(value), max(room, _MIN_QUOTED_CHARACTERS))
+    raise InputError(f"{name} must be one of {listed}; got {got}{hint}")
 
 
 def instance(name: str, value: object, kind: type, maker: str) -> None:
@@ -385,9 +391,12 @@ def shown(value: object) -> str:
         text = " ".join(_BRIEF.repr(value).split())
     except Exception:  # a value that cannot be written down
         text = f"something of type {type(value).__name__}"
-    return (
-        text if len(text) <= _MAX_QUOTED_CHARACTERS else f"{text[: _MAX_QUOTED_CHARACTERS - 3]}..."
-    )
+    return _shortened(text, _MAX_QUOTED_CHARACTERS)
+
+
+def _shortened(text: str, size: int) -> str:
+    """Return a text cut to a number of characters."""
+    return text if len(text) <= size else f"{text[: size - 3]}..."
 
 
 _BRIEF = Repr()

@@ -49,7 +49,7 @@ def minimum_gains(
         name
         for name in (
             *("natural_frequency", "damping", "attitude_gain", "rate_gain", "alpha_gain"),
-            "integral_gain",
+            *("integral_gain", "drift_rate_gain", "drift_gain", "acceleration_gain"),
         )
         if getattr(design, name) not in (None, 0.0)
     ]

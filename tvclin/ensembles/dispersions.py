@@ -273,6 +273,9 @@ UNITS_OF = {name: si_unit(kind) for name, kind in KINDS.items()} | {
     "rate_gain": "s",
     "alpha_gain": "rad/rad",
     "integral_gain": "1/s",
+    "drift_rate_gain": "rad s/m",
+    "drift_gain": "rad/m",
+    "acceleration_gain": "rad s2/m",
 }
 """SI units by parameter."""
 DISPERSION_TABLE = FileTable(

@@ -16,7 +16,7 @@ is.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -45,6 +45,7 @@ from tvclin.flights.engine_interface import (
     limit_of,
     warn_of_the_end,
 )
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
@@ -64,26 +65,31 @@ class PlanarMotion:
 
     `vehicle`: one vehicle. `plane`: "pitch" or "yaw". `drift`: whether the path turns and the speed
     changes; without it only the attitude does. `nominal`: nominal flight along which all parameters
-    vary; without it they are frozen, and the wind angle does not depend on the motion.
+    vary; without it they are frozen, and the wind angle does not depend on the motion. `sensors`:
+    lateral sensors of the law, whose states are the last. `InputError` for drift that is measured
+    on a path that does not turn.
     """
 
     vehicle: Vehicle
     plane: str = "pitch"
     drift: bool = True
     nominal: NominalFlight | None = None
+    sensors: LateralSensors = NO_LATERAL_SENSORS
 
     def __post_init__(self) -> None:
         one_of("plane", self.plane, PLANES)
+        if not self.drift and (self.sensors.drift_rate or self.sensors.drift):
+            raise InputError("drift is fed back, but the path of this flight is fixed; set drift")
         single("vehicle", self.vehicle.replace(time=None).batch)
 
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states; the altitude is one if parameters vary."""
-        return STATES[: 4 if self.nominal is None else 5]
+        return (*STATES[: 4 if self.nominal is None else 5], *self.sensors.states)
 
     @property
     def scales(self) -> FloatArray:
-        """Magnitude of each state that corresponds to an angle of one: altitude, the speed."""
+        """Magnitude of each state that corresponds to an angle of one: of the last, the speed."""
         scales = np.ones(len(self.states))
         scales[4:] = self.vehicle.velocity
         return scales
@@ -97,7 +103,7 @@ class PlanarMotion:
         """
         now = self._now(t)
         alpha, speed = self._air(now, x, gust)
-        ratio = self._ratio(speed, now.altitude + x[-1])
+        ratio = self._ratio(speed, now.altitude + x[4]) if self.nominal is not None else 1.0
         v = self.vehicle
         derivatives = np.zeros(len(self.states))
         derivatives[0] = x[1]
@@ -117,7 +123,26 @@ class PlanarMotion:
         if self.nominal is not None and self.plane == "pitch":
             climb = now.speed * (1.0 + x[3]) * np.sin(now.path + x[2])
             derivatives[4] = climb - now.speed * np.sin(now.path) if self.drift else 0.0
+        if self.sensors.drift:
+            derivatives[self.states.index("drift")] = self._drift_rate(now, x)
+        if self.sensors.acceleration:
+            k = self.states.index("acceleration")
+            normal = v.normal_force_slope * ratio * alpha + v.control_force * np.sin(deflection)
+            felt = normal / now.mass + self.sensors.station * derivatives[1]
+            derivatives[k] = self.sensors.bandwidth * (felt - x[k])
         return derivatives
+
+    def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
+        """Return the measurements of the lateral sensors, by name."""
+        states = dict(zip(self.states, x, strict=True))
+        lateral = {name: states[name] for name in self.sensors.states}
+        if self.sensors.drift_rate:
+            lateral["drift_rate"] = self._drift_rate(self._now(t), x)
+        return lateral
+
+    def _drift_rate(self, now: _Now, x: Any) -> Any:
+        """Return the velocity normal to the nominal path [m/s]."""
+        return now.speed * (1.0 + x[3]) * np.sin(x[2])
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
         """Return the angle of attack [rad] at times and states of one shape, ``(states, ...)``."""
@@ -242,7 +267,8 @@ class PlanarCase:
             raise InputError("noise belongs to samples, and this flight has none; leave it out")
         if rate_limit < np.inf and actuator is None:
             raise InputError("a rate_limit needs an actuator")
-        loop = Loop(self.motion, law, limit, rate_limit, actuator)
+        motion = replace(self.motion, sensors=law.lateral_sensors)
+        loop = Loop(motion, law, limit, rate_limit, actuator)
         flight = ContinuousFlight(loop, self.wind, MAX_ATTITUDE)
         arcs = flight.arcs(*self.span)
         return self._ended(arcs, lambda times: flight.rows(arcs, times))

@@ -47,6 +47,9 @@ class LawNumbers(NamedTuple):
     flight_path_angle: float = 0.0
     angle_of_attack: float = 0.0
     first_state: float = 0.0
+    drift_rate: float = 0.0
+    drift: float = 0.0
+    acceleration: float = 0.0
     engage: float = 1.0
     release: float = 1.0
     leans: bool = False
@@ -72,9 +75,8 @@ class LawNumbers(NamedTuple):
 def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
     """Return the deflection that a law demands [rad].
 
-    `law`: `LawNumbers`, or a row of an array with their fields. `measured`: attitude, rate, flight
-    path angle and angle of attack, as in `laws.Measurement`. `states`: states of the law. `limit`:
-    the deflection limit [rad].
+    `law`: `LawNumbers`, or a row of an array with their fields. `measured`: measurements in the
+    order of `laws.Measurement`. `states`: states of the law. `limit`: the deflection limit [rad].
     """
     if law.leans:
         if law.estimates:
@@ -87,6 +89,8 @@ def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
         rate, alpha, state = states[0], measured[0] - states[1], 2
     demand = law.attitude * measured[0] + law.attitude_rate * rate
     demand += law.flight_path_angle * measured[2] + law.angle_of_attack * alpha
+    demand += law.drift_rate * measured[5] + law.drift * measured[6]
+    demand += law.acceleration * measured[7]
     return demand + law.first_state * states[state] if law.first_state != 0.0 else demand
 
 

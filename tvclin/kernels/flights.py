@@ -20,7 +20,7 @@ from tvclin.kernels.source import bare, inlined
 
 UNDECIDED, SURVIVED, LOST = range(3)
 """Outcome of a flight."""
-MEASURED = 5
+MEASURED = 8
 """Number of measurements of a law."""
 PEAKS = 6
 """Number of peaks: attitude, its rate, deflection, its rate, angle of attack; samples at the
@@ -67,8 +67,9 @@ class Vehicles(NamedTuple):
     """Further numbers of p vehicles.
 
     `shown`: attitude, rate, flight path angle and angle of attack from states and wind, ``(p, 4, n
-    + 1)``. `A`, `gust`: of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and
-    ``(p, n)``. `fastest`: size of the largest eigenvalue of A [1/s], ``(p,)``. `judges`: rows of
+    + 1)``; with lateral sensors also drift rate, drift and acceleration, ``(p, 7, n + 1)``. `A`,
+    `gust`: of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and ``(p, n)``.
+    `fastest`: size of the largest eigenvalue of A [1/s], ``(p,)``. `judges`: rows of
     the fast and of the slow unstable coordinate, ``(p, 2, N)``. `reach`, `ratio`: reach of the
     coordinates over the deflection limit, NaN without a criterion; and ratio of their poles,
     ``(p,)``.
@@ -94,9 +95,9 @@ class Laws(NamedTuple):
     """Laws, with their states and filters.
 
     `numbers`: a sequence of `LawNumbers`, or an array with their fields. `memory`: next states of a
-    law with its filters: rows on these states and on the sensed values, ``(l, s, s + 6)``; l is the
+    law with its filters: rows on these states and on the sensed values, ``(l, s, s + 9)``; l is the
     number of flights, or 1 for all. `seen`, `told`: with filters, rows of the law's inputs and of
-    the command to the limiter, likewise ``(l, 5, s + 6)`` and ``(l, s + 6)``; empty without
+    the command to the limiter, likewise ``(l, 8, s + 9)`` and ``(l, s + 9)``; empty without
     filters. `noise`: of the measured attitude rate [rad/s], ``(sequences, samples)``.
     """
 
@@ -135,7 +136,7 @@ class FlightStates(NamedTuple):
 
     `y`, `states`, `here`: states of the system ``(m, N)`` and of the law ``(m, s)``, and the wind's
     polynomial about the current time ``(m, terms)``. `sensed`, `measured`: sensor outputs, and last
-    the demand of the law, ``(m, 6)``; and the inputs of the law, behind its filters, ``(m, 5)``.
+    the demand of the law, ``(m, 9)``; and the inputs of the law, behind its filters, ``(m, 8)``.
     `next`, `series`: work arrays for the next states, ``(m, max(N, s))``, and for a series, ``(m,
     3, n)``. `commands`: the last commands, ``(m, largest late + parts)``. `mode`: +1 or -1 while
     the whole limit is commanded, ``(m,)``. `bounded`: whether the nozzle was limited in its last
@@ -495,11 +496,11 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
     p, peaks, sensed, x = f.cases.vehicle[i], f.now.peaks[i], f.now.sensed[i], f.now.y[i]
     n = f.vehicles.A.shape[1]
     expand_wind(f, i, f.cases.start[i] + f.steps.lengths[p, 0] * k)
-    for r in range(4):
+    for r in range(f.vehicles.shown.shape[1]):
         total = f.vehicles.shown[p, r, n] * f.now.here[i, 0]
         for j in range(n):
             total += f.vehicles.shown[p, r, j] * x[j]
-        sensed[r] = total
+        sensed[r if r < 4 else r + 1] = total
     sensed[4] = min(max(x[n], -f.cases.limit[i]), f.cases.limit[i])
     keep_peak(peaks, 0, x[0])
     keep_peak(peaks, 1, x[1])

@@ -20,13 +20,22 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
+from tvclin.base.errors import (
+    InputError,
+    broadcast,
+    instance,
+    number,
+    one_of,
+    plain,
+    positive,
+    shown,
+)
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.base.public_names import Hinted
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
-from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, Plant
+from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, STATION_RANGE, Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_plant import SystemPlant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
@@ -308,6 +317,40 @@ class FlexiblePlant(Shown, Hinted):
             plain(100.0 * (relative_trim - 1.0)),
         )
 
+    def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
+        """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
+
+        Same parameters and exceptions as `Plant.lateral_rows`. Sensors measure the bending, with
+        displacements phi and slopes sigma at the sensor, and a = (T - F_A)/m:
+
+            drift rate     V gamma + sum phi eta'
+            acceleration   z'' + x theta'' + sum phi eta'' - a (theta + sum sigma eta)
+        """
+        one_of("signal", signal, ("drift_rate", "acceleration"))
+        station = number("station", station, STATION_RANGE, "m")
+        rigid, modes = len(self.rigid.states), self.structure.bending
+        columns = rigid + 2 * np.arange(len(modes))
+        C = np.zeros((*self.batch, len(self.states)))
+        if signal == "drift_rate":
+            if rigid < 3:
+                self.rigid.lateral_rows(signal, station)  # raises
+            C[..., 2] = self.vehicle.velocity
+            for column, mode in zip(columns, modes, strict=True):
+                C[..., column + 1] = mode.drift_displacement
+            return C, np.zeros((*self.batch, len(self.inputs)))
+        shape = (1.0, station, *(mode.accelerometer_displacement for mode in modes))
+        drive, forced = self._accelerations
+        D = np.zeros((*self.batch, len(self.inputs)))
+        for body, displacement in enumerate(shape):
+            factor = np.asarray(displacement)[..., np.newaxis]
+            C[..., : drive.shape[-1]] += factor * drive[..., body, :]
+            D += factor * forced[..., body, :]
+        axial = axial_acceleration(self.vehicle)
+        C[..., 0] -= axial
+        for column, mode in zip(columns, modes, strict=True):
+            C[..., column] -= axial * mode.accelerometer_slope
+        return C, D
+
     @property
     def _sensors(self) -> dict[str, Filter]:
         """Lags of the sensors that the structure has, in the order of their states."""
@@ -319,16 +362,17 @@ class FlexiblePlant(Shown, Hinted):
         return motions(self.vehicle, self.structure)
 
     @cached_property
-    def _airframe(self) -> tuple[FloatArray, FloatArray]:
-        """Matrices A and B without sensors."""
-        v, accelerations = self.vehicle, self._motions
-        rigid, bodies = len(self.rigid.states), accelerations.rate.shape[-1] - 2
-        count = rigid + 2 * bodies
-        positions = np.concatenate([[0], rigid + 2 * np.arange(bodies)])  # of theta, eta, zeta
-        A = np.zeros((*self.batch, count, count))
-        B = np.zeros((*self.batch, count, len(self.inputs)))
-        # Accelerations of all motions, from the states and from the inputs.
-        drive = np.zeros((*self.batch, bodies + 2, count))
+    def _positions(self) -> IndexArray:
+        """Positions of theta, eta, zeta among the states."""
+        rigid, bodies = len(self.rigid.states), self._motions.rate.shape[-1] - 2
+        return np.concatenate([[0], rigid + 2 * np.arange(bodies)])
+
+    @cached_property
+    def _accelerations(self) -> tuple[FloatArray, FloatArray]:
+        """Accelerations of all amplitudes per state and per input, without sensors."""
+        accelerations, positions = self._motions, self._positions
+        rigid, bodies = len(self.rigid.states), positions.size - 1
+        drive = np.zeros((*self.batch, bodies + 2, rigid + 2 * bodies))
         drive[..., positions], drive[..., positions + 1] = (
             accelerations.displacement[..., 1:],
             accelerations.rate[..., 1:],
@@ -341,7 +385,15 @@ class FlexiblePlant(Shown, Hinted):
             -accelerations.angle_of_attack,
             accelerations.deflection_acceleration,
         ]
-        forced = np.stack(forces[: B.shape[-1]], axis=-1)
+        return drive, np.stack(forces[: len(self.inputs)], axis=-1)
+
+    @cached_property
+    def _airframe(self) -> tuple[FloatArray, FloatArray]:
+        """Matrices A and B without sensors."""
+        v, positions, (drive, forced) = self.vehicle, self._positions, self._accelerations
+        rigid, count = len(self.rigid.states), drive.shape[-1]
+        A = np.zeros((*self.batch, count, count))
+        B = np.zeros((*self.batch, count, len(self.inputs)))
         A[..., positions, positions + 1] = 1.0
         A[..., positions + 1, :], B[..., positions + 1, :] = drive[..., 1:, :], forced[..., 1:, :]
         if rigid > 2:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import card_rows, lines
-from tvclin.base.errors import InputError, instance, one_of, positive
+from tvclin.base.errors import InputError, between, instance, number, one_of, positive
 from tvclin.base.public_names import Hinted
 from tvclin.linear.system import LinearSystem
 from tvclin.numerics import polynomials
@@ -42,6 +42,8 @@ ONE_POLE = (FIXED_PATH, "drift")
 INPUTS = ("deflection", "wind")
 PLANT_HINT = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
 """Hint on making a `Plant`, for messages where a flexible plant has no answer."""
+STATION_RANGE = between(-1e9, 1e9)
+"""Check of the station of an accelerometer [m]."""
 _OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
 
 
@@ -373,6 +375,77 @@ class Plant(Hinted):
     def system(self) -> LinearSystem:
         """The plant as a `LinearSystem` with named signals."""
         return LinearSystem(*self.matrices(), self.inputs, self.outputs, self.states)
+
+    def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
+        """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
+
+        Parameters
+        ----------
+        signal : {"drift_rate", "acceleration"}
+            Velocity normal to the nominal path, V gamma [m/s]; or the acceleration that a
+            body-mounted accelerometer measures, (N alpha + T_c delta)/m + x theta'' [m/s^2].
+        station : float
+            Position x of the accelerometer ahead of the centre of gravity [m].
+
+        Raises
+        ------
+        InputError
+            For coefficients without velocity, a model without flight path angle (drift rate), and
+            a vehicle with mu_alpha = 0.
+        """
+        station = number("station", station, STATION_RANGE, "m")
+        A, B, C, D = self.matrices()
+        speed = self._velocity(signal)
+        if signal == "drift_rate":
+            return speed * C[..., 2, :], speed * D[..., 2, :]
+        normal, lateral = (speed * force for force in self._normal_forces)
+        direct = normal * D[..., -1, :] + station * B[..., 1, :]
+        direct[..., 0] += lateral[..., 0]
+        return normal * C[..., -1, :] + station * A[..., 1, :], direct
+
+    def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
+        """Return the numerator from `input` to a signal of `lateral_rows`, highest power first.
+
+        Same parameters and exceptions as `lateral_rows`; `input` as in `numerator`.
+        """
+        station = number("station", station, STATION_RANGE, "m")
+        one_of("input", input, INPUTS)
+        speed = self._velocity(signal)
+        if signal == "drift_rate":
+            return speed * self.numerator("flight_path_angle", input)
+        normal, lateral = (speed * force for force in self._normal_forces)
+        turning = polynomials.times_variable(self._attitude(input), 2)
+        forces = normal * self.numerator("angle_of_attack", input)
+        if input == "deflection":
+            forces = polynomials.add(forces, lateral * self.denominator)
+        return polynomials.add(forces, station * turning)
+
+    def _velocity(self, signal: str) -> FloatArray:
+        """Return the speed [m/s], ``(..., 1)``; `InputError` where a lateral signal is unknown."""
+        one_of("signal", signal, ("drift_rate", "acceleration"))
+        if signal == "drift_rate" and self.model == "fixed-path":
+            raise InputError(
+                f'model "fixed-path" has no lateral drift; {", ".join(MODELS[1:])} have it'
+            )
+        speed = np.asarray(self.coefficients.velocity)
+        if np.any(speed == 0.0):
+            raise InputError(
+                "lateral drift and acceleration need the speed of the vehicle; give velocity to its"
+                " coefficients"
+            )
+        return speed[..., np.newaxis]
+
+    @property
+    def _normal_forces(self) -> tuple[FloatArray, FloatArray]:
+        """N/(m V) and T_c/(m V) [1/s], ``(..., 1)``: forces normal to the body per angle."""
+        c = self.coefficients
+        if np.any(np.asarray(c.mu_alpha) == 0.0):
+            raise InputError(
+                "the lateral acceleration does not follow from the coefficients of a vehicle with"
+                " mu_alpha = 0; give it an aerodynamic_arm other than zero"
+            )
+        normal, lateral = np.asarray(c.C1 - c.b2), np.asarray((c.b1 - c.C1) / c.B)
+        return normal[..., np.newaxis], lateral[..., np.newaxis]
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -191,11 +191,7 @@ def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
     """Return the description of a loop, in one line."""
     if isinstance(autopilot, SystemAutopilot):
         return f"{plant.name or plant.model}, {autopilot.description}"
-    terms = [f"a0 = {autopilot.attitude_gain:.4g}", f"a1 = {autopilot.rate_gain:.4g} s"]
-    if autopilot.alpha_gain:
-        terms.append(f"b0 = {autopilot.alpha_gain:.4g}")
-    if autopilot.integral_gain:
-        terms.append(f"aI = {autopilot.integral_gain:.4g} 1/s")
+    terms = [autopilot.gains_text]
     filters = sum(len(getattr(autopilot, name)) for name in CHAINS)
     if filters:
         terms.append(f"{filters} filter{'s' * (filters > 1)}")

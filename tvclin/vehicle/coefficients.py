@@ -71,6 +71,8 @@ class Coefficients(Record):
     damping : array_like
         Moment against the attitude rate over the inertia, M_q/I [1/s], zero or positive; zero in
         the report.
+    velocity : array_like
+        Speed V_n [m/s], zero where it is not known; lateral drift and acceleration need it.
     name : str
         Name of the vehicle, for titles of figures; comparisons ignore it.
 
@@ -96,6 +98,10 @@ class Coefficients(Record):
     )
     damping: float | FloatArray = field(
         default=0.0, metadata=_number("per time", "damping", nonnegative)
+    )
+    velocity: float | FloatArray = field(
+        default=0.0,
+        metadata=spec("speed", check=nonnegative, card=False, document=False),
     )
     name: str = field(default="", compare=False, repr=False)
 
@@ -160,6 +166,7 @@ class Coefficients(Record):
             b2=b2,
             q=turning**2 if plane == "pitch" else np.zeros_like(turning),
             damping=v.pitch_damping / v.moment_of_inertia,
+            velocity=v.velocity,
             name=v.name,
         )
 

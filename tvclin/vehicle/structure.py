@@ -68,6 +68,10 @@ class BendingMode(_Batched):
         Slopes [1/m] at the attitude sensor and at the rate gyro.
     pressure_displacement : array_like
         Displacement at the centre of pressure.
+    drift_displacement : array_like
+        Displacement at the inertial unit that measures drift and drift rate.
+    accelerometer_displacement, accelerometer_slope : array_like
+        Displacement, and slope [1/m], at the lateral accelerometer.
     tank_displacements, tank_slopes : tuple of array_like
         Displacement, and slope [1/m], at each tank, in the order of `Structure.slosh`; empty: the
         mode does not move the tanks.
@@ -87,6 +91,15 @@ class BendingMode(_Batched):
     rate_slope: Number = field(metadata=spec("per length", check=_bounded, card=False))
     pressure_displacement: Number = field(
         default=0.0, metadata=spec("number", check=_bounded, card=False)
+    )
+    drift_displacement: Number = field(
+        default=0.0, metadata=spec("number", check=_bounded, card=False)
+    )
+    accelerometer_displacement: Number = field(
+        default=0.0, metadata=spec("number", check=_bounded, card=False)
+    )
+    accelerometer_slope: Number = field(
+        default=0.0, metadata=spec("per length", check=_bounded, card=False)
     )
     tank_displacements: tuple[Number, ...] = ()
     tank_slopes: tuple[Number, ...] = ()

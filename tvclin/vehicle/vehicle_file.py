@@ -68,7 +68,7 @@ BENDING_TABLE = file_table(
     "[[bending]]",
     BendingMode,
     lists=(_DISPLACEMENTS, *_TANK_SLOPES),
-    required=tuple(name for name in parameters(BendingMode) if name != "pressure_displacement"),
+    required=tuple(name for name, item in parameters(BendingMode).items() if item.default is None),
 )
 SLOSH_TABLE = file_table("[[slosh]]", SloshTank, required=("mass", "station", "damping"))
 

@@ -24,6 +24,7 @@ from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, finite, plain, positive, together, within
 from tvclin.base.fields import spec
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.system import LinearSystem, connect, gain
 
 if TYPE_CHECKING:
@@ -162,19 +163,23 @@ _DISTURBED = gain("deflection", {"deflection_disturbance": 1.0})
 _AT_ONCE = gain("deflection", {"deflection_command": 1.0})
 
 
-def plant_with_actuator(plant: AnyPlant, actuator: Actuator | None) -> LinearSystem:
+def plant_with_actuator(
+    plant: AnyPlant, actuator: Actuator | None, sensors: LateralSensors = NO_LATERAL_SENSORS
+) -> LinearSystem:
     """Return the state space of a plant behind its actuator.
 
     Inputs: `INPUTS`. The disturbance turns the thrust without the mass of the engine: it has no
-    inertia. Outputs: the plant's, and the deflection, disturbance included.
+    inertia. Outputs: the plant's, those of lateral sensors, and the deflection, disturbance
+    included.
 
     `plant`: one plant or a batch. `actuator`: one actuator or a batch, which broadcasts with the
-    plant; None: the deflection equals its command. `InputError` for an engine with inertia whose
-    actuator is not of second order.
+    plant; None: the deflection equals its command. `sensors`: sensors of drift and acceleration.
+    `InputError` for an engine with inertia whose actuator is not of second order.
     """
     check_engine(plant, actuator)
-    blocks = [plant.system, actuator_system(actuator), _DISTURBED]
-    return connect(blocks, INPUTS, (*plant.outputs, "deflection"))
+    measured = sensors.system(plant)
+    blocks = [measured, actuator_system(actuator), _DISTURBED]
+    return connect(blocks, INPUTS, (*measured.outputs, "deflection"))
 
 
 def actuator_system(actuator: Actuator | None) -> LinearSystem:

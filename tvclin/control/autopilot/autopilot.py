@@ -1,9 +1,11 @@
 """The autopilot: attitude and rate feedback, with filters, actuator and delay, around one plant.
 
     delta = a0 (theta - command) + a1 theta' + b0 alpha + aI * integral of (theta - command)
+            + d1 z' + d0 z + g n,
 
-Positive deflection pitches the nose down, so positive gains are negative feedback. `loop` and
-`close` wire the same blocks and give python-control's own systems with named signals.
+z' = V gamma being the lateral drift rate and n a measured lateral acceleration. Positive deflection
+pitches the nose down, so positive gains are negative feedback. `loop` and `close` wire the same
+blocks and give python-control's own systems with named signals.
 """
 
 from __future__ import annotations
@@ -67,8 +69,8 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
         (name, stiffness, np.where(attitude_only, 0.0, aerodynamic), "holds"),
         ("rate_gain", np.asarray(autopilot.rate_gain), plant.coefficients.damping, "damps"),
     ]
-    if np.any(autopilot.integral_gain):
-        gains.append(("integral_gain", np.asarray(autopilot.integral_gain), 0.0, ""))
+    others = ("integral_gain", "drift_rate_gain", "drift_gain")
+    gains += [(other, np.asarray(getattr(autopilot, other)), 0.0, "") for other in others]
     for name, values, vehicle, verb in gains:
         gain, slope, bare = np.broadcast_arrays(values, mu_delta, vehicle)
         worst = np.unravel_index(np.argmin(gain * slope + bare), gain.shape)
@@ -78,7 +80,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
                 f" mu_delta = {slope[worst]:.6g} 1/s^2; give it the sign of mu_delta",
                 stacklevel=stacklevel,
             )
-        elif gain[worst] == bare[worst] == 0.0:
+        elif verb and gain[worst] == bare[worst] == 0.0:
             warnings.warn(f"{name} is zero: nothing {verb} the attitude", stacklevel=stacklevel)
     if autopilot.actuator is None:
         return
@@ -130,7 +132,7 @@ PADE_WARNING = (
 
 @dataclass(frozen=True, kw_only=True)
 class Autopilot(Feedback):
-    """Feedback of attitude, attitude rate, angle of attack and integrated attitude.
+    """Feedback of attitude and its rate and integral, angle of attack, drift and acceleration.
 
     Gains, delay and actuator may be arrays, which broadcast with each other and with a batch of
     plants: gains over the flight, or a thousand dispersed loops. `loop` and `close` take one loop.
@@ -145,6 +147,18 @@ class Autopilot(Feedback):
         b0 [rad/rad], on the angle of attack, which includes the wind.
     integral_gain : array_like
         aI [1/s], on the integral of attitude minus command; in a batch zero for all or for none.
+    drift_rate_gain : array_like
+        d1 [rad s/m], on the velocity normal to the nominal path, V gamma.
+    drift_gain : array_like
+        d0 [rad/m], on its integral, the lateral drift; in a batch zero for all or for none, and not
+        with an integral_gain.
+    acceleration_gain : array_like
+        g [rad s^2/m], on the acceleration normal to the body that an accelerometer measures,
+        (N alpha + T_c delta)/m + x theta'', without gravity.
+    acceleration_station : float
+        Position x of the accelerometer ahead of the centre of gravity [m].
+    accelerometer_bandwidth : float
+        Bandwidth of the accelerometer [rad/s], a first-order lag.
     actuator : Actuator, optional
         Without it the deflection equals its command.
     delay : array_like

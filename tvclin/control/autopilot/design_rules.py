@@ -26,7 +26,12 @@ from tvclin.base.fields import checked, file_table, quantity, word
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.feedback import CHAINS, GAINS
+from tvclin.control.autopilot.feedback import (
+    ACCELEROMETER,
+    ACCELEROMETER_BANDWIDTH,
+    CHAINS,
+    GAINS,
+)
 from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,
@@ -35,7 +40,7 @@ from tvclin.control.autopilot.gains import (
     load_minimum_gains,
     lqr_gains,
 )
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import STATION_RANGE, Plant
 from tvclin.vehicle.filters import Filter
 
 CHAIN_OF_POSITION = {"sum": "filters", "attitude": "attitude_filters", "rate": "rate_filters"}
@@ -120,6 +125,8 @@ _RULE = ("natural_frequency", "damping")
 RULE_KEYS = ("design", *_RULE, "crossover")
 GIVEN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
 """Gains that replace a rule."""
+ADDED_GAINS = (*(name for name in GAINS if name not in GIVEN_GAINS), *ACCELEROMETER)
+"""Gains that are added to a rule or to given gains, and the numbers of the accelerometer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,6 +149,16 @@ class AutopilotDesign:
         Gain b0 on the angle of attack.
     integral_gain : float
         Gain aI on the integrated attitude [1/s].
+    drift_rate_gain : float
+        Gain d1 on the lateral drift rate [rad s/m].
+    drift_gain : float
+        Gain d0 on the lateral drift [rad/m].
+    acceleration_gain : float
+        Gain g on the measured lateral acceleration [rad s2/m].
+    acceleration_station : float
+        Position of the accelerometer ahead of the centre of gravity [m].
+    accelerometer_bandwidth : float
+        Bandwidth of the accelerometer, a first-order lag [rad/s].
     delay : float
         Delay between sensors and actuator [s].
     crossover : float, optional
@@ -160,6 +177,13 @@ class AutopilotDesign:
     rate_gain: float | None = quantity(GAINS["rate_gain"], None)
     alpha_gain: float | None = quantity(GAINS["alpha_gain"], None)
     integral_gain: float = quantity(GAINS["integral_gain"], 0.0)
+    drift_rate_gain: float = quantity(GAINS["drift_rate_gain"], 0.0)
+    drift_gain: float = quantity(GAINS["drift_gain"], 0.0)
+    acceleration_gain: float = quantity(GAINS["acceleration_gain"], 0.0)
+    acceleration_station: float = quantity("length", 0.0, STATION_RANGE)
+    accelerometer_bandwidth: float = quantity(
+        "natural frequency", ACCELEROMETER_BANDWIDTH, positive
+    )
     delay: float = quantity("delay", 0.0, nonnegative)
     crossover: float | None = quantity("natural frequency", None)
     filters: tuple[Filter, ...] = ()
@@ -220,7 +244,7 @@ class AutopilotDesign:
             )
         options: dict[str, Any] = {
             "actuator": actuator,
-            "integral_gain": self.integral_gain,
+            **{name: getattr(self, name) for name in ADDED_GAINS},
             "delay": self.delay,
             "sample_rate": self.sample_rate,
             **self.chains,

@@ -237,17 +237,27 @@ def mode_changes(
     return tuple(changes), frequency, damping, slope_sign
 
 
+_SENSED = (
+    "attitude_slope",
+    "rate_slope",
+    "drift_displacement",
+    "accelerometer_displacement",
+    "accelerometer_slope",
+)
+"""Slopes and displacements of a bending mode at the sensors."""
+
+
 def with_mode_factors(
     plant: FlexiblePlant,
     frequency: FloatArray,
     damping: FloatArray,
     slope_sign: FloatArray | None = None,
 ) -> FlexiblePlant:
-    """Return plants with factors on frequencies, dampings and slopes at the sensors of the modes.
+    """Return plants with factors on frequencies, dampings and shapes at the sensors of the modes.
 
     `plant`: one or a batch, which broadcasts with the factors. `frequency`, `damping`,
-    `slope_sign`: factors for bending modes and then tanks, ``(..., modes)``; slopes of tanks do not
-    exist, and their factors are ignored.
+    `slope_sign`: factors for bending modes and then tanks, ``(..., modes)``, on slopes and
+    displacements at the sensors; those of tanks do not exist, and their factors are ignored.
     """
     structure = plant.structure
     signs = np.ones_like(frequency) if slope_sign is None else slope_sign
@@ -257,8 +267,7 @@ def with_mode_factors(
             mode,
             frequency=mode.frequency * frequency_factor,
             damping=mode.damping * damping_factor,
-            attitude_slope=mode.attitude_slope * sign,
-            rate_slope=mode.rate_slope * sign,
+            **{name: getattr(mode, name) * sign for name in _SENSED},
         )
         for mode, (frequency_factor, damping_factor, sign) in zip(
             structure.bending, columns, strict=False

@@ -9,9 +9,10 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
+from tvclin.base.errors import InputError, broadcast, each, nonnegative, number, plain, shown
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Row, Table, quantities, significant
+from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import (
     MAX_MAGNITUDE,
     MIN_GAIN,
@@ -19,6 +20,8 @@ from tvclin.control.autopilot.actuator import (
     positive_in_range,
     zero_or_in_range,
 )
+from tvclin.linear.lateral import ACCELERATION, DRIFT, DRIFT_RATE, LateralSensors
+from tvclin.linear.plant import STATION_RANGE
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter, filter_cells
 
@@ -27,8 +30,17 @@ GAINS = {
     "rate_gain": "time",
     "alpha_gain": "number",
     "integral_gain": "per time",
+    "drift_rate_gain": "angle per speed",
+    "drift_gain": "angle per length",
+    "acceleration_gain": "angle per acceleration",
 }
 """Names of the gains, each with its kind of unit in `base.units`."""
+_SYMBOLS = dict(zip(GAINS, ("a0", "a1", "b0", "aI", "d1", "d0", "g"), strict=True))
+"""Symbols of the gains."""
+ACCELEROMETER = ("acceleration_station", "accelerometer_bandwidth")
+"""Names of the numbers of the lateral accelerometer."""
+ACCELEROMETER_BANDWIDTH = 100.0
+"""Default bandwidth of the lateral accelerometer [rad/s]."""
 CHAINS = ("attitude_filters", "rate_filters", "filters")
 _CHAIN_LABELS = dict(zip(CHAINS, ("on the attitude", "on the rate", "behind the sum"), strict=True))
 _MAX_PADE_ORDER = 10
@@ -44,6 +56,15 @@ class Feedback(Record):
     rate_gain: float | FloatArray = field(metadata=spec("time"))
     alpha_gain: float | FloatArray = field(default=0.0, metadata=spec())
     integral_gain: float | FloatArray = field(default=0.0, metadata=spec("per time"))
+    drift_rate_gain: float | FloatArray = field(default=0.0, metadata=spec("angle per speed"))
+    drift_gain: float | FloatArray = field(default=0.0, metadata=spec("angle per length"))
+    acceleration_gain: float | FloatArray = field(
+        default=0.0, metadata=spec("angle per acceleration")
+    )
+    acceleration_station: float = field(default=0.0, metadata=spec("length", card=False))
+    accelerometer_bandwidth: float = field(
+        default=ACCELEROMETER_BANDWIDTH, metadata=spec("natural frequency", card=False)
+    )
     actuator: Actuator | None = field(default=None, metadata=spec())
     delay: float | FloatArray = field(default=0.0, metadata=spec("time"))
     pade_order: int = 4
@@ -70,9 +91,20 @@ class Feedback(Record):
         without_gain = np.all(np.stack(np.broadcast_arrays(*gains.values())) == 0.0, axis=0)
         if self.controller is None and np.any(without_gain):
             raise InputError(f"an autopilot needs a gain; {', '.join(GAINS)} are all zero")
-        integral = gains["integral_gain"]
-        if np.any(integral) and not np.all(integral):
-            raise InputError("integral_gain must be zero for all of a batch or for none")
+        for name in ("integral_gain", "drift_gain"):
+            if np.any(gains[name]) and not np.all(gains[name]):
+                raise InputError(f"{name} must be zero for all of a batch or for none")
+        if np.any(gains["integral_gain"]) and np.any(gains["drift_gain"]):
+            raise InputError(
+                "integral_gain and drift_gain cannot both be used: the two integrals leave a mode"
+                " without feedback; set one of them to zero"
+            )
+        station = number("acceleration_station", self.acceleration_station, STATION_RANGE, "m")
+        bandwidth = number(
+            "accelerometer_bandwidth", self.accelerometer_bandwidth, positive_in_range, "rad/s"
+        )
+        object.__setattr__(self, "acceleration_station", station)
+        object.__setattr__(self, "accelerometer_bandwidth", bandwidth)
         order = self.pade_order
         is_integer = isinstance(order, int | np.integer) and not isinstance(order, bool)
         if not is_integer or not 1 <= order <= _MAX_PADE_ORDER:
@@ -90,17 +122,33 @@ class Feedback(Record):
         """Autopilot without samples."""
         return replace(self, sample_rate=None)
 
+    @property
+    def gains_text(self) -> str:
+        """Gains of one autopilot by their symbols, those of zero omitted, for sentences."""
+        gains = [(name, getattr(self, name), si_unit(kind)) for name, kind in GAINS.items()]
+        return ", ".join(
+            f"{_SYMBOLS[name]} = {value:.4g} {unit}".rstrip()
+            for name, value, unit in gains
+            if value or name in ("attitude_gain", "rate_gain")
+        )
+
     def rows(self) -> list[Row]:
         """Return the parameters of one autopilot as rows of a table; gains of zero are omitted."""
-        rows = [
-            ("attitude gain a0", significant("gains.attitude", self.attitude_gain, 5)),
-            ("rate gain a1", significant("gains.rate", self.rate_gain, 5, "s")),
-        ]
-        if self.alpha_gain:
-            rows.append(("alpha gain b0", significant("gains.alpha", self.alpha_gain, 5)))
-        if self.integral_gain:
-            integral = significant("gains.integral", self.integral_gain, 5, "1/s")
-            rows.append(("integral gain aI", integral))
+        rows: list[Row] = []
+        for name, kind in GAINS.items():
+            value = getattr(self, name)
+            if value or name in ("attitude_gain", "rate_gain"):
+                key = f"gains.{name.removesuffix('_gain')}"
+                title = f"{name.replace('_', ' ')} {_SYMBOLS[name]}"
+                rows.append((title, significant(key, value, 5, si_unit(kind))))
+        if self.acceleration_gain:
+            station = significant(
+                "gains.acceleration_station", self.acceleration_station, 4, "m, bandwidth "
+            )
+            bandwidth = significant(
+                "gains.accelerometer_bandwidth", self.accelerometer_bandwidth, 4, "rad/s"
+            )
+            rows.append(("accelerometer at", (*station, *bandwidth)))
         actuator: Line = ("none",)
         if self.actuator is not None:
             frequency, damping = self.actuator.natural_frequency, self.actuator.damping
@@ -124,6 +172,27 @@ class Feedback(Record):
             for position, filter_ in enumerate(getattr(self, name), start=1)
         ]
         return [Table("Filters", ("where", "zeros", "poles", "gain"), tuple(rows))] if rows else []
+
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of drift rate, drift and acceleration, those with a gain."""
+        return LateralSensors(
+            bool(np.any(self.drift_rate_gain)),
+            bool(np.any(self.drift_gain)),
+            bool(np.any(self.acceleration_gain)),
+            self.acceleration_station,
+            self.accelerometer_bandwidth,
+        )
+
+    @property
+    def lateral_gains(self) -> dict[str, float | FloatArray]:
+        """Gains on the outputs of the lateral sensors, by the name of the output."""
+        gains = {
+            DRIFT_RATE: self.drift_rate_gain,
+            DRIFT: self.drift_gain,
+            ACCELERATION: self.acceleration_gain,
+        }
+        return {name: gains[name] for name in self.lateral_sensors.signals}
 
     @property
     def batch(self) -> tuple[int, ...]:

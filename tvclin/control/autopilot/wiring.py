@@ -26,6 +26,7 @@ from tvclin.control.autopilot.actuator import Matrices, pade_delay, plant_with_a
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop, SampledLoop, w_plane_loop
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.lateral import ACCELERATION, DRIFT, DRIFT_RATE
 from tvclin.linear.named_systems import require_signals
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
@@ -44,10 +45,13 @@ attitude_command                          deflection_disturbance               w
  |  +------->|    a1     |>(+)-x->| delay |-->| actuator |-->(+)-deflection->| plant |
  |  |        +-----------+  ^     +-------+   +----------+                   |       |
  |  |  +---->|    b0     |--+                                                +-------+
- |  |  |     +-----------+                                                     | | |
- |  |  +---------------------------- angle_of_attack --------------------------+ | |
- |  +------------------------------- attitude_rate ------------------------------+ |
- +---------------------------------- attitude -------------------------------------+
+ |  |  |     +-----------+  ^                                                  | | | |
+ |  |  |  +->| d1, d0, g |--+                                                  | | | |
+ |  |  |  |  +-----------+                                                     | | | |
+ |  |  |  +------------------------- drift and acceleration -------------------+ | | |
+ |  |  +---------------------------- angle_of_attack ----------------------------+ | |
+ |  +------------------------------- attitude_rate --------------------------------+ |
+ +---------------------------------- attitude ---------------------------------------+
 
  x  deflection_command: loop() is broken here, and L is minus what returns"""
 
@@ -70,6 +74,9 @@ LAW_INPUTS = (
     "flight_path_angle",
     "angle_of_attack",
     "deflection",
+    DRIFT_RATE,
+    DRIFT,
+    ACCELERATION,
 )
 """Inputs of a law, behind the filters of its sensors."""
 CONTROLLER = "controller_output"
@@ -88,7 +95,7 @@ def open_loop(
     plant's, the deflection and the returned command. States, in this order: plant, actuator, with
     `pade` the Pade approximation of the delay (else it is left out), integrator, filters.
     """
-    vehicle = plant_with_actuator(plant, autopilot.actuator)
+    vehicle = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
     delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
     delay_states = tuple(f"delay_{k}" for k in range(1, len(delay[0]) + 1))
     blocks = [
@@ -142,6 +149,7 @@ def autopilot_blocks(
     }
     if integral:
         gains[INTEGRAL] = autopilot.integral_gain
+    gains |= autopilot.lateral_gains
     integrator = attitude_integral(integral)
     sums = [gain(LAW_INPUTS[0], {"attitude_command": -1.0}), gain(LAW_OUTPUT, gains)]
     return [*law_blocks(chains, integrator, plant.sensed, period), *sums]
@@ -180,7 +188,7 @@ def controller_system(controller: LinearSystem) -> LinearSystem:
 def _measured(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
     """Return the outputs of plant and actuator that an autopilot reads."""
     if autopilot.controller is None:
-        return (*plant.sensed, "angle_of_attack")
+        return (*plant.sensed, "angle_of_attack", *autopilot.lateral_sensors.signals)
     check_controller(autopilot.controller, plant)
     names = dict(zip(("attitude", "attitude_rate"), plant.sensed, strict=True))
     read = (names.get(name, name) for name in autopilot.controller.inputs)
@@ -205,10 +213,9 @@ def in_steps(system: LinearSystem, period: FloatArray) -> LinearSystem:
 
 def attitude_integral(present: bool) -> LinearSystem:
     """Return the integrator of the attitude error among `LAW_INPUTS`; no states if not present."""
-    n, name = int(present), (INTEGRAL,) if present else ()
-    return LinearSystem(
-        np.zeros((n, n)), np.eye(n, 5), np.eye(n), np.zeros((n, 5)), LAW_INPUTS, name, name
-    )
+    n, name, inputs = int(present), (INTEGRAL,) if present else (), len(LAW_INPUTS)
+    matrices = np.zeros((n, n)), np.eye(n, inputs), np.eye(n), np.zeros((n, inputs))
+    return LinearSystem(*matrices, LAW_INPUTS, name, name)
 
 
 def law_blocks(
@@ -276,6 +283,8 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
     for name in CHAINS:
         if getattr(autopilot, name):
             denominator = polynomials.multiply(denominator, _chain(autopilot, name)[1])
+    if autopilot.lateral_sensors.acceleration:
+        denominator = polynomials.multiply(denominator, _accelerometer(autopilot))
     return Loop(
         polynomials.multiply(-numerator, actuator_numerator),
         polynomials.multiply(denominator, actuator_denominator),
@@ -294,9 +303,11 @@ def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
 def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArray, int]:
     """Return the numerator ``(..., n)`` from a plant input to the command, and the integrators.
 
-    The denominator is the plant's, times s with an integrator, times those of all filters.
+    The denominator is the plant's, times s with an integrator of attitude or drift, times those of
+    all filters and of the accelerometer.
     """
-    integrators = int(np.any(np.asarray(autopilot.integral_gain)))
+    sensors = autopilot.lateral_sensors
+    integrators = int(sensors.drift or np.any(np.asarray(autopilot.integral_gain)))
     gains = [autopilot.rate_gain, autopilot.attitude_gain, autopilot.integral_gain]
     on_angle = np.asarray(autopilot.alpha_gain)[..., np.newaxis] * np.eye(1, 1 + integrators)[0]
     angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", source))
@@ -311,9 +322,45 @@ def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArra
         angle = polynomials.multiply(angle, polynomials.multiply(below_a, below_r))
     attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", source))
     numerator = polynomials.add(attitude, angle)
+    if sensors.signals:
+        below = polynomials.multiply(*(_chain(autopilot, name)[1] for name in CHAINS[:2]))
+        numerator = _with_lateral(autopilot, plant, source, integrators, numerator, below)
     if autopilot.filters:
         numerator = polynomials.multiply(numerator, _chain(autopilot, "filters")[0])
     return numerator, integrators
+
+
+def _with_lateral(
+    autopilot: Feedback,
+    plant: Plant,
+    source: str,
+    integrators: int,
+    numerator: FloatArray,
+    below: FloatArray,
+) -> FloatArray:
+    """Return a numerator of `_feedback` with the feedback of drift and acceleration added.
+
+    `numerator`: of the other feedback. `below`: denominator of the filters of attitude and rate.
+    """
+    sensors, station = autopilot.lateral_sensors, autopilot.acceleration_station
+    if sensors.drift_rate or sensors.drift:
+        gains = [autopilot.drift_rate_gain, autopilot.drift_gain][: 1 + sensors.drift]
+        on_path = np.stack(np.broadcast_arrays(*gains), axis=-1)
+        on_path = polynomials.times_variable(on_path, integrators - sensors.drift)
+        path = polynomials.multiply(on_path, plant.lateral_numerator("drift_rate", source, station))
+        numerator = polynomials.add(numerator, polynomials.multiply(path, below))
+    if sensors.acceleration:
+        felt = plant.lateral_numerator("acceleration", source, station)
+        factor = np.asarray(autopilot.acceleration_gain)[..., np.newaxis] * sensors.bandwidth
+        felt = polynomials.times_variable(polynomials.multiply(factor * felt, below), integrators)
+        other = polynomials.multiply(numerator, _accelerometer(autopilot))
+        numerator = polynomials.add(other, felt)
+    return numerator
+
+
+def _accelerometer(autopilot: Feedback) -> FloatArray:
+    """Return the denominator of the lag of the accelerometer."""
+    return np.array([1.0, autopilot.accelerometer_bandwidth])
 
 
 def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
@@ -345,7 +392,8 @@ def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem
     """Return the plant with its actuator, and the law in steps, of the loop of `sampled_loop`."""
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = _measured(autopilot, plant)
-    vehicle = plant_with_actuator(plant, autopilot.actuator).select((COMMAND,), sensed)
+    behind_actuator = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
+    vehicle = behind_actuator.select((COMMAND,), sensed)
     growth = vehicle.poles.real.max(axis=-1) * period
     if np.any(growth > _MAX_POLE_TIMES_PERIOD):
         raise InputError(

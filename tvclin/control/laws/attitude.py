@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -14,11 +14,25 @@ from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Chains, LinearLaw
 from tvclin.kernels.control_laws import LawNumbers
+from tvclin.linear.lateral import LateralSensors
+
+
+def gain_numbers(autopilot: Autopilot) -> dict[str, Any]:
+    """Return the gains of an autopilot by their names in `LawNumbers`."""
+    return {
+        "attitude": autopilot.attitude_gain,
+        "attitude_rate": autopilot.rate_gain,
+        "angle_of_attack": autopilot.alpha_gain,
+        "first_state": autopilot.integral_gain,
+        "drift_rate": autopilot.drift_rate_gain,
+        "drift": autopilot.drift_gain,
+        "acceleration": autopilot.acceleration_gain,
+    }
 
 
 @dataclass(frozen=True)
 class SaturatedLaw(LinearLaw):
-    """Autopilot feedback under a deflection limit: a0 theta + a1 theta' + b0 alpha + aI int theta.
+    """Autopilot feedback under a deflection limit, the sum of its gains times the measurements.
 
     Parameters
     ----------
@@ -64,13 +78,13 @@ class SaturatedLaw(LinearLaw):
         a = self.autopilot
         return Chains(a.attitude_filters, a.rate_filters, a.filters)
 
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of lateral motion of the autopilot."""
+        return self.autopilot.lateral_sensors
+
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Gains a0, a1, b0 and aI of the autopilot."""
-        gains = self.autopilot
-        return LawNumbers(
-            attitude=float(gains.attitude_gain),
-            attitude_rate=float(gains.rate_gain),
-            angle_of_attack=float(gains.alpha_gain),
-            first_state=float(gains.integral_gain),
-        )
+        """Gains a0, a1, b0, aI, d1, d0 and g of the autopilot."""
+        gains: Any = {k: float(v) for k, v in gain_numbers(self.autopilot).items()}
+        return LawNumbers(**gains)

@@ -64,7 +64,7 @@ class LawInPlanes:
     def demand(self, measured: Vectors, states: Vectors, limit: FloatArray) -> Vectors:
         """Return the demanded deflections [rad], before the limit, ``(m,)``.
 
-        `measured`: measurements of both planes in the order of `Measurement`, ``(m, 5)``. `states`:
+        `measured`: measurements of both planes in the order of `Measurement`, ``(m, 8)``. `states`:
         states of the law, ``(m, k)``. `limit`: scale [rad] of the limit shape, ``(m,)``.
         """
         if not self.radial:

@@ -26,6 +26,7 @@ from tvclin.base.errors import (
 from tvclin.base.fields import spec
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
+from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.plant import Plant
 
 _OBSERVER_DAMPING = 0.7
@@ -142,6 +143,11 @@ class EstimatedLaw(Law):
     def chains(self) -> Chains:
         """Filter chains of the law; sensors are filtered before the estimator."""
         return self.law.chains
+
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of lateral motion of the law."""
+        return self.law.lateral_sensors
 
     @property
     def rate_noise(self) -> tuple[float, int]:

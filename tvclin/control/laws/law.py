@@ -19,6 +19,7 @@ from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
 from tvclin.control.autopilot.wiring import LAW_INPUTS
 from tvclin.kernels.control_laws import LawNumbers, law_demand
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
@@ -30,13 +31,20 @@ _MEASURED_STATES = 3
 
 
 class Measurement(NamedTuple):
-    """Measurements of a law [rad, rad/s], each a number or an array over flights."""
+    """Measurements of a law, each a number or an array over flights.
+
+    Angles and angular rates [rad, rad/s]; and where its `Law.lateral_sensors` measure them, else
+    zero, the lateral drift rate [m/s], the drift [m], and the lateral acceleration [m/s^2].
+    """
 
     attitude: Any
     attitude_rate: Any
     flight_path_angle: Any
     angle_of_attack: Any
     deflection: Any
+    drift_rate: Any = 0.0
+    drift: Any = 0.0
+    acceleration: Any = 0.0
 
 
 class Chains(NamedTuple):
@@ -76,6 +84,7 @@ class Law(Record, ABC):
     def state_space(self) -> LinearSystem:
         """State space from `LAW_INPUTS` to the law's states."""
         F, G = self.states
+        G = np.pad(G, ((0, 0), (0, len(LAW_INPUTS) - G.shape[1])))
         names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
         return LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), LAW_INPUTS, names, names)
 
@@ -83,6 +92,11 @@ class Law(Record, ABC):
     def chains(self) -> Chains:
         """Filter chains of the law; empty by default."""
         return Chains()
+
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of lateral motion that the law has; none by default."""
+        return NO_LATERAL_SENSORS
 
     @property
     def rate_noise(self) -> tuple[float, int]:
@@ -196,6 +210,11 @@ class FilteredLaw(Law):
     def chains(self) -> Chains:
         """Filter chains of attitude, rate and demand."""
         return Chains(self.attitude_filters, self.rate_filters, self.filters)
+
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of lateral motion of the law without filters."""
+        return self.law.lateral_sensors
 
     @property
     def rate_noise(self) -> tuple[float, int]:

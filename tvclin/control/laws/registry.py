@@ -15,7 +15,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError, instance, number, one_of, small_angle, unlimited
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.autopilot.feedback import ACCELEROMETER, GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import RATE_LIMIT_RANGE, FilteredLaw, Law
@@ -31,7 +31,8 @@ def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = N
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
     instance("autopilot", autopilot, Autopilot, "see design_gains")
-    return SaturatedLaw(Autopilot(**{name: getattr(autopilot, name) for name in GAINS}))
+    names = (*GAINS, *ACCELEROMETER)
+    return SaturatedLaw(Autopilot(**{name: getattr(autopilot, name) for name in names}))
 
 
 def _trim(plant: Plant, peak: float, rate_limit: float) -> Law:

@@ -10,6 +10,7 @@ between breakpoints.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property, reduce
 from math import factorial
 from typing import Any, NamedTuple
 
@@ -29,6 +30,7 @@ from tvclin.control.autopilot.wiring import (
     attitude_integral,
     law_blocks,
 )
+from tvclin.control.laws.attitude import gain_numbers
 from tvclin.control.laws.law import Chains, Law
 from tvclin.control.laws.system_law import SystemLaw
 from tvclin.flights.closed_loop.outcomes import OutcomeCriteria, outcome_criteria
@@ -47,6 +49,7 @@ from tvclin.kernels.flights import (
     Winds,
 )
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.system import LinearSystem, connect, polynomial_input, split_delay
 from tvclin.numerics.pieces import at_pieces, locate, recentred, spread
 from tvclin.numerics.state_space import beside
@@ -119,13 +122,15 @@ def ramp_steps(plant: LinearSystem, parts: FloatArray) -> FloatArray:
 def sensed_rows(plant: LinearSystem) -> FloatArray:
     """Return the rows of measured attitude, rate, path and angle of attack, ``(p, 4, n + 1)``.
 
-    They act on the states and the wind.
+    They act on the states and the wind. With lateral sensors rows of drift rate, drift and
+    acceleration follow, ``(p, 7, n + 1)``.
     """
-    n, rows = len(plant.states), np.zeros((len(plant.C), 4, len(plant.states) + 1))
     columns = {name: k for k, name in enumerate(plant.outputs)}
-    for row, name in enumerate(
-        ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
-    ):
+    names = ["attitude", "attitude_rate", "flight_path_angle", "angle_of_attack"]
+    if columns.keys() & set(LAW_INPUTS[5:]):
+        names += LAW_INPUTS[5:]
+    n, rows = len(plant.states), np.zeros((len(plant.C), len(names), len(plant.states) + 1))
+    for row, name in enumerate(names):
         k = columns.get(f"sensed_{name}", columns.get(name))
         if k is not None:
             rows[:, row, :n], rows[:, row, n] = plant.C[:, k], plant.D[:, k, 1]
@@ -186,11 +191,11 @@ SENSED = ("sensed_attitude", "sensed_attitude_rate", *LAW_INPUTS[2:])
 class Memory(NamedTuple):
     """Step of the s states of laws with their filters, for each of l flights or for all.
 
-    Each row acts on the states, the five sensor outputs, and the demand of the law.
+    Each row acts on the states, the eight sensor outputs, and the demand of the law.
 
-    `moved`: rows of the next states, ``(l, s, s + 6)``. `seen`: rows of the law's inputs behind the
-    filters, ``(l, 5, s + 6)``; empty without filters. `told`: row of the filtered demand, ``(l, s +
-    6)``; empty without filters.
+    `moved`: rows of the next states, ``(l, s, s + 9)``. `seen`: rows of the law's inputs behind the
+    filters, ``(l, 8, s + 9)``; empty without filters. `told`: row of the filtered demand, ``(l, s +
+    9)``; empty without filters.
     """
 
     moved: FloatArray
@@ -204,13 +209,15 @@ class LawBatch:
 
     `laws`: the different laws; empty for a batch of gains. `numbers`: parameters of each for the
     kernel; None for a law that Python evaluates. `chains`: filters of each law; one entry for a
-    batch of gains. `which`: index of the law of each flight, ``(m,)``.
+    batch of gains. `which`: index of the law of each flight, ``(m,)``. `sensors`: lateral sensors
+    of all laws.
     """
 
     laws: tuple[Law, ...]
     numbers: list[LawNumbers | None]
     chains: list[Chains]
     which: IntArray
+    sensors: LateralSensors = NO_LATERAL_SENSORS
 
     @property
     def noise(self) -> list[tuple[float, int]]:
@@ -270,7 +277,8 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     numbers = [element.numbers for element in distinct]
     chains = [element.chains for element in distinct]
     which = np.broadcast_to(index.reshape(laws.shape), shape).ravel()
-    return LawBatch(distinct, numbers, chains, which)
+    sensors = reduce(LateralSensors.joined, (element.lateral_sensors for element in distinct))
+    return LawBatch(distinct, numbers, chains, which, sensors)
 
 
 def _array(law: Any) -> AnyArray:
@@ -297,15 +305,13 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
         raise InputError(
             "an autopilot with a batch of filters is flown as an array of SaturatedLaw, one each"
         )
-    fields = (gains.attitude_gain, gains.rate_gain, gains.alpha_gain, gains.integral_gain)
-    columns = (np.broadcast_to(gain, gains.batch).ravel().tolist() for gain in fields)
-    rows = zip(*columns, strict=True)
+    fields = gain_numbers(gains)
+    columns = (np.broadcast_to(gain, gains.batch).ravel().tolist() for gain in fields.values())
     numbers: list[LawNumbers | None] = [
-        LawNumbers(attitude=a, attitude_rate=r, angle_of_attack=b, first_state=i)
-        for a, r, b, i in rows
+        LawNumbers(**dict(zip(fields, row, strict=True))) for row in zip(*columns, strict=True)
     ]
-    index = np.arange(len(numbers)).reshape(gains.batch)
-    return LawBatch((), numbers, [chains], np.broadcast_to(index, shape).ravel())
+    index = np.broadcast_to(np.arange(len(numbers)).reshape(gains.batch), shape).ravel()
+    return LawBatch((), numbers, [chains], index, gains.lateral_sensors)
 
 
 def _with_filters(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
@@ -380,6 +386,11 @@ class Batch:
     until: float = np.inf
     vehicle: IntArray | None = None
     encountered: IntArray | None = None
+
+    @cached_property
+    def system(self) -> LinearSystem:
+        """Plants with the lateral sensors of the laws, whose states follow the plant's."""
+        return self.laws.sensors.system(self.plant)
 
     @property
     def vehicles(self) -> tuple[int, ...]:
@@ -468,7 +479,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
     N = steps.joint.shape[2]
-    plant = batch.plant.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
+    plant = batch.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
     now = _equilibrium(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
     now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
@@ -479,7 +490,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
             A=plant.A,
             gust=np.ascontiguousarray(plant.B[..., 1]),
             fastest=np.abs(plant.poles).max(axis=-1),
-            judges=_widened(judges.rows[criteria_index], N),
+            judges=_widened(judges.rows[criteria_index], N, batch.laws.sensors),
             reach=judges.reach[criteria_index],
             ratio=judges.ratio[criteria_index],
         ),
@@ -497,7 +508,7 @@ def _steps(batch: Batch, batch_shape: tuple[int, ...], terms: int) -> Steps:
     A sample has a part before and a part after the arrival of a delayed command.
     """
     hardware, all_vehicles = batch.hardware, np.arange(int(np.prod(batch_shape)))
-    plant = batch.plant.system.cases(all_vehicles, batch_shape)
+    plant = batch.system.cases(all_vehicles, batch_shape)
     length, delay = (_spread(a, batch_shape) for a in (hardware.length, hardware.delay))
     late, rest = split_delay(delay, length)
     parts = [length - rest, rest] if np.any(rest) else [length]
@@ -507,7 +518,8 @@ def _steps(batch: Batch, batch_shape: tuple[int, ...], terms: int) -> Steps:
     ]
     substeps = substeps_of(_spread(frequency(hardware.actuator), batch_shape), lengths)
     short = lengths[:, 1:] / substeps
-    moving = plant_with_actuator(batch.plant, hardware.actuator).cases(all_vehicles, batch_shape)
+    nozzle = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
+    moving = nozzle.cases(all_vehicles, batch_shape)
     n = len(plant.states)
     joint = joint_steps(moving, n, lengths[:, 1:], terms)
     return Steps(
@@ -585,8 +597,13 @@ def _equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Fligh
     )
 
 
-def _widened(rows: FloatArray, width: int) -> FloatArray:
-    """Return the rows cut or padded with zeros to a width."""
+def _widened(rows: FloatArray, width: int, sensors: LateralSensors) -> FloatArray:
+    """Return the rows cut or padded with zeros to a width, with zeros for the sensors' states.
+
+    The last two columns are those of deflection and deflection rate.
+    """
+    count = len(sensors.states)
+    rows = np.insert(rows, [rows.shape[-1] - 2] * count, 0.0, axis=-1)
     wide = np.zeros((*rows.shape[:-1], width))
     common = min(width, rows.shape[-1])
     wide[..., :common] = rows[..., :common]

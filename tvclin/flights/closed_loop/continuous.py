@@ -43,6 +43,9 @@ class Equations(Protocol):
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
         """Return the angle of attack [rad]."""
 
+    def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
+        """Return the measurements of the lateral sensors, by name."""
+
 
 class Regime(NamedTuple):
     """Sign of each active limit, 0 for none; the equations are smooth within a regime.
@@ -103,10 +106,11 @@ class Loop:
         self, t: Any, states: FloatArray, wind: Any, regime: Regime | None = None
     ) -> Measurement:
         """Return the measurements of the law; the deflection is NaN without an actuator."""
-        path = states[2] if self.order > 2 else 0.0 * states[0]
+        path = states[2] if "flight_path_angle" in self.equations.states else 0.0 * states[0]
         alpha = self.equations.angle_of_attack(t, states[: self.order], wind)
         deflection = np.nan if self.actuator is None else self.nozzle(states, regime)
-        return Measurement(states[0], states[1], path, alpha, deflection)
+        lateral = self.equations.lateral(t, states[: self.order])
+        return Measurement(states[0], states[1], path, alpha, deflection, **lateral)
 
     def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
         """Return the deflection [rad]; with a regime it is smooth beyond the regime's end."""

@@ -34,8 +34,10 @@ from tvclin.flights.closed_loop.continuous import ContinuousFlight, Loop
 from tvclin.flights.closed_loop.fly_many import LOST, NO_FLIGHT, fly_many
 from tvclin.flights.closed_loop.sampled import outputs_of, tracked
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import Responses, time_response
+from tvclin.linear.system import LinearSystem
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -89,7 +91,8 @@ def fly(
     Returns
     -------
     control.TimeResponseData
-        Outputs of the plant, and the deflection [rad, rad/s]; input wind [rad].
+        Outputs of the plant [rad, rad/s], of the lateral sensors of the law [m/s, m, m/s^2], and
+        the deflection [rad]; input wind [rad].
 
     Raises
     ------
@@ -178,8 +181,9 @@ def flight_responses(
         late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
         hardware = Hardware(length, late, actuator, max_rate)
         rows = _sampled(plant, law, wind, times, limit, hardware, factor)
-    outputs = np.vstack([outputs_of(plant, rows, wind(times)), rows[-1:]])
-    return Responses(times, outputs, (*plant.outputs, "deflection"))
+    system = law.lateral_sensors.system(plant)
+    outputs = np.vstack([outputs_of(system, rows, wind(times)), rows[-1:]])
+    return Responses(times, outputs, (*system.outputs, "deflection"))
 
 
 def _continuous(
@@ -200,42 +204,51 @@ def _continuous(
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
     # the equations do not depend on time, and near zero its rounding is smallest
-    start, loop = float(wind.onset), Loop(LinearEquations(plant), law, *limits, actuator, gain)
+    equations = LinearEquations(plant, law.lateral_sensors)
+    start, loop = float(wind.onset), Loop(equations, law, *limits, actuator, gain)
     flight, times = ContinuousFlight(loop, wind.shift(-start)), times - start
     return flight.rows(flight.arcs(0.0, float(times.max())), times)
 
 
 @dataclass(frozen=True, eq=False)
 class LinearEquations:
-    """`Equations` of a linear plant, whose states are angles [rad] and angular rates [rad/s]."""
+    """`Equations` of a linear plant with lateral sensors."""
 
     plant: Plant
+    sensors: LateralSensors = NO_LATERAL_SENSORS
 
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
-        return self.plant.states
+        return self._system.states
 
     @property
     def scales(self) -> FloatArray:
-        """Scales of the states: one for each."""
-        return np.ones(len(self.states))
+        """Scales of the states: one for each angle and its rate, the speed for the sensors'."""
+        speed = float(np.asarray(self.plant.coefficients.velocity))
+        return np.where(np.arange(len(self.states)) < len(self.plant.states), 1.0, speed)
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return A x + B u."""
         del t
-        A, B = self._matrices
+        A, B, _, _ = self._system.matrices()
         return A @ x + B[:, 0] * deflection + B[:, 1] * gust
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
         """Return theta - gamma - alpha_w."""
         del t
-        return x[0] - gust if len(x) < 3 else x[0] - x[2] - gust
+        return x[0] - gust if len(self.plant.states) < 3 else x[0] - x[2] - gust
+
+    def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
+        """Return the measurements of the lateral sensors, by name."""
+        del t
+        rows = self._system.C[len(self.plant.outputs) :] @ x
+        return self.sensors.measurements(rows)
 
     @cached_property
-    def _matrices(self) -> tuple[FloatArray, FloatArray]:
-        """A and B of the plant."""
-        return self.plant.matrices()[:2]
+    def _system(self) -> LinearSystem:
+        """The plant with its lateral sensors."""
+        return self.sensors.system(self.plant)
 
 
 def _sampled(
@@ -319,7 +332,7 @@ def fly_nozzle(
     hardware = Hardware(h, delay, actuator, rate_limit)
     flight = one_flight(plant, law, wind, deflection_limit, hardware, until=times[-1] + h)
     rows, rate, acceleration = tracked(flight, times)
-    outputs = outputs_of(plant, rows, wind(times))
+    outputs = outputs_of(flight.system, rows, wind(times))
     alpha, attitude = (
         outputs[plant.outputs.index(name)] for name in ("angle_of_attack", "attitude")
     )

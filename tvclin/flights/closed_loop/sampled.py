@@ -23,7 +23,6 @@ from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import NEVER, Flights
 from tvclin.kernels.threads import in_slices
-from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
 from tvclin.linear.system import LinearSystem, connect, polynomial_input
 from tvclin.numerics.propagation import input_states, matrix_exponentials, piece_matrix
@@ -146,11 +145,12 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
 
     `InputError` if its states exceed `LOST`.
     """
-    plant, actuator, f = flight.plant, flight.hardware.actuator, flown(flight, track=True)
-    n, system = len(plant.states), plant_with_actuator(plant, actuator)
+    actuator, f = flight.hardware.actuator, flown(flight, track=True)
+    n = len(flight.system.states)
+    system = plant_with_actuator(flight.plant, actuator, flight.laws.sensors)
     _check(f, n)
     at = _substeps(f, system, n, times)
-    rows = _rows(at, plant, actuator, flight.wind, times)
+    rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
         return Tracked(rows, None, None)
     derivatives = system.A @ at.free + system.B[:, :1] * at.command
@@ -159,10 +159,10 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     return Tracked(rows, rate, np.where(before | at.bounded, 0.0, system.A[n] @ derivatives))
 
 
-def outputs_of(plant: AnyPlant, rows: FloatArray, gusts: FloatArray) -> FloatArray:
+def outputs_of(plant: LinearSystem, rows: FloatArray, gusts: FloatArray) -> FloatArray:
     """Return the outputs ``(outputs, m)`` of a plant, from states, deflection and wind [rad]."""
-    _, _, C, D = plant.matrices()
-    return np.asarray(C @ rows[:-1] + D[:, : len(VEHICLE_INPUTS)] @ np.stack([rows[-1], gusts]))
+    direct = plant.D[:, : len(VEHICLE_INPUTS)] @ np.stack([rows[-1], gusts])
+    return np.asarray(plant.C @ rows[:-1] + direct)
 
 
 def _check(f: Flights, order: int) -> None:
@@ -176,10 +176,10 @@ def _check(f: Flights, order: int) -> None:
 
 
 def _rows(
-    at: _Substeps, plant: AnyPlant, actuator: Actuator | None, wind: History, times: FloatArray
+    at: _Substeps, bare: LinearSystem, actuator: Actuator | None, wind: History, times: FloatArray
 ) -> FloatArray:
     """Return states of the plant and deflection at the times, ``(n + 1, m)``."""
-    bare, y, first, slope = plant.system, at.y, at.first, at.slope
+    y, first, slope = at.y, at.first, at.slope
     n = len(bare.states)
     vehicle = y[:, :n]
     if "deflection_acceleration" in bare.inputs:  # an impulse at the start of the constant rate

@@ -112,8 +112,10 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     def spread(rows: FloatArray) -> FloatArray:
         return np.broadcast_to(rows, (k, *rows.shape[-2:]))
 
+    shown = f.vehicles.shown[vehicles, :, :n] @ x[:n]
+    not_measured = np.zeros((k, MEASURED - 1 - shown.shape[1], size))
     sensed = np.concatenate(
-        [f.vehicles.shown[vehicles, :, :n] @ x[:n], spread(x[n : n + 1])], axis=1
+        [shown[:, :4], spread(x[n : n + 1]), shown[:, 4:], not_measured], axis=1
     )
     signals = np.concatenate([spread(law_states), sensed, spread(0.0 * x[:1])], axis=1)
     measured = per_case(f.laws.seen) @ signals if len(f.laws.seen) else sensed
@@ -133,7 +135,7 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the derivatives of demands by measurements and law states, ``(k, 5 + s)``."""
+    """Return the derivatives of demands by measurements and law states, ``(k, 8 + s)``."""
     reach = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
     small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]
     slopes = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))

@@ -131,9 +131,10 @@ class SixDof:
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
         """Return the steering of a command within a limit [rad].
 
-        `InputError` for a step too large for the actuator.
+        `InputError` for a step too large for the actuator, and a law that measures lateral motion.
         """
         control, actuator = command.control, command.actuator
+        _check_sensors(control)
         if isinstance(control, History):
             return by_history(control, air.times, self.step, limit)
         if isinstance(control, ReportControl):
@@ -296,6 +297,7 @@ def planes_verdict(
         control = SaturatedLaw(control)
     if not isinstance(control, Law):
         raise InputError("both planes are flown by a law; give law=, such as TrimLaw")
+    _check_sensors(control)
     if not frozen:
         raise InputError("both planes are flown with frozen parameters; leave frozen=True")
     law = LawInPlanes(control, stop, saturate)
@@ -315,6 +317,15 @@ def planes_verdict(
         return not has_fallen(float(np.hypot(*rows[-1, :, 1])), float(wind.peak), pole)
 
     return survives
+
+
+def _check_sensors(control: object) -> None:
+    """Raise `InputError` for a law that measures lateral motion."""
+    if isinstance(control, Law) and control.lateral_sensors.signals:
+        raise InputError(
+            "feedback of drift and lateral acceleration is not flown in six degrees of freedom; fly"
+            " it by fly or fly_planar, or set these gains to zero"
+        )
 
 
 def _wind_at_steps(

@@ -15,11 +15,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tvclin.base.errors import InputError
+from tvclin.base.fields import parameters
 from tvclin.base.files import exists, write_new
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.case.case import FROZEN, SIGNS
 from tvclin.case.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.control.autopilot.design_rules import (
+    ADDED_GAINS,
     CHAIN_OF_POSITION,
     GIVEN_GAINS,
     LEAST_NOZZLE,
@@ -325,7 +327,7 @@ def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
     elif rule == _rule(design):
         gains |= {name: getattr(design, name) for name in ("natural_frequency", "damping")}
     return AutopilotDesign(
-        integral_gain=design.integral_gain,
+        **{name: getattr(design, name) for name in ADDED_GAINS},
         delay=1e-3 * v["delay"],
         sample_rate=v["sample_rate"] or None,
         **gains | chains,
@@ -447,6 +449,17 @@ def _nozzle(choices: Choices) -> Table:
     )
 
 
+def _added_gains(design: AutopilotDesign) -> Table:
+    """Return the keys of the gains that stand beside a rule, where they are not the default."""
+    specified = parameters(AutopilotDesign)
+    items = [specified[name] for name in ADDED_GAINS]
+    return {
+        item.document_key: getattr(design, item.name)
+        for item in items
+        if getattr(design, item.name) != item.default
+    }
+
+
 def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
     """Return the tables of a study file for the autopilot of the choices."""
     design = choices.plan.autopilot_design
@@ -457,7 +470,7 @@ def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
         "attitude_gain": design.attitude_gain,
         "rate_gain_s": design.rate_gain,
         "alpha_gain": design.alpha_gain,
-        "integral_gain_per_s": design.integral_gain or None,
+        **_added_gains(design),
         "delay_ms": _short(1e3 * design.delay),
         "sample_rate_Hz": design.sample_rate,
     }

@@ -267,10 +267,7 @@ def _margins(result: Answer) -> str:
     m, plan = result.margins, result.choices.plan
     if m is None:
         return "Margins: none."
-    a = plan.autopilot
-    gains = f"a0 = {a.attitude_gain:.4g}, a1 = {a.rate_gain:.4g} s"
-    gains += f", b0 = {a.alpha_gain:.4g}" if a.alpha_gain else ""
-    gains += f", aI = {a.integral_gain:.4g}/s" if a.integral_gain else ""
+    gains = plan.autopilot.gains_text
     said = f"Margins of the autopilot ({gains}), which the law {AUTOPILOT} flies: "
     if m.reason:
         return f"{said}none, {m.reason}."

@@ -1,0 +1,108 @@
+"""Sensors of lateral drift and acceleration: the plant with their outputs.
+
+An inertial unit measures the velocity normal to the nominal path, the drift rate V gamma, and its
+integral, the drift z, a state with a pole at zero. A body-mounted accelerometer measures the force
+normal to the body, without gravity, through a first-order lag.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.system import LinearSystem, connect
+
+DRIFT_RATE, DRIFT, ACCELERATION = "sensed_drift_rate", "sensed_drift", "sensed_acceleration"
+"""Names of the outputs [m/s], [m] and [m/s^2]."""
+_FORCE = "lateral_acceleration"
+"""Name of the acceleration before the lag."""
+
+
+@dataclass(frozen=True)
+class LateralSensors:
+    """Sensors of an autopilot that measure lateral motion.
+
+    `drift_rate`, `drift`, `acceleration`: whether these are measured. `station`: position of the
+    accelerometer ahead of the centre of gravity [m]. `bandwidth`: of its first-order lag [rad/s].
+    """
+
+    drift_rate: bool = False
+    drift: bool = False
+    acceleration: bool = False
+    station: float = 0.0
+    bandwidth: float = 100.0
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Names of the outputs of the sensors."""
+        measured = (self.drift_rate, self.drift, self.acceleration)
+        names = zip((DRIFT_RATE, DRIFT, ACCELERATION), measured, strict=True)
+        return tuple(name for name, is_measured in names if is_measured)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states of the sensors: the drift, and the lag of the accelerometer."""
+        return tuple(name.removeprefix("sensed_") for name in self.signals if name != DRIFT_RATE)
+
+    def measurements(self, values: FloatArray) -> dict[str, Any]:
+        """Return the outputs of the sensors ``(signals, ...)`` by their names as measurements."""
+        names = (name.removeprefix("sensed_") for name in self.signals)
+        return dict(zip(names, values, strict=True))
+
+    def joined(self, other: LateralSensors) -> LateralSensors:
+        """Return the sensors of two laws; `InputError` for two accelerometers."""
+        felt = [sensors for sensors in (self, other) if sensors.acceleration]
+        places = {(sensors.station, sensors.bandwidth) for sensors in felt}
+        if len(places) > 1:
+            raise InputError(
+                "laws that are flown together must have their accelerometer at one station, with"
+                " one bandwidth; fly them one after the other"
+            )
+        station, bandwidth = places.pop() if places else (self.station, self.bandwidth)
+        return LateralSensors(
+            self.drift_rate or other.drift_rate,
+            self.drift or other.drift,
+            bool(felt),
+            station,
+            bandwidth,
+        )
+
+    def system(self, plant: AnyPlant) -> LinearSystem:
+        """Return the plant with the sensors; its outputs are the plant's, then `signals`.
+
+        Its states are the plant's, then the drift and the lag of the accelerometer. `InputError`
+        as `Plant.lateral_rows`.
+        """
+        system = plant.system
+        if not self.signals:
+            return system
+        blocks, raw = [], {}
+        if self.drift_rate or self.drift:
+            raw[DRIFT_RATE] = plant.lateral_rows("drift_rate", self.station)
+        if self.drift:
+            blocks.append(_first_order(0.0, 1.0, DRIFT_RATE, DRIFT))
+        if self.acceleration:
+            raw[_FORCE] = plant.lateral_rows("acceleration", self.station)
+            w = self.bandwidth
+            blocks.append(_first_order(-w, w, _FORCE, ACCELERATION))
+        C, D = (
+            np.concatenate([matrix, np.stack([rows[k] for rows in raw.values()], axis=-2)], axis=-2)
+            for k, matrix in enumerate((system.C, system.D))
+        )
+        measured = replace(system, C=C, D=D, outputs=(*system.outputs, *raw))
+        return connect([measured, *blocks], system.inputs, (*system.outputs, *self.signals))
+
+
+NO_LATERAL_SENSORS = LateralSensors()
+"""Sensors of an autopilot without feedback of drift and acceleration."""
+
+
+def _first_order(pole: float, gain: float, input: str, output: str) -> LinearSystem:
+    """Return the system x' = pole x + gain u with the output x."""
+    A, B, C, D = (np.array([[value]]) for value in (pole, gain, 1.0, 0.0))
+    return LinearSystem(A, B, C, D, (input,), (output,), (output.removeprefix("sensed_"),))
