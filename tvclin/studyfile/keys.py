@@ -162,6 +162,7 @@ _HELP = {
     "coefficients.beta": "Square root of mu_alpha.",
     "coefficients.B": "Trim deflection per angle of attack.",
     "coefficients.damping": "Damping of the attitude rate.",
+    "coefficients.velocity": "Speed, for lateral drift and acceleration.",
     **{
         f"coefficients.{name}": f"Coefficient {name} of the path."
         for name in ["C1", "C2", "b1", "b2", "q"]
