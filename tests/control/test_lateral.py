@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import NamedTuple
 
+import control
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -216,6 +217,46 @@ def test_loops_of_random_vehicles_are_those_of_own_equations(check, modes):
 def test_loops_of_more_random_vehicles_are_those_of_own_equations(check, modes):
     for seed in range(100, 350):
         check(seed, modes)
+
+
+def test_a_plant_from_a_state_space_has_the_same_loop_by_its_outputs():
+    rows = [PLANT.lateral_rows(name, 4.0) for name in ("drift_rate", "acceleration")]
+    A, B, C, D = PLANT.matrices()
+    system = control.StateSpace(
+        A,
+        B,
+        np.vstack([C, *(row for row, _ in rows)]),
+        np.vstack([D, *(direct for _, direct in rows)]),
+        inputs=list(PLANT.inputs),
+        outputs=[*PLANT.outputs, "drift_rate", "lateral_acceleration"],
+    )
+    own = tv.SystemPlant(system, PLANT.coefficients)
+    for autopilot in (ALL, replace(ALL, sample_rate=40.0)):
+        expected = autopilot.frequency_response(PLANT, OMEGA[:30])
+        found = autopilot.frequency_response(own, OMEGA[:30])
+        np.testing.assert_allclose(found, expected, rtol=1e-9)
+    flights = [
+        tv.fly(plant, LAW, WIND, np.linspace(0, 20, 41), **HARDWARE, sample_rate=40.0).outputs
+        for plant in (PLANT, own)
+    ]
+    for name in ("attitude", "sensed_drift", "deflection"):
+        np.testing.assert_allclose(flights[1][name], flights[0][name], atol=1e-11, rtol=1e-9)
+    bare = tv.SystemPlant(PLANT.ss())
+    with pytest.raises(tv.InputError, match="plant has no output drift_rate"):
+        LOOP.margins(bare)
+
+
+def test_the_closed_loop_in_turbulence_has_drift_sampled_or_not():
+    air = tv.winds.Turbulence(2.0, 500.0)
+    found = []
+    for autopilot in (ALL, replace(ALL, sample_rate=400.0, delay=0.015 - 0.5 / 400.0)):
+        covariance = tv.control.turbulence_covariance(autopilot, PLANT, air, SPEED)
+        names = ("attitude", "sensed_drift_rate", "sensed_drift", "sensed_acceleration")
+        found.append([covariance.rms(name) for name in names])
+        assert covariance.rms("sensed_drift_rate") == pytest.approx(
+            covariance.rms("lateral_rate"), rel=1e-9
+        )
+    assert found[1] == pytest.approx(found[0], rel=1e-3)
 
 
 WIND = tv.TriangularWind(peak=0.05, duration=10.0)

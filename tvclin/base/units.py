@@ -49,6 +49,7 @@ UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "ft": FOOT, "in": FOOT / 12},
     "per length": {"per_m": 1.0, "per_ft": 1.0 / FOOT, "per_in": 12 / FOOT},
     "speed": {"m_per_s": 1.0, "km_per_s": 1e3, "ft_per_s": FOOT, "kt": 1852 / 3600},
+    "acceleration": {"m_per_s2": 1.0, "ft_per_s2": FOOT},
     "angle": {"rad": 1.0, "deg": DEGREE},
     "angular rate": {"rad_per_s": 1.0, "deg_per_s": DEGREE},
     "angular acceleration": {"rad_per_s2": 1.0, "deg_per_s2": DEGREE},

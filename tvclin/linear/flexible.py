@@ -35,7 +35,7 @@ from tvclin.base.lines import Line, Table, significant
 from tvclin.base.public_names import Hinted
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
-from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, STATION_RANGE, Plant
+from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, LATERAL_SIGNALS, MODELS, STATION_RANGE, Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_plant import SystemPlant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
@@ -326,7 +326,7 @@ class FlexiblePlant(Shown, Hinted):
             drift rate     V gamma + sum phi eta'
             acceleration   z'' + x theta'' + sum phi eta'' - a (theta + sum sigma eta)
         """
-        one_of("signal", signal, ("drift_rate", "acceleration"))
+        one_of("signal", signal, LATERAL_SIGNALS)
         station = number("station", station, STATION_RANGE, "m")
         rigid, modes = len(self.rigid.states), self.structure.bending
         columns = rigid + 2 * np.arange(len(modes))

@@ -19,7 +19,7 @@ from tvclin.linear.system import LinearSystem, connect
 
 DRIFT_RATE, DRIFT, ACCELERATION = "sensed_drift_rate", "sensed_drift", "sensed_acceleration"
 """Names of the outputs [m/s], [m] and [m/s^2]."""
-_FORCE = "lateral_acceleration"
+_FORCE = "acceleration ahead of the lag"
 """Name of the acceleration before the lag."""
 
 
@@ -81,6 +81,8 @@ class LateralSensors:
         system = plant.system
         if not self.signals:
             return system
+        others = [name for name in system.outputs if name not in (DRIFT_RATE, DRIFT, ACCELERATION)]
+        system = system.select(system.inputs, others)
         blocks, raw = [], {}
         if self.drift_rate or self.drift:
             raw[DRIFT_RATE] = plant.lateral_rows("drift_rate", self.station)

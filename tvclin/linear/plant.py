@@ -42,6 +42,8 @@ ONE_POLE = (FIXED_PATH, "drift")
 INPUTS = ("deflection", "wind")
 PLANT_HINT = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
 """Hint on making a `Plant`, for messages where a flexible plant has no answer."""
+LATERAL_SIGNALS = ("drift_rate", "acceleration")
+"""Signals of `lateral_rows`."""
 STATION_RANGE = between(-1e9, 1e9)
 """Check of the station of an accelerometer [m]."""
 _OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
@@ -422,7 +424,7 @@ class Plant(Hinted):
 
     def _velocity(self, signal: str) -> FloatArray:
         """Return the speed [m/s], ``(..., 1)``; `InputError` where a lateral signal is unknown."""
-        one_of("signal", signal, ("drift_rate", "acceleration"))
+        one_of("signal", signal, LATERAL_SIGNALS)
         if signal == "drift_rate" and self.model == "fixed-path":
             raise InputError(
                 f'model "fixed-path" has no lateral drift; {", ".join(MODELS[1:])} have it'

@@ -17,14 +17,14 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import card, lines
-from tvclin.base.errors import InputError, broadcast, instance, one_of, positive
+from tvclin.base.errors import InputError, broadcast, instance, number, one_of, positive
 from tvclin.linear.named_systems import (
     check_hidden_modes,
     eigenvectors,
     named_system,
     require_signals,
 )
-from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.plant import INPUTS, LATERAL_SIGNALS, STATION_RANGE, Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.numerics.modal import ModalSystem
 from tvclin.vehicle.coefficients import Coefficients
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 MOMENT = "moment"
 """Output of the angular acceleration [1/s^2], from whose direct terms the coefficients follow."""
 _ACCELERATION = "deflection_acceleration"
+_LATERAL_OUTPUTS = {"drift_rate": "drift_rate", "acceleration": "lateral_acceleration"}
+"""Name of the output of each lateral signal."""
 _MEASURED = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
 _MAX_DAMPING = 0.3
 """Largest damping ratio of a pole pair that is a mode with a band of its own."""
@@ -268,6 +270,40 @@ class SystemPlant(Plant):
     def system(self) -> LinearSystem:
         """The plant as a `LinearSystem` with named signals."""
         return self._system
+
+    def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
+        """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
+
+        They are those of the output drift_rate [m/s] or lateral_acceleration [m/s^2], at the
+        station of its own sensor; without an output drift_rate the speed of the coefficients times
+        the flight_path_angle.
+
+        Parameters
+        ----------
+        signal, station
+            Same as in `Plant.lateral_rows`.
+
+        Raises
+        ------
+        InputError
+            For an output that the plant does not have, and a drift rate that follows the
+            deflection at once.
+        """
+        one_of("signal", signal, LATERAL_SIGNALS)
+        number("station", station, STATION_RANGE, "m")
+        name = _LATERAL_OUTPUTS[signal]
+        if name in self.outputs:
+            k = self.outputs.index(name)
+            row, direct = self._system.C[..., k, :], self._system.D[..., k, :]
+            if signal == "drift_rate" and np.any(direct[..., [0, *range(2, len(self.inputs))]]):
+                raise InputError("drift_rate of the plant must not follow the deflection at once")
+            return row, direct
+        c = self._coefficients
+        speed = np.asarray(0.0 if c is None else c.velocity)[..., np.newaxis]
+        if signal == "drift_rate" and "flight_path_angle" in self.outputs and np.all(speed):
+            k = self.outputs.index("flight_path_angle")
+            return speed * self._system.C[..., k, :], speed * self._system.D[..., k, :]
+        raise InputError(f"plant has no output {name}, which the autopilot feeds back")
 
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return A, B, C, D with the leading axes of the batch."""

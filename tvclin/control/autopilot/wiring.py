@@ -112,14 +112,16 @@ def open_loop(
 def closed_loop(
     autopilot: Feedback, plant: AnyPlant, *, sensor_noise: bool = False
 ) -> LinearSystem:
-    """Return the closed loop from `DISTURBANCES` to the plant's outputs and the deflection.
+    """Return the closed loop from `DISTURBANCES` to outputs and deflection.
 
-    The delay is its Pade approximation. On request `SENSOR_NOISE` are further inputs, whose direct
-    parts are those of what the sensors put out.
+    The outputs are those of the plant and of the lateral sensors. The delay is its Pade
+    approximation. On request `SENSOR_NOISE` are further inputs, whose direct parts are those of
+    what the sensors put out.
     """
     loop = open_loop(autopilot, plant, pade=True, sensor_noise=sensor_noise)
     inputs = (*DISTURBANCES, *SENSOR_NOISE) if sensor_noise else DISTURBANCES
-    return loop.feedback(RETURNED, COMMAND).select(inputs, (*plant.outputs, "deflection"))
+    outputs = (*plant.outputs, *autopilot.lateral_sensors.signals, "deflection")
+    return loop.feedback(RETURNED, COMMAND).select(inputs, outputs)
 
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:

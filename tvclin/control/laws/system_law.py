@@ -16,6 +16,9 @@ from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.system import LinearSystem
 
+_MEASURED = Measurement._fields[:5]
+"""Measurements of a controller in state space: all but those of lateral sensors."""
+
 
 @dataclass(frozen=True)
 class SystemLaw(Law):
@@ -50,10 +53,10 @@ class SystemLaw(Law):
     def __post_init__(self) -> None:
         instance("autopilot", self.autopilot, SystemAutopilot, "of a control.StateSpace")
         for name in self.autopilot.system.inputs:
-            if name not in Measurement._fields and f"sensed_{name}" not in LAW_INPUTS:
+            if name not in _MEASURED and f"sensed_{name}" not in LAW_INPUTS:
                 raise InputError(
                     f"a flight does not measure {name}, which the controller reads; it measures"
-                    f" {', '.join(Measurement._fields)}"
+                    f" {', '.join(_MEASURED)}"
                 )
 
     @property
@@ -86,13 +89,14 @@ class SystemLaw(Law):
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the demanded deflection [rad] of a continuous controller, before the limit."""
         system = self.autopilot.system
-        values = [measured[Measurement._fields.index(name)] for name in system.inputs]
+        values = [measured[_MEASURED.index(name)] for name in system.inputs]
         terms = [*zip(system.C[0], states, strict=True), *zip(system.D[0], values, strict=True)]
         return sum((gain * value for gain, value in terms if gain), 0.0 * measured[0])
 
     @property
     def _selection(self) -> FloatArray:
         """Matrix from `Measurement` to the controller's inputs."""
-        fields = Measurement._fields
-        rows = [[float(name == field) for field in fields] for name in self.autopilot.system.inputs]
-        return np.array(rows).reshape(len(rows), len(fields))
+        rows = [
+            [float(name == field) for field in _MEASURED] for name in self.autopilot.system.inputs
+        ]
+        return np.array(rows).reshape(len(rows), len(_MEASURED))

@@ -284,8 +284,9 @@ def _sampled(
     period = 1.0 / float(autopilot.sample_rate or 1.0)
     complete, rest = split_delay(float(autopilot.delay), period)
     whole, remainder = int(complete), float(rest)
-    vehicle = plant_with_actuator(plant, autopilot.actuator)
-    sensed = (*plant.sensed, ANGLE_OF_ATTACK)
+    lateral = autopilot.lateral_sensors
+    vehicle = plant_with_actuator(plant, autopilot.actuator, lateral)
+    sensed = (*plant.sensed, ANGLE_OF_ATTACK, *lateral.signals)
     law = connect(autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (RETURNED,))
     A, wind, rows, direct, driven = _behind_filter(vehicle, shape)
     n, pipe, states = len(A), whole + 1, len(law.states)
@@ -299,8 +300,7 @@ def _sampled(
     full_rows[:, :n], full_rows[:, held] = rows, command.D[:, 0]
     index = [vehicle.outputs.index(name) for name in sensed]
     # the sample: the law reads the sensors, its command enters the pipe, and one leaves it
-    sensors = np.zeros((3, total))
-    sensors[:] = full_rows[index]
+    sensors = full_rows[index]
     sample = np.eye(total)
     sample[laws] = law.B @ sensors
     sample[laws, laws] += law.A

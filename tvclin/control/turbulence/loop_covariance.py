@@ -40,6 +40,7 @@ from tvclin.control.turbulence.driven_loop import (
     checked_parts,
     driven_loop,
 )
+from tvclin.linear import lateral
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.numerics.covariance import periodic_covariance, stationary_covariance, steps
 from tvclin.numerics.gaussian import crossing_rate, mean_absolute
@@ -61,6 +62,9 @@ KINDS = {
     ACCELERATION: "angular acceleration",
     LATERAL_RATE: "speed",
     LATERAL_POSITION: "length",
+    lateral.DRIFT_RATE: "speed",
+    lateral.DRIFT: "length",
+    lateral.ACCELERATION: "acceleration",
     Q_ALPHA: "pressure angle",
     BENDING_MOMENT: "moment",
 }

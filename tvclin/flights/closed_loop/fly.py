@@ -224,9 +224,11 @@ class LinearEquations:
 
     @property
     def scales(self) -> FloatArray:
-        """Scales of the states: one for each angle and its rate, the speed for the sensors'."""
-        speed = float(np.asarray(self.plant.coefficients.velocity))
-        return np.where(np.arange(len(self.states)) < len(self.plant.states), 1.0, speed)
+        """Scales of the states: one for each, and the largest rate per angle of the sensors'."""
+        scales = np.ones(len(self.states))
+        sensors = slice(len(self.plant.states), None)
+        scales[sensors] = np.abs(self._system.A[sensors]).max(axis=-1, initial=1.0)
+        return scales
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return A x + B u."""
