@@ -32,7 +32,7 @@ def random_seen(rng, model, size=None, scale=0.05):
     """Return what is seen, and the wind that makes its angle of attack."""
     attitude, rate, path, wind = rng.normal(scale=scale, size=(4,) if size is None else (4, *size))
     path = 0.0 * path if model == "fixed-path" else path
-    return Measurement(attitude, rate, path, attitude - path - wind, 0.0 * wind), wind
+    return Measurement(attitude, rate, path, attitude - path - wind, *[0.0 * wind] * 4), wind
 
 
 def coordinates(model, coefficients):

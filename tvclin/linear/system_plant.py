@@ -289,20 +289,31 @@ class SystemPlant(Plant):
             For an output that the plant does not have, and a drift rate that follows the
             deflection at once.
         """
+        name, factor = self._lateral_output(signal, station)
+        k = self.outputs.index(name)
+        direct = self._system.D[..., k, :]
+        if signal == "drift_rate" and np.any(direct[..., [0, *range(2, len(self.inputs))]]):
+            raise InputError("drift_rate of the plant must not follow the deflection at once")
+        return factor * self._system.C[..., k, :], factor * direct
+
+    def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
+        """Return the numerator from `input` to a signal of `lateral_rows`, highest power first.
+
+        Same parameters and exceptions as `lateral_rows` and `numerator`.
+        """
+        name, factor = self._lateral_output(signal, station)
+        return factor * self.numerator(name, input)
+
+    def _lateral_output(self, signal: str, station: float) -> tuple[str, FloatArray]:
+        """Return the output from which a lateral signal follows, and its factor ``(..., 1)``."""
         one_of("signal", signal, LATERAL_SIGNALS)
         number("station", station, STATION_RANGE, "m")
-        name = _LATERAL_OUTPUTS[signal]
+        name, c = _LATERAL_OUTPUTS[signal], self._coefficients
         if name in self.outputs:
-            k = self.outputs.index(name)
-            row, direct = self._system.C[..., k, :], self._system.D[..., k, :]
-            if signal == "drift_rate" and np.any(direct[..., [0, *range(2, len(self.inputs))]]):
-                raise InputError("drift_rate of the plant must not follow the deflection at once")
-            return row, direct
-        c = self._coefficients
+            return name, np.ones(1)
         speed = np.asarray(0.0 if c is None else c.velocity)[..., np.newaxis]
         if signal == "drift_rate" and "flight_path_angle" in self.outputs and np.all(speed):
-            k = self.outputs.index("flight_path_angle")
-            return speed * self._system.C[..., k, :], speed * self._system.D[..., k, :]
+            return "flight_path_angle", speed
         raise InputError(f"plant has no output {name}, which the autopilot feeds back")
 
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
