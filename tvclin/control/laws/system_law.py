@@ -11,7 +11,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.system_autopilot import SystemAutopilot
-from tvclin.control.autopilot.wiring import LAW_INPUTS, controller_system
+from tvclin.control.autopilot.wiring import controller_system
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.system import LinearSystem
@@ -53,7 +53,7 @@ class SystemLaw(Law):
     def __post_init__(self) -> None:
         instance("autopilot", self.autopilot, SystemAutopilot, "of a control.StateSpace")
         for name in self.autopilot.system.inputs:
-            if name not in _MEASURED and f"sensed_{name}" not in LAW_INPUTS:
+            if name not in _MEASURED:
                 raise InputError(
                     f"a flight does not measure {name}, which the controller reads; it measures"
                     f" {', '.join(_MEASURED)}"
