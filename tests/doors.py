@@ -651,11 +651,11 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.linear.SystemPlant(exact.ss()).with_effectiveness, {"factor": 1.1}
         ),
         "SystemPlant.lateral_rows": Door(
-            tv.SystemPlant(exact.ss(), rising.coefficients).lateral_rows,
+            tv.linear.SystemPlant(exact.ss(), rising.coefficients).lateral_rows,
             {"signal": "drift_rate", "station": 2.0},
         ),
         "SystemPlant.lateral_numerator": Door(
-            tv.SystemPlant(exact.ss(), rising.coefficients).lateral_numerator,
+            tv.linear.SystemPlant(exact.ss(), rising.coefficients).lateral_numerator,
             {"signal": "drift_rate", "input": "wind", "station": 2.0},
         ),
         "SystemPlant.numerator": Door(

@@ -230,7 +230,7 @@ def test_a_plant_from_a_state_space_has_the_same_loop_by_its_outputs():
         inputs=list(PLANT.inputs),
         outputs=[*PLANT.outputs, "drift_rate", "lateral_acceleration"],
     )
-    own = tv.SystemPlant(system, PLANT.coefficients)
+    own = tv.linear.SystemPlant(system, PLANT.coefficients)
     for autopilot in (ALL, replace(ALL, sample_rate=40.0)):
         expected = autopilot.frequency_response(PLANT, OMEGA[:30])
         found = autopilot.frequency_response(own, OMEGA[:30])
@@ -241,7 +241,7 @@ def test_a_plant_from_a_state_space_has_the_same_loop_by_its_outputs():
     ]
     for name in ("attitude", "sensed_drift", "deflection"):
         np.testing.assert_allclose(flights[1][name], flights[0][name], atol=1e-11, rtol=1e-9)
-    bare = tv.SystemPlant(PLANT.ss())
+    bare = tv.linear.SystemPlant(PLANT.ss())
     with pytest.raises(tv.InputError, match="plant has no output drift_rate"):
         LOOP.margins(bare)
 
