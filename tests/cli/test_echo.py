@@ -19,7 +19,7 @@ def study(folder: Path, *changes: tuple[str, str]) -> str:
         text = text.replace(before, after)
     file = folder / "mine.toml"
     file.write_text(text)
-    return CliRunner().invoke(app, ["study", str(file)]).output
+    return CliRunner().invoke(app, ["study", str(file), "--more"]).output
 
 
 def test_the_vehicle_is_repeated_in_the_units_of_its_file_beside_si(tmp_path: Path) -> None:

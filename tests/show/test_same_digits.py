@@ -72,7 +72,7 @@ def shown(*tables):
 
 
 def test_a_study_has_the_digits_of_the_page_in_the_terminal_and_in_a_notebook(found):
-    printed, card = run("study", "configuration-i"), found.study._repr_html_()
+    printed, card = run("study", "configuration-i", "--more"), found.study._repr_html_()
     on_page = section(found, "boundaries").numbers | section(found, "inputs").numbers
     numbers = [
         text for name, (_, text) in on_page.items() if not name.startswith(("question.", "wind."))
@@ -125,8 +125,8 @@ def test_a_campaign_has_the_digits_of_its_json_in_the_terminal(tmp_path):
         cases=40,
     )
     tv.run_campaign(campaign, tmp_path / "results")
-    asked = ("campaign", "show", tmp_path / "results", "--limit-deg", 0.4)
-    printed, document = run(*asked), json.loads(run(*asked, "--json"))
+    asked = ("disperse", tmp_path / "results", "--limit-deg", 0.4)
+    printed, document = run(*asked, "--more"), json.loads(run(*asked, "--json"))
 
     assert all(f"{document[k]:.3f} deg" in printed for k in ("median_deg", "estimate_deg"))
     assert f"{100 * document['success']['lower']:.2f} to" in printed

@@ -459,7 +459,7 @@ def test_the_command_line_refuses_a_bad_study_file(tmp_path: Path) -> None:
         assert result.exit_code == 2
         assert isinstance(result.exception, SystemExit)
     assert "did you mean dead_band" in run("study", file).stderr
-    said = run("campaign", "run", file, "-o", tmp_path / "results")
+    said = run("disperse", file, "-o", tmp_path / "results")
     assert said.exit_code == 2
     assert "did you mean dead_band" in said.stderr
     assert run("init", "--study", file).exit_code == 2

@@ -66,7 +66,7 @@ def availability(
         flag="--azimuth-deg",
     ),
     limit: Given = LIMIT,
-    stop: str | None = asked(
+    limit_shape: str | None = asked(
         "Limit shape of the nozzle: round (root of the sum of squares) or square.", shown="round"
     ),
     model: Given = MODEL,
@@ -105,7 +105,7 @@ def availability(
         "availability.months": months,
         "availability.plane": question.values.get("plane"),
         "nozzle.limit_rad": limit.values.get("limit"),
-        "nozzle.stop": stop,
+        "nozzle.limit_shape": limit_shape,
         "study.model": model.values.get("model"),
     }
     with waiting("reading"):

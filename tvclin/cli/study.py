@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.errors import nonzero, number, positive
+from tvclin.base.lines import text
 from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
     GROUP,
@@ -16,12 +17,13 @@ from tvclin.cli.options import (
     AsJson,
     At,
     Given,
+    More,
     Plot,
     Source,
     asked,
     switch,
 )
-from tvclin.cli.output import answer, print_tables, say, say_lines, say_notes
+from tvclin.cli.output import answer, print_answer, print_tables, say
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
 from tvclin.requirement import study_tables as tables
@@ -34,6 +36,7 @@ from tvclin.studyfile.questions import (
     overall,
     questioned,
     questions,
+    questions_table,
     sufficient,
 )
 from tvclin.studyfile.study_plan import StudyPlan
@@ -81,6 +84,7 @@ def study(
     explain: bool = switch("--explain", "Explain each symbol and each quantity in one line."),
     as_json: AsJson = False,
     plot: Plot = None,
+    more: More = False,
 ) -> None:
     """Print the required deflection of a booster in a wind, and the verdict on its limit.
 
@@ -103,7 +107,7 @@ def study(
     answer(
         as_json,
         lambda: _document(findings),
-        lambda: _print(findings, source, explain),
+        lambda: _print(findings, source, explain, more),
         all_yes(findings),
     )
 
@@ -116,36 +120,36 @@ def _document(findings: Findings) -> dict[str, Any]:
     return findings.study.as_dict() | extra | answers | {"notes": said}
 
 
-def _print(findings: Findings, source: str, explain: bool) -> None:
-    """Print the vehicle, the boundaries and the verdict, and the answers to further questions."""
-    s, d = findings.study, findings.dispersed
-    print_tables(tables.vehicle(s, source, numbers_as_written(source)), tables.coefficients(s))
-    print_tables(tables.poles(s), tables.boundaries(s))
-    say_lines(tables.verdict(s))
-    say(tables.LEGEND)
-    say_notes(s.notes)
+def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
+    """Print the verdict, the boundaries or the answers to all questions, and notes."""
+    s, several = findings.study, len(questions(findings)) > 1
+    required, *judged = (text(line) for line in tables.verdict(s))
+    wind = "\n".join([*judged, required])
+    days = () if findings.availability is None else findings.availability.notes
+    of_all = (*nominal_notes(findings), *loop_notes(findings), *days)
+
+    def details() -> None:
+        """Print the vehicle, its poles, the boundaries, and what the dispersions cover."""
+        say("")
+        print_tables(tables.vehicle(s, source, numbers_as_written(source)), tables.coefficients(s))
+        print_tables(tables.poles(s))
+        if several:
+            print_tables(tables.boundaries(s))
+            say(wind)
+        say(tables.LEGEND)
+        if findings.dispersed is not None:
+            print_tables(*findings.dispersed.tables())
+            say(findings.dispersed.spreads)
+
+    print_answer(
+        f"verdict: {overall(findings)}" if several else wind,
+        questions_table(findings) if several else tables.boundaries(s),
+        notes=(*of_all, *s.notes) if several else (*s.notes, *of_all),
+        more=more,
+        details=details,
+    )
     if explain:
         from tvclin.studyfile.glossary import quantity_table, symbol_table
 
         say("")
         print_tables(symbol_table(), quantity_table())
-    if d is not None:
-        say("")
-        print_tables(*d.tables())
-        say(d.spreads)
-    _print_questions(findings)
-
-
-def _print_questions(findings: Findings) -> None:
-    """Print all questions with the verdict, where there are several, and the notes on them."""
-    asked_questions = questions(findings)
-    if len(asked_questions) < 2:
-        say_notes(loop_notes(findings))
-        return
-    from tvclin.studyfile.questions import questions_table
-
-    say("")
-    print_tables(questions_table(findings))
-    say(f"Verdict: {overall(findings)}")
-    days = () if findings.availability is None else findings.availability.notes
-    say_notes((*nominal_notes(findings), *loop_notes(findings), *days))
