@@ -173,7 +173,9 @@ def undamped(
 _SURVIVES = "the limit survives peaks of up to"
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 STUDY_TABLE = FileTable(
-    "[study]", {"time": "time"}, ("vehicle", "model", "plane", "dead_band", "switch", "sign")
+    "[study]",
+    {"time": "time"},
+    ("vehicle", "rigid", "model", "plane", "dead_band", "switch", "sign"),
 )
 
 

@@ -152,7 +152,16 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     time = subject.pop("time_s", None)
     if time is not None:
         time = number("time_s", time)
-    return subject | {"vehicle": _vehicle(subject["vehicle"], folder, where.name, time)}
+    vehicle = _vehicle(subject["vehicle"], folder, where.name, time)
+    return subject | {"vehicle": vehicle.rigid if is_rigid(document) else vehicle}
+
+
+def is_rigid(document: Mapping[str, Any]) -> bool:
+    """Return whether [study] leaves out the structure of its vehicle."""
+    rigid = STUDY_TABLE.one(document).get("rigid", False)
+    if not isinstance(rigid, bool):
+        raise InputError(f"rigid in [study] must be true or false; got {shown(rigid)}")
+    return rigid
 
 
 def _check_tables(document: Mapping[str, Any], folder: Path) -> None:

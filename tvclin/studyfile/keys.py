@@ -60,6 +60,7 @@ _RECORDS: dict[str, tuple[type, ...]] = {
 """Records that the tables make, whose docstrings have the lines of help."""
 _HELP = {
     "study.vehicle": "A vehicle of the package, or a vehicle file beside this one.",
+    "study.rigid": "Whether the structure of the vehicle is omitted: true or false.",
     "study.time": "Time of flight, where the vehicle is a flight schedule.",
     "campaign.vehicle": "A vehicle of the package, or a vehicle file beside this one.",
     "campaign.time": "Time of flight, where the vehicle is a flight schedule.",

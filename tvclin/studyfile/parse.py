@@ -23,6 +23,7 @@ from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest, Soundin
 from tvclin.studyfile.campaign_file import (
     design_of,
     dispersions_of,
+    is_rigid,
     nozzle_of,
     parse_campaign,
     question_of,
@@ -72,7 +73,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         "nozzle": lambda: nozzle_of(document),
         "load": lambda: LOAD_TABLE.made(document, lambda keys: LoadBound(**LOAD_TABLE.read(keys))),
         "design": lambda: design_of(document),
-        "criteria": lambda: CRITERIA_TABLE.made(document, _criteria),
+        "criteria": lambda: _criteria_of(document),
         "document": lambda: DOCUMENT_TABLE.made(document, Document.from_table),
     }
     if "dispersion" in document:
@@ -100,6 +101,12 @@ def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any])
         )
     wind = winds_of(document, folder)[0]
     return wind_for_vehicle(document, wind, subject["vehicle"], plane)
+
+
+def _criteria_of(document: Mapping[str, Any]) -> Criteria | None:
+    """Return the criteria of a document, of a rigid vehicle without those of modes."""
+    criteria = CRITERIA_TABLE.made(document, _criteria)
+    return criteria and criteria.without_mode_limits if is_rigid(document) else criteria
 
 
 def _criteria(table: dict[str, Any]) -> Criteria:
