@@ -28,12 +28,12 @@ COMMANDS = [
     "respond",
     "respond --plot respond.png",
     "poles",
-    "autopilot",
+    "design",
     "margins",
     "margins --plot margins.png",
     "ascent",
     "fly",
-    "laws",
+    "fly --law all",
     "init --campaign cases.toml",
 ]
 MOST_STARTS = {
@@ -43,7 +43,7 @@ MOST_STARTS = {
     "ascent": 3.0,
     "fly": 3.0,
     "report": 5.0,
-    "laws": 10.0,
+    "fly --law all": 10.0,
 }
 """Starts of numpy with scipy.optimize that a command is to take at most."""
 _TRIMS = "numba, for the flights of the trim law behind each curve"
@@ -54,7 +54,7 @@ FLOORS = {
     "study --gust 2 2": "numba, for 84 times of the gust",
     "ascent": "numba, scipy.integrate for the nominal flight, 128 requirements",
     "fly": "scipy.integrate",
-    "laws": "numba, 180 flights with a scan of limits each",
+    "fly --law all": "numba, 180 flights with a scan of limits each",
 }
 
 

@@ -84,7 +84,7 @@ def of_the_package() -> list[Figure]:
             "autopilot",
             "Deflection that an autopilot needs, beside trim, the boundaries and the minimum.",
             lambda: plots.comparison_chart(tv.compare_with_trim(exact, autopilot, wind)),
-            "tvclin autopilot --plot",
+            "tv.plots.comparison_chart(tv.compare_with_trim(plant, autopilot, wind))",
         ),
         Figure(
             "wind",

@@ -48,7 +48,8 @@ def _file(folder: Path, text: str) -> str:
             ["respond", "--model", "drift", "--limit-deg", "0.4"],
             ["study", "--model", "drift-exact", "--limit-deg", "0.4", "--sign", "frozen"],
             ["margins"],
-            ["autopilot", "--natural-frequency", "1.5"],
+            ["design", "--natural-frequency", "1.5"],
+            ["fly", "--natural-frequency", "1.5"],
         ],
         *(0, 1, 4, 5),
     ),
@@ -78,7 +79,7 @@ def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
         np.degrees(abs(boundary.deflection)), rel=1e-12
     )
     assert "the flight path is fixed" in study["notes"][0]
-    for command in ("boundary", "margins", "autopilot"):
+    for command in ("boundary", "margins", "design", "fly"):
         assert "fixed-path" in run(command, slopes).output
     refused = run("boundary", slopes, "--model", "drift")
     assert refused.exit_code == 2
@@ -99,7 +100,7 @@ def test_beta_and_B_are_the_same_vehicle(tmp_path: Path, slopes: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["fly"], "needs a whole vehicle"),
+        (["fly", "--law", "trim", "--engine", "planar"], "needs a whole vehicle"),
         (["ascent"], "needs a whole vehicle"),
         (["disperse"], "needs a whole vehicle"),
         (["study", "--peak-speed", "30"], "--peak-speed needs a whole vehicle"),

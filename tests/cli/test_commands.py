@@ -17,6 +17,7 @@ from tests.turns import by_turns, drawn
 from tvclin.base.files import write_text
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.cli.app import NAMES, app
+from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.vehicle_file import template
 
 
@@ -39,14 +40,16 @@ def test_a_help_says_its_defaults_in_one_way(command: str) -> None:
 
 
 def test_a_help_leaves_the_line_ends_of_its_paragraphs_to_the_terminal() -> None:
-    shown = CliRunner(env={"COLUMNS": "400"}).invoke(app, ["laws", "--help"]).output
+    shown = CliRunner(env={"COLUMNS": "400"}).invoke(app, ["fly", "--help"]).output
     (line,) = (one for one in shown.splitlines() if "about a second" in one)
-    assert line.strip().endswith("--rigid leaves all that out.")
+    assert line.strip().endswith("for each law and wind.")
 
 
 def test_a_help_names_what_there_is_to_choose() -> None:
-    for wind in tv.design.standard_winds(0.1, 7.0):
-        assert wind in helps("laws")
+    for law in LAWS:
+        assert law in helps("fly")
+    for shape in LIMIT_SHAPES:
+        assert shape in helps("study")
     for shape in LIMIT_SHAPES:
         assert shape in helps("study")
 
@@ -327,7 +330,7 @@ def loaded_by(commands: list[str], folder: Path) -> set[str]:
 @pytest.mark.thorough
 def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -> None:
     commands = ["vehicles", "poles", "boundary", "respond", "study", "fly", "margins"]
-    commands += ["margins --delay-ms 40", "margins --json", "autopilot", "autopilot --json"]
+    commands += ["margins --delay-ms 40", "margins --json", "design", "fly --law autopilot --json"]
 
     assert loaded_by(commands, tmp_path) == set()
 

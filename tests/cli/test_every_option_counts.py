@@ -52,13 +52,19 @@ names = ["trim"]
 GUST = ("--set", "gust.peak_deg=1", "--set", "gust.duration_s=2")
 STARTS = {
     "respond": [(V,), (V, "--winds", SOUNDING, "--azimuth-deg", "90"), (F,)],
-    "autopilot": [
+    "design": [(V,), ("made-up-launcher", "--natural-frequency", "1.2"), (V, *GUST), (F,)],
+    "margins": [
+        (V,),
+        (V, "--limit-deg", "2"),
         ("made-up-launcher", "--natural-frequency", "1.2"),
-        (V, *GUST),
         (F,),
     ],
-    "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2"), (F,)],
-    "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2"), (F,)],
+    "fly": [
+        (V, "--engine", "linear", "--limit-deg", "2"),
+        (V, "--limit-deg", "2"),
+        (F,),
+        (F, "--law", "all"),
+    ],
     "nozzle": [
         (V, "--law", "autopilot", "--limit-deg", "2"),
         (V,),
@@ -75,7 +81,6 @@ STARTS = {
         (V, "--tau-beta", "3"),
         (F, "--tau-beta", "3"),
     ],
-    "laws": [(F,)],
     "study": [(V,), (V, "--limit-deg", "0.4", "--gust", "1", "2")],
     "ascent": [(V, "--from", "70", "--to", "71", "--limit-deg", "0.5")],
 }
@@ -108,17 +113,12 @@ VALUES = {
     "criteria": ["aircraft"],
     "three_gains": [None],
     "crossover": ["3"],
-    "limits": [None],
-    "stops": ["3"],
     "rigid": [None],
     "detuned": [None],
     "box": ["thrust=-2%..2%"],
     "sample_rate": ["40"],
-    "engine": ["linear"],
+    "engine": ["linear", "planar-varying"],
     "law": ["trim", "dead-band"],
-    "boundary": [None],
-    "along_trajectory": [None],
-    "cuts": ["2"],
     "limit_shape": ["square"],
     "switch": ["report"],
     "seed": ["3"],
@@ -203,7 +203,7 @@ def test_an_option_changes_the_answer_or_is_refused(count):
     usual(
         [
             ("ascent", (*STARTS["ascent"][0], "--plane", "yaw"), "sign", "tail"),
-            ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "rate_limit_deg", "0.3"),
+            ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "delay_ms", "15"),
         ],
         0,
         1,

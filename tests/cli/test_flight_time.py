@@ -38,9 +38,8 @@ COMMANDS = {
     "poles": (),
     "boundary": (),
     "respond": (),
-    "autopilot": (),
+    "design": (),
     "margins": (),
-    "laws": (),
     "fly": ("--limit-deg", "1"),
     "nozzle": (),
     "nozzle --over load": (),
@@ -72,7 +71,7 @@ def numbers(document):
     return [document] if isinstance(document, int | float) else []
 
 
-SLOW = ("laws", "autopilot", "respond", "nozzle --over load")
+SLOW = ("design", "respond", "nozzle --over load")
 """Commands of several seconds, of which the thorough tests have the claim."""
 
 
@@ -128,7 +127,7 @@ def test_what_a_time_of_flight_cannot_be_of_is_refused(folder):
         ("study", "at-52.toml", "--at", 50): "has no table [flight]",
         ("study", "made-up-booster", "--at", 50): "has a structure",
         ("study", "s.toml", "--at", 50): "time_s in its [study]",
-        ("fly", "flight.csv", "--at", 52, "--along-trajectory"): "has no table [flight]",
+        ("fly", "flight.csv", "--at", 52, "--engine", "planar-varying"): "has no table [flight]",
         ("init", "my.toml", "--at", 50): "--at needs --from",
         ("init", "my.toml", "--study", "--from", "flight.csv"): "give --study or --from",
         ("boundary", "--at", 50): "--at needs a vehicle",

@@ -1,4 +1,4 @@
-"""`tvclin autopilot --least`, `tvclin margins --box`, and study files that ask for least gains."""
+"""`tvclin design --least`, `tvclin design --box`, and study files that ask for least gains."""
 
 import json
 
@@ -28,13 +28,13 @@ def run(*arguments):
 
 
 def test_gains_are_sought_and_their_winds_listed():
-    found = run("autopilot", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
+    found = run("design", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
     assert found.exit_code == 0
     document = json.loads(found.stdout)
     least = document["least"]
     assert least["meaning"] == "peak"
     assert len(least["deflections_deg"]) == 3
-    assert least["deflection_deg"] >= document["peak_deflection_deg"] * (1.0 - 1e-9)
+    assert least["deflection_deg"] >= document["rules"][0]["peak_deflection_deg"] * (1.0 - 1e-9)
     assert "crossover" in least["active"]
 
 
@@ -49,7 +49,7 @@ def test_gains_are_sought_for_the_samples_and_filters_that_are_given():
         "--set",
         'autopilot.filter=[{kind="notch", frequency_Hz=9, zero_damping=0.05, pole_damping=0.5}]',
     )
-    found = run("autopilot", "--least", "--crossover", "2", *loop, "--json")
+    found = run("design", "--least", "--crossover", "2", *loop, "--json")
     assert found.exit_code == 0
     document = json.loads(found.stdout)
     assert document["criteria"]["met"]
@@ -83,7 +83,7 @@ def test_a_study_file_asks_for_them(tmp_path):
 
 @pytest.mark.thorough
 def test_the_worst_margins_of_a_box_are_judged():
-    fine = ("margins", "--natural-frequency", "1", "--delay-ms", "20")
+    fine = ("design", "--natural-frequency", "1", "--delay-ms", "20")
     good = run(*fine, "--box", "thrust=-3%..3%", "--box", "delay_ms=0..40")
     assert good.exit_code == 0
     assert "Criteria classic in the box: MET" in good.output
@@ -103,7 +103,7 @@ def test_the_keys_of_a_box_carry_their_units():
     thrust = tv.load_vehicle("configuration-i").thrust
     low, high = 0.97 * thrust, 1.03 * thrust
     found = [
-        json.loads(run("margins", "--delay-ms", "20", "--json", *box).stdout)["box"]["box"]
+        json.loads(run("design", "--delay-ms", "20", "--json", *box).stdout)["box"]["box"]
         for box in (
             ("--box", f"thrust_N={low}..{high}", "--box", "delay_s=0..0.04"),
             ("--box", f"thrust_kN={low / 1e3}..{high / 1e3}", "--box", "delay_ms=0 .. 40"),
@@ -118,28 +118,28 @@ def test_the_keys_of_a_box_carry_their_units():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["autopilot", "--stops", "3"], "--stops needs --least"),
-        (["autopilot", "--limits", "--crossover", "3"], "--crossover and --limits need --least"),
-        (["autopilot", "--least", "--stops", "3"], "give limits=True"),
-        (["autopilot", "--least", "--design", "lqr"], "not both"),
-        (["autopilot", "--least", "--damping", "0.7"], "not both"),
-        (["autopilot", "--least", "--attitude-gain", "0.7"], "not both"),
+        (["design", "--three-gains"], "--three-gains needs --least"),
+        (["design", "--three-gains", "--crossover", "3"], "--three-gains and --crossover need"),
+        (["design", "--least", "--set", "autopilot.sudden_ends", "3"], "sudden_ends needs minimum"),
+        (["design", "--least", "--design", "lqr"], "not both"),
+        (["design", "--least", "--damping", "0.7"], "not both"),
+        (["design", "--least", "--attitude-gain", "0.7"], "not both"),
         (
-            ["autopilot", "--least", "--set", "nozzle.actuator_frequency_rad_per_s=0"],
+            ["design", "--least", "--set", "nozzle.actuator_frequency_rad_per_s=0"],
             "give one of these",
         ),
         (["margins", "--design", "least-nozzle", "--damping", "0.7"], "give no damping"),
-        (["margins", "--box", "delay"], "KEY=LO..HI"),
-        (["margins", "--box", "delay_ms=a..b"], "two numbers beside the dots"),
-        (["margins", "--box", "thrust=-3%..3"], "both in percent or neither"),
-        (["margins", "--box", "delay=1%..2%"], "no nominal value"),
-        (["margins", "--box", "delay=0..0.04"], "write delay_s or delay_ms"),
-        (["margins", "--box", "thrust=2.4e6..2.6e6"], "write thrust_N or thrust_kN"),
-        (["margins", "--box", "thrst_kN=1..2"], "did you mean thrust_kN"),
-        (["margins", "--box", "thrst=1%..2%"], "did you mean thrust"),
-        (["margins", "--box", "foo=1..2"], "known are weight_N"),
-        (["margins", "--box", "bending_frequency=1%..2%"], "unknown number of --box"),
-        (["margins", "--box", "gain=1..2", "--box", "gain=1..2"], "twice"),
+        (["design", "--box", "delay"], "KEY=LO..HI"),
+        (["design", "--box", "delay_ms=a..b"], "two numbers beside the dots"),
+        (["design", "--box", "thrust=-3%..3"], "both in percent or neither"),
+        (["design", "--box", "delay=1%..2%"], "no nominal value"),
+        (["design", "--box", "delay=0..0.04"], "write delay_s or delay_ms"),
+        (["design", "--box", "thrust=2.4e6..2.6e6"], "write thrust_N or thrust_kN"),
+        (["design", "--box", "thrst_kN=1..2"], "did you mean thrust_kN"),
+        (["design", "--box", "thrst=1%..2%"], "did you mean thrust"),
+        (["design", "--box", "foo=1..2"], "known are weight_N"),
+        (["design", "--box", "bending_frequency=1%..2%"], "unknown number of --box"),
+        (["design", "--box", "gain=1..2", "--box", "gain=1..2"], "twice"),
     ],
 )
 def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
@@ -151,13 +151,15 @@ def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
 @pytest.mark.thorough
 def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
     """Gains found for the rigid vehicle miss the criteria on the same file, by every command."""
-    given = ("autopilot", "made-up-launcher", "--delay-ms", "10")
+    given = ("design", "made-up-launcher", "--delay-ms", "10")
     refused = run(*given, "--crossover", "2", "--least")
     assert (refused.exit_code, "no attitude and rate gains meet" in refused.output) == (2, True)
-    rigid = json.loads(run(*given, "--least", "--rigid", "--json").stdout)["autopilot"]
+    rigid = json.loads(run(*given, "--least", "--set", "study.rigid=true", "--json").stdout)[
+        "autopilot"
+    ]
     own = ("--attitude-gain", rigid["attitude_gain"], "--rate-gain", rigid["rate_gain_s"])
     gains = ("made-up-launcher", *map(str, own), "--delay-ms", "10", "--json")
-    for command in ("margins", "autopilot"):
+    for command in ("margins", "design"):
         answer = run(command, *gains)
         assert (answer.exit_code, json.loads(answer.stdout)["criteria"]["met"]) == (1, False)
 
@@ -170,8 +172,8 @@ def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
         'autopilot.filter=[{kind="notch", frequency_Hz=5.6, zero_damping=0.05, pole_damping=0.7}]',
         "--json",
     )
-    found = json.loads(run("autopilot", "--least", "--crossover", "2", *notch).stdout)
+    found = json.loads(run("design", "--least", "--crossover", "2", *notch).stdout)
     own = found["autopilot"]
     gains = ("--attitude-gain", own["attitude_gain"], "--rate-gain", own["rate_gain_s"])
     margins = run("margins", *map(str, gains), *notch)
-    assert found["met"] is json.loads(margins.stdout)["criteria"]["met"] is True
+    assert found["criteria"]["met"] is json.loads(margins.stdout)["criteria"]["met"] is True

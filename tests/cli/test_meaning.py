@@ -35,18 +35,16 @@ def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("margins", "--wind", "rectangular"), "--wind needs --flown or --box"),
-        (("margins", "--peak-deg", 3), "--peak-deg needs --flown or --box"),
-        (("margins", "--duration", 3), "--duration needs --flown or --box"),
+        (("margins", "--wind", "rectangular"), "--wind needs --limit-deg"),
+        (("margins", "--peak-deg", 3), "--peak-deg needs --limit-deg"),
+        (("margins", "--duration", 3), "--duration needs --limit-deg"),
         (("ascent", "--set", "sounding.window_s=20"), "[sounding] needs a sounding"),
-        (("fly", "--engine", "planar", "--rigid"), "--rigid needs --engine linear"),
-        (("fly", "--engine", "sixdof", "--rigid"), "--rigid needs --engine linear"),
         # one of several options of nearly one name
         (("study", "--peak-deg", 0), "--peak-deg must be other than zero; got 0 deg"),
         (("study", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
         (("ascent", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
         (
-            ("autopilot", "--set", "nozzle.actuator_damping=-1"),
+            ("design", "--set", "nozzle.actuator_damping=-1"),
             "damping must be positive; got -1",
         ),
     ],

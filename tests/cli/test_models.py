@@ -11,8 +11,8 @@ COMMANDS = {
     "respond": [],
     "boundary": [],
     "margins": [],
-    "autopilot": [],
-    "laws": ["--wind", "triangle"],
+    "design": [],
+    "fly": ["--law", "autopilot"],
     "ascent": ["--from", "66", "--to", "66"],
 }
 
@@ -21,7 +21,7 @@ COMMANDS = {
 def test_the_first_lines_name_the_model(command: str) -> None:
     said = CliRunner().invoke(app, [command, "configuration-i", *COMMANDS[command]])
     lines = said.stdout.strip().splitlines()
-    assert "drift-exact" in " ".join(lines[:5]), said.output  # a long title is broken in two
+    assert "drift-exact" in " ".join(lines[:6]), said.output  # verdict and title of two lines
 
 
 @pytest.mark.parametrize("command", usual([one for one in COMMANDS if one != "ascent"], 0, 1, 2))
@@ -29,4 +29,4 @@ def test_where_no_path_is_known_it_is_fixed(tmp_path, command: str) -> None:
     file = tmp_path / "course.toml"
     file.write_text("[coefficients]\nmu_alpha_per_s2 = 0.228\nmu_delta_per_s2 = 1.317\n")
     said = CliRunner().invoke(app, [command, str(file), *COMMANDS[command]])
-    assert "fixed-path" in " ".join(said.stdout.strip().splitlines()[:5]), said.output
+    assert "fixed-path" in " ".join(said.stdout.strip().splitlines()[:6]), said.output

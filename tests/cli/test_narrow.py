@@ -19,7 +19,7 @@ from tvclin.vehicle.vehicle_file import template
 COMMANDS = {
     "study": ["study", "configuration-i", "--model", "fixed-path", "--sign", "frozen"],
     "boundary": ["boundary", "configuration-i", "--tau-beta", "4", "--model", "drift"],
-    "autopilot": ["margins", "configuration-i"],
+    "autopilot": ["margins", "configuration-i", "--more"],
     "error": ["study", "a vehicle of which nobody has ever heard and that is nowhere to be found"],
 }
 

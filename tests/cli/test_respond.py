@@ -306,7 +306,7 @@ def test_a_response_at_nominal_pressure_says_what_a_head_wind_adds(tmp_path) -> 
     wind = np.sin(np.radians(5.0)) / np.sin(np.radians(39.83))
     path = np.radians(44.83)
     ratio = (np.cos(path) + wind) ** 2 + np.sin(path) ** 2
-    for words in (["respond"], ["autopilot"], ["nozzle"]):
+    for words in (["respond"], ["fly", "--law", "autopilot"], ["nozzle"]):
         said = CliRunner().invoke(app, [*words, "configuration-i", "--limit-deg", "0.45"])
         raised = f"{100.0 * (ratio - 1.0):.2g} percent"
         assert f"a head wind of this size raises it by up to {raised}" in said.stderr

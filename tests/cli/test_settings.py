@@ -169,7 +169,7 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
         (("study", "--rate-limit-deg", "5"), "--set nozzle.rate_limit_deg_per_s VALUE gives it"),
         (("study", "--rate-gain", "5"), "--set autopilot.rate_gain_s VALUE gives it"),
         (
-            ("margins", "--box", "thrust_kN=200..180"),
+            ("design", "--box", "thrust_kN=200..180"),
             "--box must have a smaller and a larger value",
         ),
         (("disperse", "--seed", "4"), "tvclin disperse takes no --seed: --set campaign.seed VALUE"),
@@ -220,11 +220,12 @@ def test_a_key_beside_its_own_option_is_refused(command, option, key):
 
 
 @pytest.mark.parametrize(
-    "command", [("fly",), ("nozzle", "--over", "flight"), ("nozzle", "--law", "trim")]
+    "command",
+    [("fly", "--law", "trim"), ("nozzle", "--over", "flight"), ("nozzle", "--law", "trim")],
 )
 def test_gains_of_another_law_than_the_autopilot_are_refused_by_key_as_by_option(command):
     option = ("--attitude-gain", "1")
-    for gain in (("--set", "autopilot.attitude_gain", "1"), *[option] * (command == ("fly",))):
+    for gain in (("--set", "autopilot.attitude_gain", "1"), *[option] * (command[0] == "fly")):
         code, _, error = ran(command[0], V, *command[1:], "--limit-deg", "2", *gain)
         assert (code, error) == (2, f"Error: {' '.join(gain[:-1])} needs --law autopilot\n")
 

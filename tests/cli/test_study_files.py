@@ -70,11 +70,13 @@ CASE = tv.Case(
         filters=(tv.vehicle.Filter.low_pass(2.0 * np.pi * 9.0),),
     ),
 )
+VARYING = ("--engine", "planar-varying")
 AS_OPTIONS = (
     *("configuration-i", "--plane", "yaw", "--wind", "rectangular", "--peak-deg", "4"),
     *("--duration", "5", "--set", "wind.direction_deg=250", "--azimuth-deg", "45"),
     *("--set", "gust.peak_deg=0.5", "--set", "gust.duration_s=1", "--set", "gust.peak_time_s=2.5"),
 )
+AIRCRAFT = ("--set", "criteria.name=aircraft")
 LOOP = (
     *(
         "--natural-frequency",
@@ -131,10 +133,10 @@ def test_every_command_answers_for_the_case_of_the_study(file):
     )
     least = np.degrees(study.minima["drift"])
     assert asked("boundary", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
-    controlled = asked("autopilot", file)
+    controlled = asked("fly", file, "--law", "autopilot")["comparison"]
     comparison = found.comparison
     assert controlled["peak_deflection_deg"] == np.degrees(comparison.peak_deflection)
-    margins = asked("margins", file, "--flown")
+    margins = asked("margins", file, "--limit-deg", "2")
     whole = comparison.margins
     assert margins["margins"]["phase_margin_deg"] == whole.phase_margin_deg
     assert margins["criteria"]["name"] == controlled["criteria"]["name"] == "aircraft"
@@ -159,28 +161,26 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
         STUDY.replace("[gust]\npeak_deg = 0.5\nduration_s = 1.0\npeak_time_s = 2.5\n", "")
     )
     trials = find(tv.load_study(calm)).trials
-    found = asked("laws", str(calm))
+    found = asked("fly", str(calm), "--law", "all")
     assert found["sample_rate_Hz"] == 50
     assert {one["law"]: one["limit"] for one in found["trials"]} == {
         one.law: one.limit for one in trials
     }
 
 
-@pytest.mark.parametrize(
-    "command", usual(["respond", "boundary", "autopilot", "margins", "fly"], 0)
-)
+@pytest.mark.parametrize("command", usual(["respond", "boundary", "design", "margins", "fly"], 0))
 def test_a_study_file_and_options_give_the_same_answer(command, file):
     own = {
         "respond": ("--model", "drift", "--limit-deg", "2", "--dead-band", "0.5"),
         "boundary": ("--model", "drift", "--peak-deg", "4"),
-        "autopilot": ("--model", "drift", "--limit-deg", "2", "--criteria", "aircraft", *LOOP),
+        "design": ("--model", "drift", *AIRCRAFT, *LOOP),
         "margins": (
-            *("--model", "drift", "--criteria", "aircraft", "--flown", *LOOP),
-            *("--limit-deg", "2", "--rate-limit-deg", "20"),
+            *("--model", "drift", *AIRCRAFT, *LOOP),
+            *("--limit-deg", "2", "--set", "nozzle.rate_limit_deg_per_s=20"),
         ),
         "fly": ("--limit-deg", "2", "--dead-band", "0.5"),
     }[command]
-    same = ("--flown",) if command == "margins" else ()
+    same = ("--limit-deg", "2") if command == "margins" else ()
     assert asked(command, file, *same) == asked(command, *AS_OPTIONS, *own)
 
 
@@ -192,7 +192,7 @@ def test_a_model_that_is_not_flown_is_told():
     )
     assert "the model is drift-exact" not in " ".join(omission_notes(drift, "respond"))
     fast = tv.Case(vehicle=tv.load_vehicle("configuration-i"), model="drift-and-speed")
-    (sentence,) = omission_notes(fast, "laws")
+    (sentence,) = omission_notes(fast, "fly --law all")
     assert sentence.startswith("the model is drift-exact: drift-and-speed has a speed")
     assert not list(omission_notes(fast, "margins"))
 
@@ -200,14 +200,14 @@ def test_a_model_that_is_not_flown_is_told():
 @pytest.mark.thorough
 def test_an_option_counts_more_than_the_file(file):
     over = ("--natural-frequency", "1.5", "--delay-ms", "0", "--limit-deg", "3", "--plane", "pitch")
-    found = asked("autopilot", file, *over)
-    gains = found["autopilot"]
+    found = asked("fly", file, *over)
+    gains = found["comparison"]["autopilot"]
     assert (gains["delay_s"], found["limit_deg"], found["plane"]) == (
         0.0,
         pytest.approx(3),
         "pitch",
     )
-    given = asked("autopilot", file, "--attitude-gain", "1", "--rate-gain", "2")["autopilot"]
+    given = asked("design", file, "--attitude-gain", "1", "--rate-gain", "2")["autopilot"]
     assert (given["attitude_gain"], given["rate_gain_s"]) == (1.0, 2.0)
     lqr = asked("margins", file, "--design", "lqr")["autopilot"]
     assert lqr["attitude_gain"] != gains["attitude_gain"]
@@ -232,13 +232,13 @@ delay_ms = 20
 """
     )
     sought = find(tv.load_study(path)).comparison.autopilot
-    for command in ("autopilot", "margins"):
+    for command in ("design", "margins"):
         gains = asked(command, str(path))["autopilot"]
         assert (gains["attitude_gain"], gains["rate_gain_s"]) == (
             sought.attitude_gain,
             sought.rate_gain,
         )
-    other = asked("autopilot", str(path), "--design", "canonical")["autopilot"]
+    other = asked("design", str(path), "--design", "canonical")["autopilot"]
     assert other["attitude_gain"] != sought.attitude_gain
 
 
@@ -250,10 +250,8 @@ def test_a_sounding_meets_the_flight_of_the_study_file(tmp_path):
     beside = ("--model", "drift", "--plane", "yaw", "--dead-band", "0.5")
     found = asked("respond", str(path), *sounding)
     assert found == asked("respond", "configuration-i", *sounding, *beside)
-    flight = asked("fly", str(path), *sounding, "--along-trajectory", "--dead-band", "1")
-    assert flight == asked(
-        "fly", "configuration-i", *sounding, "--along-trajectory", "--plane", "yaw"
-    )
+    flight = asked("fly", str(path), *sounding, *VARYING, "--dead-band", "1")
+    assert flight == asked("fly", "configuration-i", *sounding, *VARYING, "--plane", "yaw")
 
 
 def test_a_vehicle_with_its_numbers_in_the_study_file_has_no_flight(tmp_path):
@@ -269,7 +267,7 @@ def test_a_vehicle_with_its_numbers_in_the_study_file_has_no_flight(tmp_path):
     )
     wind = "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
     path.write_text(f"[study.vehicle]\n{lines}\n{wind}")
-    result = run("fly", str(path), "--along-trajectory")
+    result = run("fly", str(path), *VARYING)
     assert (result.exit_code, "name a vehicle file with a table [flight]" in result.output) == (
         2,
         True,

@@ -30,7 +30,7 @@ OTHERS = re.compile(
 """Verdicts that a limit of 0.4 deg must not have, and words that are no verdicts."""
 
 
-NUMBERED = ("study", "respond", "fly", "nozzle", "boundary", "autopilot")
+NUMBERED = ("study", "respond", "fly", "nozzle", "boundary")
 
 
 def run(*arguments: str) -> Result:
@@ -48,7 +48,11 @@ def run(*arguments: str) -> Result:
             ),
             (("boundary", "--tau-beta", "4"), 0, (f"limit {NOMINAL}",)),
             (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, " SURVIVED: ", NOMINAL)),
-            (("fly", "configuration-i", *WIND, *LIMIT), 0, (SEE, f"Flown {NOMINAL}: SURVIVED")),
+            (
+                ("fly", "configuration-i", *WIND, *LIMIT),
+                0,
+                (SEE, f"SURVIVED with 0.400 deg {NOMINAL}"),
+            ),
             (
                 ("nozzle", "configuration-i", *WIND, *LIMIT),
                 0,
@@ -61,22 +65,21 @@ def run(*arguments: str) -> Result:
             ),
             (("boundary", "configuration-i", *WIND), 0, (SEE, "Lower bound, wind known", NOMINAL)),
             (
-                ("autopilot", "configuration-i", *WIND, *LIMIT),
+                ("fly", "configuration-i", *WIND, *LIMIT, "--law", "autopilot", "--more"),
                 1,
                 (
-                    "dynamic pressure of the peak of a head wind throughout; 0.690 deg"
-                    f" {NOMINAL},"
-                    " where without a limit it uses 0.895",
+                    "0.974 deg at the peak pressure of a head wind, 0.690 deg at nominal",
+                    "without a limit it uses 0.895",
                     SEE,
                     "Limit 0.4 deg: NOT SUFF",
                 ),
             ),
             (
-                ("margins", "configuration-i", *WIND, "--limit-deg", "1.2", "--flown"),
+                ("margins", "configuration-i", *WIND, "--limit-deg", "1.2"),
                 1,
                 (f"{NOMINAL}, with a limit of 1.2 deg", "Criteria classic: NOT MET"),
             ),
-            (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
+            (("fly", "configuration-i", *WIND, "--law", "all", "--more"), 0, (NOMINAL,)),
             (("ascent", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
             (
                 ("nozzle", "configuration-i", "--over", "flight", *WIND, *LIMIT, *AT, "--more"),
@@ -86,7 +89,7 @@ def run(*arguments: str) -> Result:
             (
                 ("fly", "configuration-i", *WIND, *LIMIT, "--law", "autopilot"),
                 1,
-                (f"{SEE}: for the ideal trim law; see autopilot", "NOT SURVIVED"),
+                (f"{SEE}: for the ideal trim law", "NOT SURVIVED"),
             ),
         ],
         *(0, 1, 2, 3, 4, 6, 7, 10, 11, 12),

@@ -177,6 +177,9 @@ def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
         check_refused(run("study", file))
 
 
+ALL_LAWS = ("--law", "all", "--wind", "triangular")
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -184,10 +187,10 @@ def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
         (["respond", "--until", "1e-3", "--duration", "1e5"], "must be at most 1372 s"),
         (["fly", "--duration", "1e9"], "must be at most 1824 s long"),
         (["fly", "--peak-speed", "1e-9"], "at least 1.43e-05 deg"),
-        (["fly", "--along-trajectory", "--peak-deg", "1e-9"], "at least 1.43e-05 deg"),
-        (["laws", "--wind", "triangle", "--sample-rate", "1e-18"], "between 1e-09 and 1e+09"),
-        (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "between 0.01 and 1e+06"),
-        (["laws", "--wind", "triangle", "--duration", "1e6"], "samples"),
+        (["fly", "--engine", "planar-varying", "--peak-deg", "1e-9"], "at least 1.43e-05 deg"),
+        (["fly", *ALL_LAWS, "--sample-rate", "1e-18"], "between 1e-09 and 1e+09"),
+        (["fly", *ALL_LAWS, "--sample-rate", "1e9"], "between 0.01 and 1e+06"),
+        (["fly", *ALL_LAWS, "--duration", "1e6"], "samples"),
         (
             [
                 *(
@@ -210,7 +213,7 @@ def test_what_arithmetic_or_patience_cannot_carry_is_refused_with_the_bound(argu
 
 @pytest.mark.thorough
 def test_a_long_command_shows_a_bar_on_a_terminal_alone() -> None:
-    command = ["laws", "--wind", "triangle", "--cuts", "2", "--json"]
+    command = ["fly", *ALL_LAWS, "--set", "laws.cuts", "2", "--json"]
     quiet = CliRunner().invoke(app, command)
     shown = CliRunner().invoke(app, command, env={"FORCE_COLOR": "1"})
 

@@ -173,10 +173,9 @@ def found(count: int, *strategies: Any) -> Callable:
 
 CHEAP = ("study", "boundary", "respond", "poles", "margins", "vehicles", "doctor")
 DEAR = {
-    "autopilot": (),
+    "design": (),
     "ascent": ("--every", "30"),
     "fly": (),
-    "laws": ("--wind", "triangle", "--sample-rate", "20"),
 }
 """Commands that take a second or more, with options to make them short."""
 
@@ -304,7 +303,7 @@ def far_off(draw: Callable) -> str:
 @found(
     100,
     far_off(),
-    st.sampled_from([*VEHICLE_COMMANDS, "respond", "autopilot"]),
+    st.sampled_from([*VEHICLE_COMMANDS, "respond", "design"]),
     st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
     st.sampled_from([[], ["--plane", "yaw"], ["--duration", "0.1"], ["--duration", "60"]]),
 )
@@ -321,7 +320,7 @@ def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more)
 def test_no_flight_along_the_trajectory_is_a_traceback(text: str) -> None:
     with away():
         _written("my.toml", text)
-        check("fly", "my.toml", "--along-trajectory")
+        check("fly", "my.toml", "--engine", "planar-varying")
 
 
 @found(60, st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "ascent"]))

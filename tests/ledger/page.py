@@ -129,7 +129,7 @@ What can explain the factor, and what of it is computed:
 - **The flight condition.** At a lower speed the same wind has a larger angle, and B is larger:
   {slow:.3f} at {early:g} s where it is {B:.3f} at 66 s. Both together are too little: at
   {early:g} s 2.4 deg still trim {slow_across:.0f} m/s across the flight.
-- **The autopilot.** Trim is what an ideal control takes. The gains that `tvclin autopilot` has by
+- **The autopilot.** Trim is what an ideal control takes. The gains that `tvclin design` has by
   default turn the nozzle of configuration I {autopilot:.2f} times as far in the usual wind.
 - **Offsets** of thrust and centre of gravity, and nominal turning, are beside the 2.4 deg if they
   are among the other effects. They are then no part of the factor.

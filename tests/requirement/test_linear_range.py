@@ -36,14 +36,14 @@ def study(deg: float, **options) -> tv.Study:
             ("study", (), "Limit 12.000 deg: NOT KNOWN"),
             ("nozzle", (), "NOT KNOWN"),
             ("nozzle", ("--law", "trim"), "NOT KNOWN"),
-            ("fly", (), "Flown at nominal dynamic pressure: NOT KNOWN"),
+            ("fly", (), "NOT KNOWN with 12.000 deg at nominal dynamic pressure"),
             (
                 "fly",
                 ("--engine", "linear", "--law", "trim"),
-                "Flown at nominal dynamic pressure: NOT KNOWN",
+                "NOT KNOWN with 12.000 deg at nominal dynamic pressure",
             ),
             ("nozzle", ("--over", "load", "--law", "trim"), "NOT KNOWN"),
-            ("autopilot", (), "Limit 12 deg: NOT KNOWN"),
+            ("fly", ("--law", "autopilot"), "Limit 12 deg: NOT KNOWN"),
             ("ascent", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
             ("nozzle", ("--over", "flight", "--from", "66", "--to", "66"), "NOT KNOWN"),
         ],
@@ -133,7 +133,7 @@ def test_the_pure_functions_say_where_they_leave_the_linear_range() -> None:
 
 def test_no_deflection_is_enough_in_a_box_that_reaches_beyond_the_range() -> None:
     options = ("--box", "wind_peak_deg=5..31", "--json")
-    _, said = run("margins", "configuration-i", *options)
+    _, said = run("design", "configuration-i", *options)
     worst = json.loads(said)["box"]["required_deflection_rad"]
     assert worst["value"] is None
     assert np.degrees(worst["at"]["wind_peak"]) == pytest.approx(31.0)

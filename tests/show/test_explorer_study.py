@@ -117,19 +117,19 @@ def test_margins_says_of_the_file_what_the_panel_says(written: tuple[Answer, Pat
 
 
 @every
-def test_fly_says_of_the_file_what_the_panel_says(written: tuple[Answer, Path]) -> None:
+def test_fly_says_of_the_file_what_the_panel_says(
+    written: tuple[Answer, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
     here, path = written
     law = here.choices.law
     band = ("--dead-band", here.choices.plan.dead_band) if law == "dead-band" else ()
     motion = here.motion
     assert motion is not None
-    begin, end = motion.time[0], motion.time[-1]
     wind = tv.load_study(path).history
-    until = (end - begin) / float(wind.end - wind.onset)
-    there = told(
-        *("fly", path, "--engine", "linear", "--law", law, *band),
-        *("--until", until, "--points", motion.time.size),
-    )
+    shown = float(motion.time[-1] - motion.time[0]) / float(wind.end - wind.onset)
+    monkeypatch.setattr("tvclin.cli.fly._DURATIONS_SHOWN", shown)
+    monkeypatch.setattr("tvclin.cli.fly._POINTS", motion.time.size)
+    there = told("fly", path, "--engine", "linear", "--law", law, *band)
 
     assert there["status"]["flown"] == here.outcome
     blowing = np.abs(motion.deflection[motion.time <= float(wind.end)])

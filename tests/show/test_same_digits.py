@@ -38,7 +38,7 @@ def found(tmp_path_factory):
 
 
 def test_every_margin_of_the_page_stands_in_the_terminal(found):
-    printed = CliRunner().invoke(app, ["margins", "configuration-i", *GIVEN]).output
+    printed = CliRunner().invoke(app, ["margins", "configuration-i", *GIVEN, "--more"]).output
     numbers = section(found, "margins").numbers
     of_table = ("margin.", "criteria.")
     shown = [text for name, (_, text) in numbers.items() if name.startswith(of_table)]
@@ -100,8 +100,9 @@ def test_laws_have_the_digits_of_the_page_in_the_terminal_and_in_a_notebook():
     winds = {"triangle": tv.TriangularWind(peak=np.radians(5.0), duration=3.0)}
     laws = tv.design.standard_laws(plant, np.radians(5.0))
     trials = tv.design.law_trials(plant, laws, winds, sample_rate=20.0)
-    options = ("--duration", 3, "--wind", "triangle", "--sample-rate", 20)
-    printed = run("laws", "configuration-i", "--model", "fixed-path", *options)
+    options = ("--duration", 3, "--wind", "triangular", "--sample-rate", 20, "--more")
+    every = ("fly", "configuration-i", "--law", "all", "--model", "fixed-path")
+    printed = run(*every, *options)
     over_trim = limit_tables(trials, bounds(plant, winds))[1]
 
     assert all(text in printed for text in shown(*limit_tables(trials, bounds(plant, winds))))

@@ -50,7 +50,7 @@ def _better(case: Case, criteria: Criteria) -> str:
     if rule is None:
         return (
             f"gains that satisfy the criteria {criteria.name}: neither poles at 1.5 to 6 times the"
-            " unstable one nor lqr; tvclin autopilot --least seeks them, and a bending mode may"
+            " unstable one nor lqr; tvclin design --least seeks them, and a bending mode may"
             " need a notch ([[autopilot.filter]])"
         )
     if rule.design is not None:

@@ -59,10 +59,10 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     ),
     "boundary --tau-beta": (*_LOOP, *_WIND, *_STUDY_FEATURES, "limit"),
     "poles": (*_LOOP, *_WIND, *_STUDY_FEATURES, "limit"),
+    "design": (*_NOMINAL_PRESSURE, "rate limit", "limit"),
     "margins": _NOMINAL_PRESSURE,
-    "autopilot": _STUDY_FEATURES,
-    "laws": (*_NOMINAL_PRESSURE, "limit"),
-    "fly": _NOMINAL_PRESSURE,
+    "fly": _STUDY_FEATURES,
+    "fly --law all": (*_NOMINAL_PRESSURE, "limit"),
     "nozzle": ("sign that counts", "limit shape", "dispersion"),
     "nozzle --over load": _NOMINAL_PRESSURE,
     "nozzle --over flight": ("dispersion",),
@@ -72,12 +72,13 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "explore": ("measured wind", "dispersion", _WORK),
 }
 _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
-    "margins without --flown": ("rate limit", "limit"),
-    "margins without --flown and --box": ("gust", "head wind", "heading"),
+    "margins without --limit-deg": ("rate limit", "limit"),
+    "margins without a wind": ("gust", "head wind", "heading"),
     "laws of a rigid vehicle": _LAW,
     "laws with a rate in [laws]": ("sample rate",),
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
+    "fly without the autopilot requirement": ("sign that counts",),
     "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),
     "nozzle --over load without --law": (*_LAW, "sample rate", "gains"),
     "nozzle --over flight without the law autopilot": ("gains",),
@@ -88,7 +89,6 @@ _ALL_NUMBERS = "these numbers"
 _RIGID_NUMBERS: dict[str, str] = {
     "study": "the boundaries",
     "report": "boundaries and sizes on the page",
-    "autopilot": "boundaries and minimum",
     "disperse": "all but margins and flights",
     "nozzle": "angles over rates",
     "nozzle --over load": "angles over loads",
@@ -100,7 +100,8 @@ _RIGID_NUMBERS: dict[str, str] = {
         _ALL_NUMBERS,
     ),
     "explore": "boundaries and the open-loop response",
-    "margins --box": "the margins in the box",
+    "design --box": "the margins in the box",
+    "fly --law autopilot": "boundaries and minimum",
     "fly --engine planar": _ALL_NUMBERS,
 }
 """Numbers of a result that are computed for the rigid vehicle, by question."""
@@ -145,7 +146,7 @@ def refusal(question: str, option: str, key: str | None = None) -> str | None:
 def omission_notes(case: Case, *questions: str) -> Iterator[str]:
     """Yield a note for each feature of a case that questions omit.
 
-    `questions`: names in `QUESTIONS`, or a name with an option, such as "margins --box".
+    `questions`: names in `QUESTIONS`, or a name with an option, such as "design --box".
     """
     of_the_rigid = [question for question in questions if question in _RIGID_NUMBERS]
     if case.vehicle.structure is not None:
@@ -155,7 +156,7 @@ def omission_notes(case: Case, *questions: str) -> Iterator[str]:
             which, moved = _RIGID_NUMBERS[question], shift_words(case.vehicle, case.plane)
             said = f"{which} are of the rigid vehicle, without the structure in its file"
             yield f"{said}{moved and f', which {moved}'} (tvclin margins has it)"
-    flown = case.law_model if "laws" in questions else case.loop_model
+    flown = case.law_model if "fly --law all" in questions else case.loop_model
     if flown != case.model and not any(map(is_rigid_only, questions)):
         drift = case.model == "drift"
         why = "leaves out the structure" if drift else "has a speed, which laws are not shown"

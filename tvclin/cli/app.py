@@ -24,7 +24,7 @@ from typer.core import TyperGroup
 _PANELS = {
     "Start here": ("study", "init", "vehicles", "report", "explore"),
     "Theory": ("boundary", "poles", "respond", "reproduce"),
-    "Control": ("autopilot", "margins", "laws", "fly"),
+    "Control": ("design", "margins", "fly"),
     "Whole flight": ("ascent", "nozzle", "availability"),
     "Many cases": ("disperse",),
     "This installation": ("import", "doctor"),

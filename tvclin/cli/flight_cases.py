@@ -2,18 +2,19 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.lines import Table
 from tvclin.base.quantities import NOMINAL, survival
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
-from tvclin.cli.output import print_json, print_tables, say, say_notes, say_required
+from tvclin.cli.output import print_answer, print_json, say
 from tvclin.cli.wind import wind_words
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
@@ -40,8 +41,9 @@ from tvclin.winds.wind_angles import linear_notes
 class Compared:
     """A flight, compared with the linear theory or the rigid vehicle; deflections in rad.
 
-    Both boundaries are None where neither was sought, and the first where that was not. `heads` and
-    `ends` stand above and below the table, `title` and `columns` in it; `facts` are for JSON alone.
+    Both boundaries are None where neither was sought, and the first where that was not. `verdict`
+    stands above the table, `title` and `columns` in it, `told` below it, and `heads`, the setting,
+    among the details; `facts` are for JSON alone.
     """
 
     case: Any
@@ -51,7 +53,8 @@ class Compared:
     columns: tuple[str, ...]
     boundary: tuple[float | None, float] | None
     heads: list[str]
-    ends: list[str]
+    verdict: str
+    told: tuple[str, ...]
     title: str
     facts: dict[str, Any] = field(default_factory=dict)
 
@@ -59,8 +62,18 @@ class Compared:
         """Return the values of the flight and of its comparison, by name."""
         return dict(zip(("flown", self.reference), values, strict=True))
 
-    def show(self, shown: ShownCurves) -> bool:
+    def show(self, shown: ShownCurves, more: bool) -> bool:
         """Write and print the flight, and return whether it survived."""
+        self.write(shown)
+        if shown.as_json:
+            print_json(self.document())
+        else:
+            details = partial(say, "\n".join(self.heads))
+            print_answer(self.verdict, self.table(), notes=self.notes, more=more, details=details)
+        return bool(self.flight.survived)
+
+    def write(self, shown: ShownCurves) -> None:
+        """Write the CSV file and the figure of the flight."""
         from tvclin.plots import flight_chart, flight_curves
 
         said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
@@ -70,15 +83,10 @@ class Compared:
             ),
             lambda numbers: flight_chart(numbers, said),
         )
-        if shown.as_json:
-            print_json(self._document())
-        else:
-            say("\n".join(self.heads))
-            print_tables(self.flight.table(self.title, self.columns, self.boundary))
-            say("\n".join([*self._ended(), *self.ends]))
-            say_required(self.required, autopilot=self.case.law == AUTOPILOT)
-            say_notes(self.notes)
-        return bool(self.flight.survived)
+
+    def table(self) -> Table:
+        """Return the table of the flight, its comparison and both boundaries."""
+        return self.flight.table(self.title, self.columns, self.boundary)
 
     @cached_property
     def required(self) -> CaseRequirement | None:
@@ -87,17 +95,19 @@ class Compared:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes on the wind angle."""
-        return linear_notes(float(self.case.wind.peak))
+        """Notes on the wind angle, on the flight, and on the required deflection of the study."""
+        required = () if self.required is None else (self.required.see_study,)
+        angle = linear_notes(float(self.case.wind.peak))
+        return (*angle, *self.told, *self._ended(), *required)
 
     def _ended(self) -> Iterator[str]:
-        """Yield a line for each flight shown that leaves the range of its model in the wind."""
+        """Yield a note for each flight shown that leaves the range of its model in the wind."""
         outcomes = zip(self.columns, self.flight.ranges, self.flight.ended, strict=False)
         for name, limit, ended in outcomes:
             if ended:
                 yield (
-                    f"The largest values, {name}, are until the attitude reaches"
-                    f" {np.degrees(limit):.0f} deg, before the wind ends."
+                    f"the largest values, {name}, are until the attitude reaches"
+                    f" {np.degrees(limit):.0f} deg, before the wind ends"
                 )
 
     def _peaks(self) -> dict[str, list[float]]:
@@ -112,7 +122,7 @@ class Compared:
             None if boundary is None else float(np.degrees(boundary)) for boundary in self.boundary
         ]
 
-    def _document(self) -> dict[str, Any]:
+    def document(self) -> dict[str, Any]:
         """Return the flight and its comparison with the boundary, for JSON."""
         case, ends = self.case, self._ends()
         return {
@@ -130,7 +140,7 @@ class Compared:
             "pressure": self.case.pressure,
             "required_deflection_deg": self.required
             and float(np.degrees(self.required.required_deflection)),
-            "notes": self.notes,
+            "notes": linear_notes(float(self.case.wind.peak)),
             **self.facts,
         }
 
@@ -284,8 +294,7 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
     if flown > longest:
         raise InputError(
             f"a flight must be at most {longest:.4g} s long, {_MAX_DURATION_OVER_MODE:g} times that"
-            f" of its fastest mode; got {flown:.4g} s: give a shorter --duration, or a smaller"
-            " --until"
+            f" of its fastest mode; got {flown:.4g} s: give a shorter --duration"
         )
 
 
@@ -304,8 +313,12 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         columns=("flown", "linear"),
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
         heads=case.heads,
-        ends=list(_ends(case, flight)),
-        title=f"Limit {np.degrees(limit):.3f} deg, {ratio_text}",
+        verdict=(
+            f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg at {case.pressure}"
+            f" dynamic pressure; linear theory: {survival(flight.predicted)}"
+        ),
+        told=tuple(_told(case, flight)),
+        title=f"{case.title}; limit {np.degrees(limit):.3f} deg, {ratio_text}".replace("\n", ": "),
         facts={
             "along_trajectory": case.condition is not None,
             "linear_model": DEFAULT_MODEL,
@@ -316,19 +329,17 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     )
 
 
-def _ends(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
-    """Yield lines on whether the flight survives, and notes on it."""
-    flown = f"Flown at {case.pressure} dynamic pressure: {survival(flight.survived)}."
-    yield f"{flown} Linear theory: {survival(flight.predicted)}."
+def _told(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
+    """Yield notes on a limit below the minimum of any control, and on the release of the limit."""
     if case.limit < case.minimum and (flight.survived or flight.predicted):
         yield (
-            f"Note: {np.degrees(case.minimum):.3f} deg is the least of all by linear theory; with"
-            "\nless a mode goes on growing, more slowly than this flight shows."
+            f"{np.degrees(case.minimum):.3f} deg is the minimum of any control by linear theory;"
+            " with less a mode goes on growing, more slowly than this flight shows"
         )
     if np.isfinite(flight.let_go[0]):
         yield (
-            f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
-            "\nzero or beyond; the flight, and what is largest in it, is shown until then."
+            f"the limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at zero"
+            " or beyond; the flight, and what is largest in it, is shown until then"
         )
 
 

@@ -1,4 +1,4 @@
-"""`tvclin fly`: one flight in one wind, compared with the linear theory."""
+"""`tvclin fly`: a flight of one law in a wind, beside the theory, or the limits of all laws."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -7,26 +7,24 @@ import numpy as np
 import typer
 
 from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.base.errors import Faults, one_of, within
+from tvclin.base.errors import Faults, one_of
 from tvclin.base.lines import listed
-from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
-from tvclin.cli.fly_linear import LinearCase, fly_linear
+from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear
+from tvclin.cli.fly_autopilot import AutopilotFlight, fly_autopilot
+from tvclin.cli.fly_laws import fly_laws
+from tvclin.cli.fly_linear import LINEAR, LinearCase, fly_linear
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, chosen, note_left_out, only_with
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
-    PLANE,
-    RATE_LIMIT,
+    MOTION,
     At,
     Given,
-    Points,
-    Rigid,
+    More,
     ShownCurves,
     Source,
-    Until,
     asked,
-    switch,
 )
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
@@ -34,24 +32,34 @@ from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.flights.flown_boundary import ENGINES
 from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.vehicle.vehicle import Vehicle
 
-_MAX_UNTIL = 20.0
-"""Largest --until, in durations of the wind."""
+ALL = "all"
+"""Name of --law for the limits of all laws."""
+_SINGLE_LAW = "a single law: tvclin fly --law NAME"
+_VARYING = "-varying"
+"""End of the name of an engine whose mass, speed and dynamic pressure vary in flight."""
+_ENGINES = (LINEAR, *ENGINES, *(f"{name}{_VARYING}" for name in ENGINES))
+_DURATIONS_SHOWN = 2.0
+"""Length of the flight shown, in durations of the wind."""
+_POINTS = 401
+"""Number of times of the flight shown."""
 
 
 @dataclass(frozen=True)
 class WhatFlies:
-    """Options of the engine, the law and its dead band; `grouped` gives them to a command."""
+    """Options of the law, the engine and the dead band; `grouped` gives them to a command."""
 
-    engine: str | None = asked(
-        "planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
-        " linear: linear equations with bending and slosh, a sampled law and an actuator.",
-        shown="linear for a flexible vehicle, else planar",
-    )
     law: str | None = asked(
-        f"Control law: {listed((REPORT, *LAWS), 'or')}; gains below are of {AUTOPILOT}.",
-        shown="autopilot for --engine linear, else report",
+        f"Control law: {listed((REPORT, *LAWS), 'or')}; or all: the limit of each in standard"
+        f" winds. Gains below are of {AUTOPILOT}.",
+        shown=f"{AUTOPILOT} with gains or --engine {LINEAR}, else {REPORT}",
+    )
+    engine: str | None = asked(
+        "linear: linear equations with bending and slosh, a sampled law and an actuator; planar:"
+        " nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom; planar-varying"
+        " or sixdof-varying: mass, speed and dynamic pressure vary in flight.",
+        shown=f"{LINEAR} for a flexible vehicle and for {AUTOPILOT}, else planar",
     )
     dead_band: float | None = asked(
         "Dead band K of the laws report and dead-band.", shown="1 for report, 0.5 for dead-band"
@@ -59,37 +67,33 @@ class WhatFlies:
 
     def __post_init__(self) -> None:
         if self.engine is not None:
-            one_of("--engine", self.engine, (*ENGINES, "linear"))
-        one_of("--law", self.law or REPORT, [REPORT, *LAWS])
+            one_of("--engine", self.engine, _ENGINES)
+        one_of("--law", self.law or REPORT, [REPORT, *LAWS, ALL])
 
     def on(
-        self,
-        source: str,
-        case: StudyPlan,
-        along: bool,
-        flies: FlownLaw,
-        rate_limit: Given,
-        rigid: bool,
-    ) -> tuple[str, str, Any]:
-        """Return engine, law and dead band for a case, and print what they neglect of its file.
+        self, source: str, case: StudyPlan, flies: FlownLaw, model: Given
+    ) -> tuple[str, bool, str, Any]:
+        """Return engine, whether parameters vary, law and dead band for a case.
 
-        Options of another engine or law are refused first.
+        Options of another engine or law are refused first; notes name what is omitted of its file.
         """
-        bends = complete_vehicle(case.vehicle, "a flight").structure is not None
-        engine = self.engine or ("linear" if bends and not along else "planar")
-        law = self.law or (AUTOPILOT if engine == "linear" else REPORT)
+        law = self.law or (AUTOPILOT if flies.has_gains(source) else None)
+        engine, suffix, _ = (self.engine or "").partition(_VARYING)
+        if not engine:
+            rigid = isinstance(case.vehicle, Vehicle) and case.vehicle.structure is None
+            engine = "planar" if rigid and law != AUTOPILOT else LINEAR
+        law = law or (AUTOPILOT if engine == LINEAR else REPORT)
         if law != AUTOPILOT:
             flies.only_with_autopilot(source)
-        if engine == "linear":
-            only_with("--engine planar or sixdof", along_trajectory=along)
-        else:
-            unused = rigid and self.engine is not None
-            only_with("--engine linear", rigid=unused)
-            for group in (flies.timing, rate_limit):
-                group.only_with("--engine linear")
+        if engine != LINEAR:
+            flies.timing.only_with("--engine linear")
+            model.only_with("--engine linear", "model")
         aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
-        note_left_out(case, "fly", *aside, *["fly --engine planar"] * (engine != "linear"))
-        return engine, law, chosen(self.dead_band, case.dead_band if law == REPORT else None)
+        compared = law == AUTOPILOT and engine == LINEAR
+        aside.append("fly --law autopilot" if compared else "fly without the autopilot requirement")
+        note_left_out(case, "fly", *aside, *["fly --engine planar"] * (engine != LINEAR))
+        band = chosen(self.dead_band, case.dead_band if law == REPORT else None)
+        return engine, bool(suffix), law, band
 
 
 def fly(
@@ -97,50 +101,52 @@ def fly(
     time: At = None,
     winds: WindOptions = GROUP,
     what: WhatFlies = GROUP,
-    limit: Given = replace(LIMIT, shown={"limit": "1.1 times the linear boundary"}),
-    rate_limit: Given = RATE_LIMIT,
+    limit: Given = replace(LIMIT, shown={"limit": "1.1 times the boundary of the law"}),
     flies: FlownLaw = GROUP,
-    rigid: Rigid = False,
-    along_trajectory: bool = switch(
-        "--along-trajectory", "Let mass, speed and dynamic pressure change in flight."
-    ),
-    boundary: bool = switch("--boundary", "Also find, by flights, the least limit that survives."),
-    plane: Given = PLANE,
-    until: Until = 2.0,
-    points: Points = 401,
+    motion: Given = MOTION,
+    more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:
     """Fly a vehicle through a wind with a control law, beside the prediction of the linear theory.
 
+    --law autopilot also prints the autopilot requirement, the smallest limit from which on every
+    limit survives, flown with samples, delay, actuator, filters, bending and rate limit, and
+    compares the autopilot with trim. --law all prints the limit that each law requires in standard
+    winds, or in that of --wind or --winds; it takes about a second for each law and wind.
+
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
-    is flown with a sampled law, beside the rigid one. --rigid leaves all that out.
+    is flown with a sampled law, beside the rigid one. --set study.rigid true leaves all that out.
 
-    It is at nominal dynamic pressure, and with --along-trajectory at that encountered in the wind;
-    tvclin study is the verdict on a limit.
+    Flights are at nominal dynamic pressure, or with a varying engine at that encountered in the
+    wind; tvclin study is the verdict on a limit. --more also finds, by flights, the smallest limit
+    that survives.
 
-    Exit code 0: SURVIVED; 1: NOT SURVIVED, or NOT KNOWN, in a wind of more than 30 deg; 2: bad
-    input.
+    Exit code 0: SURVIVED, or SUFFICIENT for the autopilot; 1: not so, or NOT KNOWN; 2: bad input.
     """
-    within("--until", until, 1.0, _MAX_UNTIL, "durations of the wind")
-    within("--points", points, 2, 1_000_000)
-    changes = [options.over for options in (limit, rate_limit, plane, flies)]
-    case = case_of(vehicle, *changes, rigid=rigid, time=time)
-    engine, *law = what.on(vehicle, case, along_trajectory, flies, rate_limit, rigid)
-    name = winds.name(case)
-    condition, faults = None, Faults()
+    changes = [options.over for options in (limit, motion, flies)]
+    if what.law == ALL:
+        only_with(_SINGLE_LAW, **vars(what) | {"law": None}, csv=shown.csv)
+        limit.only_with(_SINGLE_LAW)
+        fly_laws(vehicle, time, motion, winds, flies, more, shown)
+        return
+    case = case_of(vehicle, *changes, time=time)
+    engine, varying, *law = what.on(vehicle, case, flies, motion)
+    name, condition, faults = winds.name(case), None, Faults()
     with faults.kept():
-        case = (winds.in_flight if along_trajectory else winds.over)(case, vehicle)
+        case = (winds.in_flight if varying else winds.over)(case, vehicle)
     with faults.kept():
-        condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
+        condition = load_flight_condition(vehicle_source(vehicle)) if varying else None
     faults.tell()
-    start, length = float(case.history.onset), until * float(case.history.end - case.history.onset)
-    if engine == "linear":
-        with waiting("flying"):
-            flying = LinearCase(case, name, *law)
-            comparison = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
-    else:
-        nonlinear = flight_case(Flying(case, name, *law), engine, condition, length)
-        with waiting("flying"):
-            comparison = fly_nonlinear(nonlinear, boundary, length, points)
-    if not comparison.show(shown):
+    start, wind_length = float(case.history.onset), float(case.history.end - case.history.onset)
+    length = _DURATIONS_SHOWN * wind_length
+    flying = Flying(case, name, *law)
+    with waiting("flying"):
+        if engine != LINEAR:
+            nonlinear = flight_case(flying, engine, condition, length)
+            answer: Compared | AutopilotFlight = fly_nonlinear(nonlinear, more, length, _POINTS)
+        else:
+            times = start + np.linspace(0.0, length, _POINTS)
+            fly_case = fly_autopilot if flying.law == AUTOPILOT else fly_linear
+            answer = fly_case(LinearCase(**vars(flying)), more, times)
+    if not answer.show(shown, more):
         raise typer.Exit(1)

@@ -18,6 +18,8 @@ from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS, SampledFl
 from tvclin.linear.flexible import AnyPlant
 from tvclin.studyfile.study_plan import StudyPlan
 
+LINEAR = "linear"
+"""Name of the engine."""
 _LIMIT_OVER_BOUNDARY = 1.1
 """Limit of a flight without --limit-deg, over its boundary."""
 _MAX_LIMIT_OVER_TRIM = 4.0
@@ -28,7 +30,7 @@ _MAX_LIMIT_OVER_TRIM = 4.0
 class LinearCase(Flying):
     """A flight by the linear engine, in steps."""
 
-    engine = "linear"
+    engine = LINEAR
 
     @property
     def plant(self) -> AnyPlant:
@@ -109,6 +111,7 @@ def _compared(
     """Return a flight and its boundaries, if any, compared with those of the rigid vehicle."""
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     rate = case.case.nozzle.rate_limit
+    rigid = f"; rigid: {_word(flight.status[1])}" if case.bends else ""
     turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
         case=case,
@@ -120,8 +123,11 @@ def _compared(
         if boundaries
         else None,
         heads=[case.title],
-        ends=list(_ends(case, flight, boundaries or ())),
-        title=f"Limit {np.degrees(limit):.3f} deg{turning}",
+        verdict=f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL}{rigid}",
+        told=tuple(_told(case, flight, boundaries or ())),
+        title=(
+            f"{wind_line(case)}; {case.plant.model}, limit {np.degrees(limit):.3f} deg{turning}"
+        ).replace("\n", ": "),
         facts={
             "flexible": case.bends,
             "linear_model": case.plant.model,
@@ -134,22 +140,20 @@ def _compared(
     )
 
 
-def _ends(
+def _told(
     case: LinearCase, flight: SampledFlight, boundaries: Iterable[ClosedLoopBoundary]
 ) -> Iterator[str]:
-    """Yield lines on whether the flights survive, and notes on their boundaries."""
-    flown, rigid = map(_word, flight.status)
-    yield f"Flown {NOMINAL}: {flown}." + (f" Rigid: {rigid}." if case.bends else "")
+    """Yield notes on an oscillation of the nozzle, and on boundaries."""
     if "rings" in flight.status:
         yield RINGS_MEANS
     for name, boundary in zip(("flexible", "rigid")[not case.bends :], boundaries, strict=False):
         if boundary.status != "ok":
-            yield f"Note: boundary, {name}: {boundary.status}"
+            yield f"boundary, {name}: {boundary.status}"
 
 
 RINGS_MEANS = (
-    "It rings: the vehicle is brought back, and the nozzle keeps oscillating: an oscillation of the"
-    " loop, mostly of bending or slosh, grows near rest or persists between the limits."
+    "it rings: the vehicle is brought back, and the nozzle keeps oscillating: an oscillation of the"
+    " loop, mostly of bending or slosh, grows near rest or persists between the limits"
 )
 
 

@@ -53,11 +53,18 @@ class FlownLaw:
         """Raise `InputError` for gains, by options or keys of --set, of a law that has none."""
         needed = f"--law {AUTOPILOT}"
         self.gains.only_with(needed)
+        for key in self._gain_keys(source):
+            raise InputError(f"--set {key} needs {needed}")
+
+    def has_gains(self, source: str) -> bool:
+        """Return whether gains are given by options or by keys of --set."""
+        return bool(self.gains.values or self._gain_keys(source))
+
+    def _gain_keys(self, source: str) -> list[str]:
+        """Return the keys of --set that give gains, or a rule for them."""
         keys = source.keys if isinstance(source, EditedSource) else ()
         gains = {f"autopilot.{name}" for name in (*GIVEN_GAINS, *RULE_KEYS, "integral_gain")}
-        for key in keys:
-            if quantity_name(key) in gains:
-                raise InputError(f"--set {key} needs {needed}")
+        return [key for key in keys if quantity_name(key) in gains]
 
 
 def with_gains(base: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:

@@ -1,15 +1,16 @@
-"""Tables of `tvclin margins`: an autopilot, the margins of its loop, and the criteria."""
+"""Tables of `tvclin margins` and `design`: an autopilot, its margins, and the criteria."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from math import isnan
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.errors import InputError
-from tvclin.base.lines import quantities
+from tvclin.base.lines import Table, listed, quantities, text
 from tvclin.base.quantities import satisfaction
-from tvclin.cli.output import print_tables, say, say_notes
+from tvclin.cli.output import print_tables, say
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
 from tvclin.control.autopilot.margin_bounds import MarginBounds, margin_bounds
@@ -52,7 +53,7 @@ class MarginsFound:
     @property
     def detuned(self) -> Detuned:
         """The margins of a flexible vehicle's loop with detuned modes."""
-        assert isinstance(self.plant, FlexiblePlant)  # margins refuses --detuned of all else
+        assert isinstance(self.plant, FlexiblePlant)  # `margins` refuses it of all else
         return detuned(self.autopilot, self.plant, criteria=self.asked)
 
     @property
@@ -60,35 +61,36 @@ class MarginsFound:
         """Whether all criteria are satisfied."""
         return bool(self.asked.are_satisfied(self.bands or self.whole))
 
+    @property
+    def verdict(self) -> str:
+        """The verdict on the criteria, with the margins that miss their limits."""
+        head = f"criteria {self.asked.name}: {satisfaction(self.met)}"
+        if not self.whole.stable:
+            return f"{head}, {self.whole.reason}"
+        missed = [judgement for judgement in self.judged if not judgement.satisfied]
+        return f"{head} ({listed(text(item.shortfall) for item in missed)})" if missed else head
 
-def print_margins(title: str, result: MarginsFound) -> None:
-    """Print an autopilot, the margins of its loop, those by band, and the criteria."""
-    loop_margins = result.whole
-    print_autopilot(title, result.autopilot, result.plant)
-    if loop_margins.stable:
-        print_tables(margin_table(loop_margins, result.judged))
-        print_bounds(result.autopilot, result.plant)
-    else:
-        say(f"NO MARGINS: {loop_margins.reason}")
+
+def margin_tables(result: MarginsFound, title: str = "Margins") -> tuple[Table, ...]:
+    """Return the tables of the margins of a loop and, of a flexible vehicle, of those by band."""
+    tables = [margin_table(result.whole, result.judged)] if result.whole.stable else []
     if result.bands is not None:
-        _print_bands(result.bands, result.asked)
-    if loop_margins.stable:
-        say_notes(loop_margins.notes)
-        say(f"Criteria {result.asked.name}: {satisfaction(result.met)}")
+        tables.append(band_table(result.bands, result.judged))
+    return tuple(
+        replace(table, caption=title if not k else table.caption) for k, table in enumerate(tables)
+    )
 
 
-def _print_bands(bands: BandMargins, criteria: Criteria) -> None:
-    """Print the margins of the rigid body and of each mode, with their criteria."""
-    judged = criteria.judge(bands)
-    print_tables(band_table(bands, judged))
-    judged_modes = {
-        judgement.band for judgement in judged if judgement.band and not isnan(judgement.value)
-    }
+def mode_notes(result: MarginsFound) -> Iterator[str]:
+    """Yield notes on modes without a required margin, where others have one."""
+    if result.bands is None or not result.asked.has_mode_limits:
+        return
+    judged = {item.band for item in result.judged if item.band and not isnan(item.value)}
     for word, key in _KEYS.items():
-        free = [mode.name for mode in bands.modes if mode.stabilised == word]
-        if criteria.has_mode_limits and free and judged_modes.isdisjoint(free):
-            say(
-                f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({key} in"
+        free = [mode.name for mode in result.bands.modes if mode.stabilised == word]
+        if free and judged.isdisjoint(free):
+            yield (
+                f"{', '.join(free)}: {word}-stabilised, without a required margin ({key} in"
                 " [criteria]); the margins of the whole loop count"
             )
 
@@ -105,7 +107,7 @@ def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
 
 def parts_line(structure: Structure) -> str:
     """Return the line that lists the parts of a flexible vehicle."""
-    return f"Flexible vehicle (--rigid: without): {structure.parts}"
+    return f"Flexible vehicle (--set study.rigid true: without): {structure.parts}"
 
 
 def print_bounds(autopilot: Autopilot, plant: AnyPlant) -> None:

@@ -113,6 +113,6 @@ def _vehicle_of_flight(schedule: str, time: float | None) -> str:
         return text
     height = float(np.interp(time, flight.times, flight.height))
     return (
-        f"{text}\n# [flight]  # for tvclin fly --along-trajectory\n# altitude_m = {height:.10g}\n"
+        f"{text}\n# [flight]  # for fly --engine planar-varying\n# altitude_m = {height:.10g}\n"
         "# specific_impulse_s = 260  # of this vehicle\n"
     )

@@ -58,6 +58,8 @@ def minimum_gains(
             "gains for the minimum deflection are sought: give no"
             f" {', '.join(name.replace('_', ' ') for name in conflicting)} with them"
         )
+    if design.sudden_ends and design.minimum != "limit":
+        raise InputError('sudden_ends needs minimum = "limit" in [autopilot]')
     return minimum_deflection_gains(
         case.plant,
         winds,
@@ -66,6 +68,8 @@ def minimum_gains(
         delay=design.delay,
         crossover=design.crossover,
         sample_rate=design.sample_rate,
+        limits=design.minimum == "limit",
+        stops=design.sudden_ends,
         **chains,
         **options,
     )

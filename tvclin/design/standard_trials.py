@@ -16,7 +16,7 @@ from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, callable_for, each, flag, instance, number, positive
-from tvclin.base.fields import checked, file_table, quantity, spec, word
+from tvclin.base.fields import checked, count, file_table, quantity, spec, word
 from tvclin.base.lines import Line, Table
 from tvclin.base.lines import number as number_cell
 from tvclin.base.quantities import WIND_KNOWN
@@ -74,11 +74,14 @@ class LawsRequest:
         Names of `standard_winds`.
     sample_rate : float
         Sample rate of the laws [Hz].
+    cuts : int
+        Number of sudden ends of each wind that are flown as well.
     """
 
     names: tuple[str, ...] = word(LAWS, tuple(LAWS), many=True)
     winds: tuple[str, ...] = word(WINDS, ("triangle",), many=True)
     sample_rate: float = quantity("sample rate", 50.0, positive)
+    cuts: int = count(0)
 
     def __post_init__(self) -> None:
         checked(self)

@@ -278,6 +278,7 @@ def _trials(
         {name: laws[name] for name in request.names},
         {name: winds[name] for name in request.winds},
         loads=False,
+        cuts=request.cuts,
         progress=progress,
         **nozzle,
     )

@@ -22,7 +22,7 @@ from tvclin.base.errors import (
     shown,
     single,
 )
-from tvclin.base.fields import checked, file_table, quantity, word
+from tvclin.base.fields import checked, count, file_table, quantity, word
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -119,6 +119,8 @@ _OTHER_RULES: dict[str, Callable[..., Autopilot]] = {
 }
 """Design rules without poles of the user, by name."""
 DESIGNS = ("canonical", *POLE_PLACEMENT_RULES, "half-relief", "lqr", LEAST_NOZZLE)
+MINIMA = ("peak", "limit")
+"""Deflections that gains may minimise."""
 _DEFAULT_DAMPING = 0.7
 """Damping ratio of rules that place poles, if none is specified."""
 _RULE = ("natural_frequency", "damping")
@@ -163,6 +165,11 @@ class AutopilotDesign:
         Delay between sensors and actuator [s].
     crossover : float, optional
         Highest gain crossover [rad/s] of gains for the minimum deflection.
+    minimum : str
+        Deflection that least-nozzle minimises: the peak of the linear loop, or the limit with which
+        flights survive.
+    sudden_ends : int
+        Number of sudden ends of each wind that the minimum limit survives as well.
     filters, attitude_filters, rate_filters : tuple of Filter
         Filters of the command, of the attitude and of the rate, see `Autopilot`.
     sample_rate : float, optional
@@ -186,6 +193,8 @@ class AutopilotDesign:
     )
     delay: float = quantity("delay", 0.0, nonnegative)
     crossover: float | None = quantity("natural frequency", None)
+    minimum: str = word(MINIMA, "peak")
+    sudden_ends: int = count(0)
     filters: tuple[Filter, ...] = ()
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
@@ -279,7 +288,7 @@ def _by_rule(
     rule = one_of("design", design or ("poles" if has_poles else "canonical"), DESIGNS)
     if rule == LEAST_NOZZLE:
         raise InputError(
-            f"design {LEAST_NOZZLE} needs a wind: tvclin autopilot and study files have one; in"
+            f"design {LEAST_NOZZLE} needs a wind: tvclin design and study files have one; in"
             " Python see minimum_deflection_gains"
         )
     if rule in _OTHER_RULES:

@@ -116,6 +116,14 @@ class Judgement(Record):
     satisfied: Any = field(metadata=spec(name="met"))
     band: str = field(default="", metadata=spec(of=lambda judged: judged.band or None))
 
+    @property
+    def shortfall(self) -> Line:
+        """Name and surplus of one margin, for a margin that does not satisfy its criterion."""
+        unit = self.criterion.shown[1]
+        label = self.band or MARGINS[self.criterion.margin][0]
+        surplus = unit_factor(unit) * self.surplus
+        return (f"{label} ", *significant(f"{label}.surplus", surplus, 3, unit))
+
 
 @dataclass(frozen=True)
 class Criteria:

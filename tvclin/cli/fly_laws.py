@@ -1,27 +1,26 @@
-"""`tvclin laws`: required deflection of each law in the standard winds, with its bounds."""
+"""`tvclin fly --law all`: required deflection of each law in standard winds, with its bounds."""
 
 from dataclasses import dataclass, replace
 from functools import partial
 from math import degrees
 from typing import Any
 
-from tvclin.base.errors import one_of, within
-from tvclin.base.lines import listed
+from tvclin.base.errors import one_of
+from tvclin.base.lines import plural
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import parts_line
-from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, At, Given, Rigid, Shown, Source, asked
-from tvclin.cli.output import answer, draw, print_tables, say, say_notes
+from tvclin.cli.options import Given, ShownCurves
+from tvclin.cli.output import answer, draw, print_answer, print_tables, say
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import SoundingOptions
+from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.design.standard_trials import (
     LEGEND,
-    WINDS,
     Bounds,
     LawTrials,
     bounds,
@@ -41,62 +40,42 @@ from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import linear_notes
 
 
-def _quoted(name: str) -> str:
-    return f"'{name}'" if " " in name else name
-
-
-def laws(
-    vehicle: Source = "configuration-i",
-    time: At = None,
-    wind_options: SoundingOptions = GROUP,
-    wind: list[str] | None = asked(
-        f"Only this wind; may be given several times: {listed(map(_quoted, WINDS), 'or')}.",
-        shown="all",
-    ),
-    cuts: int = asked("Also fly each wind cut off at so many instants.", 0),
-    flies: FlownLaw = GROUP,
-    rate_limit: Given = RATE_LIMIT,
-    motion: Given = MOTION,
-    rigid: Rigid = False,
-    shown: Shown = GROUP,
+def fly_laws(
+    vehicle: str,
+    time: float | None,
+    motion: Given,
+    winds: WindOptions,
+    flies: FlownLaw,
+    more: bool,
+    shown: ShownCurves,
 ) -> None:
-    """Fly five laws in the standard winds and print the deflection limit that each needs.
-
-    It takes about a second for each law and wind, and a minute more for a figure. A vehicle file
-    with bending, slosh, engine inertia or sensor lags makes a flexible vehicle, which flies with an
-    actuator; a rigid one without, as its bounds. --rigid leaves all that out.
-
-    A gust blows on top of each wind; a sounding, --winds, in place of them all. Gains are those of
-    the law autopilot.
-
-    Flights and bounds are at nominal dynamic pressure; tvclin study is the verdict on a limit.
-
-    Exit code 0: answered; 2: bad input.
-    """
+    """Fly laws in the standard winds, or in that of the options, and print their limits."""
     from tvclin import plots
 
     if shown.plot is not None:
-        only_with(
-            "no --plot: that is drawn of pulses alone",
-            winds=wind_options.winds,
-        )
-    within("--cuts", cuts, 0, 1000)
-    changes = rate_limit.over, motion.over, _without_actuator, partial(_with_gains, flies)
+        only_with("no --plot: that is drawn of pulses alone", winds=winds.winds)
     case = case_of(
-        vehicle, *changes, wind=wind_options.over, told=("laws",), rigid=rigid, time=time
+        vehicle,
+        motion.over,
+        _without_actuator,
+        partial(_with_gains, flies),
+        wind=winds.over,
+        told=("fly --law all",),
+        time=time,
     )
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
     if case.laws is not None and "sample_rate" not in flies.timing.values:
         hardware["sample_rate"] = case.laws.sample_rate
         note_left_out(case, "laws with a rate in [laws]")
-    peak, duration, winds = _winds(wind_options, wind, case)
+    peak, duration, histories = _winds(winds, case)
     chosen = _laws(case, plant.rigid, peak)
+    cuts = 0 if case.laws is None else case.laws.cuts
     with bar("flights") as progress:
-        trials = law_trials(plant, chosen, winds, cuts=cuts, progress=progress, **hardware)
+        trials = law_trials(plant, chosen, histories, cuts=cuts, progress=progress, **hardware)
     draw(shown.plot, lambda: plots.laws_chart(plant, chosen, peak, **hardware))
-    reference_bounds = bounds(plant.rigid, winds)
+    reference_bounds = bounds(plant.rigid, histories)
     result = _Answer(case, plant, peak, duration, hardware["sample_rate"], trials, reference_bounds)
-    answer(shown.as_json, lambda: result.document(cuts), lambda: result.print(vehicle))
+    answer(shown.as_json, lambda: result.document(cuts), lambda: result.print(vehicle, more))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,20 +111,38 @@ class _Answer:
             "no_forecast": {name: entry.no_forecast for name, entry in self.bounds.items()},
         }
 
-    def print(self, source: str) -> None:
-        """Print the setting of the trials, the required deflection of each law, and notes."""
-        if self.plant.structure is not None:
-            say(parts_line(self.plant.structure))
-            say(f"law at {self.rate:g} Hz, delay {1000.0 * self.case.autopilot_design.delay:g} ms")
+    def print(self, source: str, more: bool) -> None:
+        """Print the law with the lowest limit, the limits of each law, and notes."""
         winds = f"winds of {abs(degrees(self.peak)):.4g} deg and {self.duration:g} s"
         servo = self.case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
         name = self.case.vehicle.name or source
-        say(f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {engine}")
-        print_tables(*limit_tables(self.trials, self.bounds), load_table(self.trials))
-        say(LEGEND)
-        say(scan_text(self.trials))
-        say_notes((*linear_notes(self.peak), *limit_warnings(self.trials)))
+        rate = f"{self.rate:g} Hz, delay {1000.0 * self.case.autopilot_design.delay:g} ms"
+        limits, *others = limit_tables(self.trials, self.bounds)
+        notes = (*linear_notes(self.peak), *limit_warnings(self.trials), LEGEND)
+
+        def details() -> None:
+            print_tables(*others, load_table(self.trials))
+            if self.plant.structure is not None:
+                say(parts_line(self.plant.structure))
+            say(f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {rate}, {engine}")
+            say(scan_text(self.trials))
+
+        print_answer(self._verdict, limits, notes=notes, more=more, details=details)
+
+    @property
+    def _verdict(self) -> str:
+        """The law that requires the least in the worst of the winds."""
+        largest: dict[str, float] = {}
+        for trial in self.trials:
+            limit = self.bounds[trial.wind].trim_deg * trial.limit
+            largest[trial.law] = max(limit, largest.get(trial.law, 0.0))
+        worst = "this wind" if len(self.bounds) == 1 else f"the worst of {len(self.bounds)} winds"
+        best = min(largest, key=lambda law: largest[law])
+        return (
+            f"{best} requires the lowest limit of {plural(len(largest), 'law')}:"
+            f" {largest[best]:.3f} deg in {worst}"
+        )
 
 
 def _without_actuator(plan: StudyPlan) -> StudyPlan:
@@ -175,18 +172,16 @@ def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
     }
 
 
-def _winds(
-    wind_options: SoundingOptions, names: list[str] | None, case: StudyPlan
-) -> tuple[float, float, dict[str, History]]:
+def _winds(options: WindOptions, case: StudyPlan) -> tuple[float, float, dict[str, History]]:
     """Return peak [rad] and duration [s] for which laws are designed, and the winds by name."""
-    pulse = case.wind_in_plane
+    pulse, wind = case.wind_in_plane, case.history
     if not isinstance(pulse, ShapedWind):
-        only_with("the standard winds in place of --winds", wind=names)
-        wind = case.history
-        return float(wind.peak), float(wind.end - wind.onset), {wind_options.name(case): wind}
+        return float(wind.peak), float(wind.end - wind.onset), {options.name(case): wind}
+    if options.wind is not None:
+        return pulse.peak, pulse.duration, {pulse.shape: wind}
     standard = standard_winds(pulse.peak, pulse.duration)
     if (gust := pulse.placed_gust) is not None:
         standard = {name: standard_wind + gust for name, standard_wind in standard.items()}
-    named = names or (standard if case.laws is None else case.laws.winds)
-    winds = {name: standard[one_of("--wind", name, standard)] for name in named}
+    named = standard if case.laws is None else case.laws.winds
+    winds = {name: standard[one_of("winds in [laws]", name, standard)] for name in named}
     return pulse.peak, pulse.duration, winds

@@ -1,0 +1,318 @@
+"""`tvclin design`: gains by rules, gains for the minimum deflection, and their worst case."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import degrees, nan
+from typing import TYPE_CHECKING, Any
+
+from tvclin.base.errors import InputError
+from tvclin.base.lines import Line, Table, number, significant
+from tvclin.base.lines import degrees as angle
+from tvclin.case.autopilot_assumptions import gain_notes, satisfying_rule
+from tvclin.cli.box import Box, BoxResult, worst_in_box
+from tvclin.cli.gains import GAINS, with_gains
+from tvclin.cli.inputs import case_of, chosen, only_with
+from tvclin.cli.margin_tables import (
+    MarginsFound,
+    margin_tables,
+    margins_document,
+    mode_notes,
+    print_autopilot,
+    print_bounds,
+)
+from tvclin.cli.options import (
+    GROUP,
+    MOTION,
+    TIMING,
+    At,
+    Given,
+    More,
+    Shown,
+    Source,
+    asked,
+    switch,
+)
+from tvclin.cli.output import answer, draw, print_answer, print_tables, say
+from tvclin.cli.progress import waiting
+from tvclin.cli.wind import WindOptions, wind_words
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.design_rules import DESIGNS, LEAST_NOZZLE, POLE_PLACEMENT_RULES
+from tvclin.design.gain_designs import gain_trade_off, minimum_gains, specified_autopilot
+from tvclin.design.minimum_gains import MinimumGains
+from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.winds.shaped import ShapedWind
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+_DURATION_RATIOS = (1.0, 0.5, 2.0)
+"""Durations of the winds, relative to the case; a single wind would be overfitted."""
+_FREQUENCY_RATIO = 2.0
+"""Natural frequency of rules that place poles, over the unstable pole, if none is given."""
+
+
+@dataclass(frozen=True)
+class LeastOptions:
+    """Options of the search for gains; `grouped` gives them to a command."""
+
+    least: bool = switch(
+        "--least",
+        "Find the gains with the minimum deflection of all that satisfy the criteria: in the wind,"
+        " and in winds half and twice as long.",
+    )
+    three_gains: bool = switch("--three-gains", "With --least: also feed back the angle of attack.")
+    crossover: float | None = asked("With --least: highest gain crossover, in rad/s.")
+
+    panel = "Gains for the minimum deflection"
+
+    def over(self, plan: StudyPlan) -> StudyPlan:
+        """Return a plan whose design is this search, where --least is given."""
+        if not self.least:
+            only_with("--least", **vars(self))
+            return plan
+        crossover = chosen(self.crossover, plan.autopilot_design.crossover)
+        design = with_gains(plan.autopilot_design, design=LEAST_NOZZLE, crossover=crossover)
+        return replace(plan, design=design)
+
+    def found(self, case: StudyPlan) -> MinimumGains | None:
+        """Return the gains for the minimum deflection; None without --least."""
+        design, wind = case.autopilot_design, case.wind_in_plane
+        if not self.least:
+            return None
+        if design.design != LEAST_NOZZLE:
+            raise InputError("give --least, or gains and a rule for them, not both")
+        if not isinstance(wind, ShapedWind):
+            raise InputError(
+                "gains for the minimum deflection are sought in pulses of three durations: give no"
+                " --winds; tvclin margins and fly take its gains through a sounding"
+            )
+        winds = [
+            wind.history({"wind_duration": ratio * wind.duration}) for ratio in _DURATION_RATIOS
+        ]
+        gains = ("attitude", "rate", "alpha") if self.three_gains else ("attitude", "rate")
+        return minimum_gains(case, winds, case.held_to, gains=gains)
+
+
+@dataclass(frozen=True, eq=False)
+class RuleResult:
+    """Gains of a rule, the margins of their loop, and the peak deflection [rad] in the wind.
+
+    The peak is of the linear loop without a limit; NaN for an unstable loop.
+    """
+
+    rule: str
+    margins: MarginsFound
+    peak: float
+
+    @classmethod
+    def of(cls, rule: str, case: StudyPlan, autopilot: Autopilot) -> "RuleResult":
+        """Return the result of an autopilot with the plant and the wind of a case."""
+        margins, peak = MarginsFound.of(autopilot, case.plant, case.held_to), nan
+        if margins.whole.stable:
+            with suppress(InputError):  # the approximation of a long delay misleads
+                peak = abs(autopilot.wind_response(case.plant, case.history).peak("deflection")[0])
+        return cls(rule, margins, float(peak))
+
+    def document(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        autopilot, margins = self.margins.autopilot, self.margins.whole
+        return {
+            "rule": self.rule,
+            "attitude_gain": autopilot.attitude_gain,
+            "rate_gain_s": autopilot.rate_gain,
+            "alpha_gain": autopilot.alpha_gain,
+            "stable": margins.stable,
+            "aero_margin_dB": margins.aero_margin_dB,
+            "gain_increase_dB": margins.gain_increase_dB,
+            "phase_margin_deg": margins.phase_margin_deg,
+            "met": self.margins.met,
+            "peak_deflection_deg": degrees(self.peak),
+        }
+
+    def cells(self) -> tuple[Line, ...]:
+        """Return the row of the table of rules."""
+        key, autopilot, margins = f"rule.{self.rule}", self.margins.autopilot, self.margins.whole
+        gains = (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
+        values = (margins.aero_margin_dB, margins.gain_increase_dB)
+        return (
+            (self.rule,),
+            *(significant(f"{key}.gain.{k}", gain, 3) for k, gain in enumerate(gains)),
+            *(number(f"{key}.margin.{k}_dB", value, 1) for k, value in enumerate(values)),
+            number(f"{key}.phase_deg", margins.phase_margin_deg, 1),
+            ("yes" if self.margins.met else "no",),
+            angle(f"{key}.peak", self.peak),
+        )
+
+
+def design(
+    vehicle: Source = "configuration-i",
+    time: At = None,
+    winds: WindOptions = GROUP,
+    gains: Given = GAINS,
+    timing: Given = TIMING,
+    least: LeastOptions = GROUP,
+    box: Box = None,
+    motion: Given = MOTION,
+    more: More = False,
+    shown: Shown = GROUP,
+) -> None:
+    """Print the gains of each design rule, with their margins and peak deflection in a wind.
+
+    The first row has the gains of the case, which are judged: by a rule, by given gains, or those
+    for the minimum deflection (--least). The peak is of the linear loop, without a limit, at
+    nominal dynamic pressure; tvclin fly says what limit the autopilot requires.
+
+    --box lets numbers lie anywhere between two values, and prints the worst margins of the rigid
+    vehicle there, and the worst required deflection. The criteria judge the worst margins too.
+
+    --plot draws the Nichols chart of the gains; with --least, what a disk margin costs.
+
+    Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
+    """
+    changes = [options.over for options in (timing, motion, least, gains)]
+    told = ("design --box",) if box else ()
+    case = case_of(vehicle, *changes, wind=winds.over, told=("design", *told), time=time)
+    with waiting("seeking gains"):
+        sought = least.found(case)
+        loop = (
+            specified_autopilot(case, case.history, case.held_to)
+            if sought is None
+            else sought.autopilot
+        )
+        frequency = _frequency(case)
+        results = tuple(_results(case, loop, frequency))
+        in_box = worst_in_box(box or [], case, loop)
+    wind = wind_words(winds.name(case), case)
+    result = _Answer(case, wind, results, frequency, sought, in_box)
+    with waiting("drawing"):
+        draw(shown.plot, result.chart)
+    answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.met)
+
+
+def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Iterator[RuleResult]:
+    """Yield the result of the gains of a case, and those of the rules for its vehicle.
+
+    `frequency`: natural frequency [rad/s] of rules that place poles; None without such rules.
+    """
+    specified = case.autopilot_design
+    own = specified.design or ("poles" if specified.natural_frequency else "canonical")
+    if specified.attitude_gain is not None:
+        own = "given"
+    yield RuleResult.of(own, case, loop)
+    for rule in DESIGNS:
+        placed = rule in POLE_PLACEMENT_RULES
+        if rule in (own, LEAST_NOZZLE) or (placed and frequency is None):
+            continue
+        poles = {"natural_frequency": frequency} if placed else {}
+        given = with_gains(replace(specified, crossover=None), design=rule, **poles)
+        with suppress(InputError):  # the rule has no gains for this vehicle
+            ruled = replace(case, design=given)
+            yield RuleResult.of(rule, ruled, ruled.autopilot)
+
+
+def _frequency(case: StudyPlan) -> float | None:
+    """Return the natural frequency [rad/s] of a case, or one that satisfies the criteria.
+
+    If none does, it is twice the unstable pole; None for a stable vehicle.
+    """
+    if (given := case.autopilot_design.natural_frequency) is not None:
+        return given
+    rule = satisfying_rule(case, case.held_to)
+    if rule is not None and rule.natural_frequency is not None:
+        return rule.natural_frequency
+    with suppress(InputError):  # a stable vehicle has no such pole
+        return _FREQUENCY_RATIO * float(case.plant.rigid.coefficients.pole)
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """Gains of a case, first, and of rules; the search for them, and their worst case in a box."""
+
+    case: StudyPlan
+    wind: str
+    results: tuple[RuleResult, ...]
+    frequency: float | None
+    sought: MinimumGains | None
+    in_box: BoxResult | None
+
+    @property
+    def found(self) -> MarginsFound:
+        """The margins of the gains of the case."""
+        return self.results[0].margins
+
+    @property
+    def met(self) -> bool:
+        """Whether the criteria are satisfied, in the box too."""
+        return self.found.met and (self.in_box is None or self.in_box.met)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on the gains, on the search for them and on their margins."""
+        sought = () if self.sought is None else self.sought.notes
+        notes = gain_notes(self.case, self.case.held_to, self.found.met)
+        return (*sought, *notes, *self.found.whole.notes, *mode_notes(self.found))
+
+    def chart(self) -> "ControlPlot":
+        """Return the chart of the disk margin, where gains were sought, or the Nichols chart."""
+        from tvclin import plots
+
+        if self.sought is not None:
+            return plots.gain_trade_off_chart([gain_trade_off(self.sought)])
+        return plots.nichols_chart(self.found.autopilot, self.case.plant, self.case.held_to)
+
+    def document(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        case, margins = self.case, margins_document(self.found)
+        head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
+        further = {"least": self.sought, "box": self.in_box}
+        return {
+            **head,
+            **margins,
+            "wind_peak_deg": degrees(case.history.peak),
+            "natural_frequency_rad_per_s": self.frequency,
+            "rules": [result.document() for result in self.results],
+            **{name: value for name, value in further.items() if value is not None},
+            "notes": self.notes,
+        }
+
+    def print(self, source: str, more: bool) -> None:
+        """Print the verdict on the gains, the table of rules or of the box, and notes."""
+        name = self.case.vehicle.name or source
+        poles = f"; poles at {self.frequency:.3g} rad/s" if self.frequency else ""
+        rules = Table(
+            f"{name}, {self.case.plant.model}, {self.case.plane}: {self.wind}{poles}",
+            (
+                *("gains", "a0", "a1 [s]", "b0"),
+                *("aero [dB]", "rise [dB]", "phase [deg]", "met", "peak [deg]"),
+            ),
+            tuple(result.cells() for result in self.results),
+        )
+        tables = (rules,) if self.in_box is None else (self.in_box.worst.table(),)
+
+        def details() -> None:
+            print_autopilot("Autopilot", self.found.autopilot, self.case.plant)
+            print_tables(*margin_tables(self.found))
+            if self.found.whole.stable:
+                print_bounds(self.found.autopilot, self.case.plant)
+            if self.sought is not None:
+                print_tables(self.sought.table())
+                active = ", ".join(self.sought.active) or "no constraint, a flat minimum"
+                say(f"Active constraints: {active}")
+            if self.in_box is not None:
+                print_tables(rules)
+
+        print_answer(self._verdict, *tables, notes=self.notes, more=more, details=details)
+
+    @property
+    def _verdict(self) -> str:
+        """The gains of the case and the verdict on them, or that in the box."""
+        if self.in_box is not None:
+            return self.in_box.verdict
+        autopilot, own = self.found.autopilot, self.results[0].rule
+        gains = f"gains {own}: a0 = {autopilot.attitude_gain:.4g}, a1 = {autopilot.rate_gain:.4g} s"
+        if autopilot.alpha_gain:
+            gains += f", b0 = {autopilot.alpha_gain:.4g}"
+        return f"{gains}; {self.found.verdict}"

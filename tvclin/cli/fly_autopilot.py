@@ -1,0 +1,304 @@
+"""`tvclin fly --law autopilot`: its flight and its required deflection, compared with trim."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import degrees, inf, isfinite
+from typing import Any
+
+from tvclin.base.errors import InputError
+from tvclin.base.fields import document
+from tvclin.base.lines import Row, quantities, significant
+from tvclin.base.lines import degrees as angle
+from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency
+from tvclin.case.autopilot_assumptions import gain_notes
+from tvclin.cli.flight_cases import Compared, wind_line
+from tvclin.cli.fly_linear import LinearCase, fly_linear
+from tvclin.cli.inputs import note_nominal_pressure
+from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
+from tvclin.cli.options import ShownCurves
+from tvclin.cli.output import print_answer, print_json, print_tables, say
+from tvclin.control.comparison import (
+    TrimComparison,
+    WorstDuration,
+    compare_with_trim,
+    worst_duration,
+)
+from tvclin.design.gain_designs import specified_autopilot
+from tvclin.requirement.autopilot_requirement import AutopilotRequirement, autopilot_requirement
+from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
+from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import ATTACK, beyond_linear, linear_notes
+
+_COMPARED = (
+    *("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "peak_attitude"),
+    *("peak_flight_path_angle", "minimum", "wind_gain"),
+)
+"""Fields of a comparison with trim that JSON has."""
+_MIN_DURATION_RATIO, _MAX_DURATION_RATIO = 0.2, 8.0
+"""Range of the search for the worst duration, over the duration of the given wind."""
+
+
+def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFlight":
+    """Return the flight of an autopilot, where its loop or a limit allows one, and its requirement.
+
+    `more`: whether boundaries are sought for a given limit too.
+    """
+    case = linear.case
+    autopilot = specified_autopilot(case, case.history, case.held_to)
+    compared = compare_with_trim(case.plant, autopilot, case.history)
+    single_plane_case = replace(
+        case, nozzle=replace(case.nozzle, limit_shape=None)
+    )  # in this plane
+    requirement, reason = None, "the loop is not stable"
+    if compared.margins.stable:
+        try:
+            requirement = autopilot_requirement(
+                single_plane_case, case.plant, autopilot, study_requirement(single_plane_case)
+            )
+        except InputError as error:
+            reason = str(error)
+    flight = None
+    if case.nozzle.limit is not None or (
+        requirement is not None and isfinite(requirement.nominal_deflection)
+    ):
+        flight = fly_linear(linear, more, times)
+    note_nominal_pressure(case)
+    return AutopilotFlight(
+        linear=linear,
+        compared=compared,
+        worst=_worst(compared, case.wind_in_plane),
+        need=study_requirement(case),
+        requirement=requirement,
+        reason=reason,
+        flight=flight,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class AutopilotFlight:
+    """Required deflection of an autopilot in the wind of a case, and its flight with a limit.
+
+    `requirement` is None where it is not known, for a `reason`; `flight` without a limit to fly.
+    """
+
+    linear: LinearCase
+    compared: TrimComparison
+    worst: WorstDuration | None
+    need: CaseRequirement | None
+    requirement: AutopilotRequirement | None
+    reason: str
+    flight: Compared | None
+
+    @property
+    def case(self) -> StudyPlan:
+        """The case."""
+        return self.linear.case
+
+    @property
+    def limit(self) -> float | None:
+        """The limit [deg] that is judged."""
+        return None if self.case.nozzle.limit is None else degrees(self.case.nozzle.limit)
+
+    @property
+    def beyond(self) -> str:
+        """Reason of `beyond_linear` why the answer is not known in this wind; empty if it is."""
+        attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
+        return beyond_linear(float(self.compared.wind.peak)) or beyond_linear(attack, ATTACK)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on the wind angle and angle of attack, the loop, the flight and the gains."""
+        attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
+        angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
+        gains = gain_notes(self.case, self.case.held_to, self.criteria_satisfied)
+        told = () if self.flight is None else self.flight.told
+        loop = self.compared.notes if self.compared.margins.stable else ()
+        return (*angle, *loop, *told, *gains)
+
+    @property
+    def sufficient(self) -> bool | None:
+        """Whether the limit is sufficient in this wind; None without one, and if not known.
+
+        A loop that was not flown with its limits survives where it never reaches them.
+        """
+        limit, max_rate = self.case.nozzle.limit, self.case.nozzle.rate_limit or inf
+        if limit is None or self.beyond:
+            return None
+        if self.flight is not None and self.flight.flight.survived is False:
+            return False
+        if self.requirement is not None:
+            return self.requirement.sufficient(limit)
+        within = self.compared.peak_deflection <= limit
+        return True if within and self.compared.peak_deflection_rate <= max_rate else None
+
+    @cached_property
+    def criteria_satisfied(self) -> bool:
+        """Whether the margins satisfy the criteria."""
+        compared = self.compared
+        return MarginsFound.of(compared.autopilot, compared.plant, self.case.held_to).met
+
+    @property
+    def loads(self) -> tuple[float, float]:
+        """Normal force [N] and speed across [m/s]; NaN for a vehicle known by its coefficients."""
+        vehicle, compared = self.case.vehicle, self.compared
+        if not isinstance(vehicle, Vehicle):
+            return float("nan"), float("nan")
+        force = abs(float(vehicle.normal_force_slope)) * compared.peak_angle_of_attack
+        return force, compared.peak_flight_path_angle * float(vehicle.velocity)
+
+    def document(self) -> dict[str, Any]:
+        """Return the flight, the requirement and the comparison with trim, for JSON."""
+        case, requirement = self.case, self.requirement
+        flight = {
+            "vehicle": case.vehicle.name,
+            "engine": self.linear.engine,
+            "plane": case.plane,
+            "law": self.linear.law,
+            "limit_deg": None,
+            "survived": None,
+            "required_deflection_deg": self.need and degrees(self.need.required_deflection),
+        }
+        return {
+            **(flight if self.flight is None else self.flight.document()),
+            "autopilot_requirement_deg": requirement and degrees(requirement.deflection),
+            "autopilot_requirement_nominal_deg": requirement
+            and degrees(requirement.nominal_deflection),
+            "sufficient": self.sufficient,
+            "comparison": self._comparison(),
+            "notes": self.notes,
+        }
+
+    def _comparison(self) -> dict[str, Any]:
+        """Return the autopilot without a limit, compared with trim and the boundaries, for JSON."""
+        compared, (force, across) = self.compared, self.loads
+        return {
+            "model": self.case.plant.model,
+            "autopilot": compared.autopilot,
+            **poles_document(compared.autopilot, compared.plant),
+            "wind_peak_deg": degrees(compared.wind.peak),
+            "stable": compared.margins.stable,
+            **document(compared, *_COMPARED),
+            "part_of_trim": compared.ratio_to_trim,
+            "peak_normal_force_N": force,
+            "peak_lateral_speed_m_s": across,
+            "trim_deg": degrees(compared.trim_deflection),
+            "boundaries_deg": {f"{K:g}": degrees(y) for K, y in compared.boundaries.items()},
+            "worst_duration": self.worst,
+            "criteria": self._criteria_document(),
+        }
+
+    def _criteria_document(self) -> dict[str, Any]:
+        """Return name, limits and verdict of the criteria, for JSON."""
+        criteria = self.case.held_to
+        return {"name": criteria.name, "limits": criteria.limits, "met": self.criteria_satisfied}
+
+    def show(self, shown: ShownCurves, more: bool) -> bool:
+        """Write and print the answer; return whether it survives, and its limit is sufficient."""
+        if self.flight is not None:
+            self.flight.write(shown)
+        elif shown.csv or shown.plot:
+            say("No file is written: an unstable loop has no flight to draw.", err=True)
+        if shown.as_json:
+            print_json(self.document())
+        else:
+            self._print(more)
+        survived = self.flight is not None and self.flight.flight.survived
+        return bool(survived and (self.limit is None or self.sufficient))
+
+    def _print(self, more: bool) -> None:
+        """Print the verdict, the flight with a limit or else the deflections, and notes."""
+        stable, tables = self.compared.margins.stable, []
+        if stable:
+            stop = None if self.requirement is None else self.requirement.nominal_deflection
+            model = self.case.plant.model
+            title = f"{wind_line(self.linear)}; {model}, {NOMINAL}".replace("\n", ": ")
+            tables.append(self.compared.deflections(title, stop))
+        if self.flight is not None:
+            tables.insert(0 if self.limit is not None else 1, self.flight.table())
+        requirement = f"{REQUIREMENT}: {self._requirement}"
+        notes = [*self._judged(), *self.notes]
+        verdict = requirement
+        if self.limit is not None:
+            verdict, notes = self._verdict, [requirement, *notes]
+
+        def details() -> None:
+            print_tables(*tables[1:])
+            if stable:
+                uses = f"without a limit it uses {degrees(self.compared.peak_deflection):.3f} deg"
+                say(f"In a head wind it is required at the pressure of the peak; {uses}.")
+                print_tables(quantities("In this wind", [*self.compared.motions(), *self._more()]))
+            for head in self.flight.heads if self.flight is not None else ():
+                say(head)
+            print_autopilot("Autopilot", self.compared.autopilot, self.compared.plant)
+            if stable:
+                print_bounds(self.compared.autopilot, self.compared.plant)
+
+        print_answer(verdict, *tables[:1], notes=notes, more=more, details=details)
+
+    def _judged(self) -> Iterator[str]:
+        """Yield notes on criteria that are not satisfied, and on the required deflection."""
+        if not self.criteria_satisfied:
+            word = satisfaction(self.criteria_satisfied)
+            yield f"criteria {self.case.held_to.name}: {word} (tvclin margins says by how much)"
+        if self.need is not None:
+            yield f"{self.need.see_study}: for the ideal trim law"
+
+    @property
+    def _verdict(self) -> str:
+        """The verdict on the limit, and the outcome of its flight."""
+        word, worst, limit = sufficiency(self.sufficient), self.worst, self.limit or 0.0
+        if self.sufficient is None:
+            nominal = "above the nominal requirement alone"
+            word += f", {self.beyond or (nominal if self.requirement is not None else self.reason)}"
+        elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):
+            uses = f"{degrees(worst.peak_deflection):.3f} deg in one of {worst.duration:.3g} s"
+            word += f" in this wind; without a limit it uses {uses}"
+        flown = "" if self.flight is None else f"; {self.flight.verdict}"
+        return f"limit {limit:g} deg: {word}{flown}"
+
+    @property
+    def _requirement(self) -> str:
+        """The autopilot requirement, at the pressure of a head wind and at nominal pressure."""
+        if not self.compared.margins.stable:
+            return f"{sufficiency(None)}, {self.compared.margins.reason}"
+        if self.requirement is None or self.beyond:
+            return f"{sufficiency(None)}: {self.beyond or self.reason}"
+        if not isfinite(self.requirement.nominal_deflection):
+            return f"it survives at no limit that was tried, {NOMINAL}"
+        nominal = f"{degrees(self.requirement.nominal_deflection):.3f} deg"
+        if self.requirement.head is None:
+            return f"{nominal} {NOMINAL}"
+        bound, wind = degrees(self.requirement.deflection), self.need and self.need.direction
+        return f"{bound:.3f} deg at the peak pressure of a {wind} wind, {nominal} at nominal"
+
+    def _more(self) -> Iterator[Row]:
+        """Yield the loads, which take a complete vehicle, and the worst duration of the wind."""
+        (force, across), worst = self.loads, self.worst
+        if isfinite(force):
+            yield (
+                "N times the angle of attack",
+                significant("wind.normal_force", force, 4, "N"),
+            )
+        if isfinite(across):
+            yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
+        if worst is not None:
+            end = ", an end of the range tried" * worst.at_range_end
+            asks = angle("wind.worst", worst.peak_deflection, unit="deg")
+            yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)
+
+
+def _worst(compared: TrimComparison, wind: Any) -> WorstDuration | None:
+    """Return the worst duration of a pulse; None for a sounding, or an unstable loop."""
+    if not isinstance(wind, ShapedWind) or not compared.margins.stable or not wind.peak:
+        return None
+    return worst_duration(
+        compared.plant,
+        replace(compared.autopilot, sample_rate=None),
+        peak=wind.peak,
+        shortest=_MIN_DURATION_RATIO * wind.duration,
+        longest=_MAX_DURATION_RATIO * wind.duration,
+        shape=lambda peak, duration: wind.history({"wind_peak": peak, "wind_duration": duration}),
+    )
