@@ -331,44 +331,49 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
     assert not wrong, wrong
 
 
-def test_every_part_of_a_campaign_is_computed_told_or_refused(files):
+CASES = {
+    "campaign": {"vehicle": "plain.toml", "cases": 4, "seed": 1},
+    "wind": WIND,
+    "nozzle": {"limit_deg": 1.0},
+    "outputs": {"names": ["required", "margins", "flight"]},
+    "dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 5}],
+}
+IN_CAMPAIGNS = {name: change for name, change in IN_FILES.items() if name != WORK} | {
+    "sign that counts": {"campaign": {"sign": "frozen"}},
+    "measured wind": {"wind": {"file": "winds.csv", "unit": "deg"}},
+    "dispersion": {"dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 9}]},
+    "structure": {"campaign": {"vehicle": "bent.toml"}},
+    "damping": {"campaign": {"vehicle": "damped.toml"}},
+}
+
+
+@pytest.fixture(scope="module")
+def campaign(files):
+    """Return the outputs of the cases of a campaign, with a change of its file."""
     folder = files.plain.parent
     (folder / "winds.csv").write_text("time_s,one\n0,0\n3,4\n6,0\n")
-    given = {name: IN_FILES[name] for name in IN_FILES if name != WORK}
-    given |= {
-        "sign that counts": {"campaign": {"sign": "frozen"}},
-        "measured wind": {"wind": {"file": "winds.csv", "unit": "deg"}},
-        "dispersion": {"dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 9}]},
-        "structure": {"campaign": {"vehicle": "bent.toml"}},
-        "damping": {"campaign": {"vehicle": "damped.toml"}},
-    }
-    base = {
-        "campaign": {"vehicle": "plain.toml", "cases": 4, "seed": 1},
-        "wind": WIND,
-        "nozzle": {"limit_deg": 1.0},
-        "outputs": {"names": ["required", "margins", "flight"]},
-        "dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 5}],
-    }
 
-    def found(change):
-        document = changed_by(base, change)
+    @cache
+    def outputs(part=""):
+        change = IN_CAMPAIGNS.get(part, {})
+        document = changed_by(CASES, change)
         if "file" in document["wind"]:
             document["wind"] = change["wind"]
         (folder / "campaign.toml").write_text(in_toml(document))
         columns = evaluate(tv.studyfile.load_campaign(folder / "campaign.toml"), 0, 4)
-        return {name: values.tolist() for name, values in columns.items()}
+        return json.dumps({name: values.tolist() for name, values in columns.items()})
 
-    nominal, wrong = json.dumps(found({})), []
-    for part, change in given.items():
-        kind = use_of("disperse", part)
-        try:
-            changed = json.dumps(found(change)) != nominal
-        except tv.InputError:
-            changed = None
-        if (changed is None) != (kind == REFUSED) or changed is False:
-            wrong.append((part, kind, changed))
-    # What a campaign draws are sizes of deflections, which the sign of a wind does not change.
-    assert wrong == [("head wind", "computed", False)]
+    return outputs
+
+
+@pytest.mark.parametrize("part", usual(IN_CAMPAIGNS, 0, 3, 10))
+def test_every_part_of_a_campaign_is_computed_or_refused(part, campaign):
+    """Cases draw sizes of deflections, which the sign of a wind does not change."""
+    if use_of("disperse", part) == REFUSED:
+        with pytest.raises(tv.InputError):
+            campaign(part)
+    else:
+        assert (campaign(part) != campaign()) == (part != "head wind")
 
 
 def test_the_conventions_print_the_table():

@@ -126,6 +126,7 @@ _HELP = {
     "criteria.peak_complementary_sensitivity": "Largest peak of the complementary sensitivity.",
     "criteria.mode_gain_margin_dB": "Smallest gain margin of each gain-stabilised mode.",
     "criteria.mode_phase_margin_deg": "Smallest phase margin of each phase-stabilised mode.",
+    "schedule.structure": "Table of the structure at each flight time, beside this file.",
     "schedule.source": "Flight schedule (CSV), or a vehicle with a table [flight].",
     "availability.archive": "Station file of IGRA, folder of soundings, or a list of them.",
     "availability.station": "Station of the soundings.",
