@@ -198,6 +198,27 @@ def test_charts_are_written(chart, tmp_path):
     assert file.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("ending", ["mat", "npz"])
+def test_plant_and_loop_are_written_as_systems_with_their_bits(ending, tmp_path):
+    plant, rule = booster("drift"), {"natural_frequency": 1.0, "damping": 0.7}
+    autopilot = tv.design_gains(plant.coefficients, **rule, actuator=tv.Actuator(), delay=0.02)
+    given = ("--model", "drift", "--natural-frequency", "1", "--delay-ms", "20")
+    expected = {"poles": plant.ss(), "margins": autopilot.loop(plant)}
+    for command, system in expected.items():
+        file = tmp_path / f"{command}.{ending}"
+        options = given[:2] if command == "poles" else given
+        assert run(command, *options, "--system", str(file)).exit_code == 0
+        read = tv.linear.read_system(file)
+        assert (list(read.inputs), list(read.outputs)) == (
+            system.input_labels,
+            system.output_labels,
+        )
+        for name in "ABCD":
+            np.testing.assert_array_equal(getattr(read, name), getattr(system, name))
+    refused = run("poles", "--system", str(tmp_path / "plant.txt"))
+    assert (refused.exit_code, "must end in .mat or .npz" in refused.stderr) == (2, True)
+
+
 def test_laws_are_flown_in_the_winds_asked_for():
     arguments = ("--set", "laws.winds", "triangle", "--model", "fixed-path", "--sample-rate", "40")
     result = run("fly", "--law", "all", "--duration", "4", *arguments, "--json")

@@ -50,8 +50,15 @@ def test_a_help_names_what_there_is_to_choose() -> None:
         assert law in helps("fly")
     for shape in LIMIT_SHAPES:
         assert shape in helps("study")
-    for shape in LIMIT_SHAPES:
-        assert shape in helps("study")
+
+
+def test_no_command_has_more_than_20_options_besides_the_common_ones() -> None:
+    group = typer.main.get_command(app)
+    common = {"--set", "--json", "--csv", "--plot", "--more", "--help"}
+    for name in NAMES:
+        options = [item for item in group.commands[name].params if item.opts[0].startswith("--")]
+        own = [item.opts[0] for item in options if item.opts[0] not in common]
+        assert len(own) <= 20, (name, own)
 
 
 def test_a_shipped_vehicle_can_be_copied(tmp_path: Path) -> None:

@@ -20,8 +20,8 @@ SHOWN = (
     "csv",
     "points",
     "chart",
+    "system",
     "until",
-    "explain",
     "more",
     "help",
 )

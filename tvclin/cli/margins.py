@@ -29,6 +29,7 @@ from tvclin.cli.options import (
     More,
     Shown,
     Source,
+    System,
     asked,
     switch,
 )
@@ -40,6 +41,7 @@ from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.flights.closed_loop.flown_margins import FlownMargins, flown_margins, flown_table
+from tvclin.linear.system_file import write_system
 from tvclin.studyfile.study_plan import StudyPlan
 
 if TYPE_CHECKING:
@@ -66,6 +68,7 @@ def margins(
     limit: Given = LIMIT,
     winds: WindOptions = GROUP,
     chart: str = asked("What --plot draws: nichols, bode, nyquist or root-locus.", "nichols"),
+    system: System = None,
     more: More = False,
     shown: Shown = GROUP,
 ) -> None:
@@ -80,6 +83,8 @@ def margins(
     With --limit-deg it also flies through the wind with that limit, at nominal dynamic pressure,
     and prints how much gain, effectiveness and delay may change before a flight is lost. The
     criteria judge the linear margins, not these.
+
+    --system writes the loop, opened at the nozzle's command, with the sign of 1 + L = 0.
 
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
@@ -98,6 +103,8 @@ def margins(
     in_wind = _flown(case, autopilot) if flown and found.whole.stable else None
     result = _Answer(case, found, winds.name(case), found.detuned if detuned else None, in_wind)
     draw(shown.plot, lambda: _chart(chart, found))
+    if system is not None:
+        write_system(autopilot.loop(case.plant), system)
     answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.met)
 
 

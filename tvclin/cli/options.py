@@ -71,6 +71,16 @@ Plot = Annotated[
     Path | None,
     typer.Option(help="Also draw a figure into this file (png, pdf, svg).", callback=_to_draw),
 ]
+System = Annotated[
+    Path | None,
+    typer.Option(
+        "--system",
+        help="Also write the system into this file (.mat of version 5, or .npz): its matrices, the"
+        " names of its signals and its sample time.",
+        metavar="FILE",
+        callback=to_write,
+    ),
+]
 Rigid = Annotated[
     bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
 ]

@@ -6,10 +6,11 @@ import numpy as np
 
 from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
-from tvclin.cli.options import PLANE, AsJson, At, Given, Plot, Source, asked
+from tvclin.cli.options import PLANE, AsJson, At, Given, Plot, Source, System, asked
 from tvclin.cli.output import answer, draw, print_answer
 from tvclin.linear.modes import Modes, all_modes, mode_table, select_unstable
 from tvclin.linear.plant import MODELS, Plant, models_of
+from tvclin.linear.system_file import write_system
 
 
 def poles(
@@ -17,10 +18,14 @@ def poles(
     time: At = None,
     model: str = asked("fixed-path, drift, drift-exact, drift-and-speed, or all.", "all"),
     within: Given = PLANE,
+    system: System = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Print the poles of the models, and the residues at the unstable ones."""
+    """Print the poles of the models, and the residues at the unstable ones.
+
+    --system writes the plant of one model, --model or that of the case.
+    """
     from tvclin import plots
 
     one_of("model", model, [*MODELS, "all"])
@@ -32,6 +37,8 @@ def poles(
     draw(plot, lambda: plots.pole_map(plants[names[0]].coefficients, names))
     models = {name: _document(mode_set) for name, mode_set in modes.items()}
     first = case.model if case.model in modes else names[0]
+    if system is not None:
+        write_system(plants[first].ss(), system)
     title = f"{loaded.name or vehicle}, {plane}: poles of the attitude"
     answer(
         as_json,
