@@ -22,6 +22,7 @@ SHOWN = (
     "chart",
     "system",
     "until",
+    "explain",
     "more",
     "help",
 )

@@ -28,7 +28,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say, say_lines
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import ShapedOptions, WindOptions, azimuth_of, check_reading
+from tvclin.cli.wind import PulseOptions, WindOptions, azimuth_of, check_reading
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
 from tvclin.requirement.flight.request import SizingRequest, SoundingRequest
@@ -53,7 +53,7 @@ SOURCE = (
 
 
 @dataclass(frozen=True)
-class FlightOptions(ShapedOptions):
+class FlightOptions(PulseOptions):
     """Options of a pulse whose peak comes at each flight time, and of soundings."""
 
     winds: list[Path] | None = asked(
@@ -88,7 +88,7 @@ class FlightOptions(ShapedOptions):
         """Return a plan with the pulse of these options, at each flight time."""
         azimuth = None if self.winds else self.azimuth_deg
         angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
-        plan = ShapedOptions.over(angular, plan)
+        plan = PulseOptions.over(angular, plan)
         request, speed = plan.sizing, self.peak_speed
         assert request is not None
         named = (self.wind, self.duration, self.peak_deg, speed)

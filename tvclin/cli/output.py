@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from tvclin.base.lines import Line, Table
-    from tvclin.requirement.case_requirement import CaseRequirement
 
 
 _MAX_COLUMN_PADDING = 3
@@ -53,16 +52,6 @@ def say_lines(lines: Iterable[Line]) -> None:
 
     for line in lines:
         say(text(line))
-
-
-def say_required(required: CaseRequirement | None, *, autopilot: bool = False) -> None:
-    """Print the required deflection of the study, for comparison with another answer.
-
-    `autopilot`: whether the other answer is of an autopilot, and not of the ideal trim law.
-    """
-    if required is not None:
-        more = ": for the ideal trim law; see autopilot for the autopilot requirement" * autopilot
-        say(f"{required.see_study[0].upper()}{required.see_study[1:]}{more}.")
 
 
 def say_notes(notes: Iterable[str]) -> None:

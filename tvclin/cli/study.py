@@ -25,7 +25,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, print_answer, print_tables, say
 from tvclin.cli.progress import bar, waiting
-from tvclin.cli.wind import ShapedOptions
+from tvclin.cli.wind import PulseOptions
 from tvclin.requirement import study_tables as tables
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.studyfile.findings import Findings, find
@@ -45,7 +45,7 @@ from tvclin.winds.wind_file import gust_of
 
 
 @dataclass(frozen=True)
-class StudyWind(ShapedOptions):
+class StudyWind(PulseOptions):
     """Options of a pulse with its gust; `grouped` gives them to a command."""
 
     gust: tuple[float, float] | None = asked(

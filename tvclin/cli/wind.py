@@ -41,8 +41,9 @@ class _Pulse:
 
 @dataclass(frozen=True)
 class PulseOptions(_Pulse):
-    """Options of a pulse but its shape; `grouped` gives them to a command."""
+    """Options of a pulse; `grouped` gives them to a command."""
 
+    wind: str | None = SHAPE
     azimuth_deg: float | None = asked(
         "Direction of flight, in deg from north, clockwise: for a sounding, or for a wind with a"
         " direction, --set wind.direction_deg, whose peak is then that of its vector."
@@ -59,7 +60,7 @@ class PulseOptions(_Pulse):
 
         A sounding of the file is the wind unless an option of a pulse is given.
         """
-        wind, shape = plan.wind, getattr(self, "wind", None)
+        wind, shape = plan.wind, self.wind
         pulse = (shape, self.duration, self.peak_deg, self.peak_speed)
         if isinstance(wind, SoundingWind) and all(value is None for value in pulse):
             return plan
@@ -87,15 +88,8 @@ class PulseOptions(_Pulse):
 
 
 @dataclass(frozen=True)
-class ShapedOptions(PulseOptions):
-    """Options of a pulse; `grouped` gives them to a command."""
-
-    wind: str | None = SHAPE
-
-
-@dataclass(frozen=True)
-class SoundingOptions(PulseOptions):
-    """Options of a sounding, or of a pulse but its shape; `grouped` gives them to a command."""
+class WindOptions(PulseOptions):
+    """Options of a pulse or a sounding; `grouped` gives them to a command."""
 
     winds: Path | None = asked(
         "A sounding, in place of a pulse, around the vehicle's time of flight; with --azimuth-deg."
@@ -131,7 +125,7 @@ class SoundingOptions(PulseOptions):
         """Return the name of the wind of a case: its shape, or that of the sounding."""
         if self.winds is not None:
             return self.winds.name
-        return chosen(getattr(self, "wind", None), case.shape)
+        return chosen(self.wind, case.shape)
 
     def title(self, case: Case, source: str) -> str:
         """Return the vehicle of a case, its model and its wind, at nominal dynamic pressure."""
@@ -154,7 +148,7 @@ class SoundingOptions(PulseOptions):
 
         if self.winds is None:
             return None
-        pulse = {name: getattr(self, name, None) for name in ("wind", *vars(_Pulse()))}
+        pulse = {name: getattr(self, name) for name in ("wind", *vars(_Pulse()))}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
         reading = SoundingReading.of(source_tables(source), Path(source).parent)
         request = getattr(case, "sizing", None)
@@ -167,11 +161,6 @@ class SoundingOptions(PulseOptions):
             gust=getattr(case.wind, "gust", None),
             bias=reading.mean_wind,
         )
-
-
-@dataclass(frozen=True)
-class WindOptions(SoundingOptions, ShapedOptions):
-    """Options of a pulse or a sounding; `grouped` gives them to a command."""
 
 
 def azimuth_of(degrees: float | None) -> float:
