@@ -259,6 +259,79 @@ def test_the_closed_loop_in_turbulence_has_drift_sampled_or_not():
     assert found[1] == pytest.approx(found[0], rel=1e-3)
 
 
+@pytest.mark.parametrize("model", ["drift", "drift-exact"])
+@pytest.mark.parametrize("gains", ["rate", "drift", "integral", "acceleration"])
+def test_the_steady_drift_is_the_static_gain_of_the_closed_loop(model, gains):
+    rng = np.random.default_rng(7)
+    for name in ("configuration-i", "made-up-launcher"):
+        plant = tv.Plant.from_vehicle(tv.load_vehicle(name).rigid, model)
+        more = {
+            "rate": {"drift_rate_gain": 3e-4, "alpha_gain": 0.05},
+            "drift": {"drift_rate_gain": 3e-4, "drift_gain": 2e-5},
+            "integral": {"drift_rate_gain": 3e-4, "integral_gain": 0.02},
+            "acceleration": {"acceleration_gain": 2e-3, "acceleration_station": 5.0},
+        }[gains]
+        pair = {"natural_frequency": rng.uniform(1.0, 1.5), "damping": 0.7}
+        autopilot = replace(tv.design_gains(plant, **pair), **more)
+        closed = autopilot.close(plant)
+        row = closed.find_output("flight_path_angle")
+        static = closed.D[row, 0] - closed.C[row] @ np.linalg.solve(closed.A, closed.B[:, 0])
+        expected = static * float(plant.coefficients.velocity)
+        found = tv.control.steady_drift(autopilot, plant)
+        assert found == pytest.approx(expected, rel=1e-8, abs=1e-9)
+        assert (found == 0.0) == (gains == "drift")
+
+
+def test_quadratic_gains_with_weights_on_drift_are_those_of_the_hamiltonian():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    speed = float(plant.coefficients.velocity)
+    weights = {"alpha_weight": 2.0, "drift_rate_weight": 1e-5, "drift_weight": 1e-7}
+    made = tv.control.lqr_gains(plant, **weights, deflection_weight=4.0)
+    A, B, _, _ = plant.matrices()
+    A = np.block([[A, np.zeros((3, 1))], [0.0, 0.0, speed, 0.0]])
+    column = np.append(B[:, 0], 0.0)
+    alpha, turn = np.array([1.0, 0.0, -1.0, 0.0]), np.array([0.0, 0.0, speed, 0.0])
+    Q = np.diag([1.0, 0.0, 0.0, 1e-7]) + 2.0 * np.outer(alpha, alpha) + 1e-5 * np.outer(turn, turn)
+    hamiltonian = np.block([[A, -np.outer(column, column) / 4.0], [-Q, -A.T]])
+    poles = np.linalg.eigvals(hamiltonian)
+    expected = np.sort_complex(poles[poles.real < 0])
+    np.testing.assert_allclose(np.sort_complex(made.closed_loop_poles(plant)), expected, rtol=1e-6)
+    assert tv.control.steady_drift(made, plant) == 0.0
+    rate_only = tv.control.lqr_gains(plant, drift_rate_weight=1e-5)
+    assert rate_only.drift_gain == 0.0
+    assert rate_only.drift_rate_gain > 0.0
+
+
+def test_rules_of_a_file_place_the_poles_of_the_drift_or_weigh_it():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    rule = {"design": "drift-poles", "natural_frequency": 1.2, "drift_frequency": 0.1}
+    made = tv.AutopilotDesign(**rule).autopilot(plant)
+    pairs = [np.roots([1.0, 1.4 * w, w * w]) for w in (1.2, 0.1)]
+    np.testing.assert_allclose(
+        np.sort_complex(made.closed_loop_poles(plant)), np.sort_complex(np.concatenate(pairs)),
+        rtol=1e-7,
+    )  # fmt: skip
+    weighed = tv.AutopilotDesign(design="lqr", drift_weight=1e-7).autopilot(plant)
+    assert weighed.drift_gain == tv.control.lqr_gains(plant, drift_weight=1e-7).drift_gain > 0.0
+    for wrong, sentence in (
+        (rule | {"design": "poles"}, "drift_frequency is of gains by design drift-poles"),
+        (rule | {"drift_gain": 1e-5}, "drift_gain follows from design drift-poles"),
+        ({"design": "drift-poles", "natural_frequency": 1.0}, "needs drift_frequency"),
+        (rule | {"drift_frequency": 1.2}, "cannot be placed"),
+        ({"design": "canonical", "drift_weight": 1.0}, "drift_weight is of gains by design lqr"),
+    ):
+        with pytest.raises(tv.InputError, match=sentence):
+            tv.AutopilotDesign(**wrong).autopilot(plant)
+
+
+def test_the_comparison_with_trim_says_how_fast_a_vehicle_drifts_in_a_constant_wind():
+    autopilot = replace(LOOP, drift_gain=0.0)
+    compared = tv.compare_with_trim(PLANT, autopilot, tv.TriangularWind(peak=0.05, duration=8.0))
+    rate = tv.control.steady_drift(autopilot, PLANT)
+    assert compared.steady_drift_rate == pytest.approx(0.05 * rate)
+    assert any("steady drift" in label for label, _ in compared.motions())
+
+
 WIND = tv.TriangularWind(peak=0.05, duration=10.0)
 HARDWARE = {"deflection_limit": 0.5, "actuator": ALL.actuator}
 LAW = tv.SaturatedLaw.of(ALL)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from tvclin.base.errors import InputError
 from tvclin.case.case import Case
 from tvclin.case.nozzle import USUAL_ACTUATOR
-from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS, AutopilotDesign
 from tvclin.control.margins.criteria import Criteria
 from tvclin.linear.flexible import FlexiblePlant
 
@@ -70,16 +71,8 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
     The designs are poles at multiples of the unstable pole, and the linear quadratic regulator,
     with the actuator, delay, filters and sample rate of the case.
     """
-    base = replace(
-        case.autopilot_design,
-        design=None,
-        natural_frequency=None,
-        damping=None,
-        attitude_gain=None,
-        rate_gain=None,
-        alpha_gain=None,
-        crossover=None,
-    )
+    others: Any = dict.fromkeys((*RULE_KEYS, *GIVEN_GAINS))
+    base = replace(case.autopilot_design, **others)
     rules = []
     with suppress(InputError):  # a stable vehicle has no such pole
         pole = float(case.plant.rigid.coefficients.pole)

@@ -3,7 +3,8 @@
 - A loop: `Autopilot`, its `Actuator`; over flight times `GainSchedule`; of a state space
   `SystemAutopilot`.
 - Gains: `design_gains`, `canonical_gains`, `half_relief_gains`, `relief_gains`,
-  `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`; by a rule of a file `AutopilotDesign`.
+  `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`, `drift_gains`; by a rule of a file
+  `AutopilotDesign`; the `steady_drift` of any.
 - Margins: `Autopilot.margins`, `loop_margins` of any `Loop`, their `margin_bounds`, with modes
   `detuned`; what is asked of them: `Criteria`, `CRITERIA`.
 - Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, of a state

@@ -3,6 +3,8 @@ from .autopilot.autopilot import Autopilot as Autopilot
 from .autopilot.design_rules import AutopilotDesign as AutopilotDesign
 from .autopilot.detuning import Detuned as Detuned
 from .autopilot.detuning import detuned as detuned
+from .autopilot.drift_gains import drift_gains as drift_gains
+from .autopilot.drift_gains import steady_drift as steady_drift
 from .autopilot.gain_schedule import EqualValues as EqualValues
 from .autopilot.gain_schedule import GainSchedule as GainSchedule
 from .autopilot.gain_schedule import ModeNotch as ModeNotch

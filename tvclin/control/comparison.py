@@ -26,6 +26,7 @@ from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
+from tvclin.control.autopilot.drift_gains import steady_drift
 from tvclin.control.autopilot.wiring import closed_loop, wind_numerator
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant
@@ -317,13 +318,32 @@ class TrimComparison(Shown):
         """Return rows of the peak rate, angles and drift, and of the H-infinity norm."""
         angles = ("peak_angle_of_attack", "peak_attitude", "peak_flight_path_angle")
         finite = [name for name in angles if np.isfinite(getattr(self, name))]
-        return rows(self, "wind", "peak_deflection_rate", *finite, "wind_gain")
+        shown = rows(self, "wind", "peak_deflection_rate", *finite, "wind_gain")
+        steady = self.steady_drift_rate
+        if steady is None:
+            return shown
+        value = lines.significant("wind.steady_drift_rate_m_per_s", steady, 4, "m/s")
+        return [*shown, ("steady drift in a constant wind of that peak", value)]
 
     def _repr_html_(self) -> str:
         title = f"Autopilot beside trim, {self.plant.model}"
         motions = lines.quantities("In this wind", self.motions())
         notes = [(note,) for note in self.notes]
         return table(self.deflections(title)) + table(motions, notes)
+
+    @property
+    def steady_drift_rate(self) -> float | None:
+        """Steady drift rate [m/s] in a constant wind of this peak, of feedback of lateral motion.
+
+        None for an autopilot without such feedback, an unstable loop, and a plant without a path
+        of its own; see `steady_drift`.
+        """
+        plant, autopilot = self.plant.rigid, self.autopilot
+        if not autopilot.lateral_sensors.signals or not self.margins.stable:
+            return None
+        if not plant.is_rigid or plant.model not in ("drift", "drift-exact"):
+            return None
+        return float(steady_drift(autopilot, plant)) * float(self.wind.peak)
 
     @property
     def ratio_to_trim(self) -> float:

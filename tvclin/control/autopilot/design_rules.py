@@ -26,6 +26,7 @@ from tvclin.base.fields import checked, count, file_table, quantity, word
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.drift_gains import drift_gains
 from tvclin.control.autopilot.feedback import (
     ACCELEROMETER,
     ACCELEROMETER_BANDWIDTH,
@@ -118,13 +119,23 @@ _OTHER_RULES: dict[str, Callable[..., Autopilot]] = {
     "lqr": lqr_gains,
 }
 """Design rules without poles of the user, by name."""
+<<<<<<< HEAD
 DESIGNS = ("canonical", *POLE_PLACEMENT_RULES, "half-relief", "lqr", LEAST_NOZZLE)
 MINIMA = ("peak", "limit")
 """Deflections that gains may minimise."""
+=======
+DRIFT_POLES = "drift-poles"
+DESIGNS = ("canonical", *POLE_PLACEMENT_RULES, DRIFT_POLES, "half-relief", "lqr", LEAST_NOZZLE)
+>>>>>>> 85ef804a (Design feedback of drift by its poles or its weight, and say how fast a vehicle drifts in a constant wind)
 _DEFAULT_DAMPING = 0.7
 """Damping ratio of rules that place poles, if none is specified."""
 _RULE = ("natural_frequency", "damping")
-RULE_KEYS = ("design", *_RULE, "crossover")
+_DRIFT_RULE = ("drift_frequency", "drift_damping")
+_WEIGHTS = ("alpha_weight", "drift_rate_weight", "drift_weight")
+_FURTHER = {**dict.fromkeys(_DRIFT_RULE, DRIFT_POLES), **dict.fromkeys(_WEIGHTS, "lqr")}
+"""Further numbers of a rule, and the name of that rule."""
+RULE_PARAMETERS = ("design", *_RULE, *_FURTHER)
+RULE_KEYS = (*RULE_PARAMETERS, "crossover")
 GIVEN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
 """Gains that replace a rule."""
 ADDED_GAINS = (*(name for name in GAINS if name not in GIVEN_GAINS), *ACCELEROMETER)
@@ -143,6 +154,16 @@ class AutopilotDesign:
         Natural frequency of the closed loop [rad/s]; the rule is then poles.
     damping : float, optional
         Damping ratio of the closed loop, for rules that place poles.
+    drift_frequency : float, optional
+        Natural frequency of the drift [rad/s], of the rule drift-poles.
+    drift_damping : float, optional
+        Damping ratio of the drift, of that rule.
+    alpha_weight : float, optional
+        Weight of the squared angle of attack over that of the attitude, of the rule lqr.
+    drift_rate_weight : float, optional
+        Weight of the squared drift rate [m/s], likewise.
+    drift_weight : float, optional
+        Weight of the squared drift [m], likewise.
     attitude_gain : float, optional
         Gain a0 on the attitude, in place of a rule.
     rate_gain : float, optional
@@ -180,6 +201,11 @@ class AutopilotDesign:
     design: str | None = word(DESIGNS, None, shown="canonical")
     natural_frequency: float | None = quantity("natural frequency", None)
     damping: float | None = quantity("number", None, shown=f"{_DEFAULT_DAMPING:g}")
+    drift_frequency: float | None = quantity("natural frequency", None)
+    drift_damping: float | None = quantity("number", None, shown=f"{_DEFAULT_DAMPING:g}")
+    alpha_weight: float | None = quantity("number", None)
+    drift_rate_weight: float | None = quantity("number", None)
+    drift_weight: float | None = quantity("number", None)
     attitude_gain: float | None = quantity(GAINS["attitude_gain"], None)
     rate_gain: float | None = quantity(GAINS["rate_gain"], None)
     alpha_gain: float | None = quantity(GAINS["alpha_gain"], None)
@@ -222,7 +248,7 @@ class AutopilotDesign:
     @property
     def unspecified(self) -> bool:
         """Whether neither gains nor a rule are specified, so that the gains are canonical."""
-        rule = self.design, self.natural_frequency, self.damping
+        rule = (getattr(self, name) for name in RULE_PARAMETERS)
         gains = (getattr(self, name) for name in GIVEN_GAINS)
         return all(number is None for number in (*rule, *gains))
 
@@ -258,9 +284,9 @@ class AutopilotDesign:
             "sample_rate": self.sample_rate,
             **self.chains,
         }
-        rule = self.design, self.natural_frequency, self.damping
+        rule = [getattr(self, name) for name in RULE_PARAMETERS]
         if all(getattr(self, name) is None for name in GIVEN_GAINS):
-            return _by_rule(plant, *rule, options)
+            return _by_rule(plant, self, options)
         if any(number is not None for number in rule):
             raise InputError("give gains or a rule for them (design, natural_frequency), not both")
         if self.attitude_gain is None or self.rate_gain is None:
@@ -276,27 +302,48 @@ class AutopilotDesign:
 AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, lists=("filter",))
 
 
-def _by_rule(
-    plant: Plant,
-    design: str | None,
-    natural_frequency: float | None,
-    damping: float | None,
-    options: dict[str, Any],
-) -> Autopilot:
+def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> Autopilot:
     """Return the autopilot of a design rule; without a name the rule is "poles" or "canonical"."""
+    natural_frequency, damping = design.natural_frequency, design.damping
     has_poles = natural_frequency is not None or damping is not None
-    rule = one_of("design", design or ("poles" if has_poles else "canonical"), DESIGNS)
+    rule = one_of("design", design.design or ("poles" if has_poles else "canonical"), DESIGNS)
     if rule == LEAST_NOZZLE:
         raise InputError(
             f"design {LEAST_NOZZLE} needs a wind: tvclin design and study files have one; in"
             " Python see minimum_deflection_gains"
         )
+    further = _further_numbers(design, rule, options)
     if rule in _OTHER_RULES:
         if has_poles:
             raise InputError(f"design {rule} takes no natural_frequency and no damping")
-        return _OTHER_RULES[rule](plant, **options)
+        return _OTHER_RULES[rule](plant, **further, **options)
     if natural_frequency is None:
         raise InputError(f"design {rule} needs natural_frequency, in rad/s")
     damping = _DEFAULT_DAMPING if damping is None else damping
     poles = {"natural_frequency": natural_frequency, "damping": damping}
+    if rule == DRIFT_POLES:
+        if "drift_frequency" not in further:
+            raise InputError(f"design {rule} needs drift_frequency, in rad/s")
+        return drift_gains(
+            plant, **poles, **{"drift_damping": _DEFAULT_DAMPING} | further, **options
+        )
     return POLE_PLACEMENT_RULES[rule](plant.coefficients, **poles, **options)
+
+
+def _further_numbers(
+    design: AutopilotDesign, rule: str, options: dict[str, Any]
+) -> dict[str, float]:
+    """Return the further numbers of a rule, and remove from the options the gains that it designs.
+
+    `InputError` for numbers of another rule, and gains that follow from this one.
+    """
+    numbers = {name: getattr(design, name) for name in _FURTHER}
+    numbers = {name: value for name, value in numbers.items() if value is not None}
+    for name in numbers:
+        if _FURTHER[name] != rule:
+            raise InputError(f"{name} is of gains by design {_FURTHER[name]}; got design {rule}")
+    if rule == DRIFT_POLES or numbers.get("drift_weight") or numbers.get("drift_rate_weight"):
+        for name in ("drift_rate_gain", "drift_gain"):
+            if options.pop(name):
+                raise InputError(f"{name} follows from design {rule}; leave it out")
+    return numbers

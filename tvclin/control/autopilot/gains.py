@@ -30,7 +30,9 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.actuator import positive_in_range
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.lateral import DRIFT, DRIFT_RATE, LateralSensors
 from tvclin.linear.plant import Plant
+from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 
@@ -355,14 +357,17 @@ def lqr_gains(
     attitude_weight: float = 1.0,
     rate_weight: float = 0.0,
     alpha_weight: float = 0.0,
+    drift_rate_weight: float = 0.0,
+    drift_weight: float = 0.0,
     deflection_weight: float = 1.0,
     **options: Any,
 ) -> Autopilot:
     """Return the autopilot that minimises a quadratic cost, by `control.lqr`.
 
     The cost is the integral of attitude_weight theta^2 + rate_weight theta'^2 + alpha_weight
-    alpha^2 + deflection_weight delta^2, without wind. On a model with drift the third state,
-    the flight path angle, is fed back as the angle of attack.
+    alpha^2 + drift_rate_weight z'^2 + drift_weight z^2 + deflection_weight delta^2, without wind.
+    On a model with drift the third state, the flight path angle, is fed back as the angle of
+    attack; with a weight on the drift z [m] or its rate, as the drift rate.
 
     Parameters
     ----------
@@ -370,6 +375,8 @@ def lqr_gains(
         One plant, "fixed-path", "drift" or "drift-exact".
     attitude_weight, rate_weight, alpha_weight : float
         Zero or positive.
+    drift_rate_weight, drift_weight : float
+        Weights [rad^2 s^2/m^2] and [rad^2/m^2], zero or positive; they need a speed and a path.
     deflection_weight : float
         Positive; only the ratios of the weights count.
     **options
@@ -392,6 +399,8 @@ def lqr_gains(
         "attitude_weight": attitude_weight,
         "rate_weight": rate_weight,
         "alpha_weight": alpha_weight,
+        "drift_rate_weight": drift_rate_weight,
+        "drift_weight": drift_weight,
     }
     costs = [number(name, value, nonnegative) for name, value in weights.items()]
     cost = number("deflection_weight", deflection_weight, positive)
@@ -399,22 +408,34 @@ def lqr_gains(
         number(name, weight, between(0.0, _MAX_WEIGHT))
     if cost * _MAX_WEIGHT < max(costs):
         raise InputError(f"deflection_weight must be at least 1/{_MAX_WEIGHT:g} of the others")
-    on_attitude, on_rate, *on_path = (-_optimal_feedback(plant, costs, cost)).tolist()
-    path = sum(on_path)
+    sensors = LateralSensors(drift_rate_weight > 0.0 or drift_weight > 0.0, drift_weight > 0.0)
+    feedback = -_optimal_feedback(sensors.system(plant), costs, cost)
+    on_attitude, on_rate, *on_path = feedback.tolist()
+    if not sensors.signals:
+        path = sum(on_path)
+        return Autopilot(
+            attitude_gain=on_attitude + path,
+            rate_gain=on_rate,
+            alpha_gain=0.0 - path,
+            **options,
+        )
     return Autopilot(
-        attitude_gain=on_attitude + path,
+        attitude_gain=on_attitude,
         rate_gain=on_rate,
-        alpha_gain=0.0 - path,
+        drift_rate_gain=on_path[0] / float(np.asarray(plant.coefficients.velocity)),
+        drift_gain=on_path[1] if sensors.drift else 0.0,
         **options,
     )
 
 
-def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArray:
+def _optimal_feedback(system: LinearSystem, costs: list[float], cost: float) -> FloatArray:
     """Return the gains k ``(n,)`` on the states for which delta = -k x minimises the cost."""
     import control
 
-    A, B, C, _ = plant.matrices()
-    outputs = C[[0, 1, -1]]
+    A, B, C, _ = system.matrices()
+    weighted = ("attitude", "attitude_rate", "angle_of_attack", DRIFT_RATE, DRIFT)
+    rows = {name: C[k] for k, name in enumerate(system.outputs)}
+    outputs = np.array([rows.get(name, np.zeros(len(A))) for name in weighted])
     Q, R = outputs.T @ np.diag(costs) @ outputs, np.array([[cost]])
     try:
         gains, _, poles = control.lqr(A, B[:, :1], Q, R, method="scipy")
@@ -422,7 +443,7 @@ def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArr
         poles, gains = np.ones(1), np.zeros((1, len(A)))
     if np.real(poles).max() >= -_MIN_DECAY_OVER_POLE * np.abs(poles).max():
         raise InputError(
-            "the weights leave a mode of the plant without a cost; raise attitude_weight or"
-            " alpha_weight"
+            "the weights leave a mode of the plant without a cost; raise attitude_weight,"
+            " alpha_weight or drift_rate_weight"
         )
     return np.asarray(gains[0])

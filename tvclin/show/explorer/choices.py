@@ -25,6 +25,7 @@ from tvclin.control.autopilot.design_rules import (
     CHAIN_OF_POSITION,
     GIVEN_GAINS,
     LEAST_NOZZLE,
+    RULE_PARAMETERS,
     AutopilotDesign,
 )
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
@@ -325,7 +326,7 @@ def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
     if rule == OWN:
         gains = {name: v[name] for name in GIVEN_GAINS}
     elif rule == _rule(design):
-        gains |= {name: getattr(design, name) for name in ("natural_frequency", "damping")}
+        gains |= {name: getattr(design, name) for name in RULE_PARAMETERS}
     return AutopilotDesign(
         **{name: getattr(design, name) for name in ADDED_GAINS},
         delay=1e-3 * v["delay"],
@@ -450,9 +451,9 @@ def _nozzle(choices: Choices) -> Table:
 
 
 def _added_gains(design: AutopilotDesign) -> Table:
-    """Return the keys of the gains that stand beside a rule, where they are not the default."""
+    """Return the keys of further numbers of a rule and added gains, where not the default."""
     specified = parameters(AutopilotDesign)
-    items = [specified[name] for name in ADDED_GAINS]
+    items = [specified[name] for name in (*RULE_PARAMETERS[3:], *ADDED_GAINS)]
     return {
         item.document_key: getattr(design, item.name)
         for item in items
