@@ -119,14 +119,10 @@ _OTHER_RULES: dict[str, Callable[..., Autopilot]] = {
     "lqr": lqr_gains,
 }
 """Design rules without poles of the user, by name."""
-<<<<<<< HEAD
-DESIGNS = ("canonical", *POLE_PLACEMENT_RULES, "half-relief", "lqr", LEAST_NOZZLE)
-MINIMA = ("peak", "limit")
-"""Deflections that gains may minimise."""
-=======
 DRIFT_POLES = "drift-poles"
 DESIGNS = ("canonical", *POLE_PLACEMENT_RULES, DRIFT_POLES, "half-relief", "lqr", LEAST_NOZZLE)
->>>>>>> 85ef804a (Design feedback of drift by its poles or its weight, and say how fast a vehicle drifts in a constant wind)
+MINIMA = ("peak", "limit")
+"""Deflections that gains may minimise."""
 _DEFAULT_DAMPING = 0.7
 """Damping ratio of rules that place poles, if none is specified."""
 _RULE = ("natural_frequency", "damping")
