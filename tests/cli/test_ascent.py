@@ -156,7 +156,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
         *gust_of(1, peak_time_s=3.75),
         "--json",
     )
-    given += ("--sign", "frozen")  # in the dynamic pressure of calm air, as the histories
+    given += ("--set", "study.sign=frozen")  # in the dynamic pressure of calm air, as the histories
     pulse = ("--duration", "7.5")
     document = json.loads(run("ascent", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
@@ -426,10 +426,11 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
     [
         (("--set", "gust.plateau_s=1"), "duration"),
         (gust_of(1, plateau_s=2), "must be shorter than the gust"),
-        (("--sign", "up"), "sign"),
-        (("--sign", "head", *FLOWN), "--sign needs a pulse"),
+        (("--set", "study.sign=up"), "sign"),
+        (("--set", "study.sign=head", *FLOWN), "--set study.sign needs a pulse"),
+        (("--set", "study.sign=head", "--plane", "yaw"), "--set study.sign needs --plane pitch"),
         (
-            ("--sign", "head", "--set", "wind.direction_deg=270", "--azimuth-deg", "90"),
+            ("--set", "study.sign=head", "--set", "wind.direction_deg=270", "--azimuth-deg", "90"),
             "leave sign",
         ),
     ],

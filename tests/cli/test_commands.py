@@ -274,6 +274,17 @@ def test_bad_input_is_exit_code_two_without_a_traceback(arguments: list[str]) ->
     assert result.output.strip()
 
 
+COMMON = {"--set", "--json", "--csv", "--plot", "--more", "--help"}
+
+
+def test_there_are_18_commands_with_at_most_20_options_of_their_own() -> None:
+    commands = typer.main.get_command(app).commands
+    assert len(commands) == 18
+    for name in commands:
+        flags = {one.opts[0] for one in commands[name].params if one.opts[0].startswith("-")}
+        assert len(flags - COMMON) <= 20, name
+
+
 WORDS = st.one_of(
     st.sampled_from(
         ["study", "boundary", "poles", "--json", "--wind", "--duration", "--limit-deg"]

@@ -13,6 +13,8 @@ from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.nozzle.duty_over_flight import FlownDuty
 
+SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
+
 
 def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["nozzle", *arguments])
@@ -66,6 +68,11 @@ def test_json_equals_the_library() -> None:
             (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
             (("--set", "autopilot.attitude_gain=1"), 2, "--law"),
             (("--load-deg", "1"), 2, "--load-deg needs --over load"),
+            (
+                ("--winds", SOUNDING, "--azimuth-deg", "9", "--set", "wind.peak_deg=3"),
+                2,
+                "give --winds or --set wind.peak_deg, not both",
+            ),
             (("--every", "1"), 2, "--every needs --over flight"),
             (("--plane", "both"), 2, "--plane both needs tvclin nozzle --over"),
             (("--over", "loads"), 2, "--over must be one of rate, load"),

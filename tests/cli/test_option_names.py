@@ -3,11 +3,9 @@
 import re
 from pathlib import Path
 
-import control
 import pytest
 from typer.testing import CliRunner
 
-import tvclin as tv
 from tvclin.base.lines import plural, significant, text
 from tvclin.cli.app import app
 from tvclin.cli.option_names import in_options
@@ -87,8 +85,3 @@ def test_nothing_is_said_of_a_file_where_an_option_is_meant(option):
 def test_a_count_of_one_is_singular_and_zero_has_no_minus():
     assert [plural(k, "row") for k in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
     assert text(significant("damping", -0.0)) == "0"
-
-
-def test_a_loop_in_steps_is_refused_as_the_page_of_margins_says():
-    with pytest.raises(tv.InputError, match="continuous"):
-        tv.Loop.from_system(control.tf([1.0], [1.0, 0.5], 0.1))

@@ -19,7 +19,7 @@ from tvclin.winds.shaped import ShapedWind
 
 COMPUTED, NOTED, REFUSED = "computed", "noted", "refused"
 OPTIONS: dict[str, tuple[str, ...]] = {
-    "structure": ("--rigid",),
+    "structure": (),
     "damping": (),
     "gust": (),
     "head wind": ("--peak-deg", "--peak-speed"),

@@ -13,12 +13,11 @@ from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.files import called
 from tvclin.case.case import FROZEN
-from tvclin.cli.inputs import changed, chosen, note_source
+from tvclin.cli.inputs import changed, chosen, keys_set, note_source
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
     MODEL,
-    SIGN,
     AsJson,
     Given,
     More,
@@ -75,9 +74,12 @@ class FlightOptions(PulseOptions):
             requests[name] = SoundingRequest(reading.profile(file), azimuth, reading.mean_wind)
         return requests
 
-    def at_one_time(self) -> WindOptions:
-        """Return these options for a single flight time."""
+    def at_one_time(self, source: str) -> WindOptions:
+        """Return these options for a single flight time; `source`: that of the case."""
         files = self.winds or []
+        for key in keys_set(source) if files else ():
+            if key.partition(".")[0] == "wind":
+                raise InputError(f"give --winds or --set {key}, not both")
         if len(files) > 1:
             raise InputError(
                 f"--winds may be given several times with --over flight alone; got {len(files)}"
@@ -127,7 +129,6 @@ def ascent(
     winds: FlightOptions = GROUP,
     model: Given = MODEL,
     planes: PlaneOptions = GROUP,
-    sign: Given = SIGN,
     limits: Given = BOTH_LIMITS,
     question: Given = Given("requirement.flight.request.SizingRequest", _FIELDS, "sizing"),
     more: More = False,
@@ -148,7 +149,7 @@ def ascent(
     """
     from tvclin import plots
 
-    case = flight_asked("ascent", source, winds, question, sign, limits, model, planes)
+    case = flight_asked("ascent", source, winds, question, limits, model, planes)
     request = case.sizing
     assert request is not None
     if plot is not None:
@@ -255,22 +256,21 @@ def flight_asked(
     source: str,
     winds: FlightOptions,
     question: Given,
-    sign: Given,
     *changes: Given | PlaneOptions,
 ) -> StudyPlan:
     """Return the case of a flight from a file and options."""
     soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))
     note_source(source, command)
     case = load_sizing(source, soundings)
-    for options in (question, sign, *changes):
+    for options in (question, *changes):
         case = options.over(case)
     case = winds.over(case)
     request = case.sizing
     assert request is not None
     check_reading(case)
-    if not request.soundings:
-        if case.planes == "yaw" and case.heading is None and case.sign != FROZEN:
-            sign.only_with("--plane pitch: it is that of a wind along the path")
-    elif not (request.pulse or request.others or case.sign == FROZEN):
-        sign.only_with("a pulse: a sounding has its own sign, or is frozen")
+    if "study.sign" in keys_set(source) and case.sign != FROZEN:
+        if request.soundings and not (request.pulse or request.others):
+            raise InputError("--set study.sign needs a pulse: a sounding has its own sign")
+        if not request.soundings and case.planes == "yaw" and case.heading is None:
+            raise InputError("--set study.sign needs --plane pitch: of a wind along the path")
     return case

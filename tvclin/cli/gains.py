@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError
+from tvclin.cli.inputs import keys_set
 from tvclin.cli.options import DESIGN, TIMING, Given
 from tvclin.control.autopilot.design_rules import (
     GIVEN_GAINS,
@@ -62,9 +62,8 @@ class FlownLaw:
 
     def _gain_keys(self, source: str) -> list[str]:
         """Return the keys of --set that give gains, or a rule for them."""
-        keys = source.keys if isinstance(source, EditedSource) else ()
         gains = {f"autopilot.{name}" for name in (*GIVEN_GAINS, *RULE_KEYS, "integral_gain")}
-        return [key for key in keys if quantity_name(key) in gains]
+        return [key for key in keys_set(source) if quantity_name(key) in gains]
 
 
 def with_gains(base: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError
 from tvclin.base.lines import listed
 from tvclin.case.case import Case
@@ -42,7 +43,6 @@ def case_of(
     time: float | None = None,
     wind: Callable[[StudyPlan, str], StudyPlan] | None = None,
     told: tuple[str, ...] = (),
-    rigid: bool = False,
 ) -> StudyPlan:
     """Return the case of a study file, a vehicle, or a flight at a time [s].
 
@@ -53,8 +53,6 @@ def case_of(
     plan = load_study(source, time)
     if "study" not in told:  # which has them among its own notes
         note_vehicle_warnings(plan.vehicle)
-    if rigid:
-        plan = without_structure(plan)
     for change in changes:
         plan = change(plan)
     if wind is not None:
@@ -62,6 +60,11 @@ def case_of(
     if told:
         note_left_out(plan, *told)
     return without_structure(plan) if any(map(is_rigid_only, told)) else plan
+
+
+def keys_set(source: str) -> tuple[str, ...]:
+    """Return the keys of --set on a source."""
+    return source.keys if isinstance(source, EditedSource) else ()
 
 
 def without_structure(plan: StudyPlan) -> StudyPlan:

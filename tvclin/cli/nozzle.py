@@ -59,7 +59,7 @@ def nozzle(
     if over != RATE:
         only_with(f"--over {RATE}", laws=options.laws)
     if over == FLIGHT:
-        only_with(IN_A_WIND, at=time, rigid=options.rigid, plot=shown.plot)
+        only_with(IN_A_WIND, at=time, plot=shown.plot)
         options.dead_band.only_with(IN_A_WIND)
         print_duty(vehicle, options, more, shown)
     else:
@@ -81,14 +81,13 @@ def _print_in_a_wind(
         raise InputError(f"--plane {BOTH} needs tvclin nozzle --over {FLIGHT}")
     if AUTOPILOT not in names and not options.laws:
         FlownLaw().only_with_autopilot(vehicle)
-    winds = options.winds.at_one_time()
+    winds = options.winds.at_one_time(vehicle)
     groups = (options.limits, options.load, options.model, options.planes, options.dead_band)
     case = case_of(
         vehicle,
         *(group.over for group in groups),
         wind=winds.over,
         told=(question,),
-        rigid=options.rigid,
         time=time,
     )
     if not names and not options.laws:

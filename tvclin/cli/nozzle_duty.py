@@ -7,7 +7,7 @@ from tvclin.cli.ascent import flight_asked
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import note_left_out
 from tvclin.cli.nozzle_options import NozzleOptions
-from tvclin.cli.options import SIGN, ShownCurves
+from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import answer, print_answer, print_tables
 from tvclin.cli.progress import bar
 from tvclin.control.laws.registry import AUTOPILOT
@@ -23,7 +23,7 @@ _USED = (
 def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurves) -> None:
     """Print what a law in a whole flight takes of the nozzle, and the verdict on its limits."""
     groups = (options.limits, options.model, options.planes)
-    case = flight_asked(_QUESTION, source, options.winds, options.times, SIGN, *groups)
+    case = flight_asked(_QUESTION, source, options.winds, options.times, *groups)
     request, names = case.sizing, options.names
     assert request is not None
     if len(names) > 1:

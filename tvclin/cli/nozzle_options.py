@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.cli.ascent import FlightOptions, PlaneOptions
-from tvclin.cli.options import BOTH_LIMITS, GROUP, MODEL, STUDY, Given, Rigid, asked, switch
+from tvclin.cli.options import BOTH_LIMITS, GROUP, MODEL, STUDY, Given, asked, switch
 from tvclin.control.laws.registry import LAWS
 
 RATE, LOAD, FLIGHT = "rate", "load", "flight"
@@ -33,7 +33,6 @@ class NozzleOptions:
     times: Given = Given(
         "requirement.flight.request.SizingRequest", ("start", "stop", "every"), "sizing"
     )
-    rigid: Rigid = False
     model: Given = MODEL
     planes: PlaneOptions = GROUP
     dead_band: Given = Given(STUDY, ("dead_band",))

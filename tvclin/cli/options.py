@@ -81,9 +81,6 @@ System = Annotated[
         callback=to_write,
     ),
 ]
-Rigid = Annotated[
-    bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
-]
 
 
 def asked(
