@@ -93,6 +93,7 @@ INSIDE = {
     "FlightDuty",
     "Loads",
     "LoopCovariance",
+    "LoopInTurbulence",
     "RangeReference",
     "Responses",
     "SimulatedFlight",
@@ -366,7 +367,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "SensorNoise": Door(tv.control.SensorNoise, {"attitude": 1e-4, "rate": 2e-4}),
         "turbulence_covariance": Door(tv.control.turbulence_covariance, gusty),
         "turbulence_history": Door(
-            tv.control.turbulence_history, {**gusty, "duration": 5.0, "wind": wind}
+            tv.control.turbulence_history,
+            {**gusty, "duration": 5.0, "wind": wind, "settled": False},
         ),
         "turbulence_along": Door(
             tv.control.turbulence_along,
@@ -408,6 +410,30 @@ def doors(folder: Path) -> dict[str, Door]:
                 "quantile": {"probability": 0.99, **of_output},
             }.items()
         },
+        "TurbulenceRequest": Door(
+            tv.case.TurbulenceRequest,
+            {
+                "intensity": None,
+                "severity": "light",
+                "exceedance": None,
+                "altitude": 9000.0,
+                "length": 500.0,
+                "spectrum": "dryden",
+                "component": "along",
+                "sigmas": 2.0,
+            },
+        ),
+        "LoopInTurbulence.of": Door(
+            tv.case.LoopInTurbulence.of,
+            {
+                "request": tv.case.TurbulenceRequest(intensity=6.0),
+                "vehicle": booster,
+                "plant": plant,
+                "autopilot": gusty["autopilot"],
+                "wind": wind,
+                "limit": 0.02,
+            },
+        ),
         "Turbulence.at": Door(severe.at, {"altitude": 9000.0}),
         "Turbulence.over": Door(severe.over, {"altitude": [9000.0, 9500.0]}),
         "Turbulence.shaping_filter": Door(
@@ -1115,6 +1141,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sizing": asked,
                 "availability": days_asked,
                 "document": tv.studyfile.Document(project="Booster 1"),
+                "turbulence": tv.case.TurbulenceRequest(intensity=6.0),
             },
         ),
         "StudyPlan.of_study": Door(tv.studyfile.StudyPlan.of_study, {"study": study}),

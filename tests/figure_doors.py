@@ -48,6 +48,7 @@ def figures(folder: Path) -> dict[str, Door]:
     least = hasty(tv.design.gain_trade_off)(gains=gains, disk_margin=[0.1, 0.2])
     load = tv.boundary.load_trade_off(plant, wind, limit=0.014, load=0.05)
     rate = tv.boundary.rate_trade_off(plant, wind, limit=0.014, rate_limit=0.05)
+    gusty = tv.control.turbulence_covariance(autopilot, plant, tv.winds.Turbulence(6.0), 540.0)
     compared = tv.compare_with_trim(plant, autopilot, wind)
     curves = plots.flight_curves(beside, 0.01, "fly", "few")
     loop: dict[str, Any] = {"autopilot": lagging, "plant": plant}
@@ -154,6 +155,8 @@ def figures(folder: Path) -> dict[str, Door]:
         "load_curves": Door(plots.load_curves, {"trade_off": load, "flown": ()}),
         "nichols_chart": Door(plots.nichols_chart, {**loop, "criteria": tv.CRITERIA["classic"]}),
         "nyquist_chart": Door(plots.nyquist_chart, loop),
+        "spectrum_chart": Door(plots.spectrum_chart, {"covariance": gusty, "title": "a"}),
+        "spectrum_curves": Door(plots.spectrum_curves, {"covariance": gusty}),
         "plane_chart": Door(
             plots.plane_chart,
             {

@@ -264,6 +264,20 @@ def test_a_sampled_history_settles_at_its_stationary_covariance():
     assert np.isclose(settled, 10.0 * stationary.mean_absolute_rate(), rtol=5e-3)  # (25 h)^2/12
 
 
+@pytest.mark.parametrize("sample_rate", [None, 20.0])
+def test_settled_turbulence_has_its_stationary_covariance_throughout(sample_rate):
+    autopilot = replace(AUTOPILOT, sample_rate=sample_rate, delay=0.03)
+    found = turbulence_history(autopilot, EXACT, AIR, SPEED, 4.0, wind=WIND, settled=True)
+    stationary = turbulence_covariance(autopilot, EXACT, AIR, SPEED)
+    for output in ("deflection", "deflection_rate", "angle_of_attack"):
+        assert np.isclose(found.deviation(output).max(), stationary.rms(output), rtol=2e-3)
+    calm = turbulence_history(autopilot, EXACT, AIR, SPEED, 4.0, settled=True)
+    assert np.isclose(
+        calm.travel(), 4.0 * stationary.mean_absolute_rate(), rtol=5e-3
+    )  # (25 h)^2/12
+    assert np.isclose(calm.crossings(0.002), 4.0 * stationary.crossing_rate(0.002), rtol=5e-3)
+
+
 def test_welch_finds_the_spectrum_of_the_deflection_in_flights():
     step, runs = 0.05, 8
     times = step * np.arange(2**13 + 400)

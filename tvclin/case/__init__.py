@@ -1,7 +1,8 @@
 """One case: a vehicle in a wind, with its nozzle, its autopilot and what its structure bears.
 
 `Case` and `Nozzle`; the bound on a load, `LoadBound` and `FlownLoad`; the numbers of a nozzle's
-data sheet, `NozzleData`.
+data sheet, `NozzleData`; turbulence, `TurbulenceRequest`, and an autopilot in it,
+`LoopInTurbulence`.
 """
 
 from tvclin.base.public_names import public_names

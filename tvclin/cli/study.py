@@ -114,7 +114,10 @@ def study(
 
 def _document(findings: Findings) -> dict[str, Any]:
     """Return the study with its questions and notes, for JSON."""
-    extra = {} if findings.dispersed is None else {"dispersed": findings.dispersed}
+    extra: dict[str, Any] = {}
+    for name in ("dispersed", "turbulence"):
+        if getattr(findings, name) is not None:
+            extra[name] = getattr(findings, name)
     said = [*findings.study.notes, *nominal_notes(findings), *loop_notes(findings)]
     answers = {"questions": questions(findings), "all_answers_yes": sufficient(findings)}
     return findings.study.as_dict() | extra | answers | {"notes": said}
@@ -129,7 +132,7 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     of_all = (*nominal_notes(findings), *loop_notes(findings), *days)
 
     def details() -> None:
-        """Print the vehicle, its poles, the boundaries, and what the dispersions cover."""
+        """Print the vehicle, its poles, the boundaries, dispersions and turbulence."""
         say("")
         print_tables(tables.vehicle(s, source, numbers_as_written(source)), tables.coefficients(s))
         print_tables(tables.poles(s))
@@ -140,6 +143,8 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
         if findings.dispersed is not None:
             print_tables(*findings.dispersed.tables())
             say(findings.dispersed.spreads)
+        if findings.turbulence is not None:
+            print_tables(*findings.turbulence.tables())
 
     print_answer(
         f"verdict: {overall(findings)}" if several else wind,

@@ -42,6 +42,8 @@ from .trade_offs import plane_chart as plane_chart
 from .trade_offs import rate_chart as rate_chart
 from .trade_offs import rate_curves as rate_curves
 from .trade_offs import study_planes_chart as study_planes_chart
+from .turbulence import spectrum_chart as spectrum_chart
+from .turbulence import spectrum_curves as spectrum_curves
 from .vehicle_drawing import figure_1 as figure_1
 from .vehicle_drawing import sketch_a as sketch_a
 from .vehicle_drawing import sketch_b as sketch_b

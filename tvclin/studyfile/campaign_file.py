@@ -16,6 +16,7 @@ from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
 from tvclin.case.load import LOAD_TABLE
 from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
+from tvclin.case.turbulence import TURBULENCE_TABLE
 from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.design.standard_trials import LAWS_TABLE
@@ -51,7 +52,7 @@ from tvclin.winds.wind_file import (
 
 _STUDY_TABLES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
-    *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE, READING_TABLE),
+    *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE, TURBULENCE_TABLE, READING_TABLE),
 )
 """Tables that no campaign reads; their keys are checked nevertheless."""
 _SINGLE_TABLES = (

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from tvclin.boundary.limit_over_load import LoadTradeOff
     from tvclin.boundary.limit_over_rate import RateTradeOff
     from tvclin.case.flexible_autopilot import FlexibleAnswer
+    from tvclin.case.turbulence import LoopInTurbulence, TurbulenceRequest
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -51,7 +52,7 @@ Flying: TypeAlias = "FlexibleAnswer | TrimComparison"
 """Results with a plant and an autopilot."""
 _UNSEALED_IF_NONE = (
     *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
-    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
+    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load", "turbulence"),
 )
 """Inputs that a seal omits where they are None, so that seals of older studies are unchanged."""
 MOST_CASES = 20_000
@@ -79,9 +80,9 @@ class Findings:
     the limit in that wind. `flight` is the sizing of the whole flight, and its worst total;
     `card` the nozzle duty of a law along it. `availability` is the fraction of the days of an
     archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
-    limit and load. `head` has `stop` and `rates` in a head wind, where that sets the requirement.
-    `reasons` says why a result is missing, by the name of its field; `warnings` are those of the
-    computation.
+    limit and load; `turbulence` the autopilot in the wind and turbulence. `head` has `stop` and
+    `rates` in a head wind, where that sets the requirement. `reasons` says why a result is missing,
+    by the name of its field; `warnings` are those of the computation.
     """
 
     plan: StudyPlan
@@ -97,6 +98,7 @@ class Findings:
     availability: Availability | None
     rates: RateTradeOff | None
     loads: LoadTradeOff | None
+    turbulence: LoopInTurbulence | None
     head: HeadWind | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
@@ -229,6 +231,9 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             loads=result(
                 "loads", lambda request, _: request.trade_off(plan, 1.0 / study.plane_ratio)
             ),
+            turbulence=result(
+                "turbulence", lambda request, _: _turbulence(plan, study, loop, request)
+            ),
             head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
             reasons=reasons,
             warnings=tuple(messages),
@@ -250,6 +255,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         "availability": plan.availability,
         "rates": plan.nozzle.rate_limit and plan.nozzle.limit,
         "loads": plan.load,
+        "turbulence": plan.turbulence,
         "head": plan.nozzle.limit if loop or plan.nozzle.rate_limit else None,
     }
     return {name: request for name, request in requests.items() if request is not None}
@@ -340,6 +346,17 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     from tvclin.design.gain_designs import specified_autopilot
 
     return plan.plant, specified_autopilot(plan, study.history, plan.held_to)
+
+
+def _turbulence(
+    plan: StudyPlan, study: Study, loop: Loop, request: TurbulenceRequest
+) -> LoopInTurbulence:
+    """Return the autopilot in the wind and turbulence, in one plane."""
+    from tvclin.case.turbulence import LoopInTurbulence
+
+    if study.judges_both_planes:
+        raise InputError("turbulence is answered in one plane; leave out the stop of both planes")
+    return LoopInTurbulence.of(request, plan.vehicle, *loop(), study.history, plan.nozzle.limit)
 
 
 def _flight(

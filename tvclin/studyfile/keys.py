@@ -19,6 +19,7 @@ from tvclin.base.tables import FileTable
 from tvclin.base.units import written
 from tvclin.case.load import LoadBound
 from tvclin.case.nozzle import Nozzle, NozzleData
+from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import FILTER_TABLE, AutopilotDesign
 from tvclin.design.standard_trials import LawsRequest
 from tvclin.ensembles.availability.availability_request import AvailabilityRequest
@@ -41,6 +42,7 @@ _RECORDS: dict[str, tuple[type, ...]] = {
     "gust": (ShapedWind,),
     "nozzle": (Nozzle, NozzleData),
     "load": (LoadBound,),
+    "turbulence": (TurbulenceRequest,),
     "question": (Campaign,),
     "laws": (LawsRequest,),
     "autopilot": (AutopilotDesign,),

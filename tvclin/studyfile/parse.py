@@ -12,6 +12,7 @@ from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
 from tvclin.case.load import LOAD_TABLE, LoadBound
+from tvclin.case.turbulence import TURBULENCE_TABLE, TurbulenceRequest
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.design.standard_trials import LAWS_TABLE, LawsRequest
 from tvclin.ensembles.availability.availability_request import (
@@ -72,6 +73,9 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         ),
         "nozzle": lambda: nozzle_of(document),
         "load": lambda: LOAD_TABLE.made(document, lambda keys: LoadBound(**LOAD_TABLE.read(keys))),
+        "turbulence": lambda: TURBULENCE_TABLE.made(
+            document, lambda keys: TurbulenceRequest(**TURBULENCE_TABLE.read(keys))
+        ),
         "design": lambda: design_of(document),
         "criteria": lambda: _criteria_of(document),
         "document": lambda: DOCUMENT_TABLE.made(document, Document.from_table),

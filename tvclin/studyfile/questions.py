@@ -20,7 +20,11 @@ from tvclin.winds.wind_angles import ATTACK, beyond_linear
 
 _FLIGHTS = ("flexible flight",)
 """Questions whose answer is the outcome of a flight: survived or not."""
-_CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
+_TURBULENCE, _TURBULENCE_RATE = "turbulence", "rate in turbulence"
+_CRITERIA = (
+    *("nozzle rate", "load", "nozzle card", "availability", "margins"),
+    *(_TURBULENCE, _TURBULENCE_RATE),
+)
 """Questions that are answered by a criterion: satisfied or not. Others have a verdict."""
 
 
@@ -59,10 +63,11 @@ class Question(Record):
     """One question of a study file.
 
     `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
-    "probability", "autopilot", "margins" or "flexible flight"; the answer is None where it is not
-    known, and `line` is why. `required_deflection` is the required deflection [rad], NaN for a
-    question without one, and `whose` its subject with the verb, in words. `measure` holds the
-    required and the available value: by default `required_deflection` and the limit.
+    "probability", "turbulence", "rate in turbulence", "autopilot", "margins" or "flexible flight";
+    the answer is None where it is not known, and `line` is why. `required_deflection` is the
+    required deflection [rad], NaN for a question without one, and `whose` its subject with the
+    verb, in words. `measure` holds the required and the available value: by default
+    `required_deflection` and the limit.
     """
 
     name: str = field(metadata=spec())
@@ -134,14 +139,17 @@ def all_yes(findings: Findings) -> bool:
 def nominal_notes(findings: Findings) -> Iterator[str]:
     """Say which answers are at nominal pressure, where a head wind sets the requirement."""
     flown = findings.head is not None and findings.head.stop is not None
-    names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
+    names = {"load", _TURBULENCE, *(() if flown else ("autopilot", "flexible flight"))}
     nominal = [q.name for q in questions(findings) if q.yes and q.name in names]
     if nominal and findings.study.ratio_to_nominal > 1.0:
         for words in nominal_pressure(findings.plan):
             yield f"{listed(nominal)}: {words}"
 
 
-_IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight")
+_IN_THE_WIND = (
+    *("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight"),
+    *(_TURBULENCE, _TURBULENCE_RATE),
+)
 """Questions whose answers rest on the wind of the study."""
 
 
@@ -186,6 +194,7 @@ def _answered(findings: Findings) -> Iterator[Question]:
             yield _availability(findings, request.least_part)
         if findings.plan.dispersions is not None:
             yield _probability(findings, limit)
+        yield from _turbulence(findings, limit)
     if findings.plan.design is not None or findings.plan.criteria is not None:
         if limit is not None:
             yield _autopilot(findings, limit)
@@ -340,6 +349,34 @@ def _autopilot(findings: Findings, limit: float) -> Question:
         line = ("flown with its stop", _at_peak(findings), *at_nominal, "; ", *free)
     required = nominal if np.isinf(nominal) else requirement.deflection
     return Question(name, yes, line, required, whose)
+
+
+def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
+    """Yield whether limit and rate limit cover the wind and some standard deviations of turbulence.
+
+    It is a criterion on the linear loop: where it is not satisfied, limits are met more often.
+    """
+    t, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
+    if t is None:
+        if findings.plan.turbulence is not None:
+            yield Question(_TURBULENCE, None, (_reason(findings, "turbulence"),))
+        return
+    beyond = beyond_linear(t.angle_of_attack, ATTACK)
+    sum_of = f"response of the autopilot to the wind and {t.sigmas:g} sigma of turbulence"
+    line: Line = (beyond or f"{sum_of}, linear",)
+    if t.probability_of_none is not None and not beyond:
+        met = significant("asked.turbulence_met", 1.0 - t.probability_of_none, 3)
+        line = (*line, "; it meets the limit with a probability of ", *met)
+    yes = None if beyond else bool(covers(limit, t.deflection))
+    yield Question(_TURBULENCE, yes, line, measure=_of_angles(t.deflection, limit))
+    if rate_limit is None:
+        return
+    if t.deflection_rate is None:
+        yield Question(_TURBULENCE_RATE, None, ("the deflection rate has no variance here",))
+        return
+    measure = _of_angles(t.deflection_rate, rate_limit, "deg/s")
+    yes = None if beyond else bool(covers(rate_limit, t.deflection_rate))
+    yield Question(_TURBULENCE_RATE, yes, (beyond or sum_of,), measure=measure)
 
 
 def _at_peak(findings: Findings) -> str:

@@ -20,6 +20,7 @@ from tvclin.winds.vehicle_wind import VehicleWind
 
 if TYPE_CHECKING:
     from tvclin.case.load import LoadBound
+    from tvclin.case.turbulence import TurbulenceRequest
     from tvclin.control.margins.criteria import Criteria
     from tvclin.design.standard_trials import LawsRequest
     from tvclin.ensembles.availability.availability_request import AvailabilityRequest
@@ -62,6 +63,8 @@ class StudyPlan(Case):
         Archive of soundings, for the fraction of days on which the case flies.
     load : LoadBound, optional
         Bound of the load on the structure.
+    turbulence : TurbulenceRequest, optional
+        Turbulence on top of the wind, for the autopilot.
     reading : SoundingReading
         Format, units, window and bias of soundings.
     document : Document, optional
@@ -87,6 +90,7 @@ class StudyPlan(Case):
     sizing: SizingRequest | None = None
     availability: AvailabilityRequest | None = None
     load: LoadBound | None = None
+    turbulence: TurbulenceRequest | None = None
     reading: SoundingReading = NO_READING
     document: Document | None = None
 
@@ -100,17 +104,21 @@ class StudyPlan(Case):
         """Raise `InputError` for requests of another type; their modules are imported on use."""
         if self.document is not None:
             instance("document", self.document, Document, "for the head of the page")
-        names = ("laws", "criteria", "dispersions", "sizing", "availability", "load")
+        names = ("laws", "criteria", "dispersions", "sizing", "availability", "load", "turbulence")
         if all(getattr(self, name) is None for name in names):
             return
         from tvclin.case.load import LoadBound
+        from tvclin.case.turbulence import TurbulenceRequest
         from tvclin.control.margins.criteria import Criteria
         from tvclin.design.standard_trials import LawsRequest
         from tvclin.ensembles.availability.availability_request import AvailabilityRequest
         from tvclin.ensembles.dispersions import Dispersions
         from tvclin.requirement.flight.request import SizingRequest
 
-        types = LawsRequest, Criteria, Dispersions, SizingRequest, AvailabilityRequest, LoadBound
+        types = (
+            *(LawsRequest, Criteria, Dispersions, SizingRequest, AvailabilityRequest, LoadBound),
+            TurbulenceRequest,
+        )
         hints = (
             "of the standard laws",
             "see Criteria.custom",
@@ -118,6 +126,7 @@ class StudyPlan(Case):
             "see load_sizing",
             "see load_study",
             "of one bound",
+            "of an intensity or a severity",
         )
         for name, type_, hint in zip(names, types, hints, strict=True):
             if getattr(self, name) is not None:

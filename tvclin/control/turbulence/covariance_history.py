@@ -23,6 +23,7 @@ from tvclin.base.errors import (
     MAX_TIME,
     InputError,
     between,
+    flag,
     fraction,
     instance,
     number,
@@ -42,7 +43,7 @@ from tvclin.control.turbulence.driven_loop import (
     checked_parts,
     driven_loop,
 )
-from tvclin.control.turbulence.loop_covariance import smooth_rate
+from tvclin.control.turbulence.loop_covariance import smooth_rate, stationary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.linear.plant import Plant
 from tvclin.numerics.gaussian import absolute_covariance, crossing_rate, mean_absolute
@@ -245,8 +246,9 @@ def turbulence_history(
     altitude: float | None = None,
     noise: SensorNoise | None = None,
     loads: LoadSlopes | None = None,
+    settled: bool = False,
 ) -> CovarianceHistory:
-    """Return mean and covariance of a loop from rest on, in a known wind and turbulence.
+    """Return mean and covariance of a loop over time, in a known wind and turbulence.
 
     Parameters
     ----------
@@ -256,11 +258,15 @@ def turbulence_history(
         Time [s] from 0 on.
     wind : History, optional
         The known wind [rad]; by default none.
+    settled : bool
+        Whether turbulence has acted for long before, so that the covariance is the stationary one
+        throughout; by default the vehicle is at rest at first, and its lateral position an output.
 
     Raises
     ------
     InputError
-        For a batch, numbers out of range, and a duration of more than 30,000 steps.
+        For a batch, numbers out of range, a duration of more than 30,000 steps, and an unstable
+        loop that shall be settled.
 
     Examples
     --------
@@ -289,10 +295,11 @@ def turbulence_history(
     shape = turbulence.shaping_filter(speed, altitude)
     V = float(speed)
     shape = *shape[:2], shape[2] / V
-    continuous = autopilot.sample_rate is None
-    loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, position=continuous)
+    at_rest = not flag("settled", settled)
+    loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, position=at_rest)
     times = march_times(0.0, number("duration", duration, _DURATIONS, "s"), wind, loop)
-    moments = march((loop, loop), times, wind, shape[:2])
+    start = None if at_rest else stationary(loop)[0][0]
+    moments = march((loop, loop), times, wind, shape[:2], start)
     return CovarianceHistory(times, loop.labels, loop, *moments)
 
 

@@ -1,7 +1,7 @@
 """Steps of mean and covariance of a loop over time.
 
-The vehicle starts at rest in turbulence that is stationary. A step is the exponential of a constant
-system that equals the varying one to fourth order; behind it a sampled autopilot may jump.
+The vehicle starts at rest, or where turbulence has long acted on it. A step is the exponential of a
+constant system that equals the varying one to fourth order; behind it a sampled autopilot may jump.
 """
 
 from __future__ import annotations
@@ -70,11 +70,13 @@ def march(
     times: FloatArray,
     wind: History | None,
     shape: tuple[FloatArray, FloatArray],
+    start: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return wind, means, covariances and transitions, from rest with a stationary filter.
+    """Return wind, means, covariances and transitions of the states at the times.
 
     `loops`: at the two Gauss points of each step. `shape`: A and b of the filter, in any measure of
-    its time.
+    its time. `start`: covariance at the first time, behind its sample; by default that of a vehicle
+    at rest and a stationary filter.
     """
     lengths, nodes = np.diff(times), gauss_times(times)
     loop, n = loops[0], loops[0].A.shape[-1]
@@ -88,6 +90,7 @@ def march(
     jumps = _jumps_before(loop, len(lengths))
     if loop.jumps:
         mean, P = _jumped(loop.jumps[-1], mean, P, known[0])
+    P = P if start is None else start
     covariances[0], means[0] = P, mean
     for k, jump in zip(range(len(lengths)), jumps, strict=False):
         step = F[k]

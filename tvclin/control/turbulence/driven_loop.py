@@ -212,7 +212,7 @@ def driven_loop(
 
     `shape`: A, b and c of the filter in time, to the wind angle [rad]; with leading axes for a
     batch of plants. `speed`: of the vehicle [m/s], ``(...)``. `position`: whether the lateral
-    position is a state, which has no stationary covariance.
+    position is a state of a continuous loop, which has no stationary covariance.
 
     `InputError` for a Pade approximation that hides an instability, and for an autopilot without
     actuator whose deflection follows the noise of a sensor.
@@ -237,7 +237,8 @@ def driven_loop(
         if not random and _is_constant(rate[0]):
             more[ACCELERATION] = loop.derivative(rate[0])
     loop = loop.with_rows(more) if more else loop
-    return _with_position(loop) if position and LATERAL_RATE in loop.labels else loop
+    continuous = position and not loop.jumps and LATERAL_RATE in loop.labels
+    return _with_position(loop) if continuous else loop
 
 
 def _continuous(

@@ -112,6 +112,12 @@ class LoopCovariance(Shown):
         """Expected travel of the nozzle in each second [rad/s]; None where it has none."""
         return self.mean_absolute_rate() if DEFLECTION_RATE in self.outputs else None
 
+    @property
+    def max_frequency(self) -> float:
+        """Largest frequency of a spectrum [rad/s]: of a sampled autopilot half its rate."""
+        period = sum(jump.length for jump in self._loop.jumps)
+        return float(np.pi / period) if period else _MAX_FREQUENCY
+
     def rms(self, output: str = DEFLECTION) -> float:
         """Return the standard deviation of an output in its SI unit.
 
@@ -200,10 +206,10 @@ class LoopCovariance(Shown):
         frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
         if loop.jumps:
             F, noise = _over_a_sample(loop)
-            period = sum(jump.length for jump in loop.jumps)
-            if np.any(frequencies > np.pi / period):
+            period = np.pi / self.max_frequency
+            if np.any(frequencies > self.max_frequency):
                 raise InputError(
-                    f"omega must be up to half the sample rate, {np.pi / period:.6g} rad/s; got"
+                    f"omega must be up to half the sample rate, {self.max_frequency:.6g} rad/s; got"
                     f" {frequencies.max():.6g}"
                 )
             points, A, noise = np.exp(1j * frequencies.ravel() * period), F, noise * period

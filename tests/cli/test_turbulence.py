@@ -1,0 +1,110 @@
+"""Turbulence in study files: its keys, its criterion, and where it is not known."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.cli.app import app
+
+STUDY = """
+[study]
+vehicle = "configuration-i"
+sign = "frozen"
+[wind]
+peak_deg = 5.0
+duration_s = 7.5
+[nozzle]
+limit_deg = 1.4
+rate_limit_deg_per_s = 3
+"""
+
+
+def run(path: Path, turbulence: str, *arguments: str, study: str = STUDY) -> Result:
+    file = path / "study.toml"
+    file.write_text(f"{study}\n[turbulence]\n{turbulence}\n")
+    return CliRunner().invoke(app, ["study", str(file), *arguments])
+
+
+def test_the_criterion_is_the_peak_in_the_wind_and_k_sigma(tmp_path: Path) -> None:
+    keys = "intensity_m_per_s = 6\nsigmas = 2"
+    found = run(tmp_path, keys, "--json")
+    assert found.exit_code == 0, found.output
+    answer = json.loads(found.stdout)
+    vehicle = tv.load_vehicle("configuration-i")
+    plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
+    autopilot = tv.load_study(str(tmp_path / "study.toml")).autopilot
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    air = tv.winds.Turbulence(6.0)
+    spread = tv.control.turbulence_covariance(autopilot, plant, air, vehicle.velocity)
+    response = autopilot.wind_response(plant, wind)
+    of = answer["turbulence"]
+    expected = abs(response.peak("deflection")[0]) + 2.0 * spread.rms()
+    assert of["deflection_deg"] == pytest.approx(np.degrees(expected), rel=1e-5)
+    rate = response.peak_rate("deflection") + 2.0 * spread.rms("deflection_rate")
+    assert of["deflection_rate_deg_per_s"] == pytest.approx(np.degrees(rate), rel=1e-3)
+    questions = {question["name"]: question for question in answer["questions"]}
+    assert questions["turbulence"]["answer"] == "MET"
+    assert questions["turbulence"]["measure"]["required"] == of["deflection_deg"]
+    assert questions["rate in turbulence"]["measure"]["available"] == pytest.approx(3.0)
+
+
+def test_more_standard_deviations_than_the_limit_covers_are_not_met(tmp_path: Path) -> None:
+    found = run(tmp_path, "intensity_m_per_s = 20\nsigmas = 6", "--more")
+    assert found.exit_code == 1
+    assert "NOT MET: turbulence" in found.stdout
+    assert "wind + 6 sigma" in found.stdout
+
+
+@pytest.mark.parametrize(
+    ("keys", "severity"),
+    [
+        ('severity = "severe"\naltitude_ft = 15000', 22.1),
+        ("exceedance = 1e-3\naltitude_ft = 25000", 6.6),
+    ],
+)
+def test_a_severity_is_that_of_the_specification(
+    tmp_path: Path, keys: str, severity: float
+) -> None:
+    (tmp_path / "study.toml").write_text(f"{STUDY}\n[turbulence]\n{keys}\n")
+    plan = tv.load_study(str(tmp_path / "study.toml"))
+    assert plan.turbulence is not None
+    assert plan.turbulence.turbulence.intensity == pytest.approx(severity * 0.3048)
+    assert plan.turbulence.turbulence.length == pytest.approx(533.4)
+
+
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ("", "needs one of intensity, severity and exceedance"),
+        ('severity = "severe"', "needs an altitude with severity"),
+        ('severity = "rough"\naltitude_m = 9e3', "must be one of light, moderate, severe"),
+        ("intensity_m_per_s = 6\nlenght_m = 500", "did you mean length_m"),
+    ],
+)
+def test_bad_keys_are_refused_in_a_sentence(tmp_path: Path, keys: str, sentence: str) -> None:
+    found = run(tmp_path, keys)
+    assert found.exit_code == 2
+    assert sentence in " ".join(found.output.replace("│", " ").split())
+
+
+def test_without_a_stationary_covariance_it_is_not_known(tmp_path: Path) -> None:
+    study = f"{STUDY}[autopilot]\nattitude_gain = 0.05\nrate_gain_s = 0.3\n"
+    found = run(tmp_path, "intensity_m_per_s = 6", study=study)
+    assert found.exit_code == 1, found.output
+    assert re.search(r"turbulence +NOT KNOWN", found.stdout)
+    assert "turbulence: the loop is not stable: it has a pole at" in found.stdout
+
+
+def test_without_the_speed_of_the_vehicle_it_is_not_known(tmp_path: Path) -> None:
+    (tmp_path / "linear.toml").write_text(
+        "[coefficients]\nmu_alpha_per_s2 = 0.228\nmu_delta_per_s2 = 1.317\n"
+    )
+    study = STUDY.replace("configuration-i", "linear.toml").replace('sign = "frozen"\n', "")
+    found = run(tmp_path, "intensity_m_per_s = 6", study=study)
+    assert found.exit_code == 1, found.output
+    assert "turbulence: turbulence needs the speed of the vehicle" in found.stdout

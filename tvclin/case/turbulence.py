@@ -1,0 +1,263 @@
+"""Turbulence of a study: its request in a file, and what it takes of an autopilot and its nozzle.
+
+The loop is linear and frozen at its time, about its response to the wind of the study, and the
+turbulence has acted for long before that wind. The largest of ``|mean|`` plus some standard
+deviations is a criterion, not a verdict on survival: where the deflection meets its limit often,
+the loop is no longer linear, and flights in sampled turbulence say the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Self
+
+from tvclin.base.cards import Shown
+from tvclin.base.errors import (
+    InputError,
+    between,
+    ending,
+    instance,
+    nonnegative,
+    number,
+    positive,
+    single,
+    small_angle,
+)
+from tvclin.base.fields import checked, file_table, quantity, spec, word
+from tvclin.base.lines import Row, Table, degrees, quantities, significant
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history
+from tvclin.control.turbulence.driven_loop import ANGLE_OF_ATTACK, DEFLECTION_RATE
+from tvclin.control.turbulence.loop_covariance import LoopCovariance, turbulence_covariance
+from tvclin.vehicle.linear_vehicle import AnyVehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.turbulence import COMPONENTS, SEVERITIES, SPECTRA, Turbulence
+
+if TYPE_CHECKING:
+    from tvclin.linear.flexible import AnyPlant
+
+_AFTER_WIND_S = 10.0
+"""Time after the wind during which the largest deflection is searched [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurbulenceRequest:
+    """Turbulence on top of the wind of a study, for its autopilot.
+
+    Attributes
+    ----------
+    intensity : float, optional
+        Standard deviation of the wind across the path [m/s].
+    severity : str, optional
+        In place of the intensity, that of MIL-F-8785C: light, moderate or severe.
+    exceedance : float, optional
+        In place of these, the probability with which the intensity of MIL-F-8785C is exceeded.
+    altitude : float, optional
+        Altitude [m], for the intensities of MIL-F-8785C.
+    length : float, optional
+        Scale length [m]; by default that of MIL-F-8785C.
+    spectrum : str
+        Form of the spectrum: dryden or von-karman.
+    component : str
+        Component across the path (transverse) or along it.
+    sigmas : float
+        Standard deviations that count on top of the response to the wind.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, other than one of intensity, severity and exceedance, and one of
+        the last two without an altitude.
+    """
+
+    intensity: float | None = quantity("speed", None, nonnegative)
+    severity: str | None = word(SEVERITIES, None)
+    exceedance: float | None = quantity("number", None, positive)
+    altitude: float | None = quantity("length", None)
+    length: float | None = quantity("length", None, positive)
+    spectrum: str = word(SPECTRA, SPECTRA[0])
+    component: str = word(COMPONENTS, COMPONENTS[0])
+    sigmas: float = quantity("number", 3.0, between(0.0, 10.0))
+
+    def __post_init__(self) -> None:
+        checked(self)
+        names = ("intensity", "severity", "exceedance")
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise InputError(
+                "[turbulence] needs one of intensity, severity and exceedance"
+                f"{'; got ' + ' and '.join(given) if given else ''}"
+            )
+        if self.intensity is None and self.altitude is None:
+            raise InputError(
+                f"[turbulence] needs an altitude with {given[0]}, on which its intensity depends"
+            )
+        _ = self.turbulence  # refuses numbers out of range
+
+    @property
+    def turbulence(self) -> Turbulence:
+        """Turbulence of one intensity and length."""
+        of: dict[str, str] = {"spectrum": self.spectrum, "component": self.component}
+        if self.intensity is not None:
+            return Turbulence(self.intensity, self.length, **of)  # type: ignore[arg-type]
+        exceedance = self.severity if self.exceedance is None else self.exceedance
+        assert exceedance is not None
+        assert self.altitude is not None
+        air = Turbulence.mil_f_8785c(exceedance, **of).at(self.altitude)  # type: ignore[arg-type]
+        return Turbulence(air.intensity, self.length or air.length, **of)  # type: ignore[arg-type]
+
+
+TURBULENCE_TABLE = file_table("[turbulence]", TurbulenceRequest)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopInTurbulence(Shown):
+    """Motion of a loop in a known wind and turbulence, linear and without limits.
+
+    Attributes
+    ----------
+    turbulence : Turbulence
+        The turbulence.
+    sigmas : float
+        Standard deviations that count on top of the mean.
+    deflection, time : float
+        Largest of ``|mean|`` plus those standard deviations of the deflection [rad], and its time
+        [s].
+    deflection_rate : float or None
+        The same of the deflection rate [rad/s]; None where it has no variance.
+    angle_of_attack : float
+        The same of the angle of attack [rad].
+    deflection_rms, deflection_rate_rms : float
+        Standard deviation of the deflection [rad] and of its rate [rad/s].
+    travel, travel_deviation : float or None
+        Expected travel of the nozzle in the wind and shortly after [rad], and its standard
+        deviation; None where the rate has no variance.
+    duration : float
+        Time for which the travel counts [s].
+    limit : float or None
+        Deflection limit [rad].
+    probability_of_none : float or None
+        Probability that the deflection does not meet the limit in that time; None without a limit,
+        or without a rate of finite variance.
+    covariance : LoopCovariance
+        The stationary covariance, for spectra.
+    history : CovarianceHistory
+        Mean and spread over time.
+    """
+
+    turbulence: Turbulence
+    sigmas: float = field(metadata=spec())
+    deflection: float = field(metadata=spec("angle"))
+    time: float = field(metadata=spec("time"))
+    deflection_rate: float | None = field(metadata=spec("angular rate"))
+    angle_of_attack: float = field(metadata=spec("angle"))
+    deflection_rms: float = field(metadata=spec("angle"))
+    deflection_rate_rms: float | None = field(metadata=spec("angular rate"))
+    travel: float | None = field(metadata=spec("angle"))
+    travel_deviation: float | None = field(metadata=spec("angle"))
+    duration: float = field(metadata=spec("time"))
+    limit: float | None = field(metadata=spec("angle"))
+    probability_of_none: float | None = field(metadata=spec())
+    covariance: LoopCovariance
+    history: CovarianceHistory
+
+    @classmethod
+    def of(
+        cls,
+        request: TurbulenceRequest,
+        vehicle: AnyVehicle,
+        plant: AnyPlant,
+        autopilot: Autopilot,
+        wind: History,
+        limit: float | None = None,
+    ) -> Self:
+        """Return the motion of an autopilot in a wind and turbulence, of one vehicle.
+
+        Parameters
+        ----------
+        request : TurbulenceRequest
+            The turbulence, and the standard deviations that count.
+        vehicle : Vehicle or LinearVehicle
+            The vehicle, whose speed counts.
+        plant : Plant or FlexiblePlant
+            Its plant.
+        autopilot : Autopilot
+            Its autopilot.
+        wind : History
+            The known wind [rad], which ends.
+        limit : float, optional
+            Deflection limit [rad].
+
+        Raises
+        ------
+        InputError
+            For a vehicle without a speed, and as `turbulence_covariance`.
+        """
+        instance("request", request, TurbulenceRequest, "of an intensity or a severity")
+        instance("wind", wind, History, "such as TriangularWind")
+        single("wind", wind.batch)
+        ending("wind", wind.end)
+        limit = (
+            None
+            if limit is None
+            else number("limit", limit, small_angle("a deflection", positive), "rad")
+        )
+        if not isinstance(vehicle, Vehicle):
+            raise InputError("turbulence needs the speed of the vehicle, which coefficients lack")
+        speed = number("velocity", vehicle.velocity, positive, "m/s")
+        air, k = request.turbulence, request.sigmas
+        stationary = turbulence_covariance(autopilot, plant, air, speed)
+        ended = wind.shift(-float(wind.onset))
+        duration = float(ended.end) + _AFTER_WIND_S
+        history = turbulence_history(
+            autopilot, plant, air, speed, duration, wind=ended, settled=True
+        )
+        deflection, time = history.largest(k)
+        smooth = DEFLECTION_RATE in history.outputs
+        return cls(
+            turbulence=air,
+            sigmas=k,
+            deflection=deflection,
+            time=time,
+            deflection_rate=history.largest(k, DEFLECTION_RATE)[0] if smooth else None,
+            angle_of_attack=history.largest(k, ANGLE_OF_ATTACK)[0],
+            deflection_rms=stationary.deflection_rms,
+            deflection_rate_rms=stationary.deflection_rate_rms,
+            travel=history.travel() if smooth else None,
+            travel_deviation=history.travel_deviation() if smooth else None,
+            duration=duration,
+            limit=limit,
+            probability_of_none=(
+                history.probability_of_none(limit) if limit is not None and smooth else None
+            ),
+            covariance=stationary,
+            history=history,
+        )
+
+    def tables(self) -> list[Table]:
+        """Return the table of the motion, and that of the stationary covariance."""
+        k, key = f"{self.sigmas:g}", "turbulence"
+        rows: list[Row] = [
+            ("spectrum", (f"{self.turbulence.spectrum}, {self.turbulence.component}",)),
+            ("intensity", significant(f"{key}.intensity", self.turbulence.intensity, 4, "m/s")),
+            ("length", significant(f"{key}.length", self.turbulence.length, 4, "m")),
+            (
+                f"deflection, wind + {k} sigma",
+                degrees(f"{key}.deflection", self.deflection, unit="deg"),
+            ),
+        ]
+        if self.deflection_rate is not None:
+            rate = degrees(f"{key}.deflection_rate", self.deflection_rate, unit="deg/s")
+            rows.append((f"deflection rate, wind + {k} sigma", rate))
+        angle = degrees(f"{key}.angle_of_attack", self.angle_of_attack, unit="deg")
+        rows.append((f"angle of attack, wind + {k} sigma", angle))
+        if self.travel is not None and self.travel_deviation is not None:
+            travel = degrees(f"{key}.travel", self.travel, unit="deg")
+            spread = degrees(f"{key}.travel_deviation", self.travel_deviation, unit="deg")
+            rows.append((f"travel in {self.duration:.4g} s", (*travel, " +- ", *spread)))
+        if self.probability_of_none is not None:
+            chance = significant(f"{key}.probability_of_none", self.probability_of_none, 5)
+            rows.append(("probability that the limit is not met", chance))
+        title = "The autopilot in the wind and turbulence, linear, without limits"
+        return [quantities(title, rows), *self.covariance.tables()]
