@@ -13,6 +13,7 @@ from mpmath import mp, mpf, workdps
 import tvclin
 from tests.report_responses import triangular_attitude_with_drift
 from tests.symbolic import equal, from_then_on, s, t, transform
+from tests.turns import usual
 
 beta, B, y, K, tau, peak, a, b1, b2 = sp.symbols("beta B y K tau peak a b1 b2", positive=True)
 MODEL = -(beta**2 / B) / (s * (s**2 - beta**2))  # eq (B8), corrected
@@ -95,7 +96,7 @@ def test_the_corrected_response_transforms_back():
     assert equal(-peak * transform(equation_b9()), MODEL * bracket)
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", usual([(case,) for case in CASES], 1))
 def test_the_corrected_response_is_the_numerical_inverse_transform(case):
     """Eq (B9): corrected, equal to the inverse transform by Talbot's contour to 25 digits."""
     point = numbers(*case)

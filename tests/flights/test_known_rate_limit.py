@@ -77,6 +77,7 @@ def program(tau_beta, rho, count=300, tangents=40):
     return float(found.x[-1])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("tau_beta", "rho", "expected"),
     usual(

@@ -66,7 +66,8 @@ def by_small_steps(actuator, rate, delay, limit, most, last, parts=800):
             (10.0, 8.0, 0.6, 0.045, 1.2, 0.8),
             (10.0, 20.0, None, 0.0, 1.05, 1.5),
         ],
-        *(1, 2, 5),
+        2,
+        5,
     ),
 )
 def test_a_nozzle_meets_its_limits_between_samples(rate, hertz, damping, delay, part, most):

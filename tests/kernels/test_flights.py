@@ -27,7 +27,7 @@ KINDS = [
     ("lean", {"actuator": SERVO}),
     ("lean", {}),
 ]
-EACH_KIND = pytest.mark.parametrize(("name", "options"), usual(KINDS, 1, 3))
+EACH_KIND = pytest.mark.parametrize(("name", "options"), usual(KINDS, 3))
 
 
 def case(name, size, model="drift-exact"):

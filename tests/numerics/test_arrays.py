@@ -268,14 +268,16 @@ def test_values_are_the_sums_of_their_terms_on_every_piece():
     np.testing.assert_allclose(h(times), expected, rtol=1e-14, atol=1e-15)
 
 
-@pytest.mark.parametrize("s", [0.0, 1e-9, 0.5, -0.3, 3.0, 20.0, 0.3 + 2j, -0.4 - 1j, 1e-7 + 1e-7j])
+@pytest.mark.parametrize(
+    "s", usual([0.0, 1e-9, 0.5, -0.3, 3.0, 20.0, 0.3 + 2j, -0.4 - 1j, 1e-7 + 1e-7j], 1, 4, 7, 8)
+)
 def test_transforms_agree_with_quadrature(s):
     h = mixed()
     assert abs(h.laplace(s) - quadrature(h, s)) < 20 * EPS * h.laplace_magnitude(s)
     assert np.iscomplexobj(h.laplace(s)) == isinstance(s, complex)
 
 
-@pytest.mark.parametrize("s", usual([0.2, 1.5, 0.0, 0.7 - 1j], 0, 2))
+@pytest.mark.parametrize("s", usual([0.2, 1.5, 0.0, 0.7 - 1j], 0))
 def test_the_discounted_future_agrees_with_quadrature(s):
     h, times = mixed(), np.array([-3.0, -1.0, 0.2, 0.5, 1.7, 2.0, 5.0, 7.0, 30.0])
     expected = np.array([quadrature(h, s, t) for t in times])

@@ -61,6 +61,7 @@ def test_every_number_of_the_page_stands_in_the_terminal_with_the_same_digits(an
     assert set(shown) <= set(printed.split())
 
 
+@pytest.mark.thorough
 def test_the_verdict_is_one_sentence_in_terminal_and_page(answers):
     printed, page, _, total = answers
     (line,) = total.verdict
