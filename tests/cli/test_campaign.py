@@ -134,7 +134,8 @@ def test_a_vehicle_is_dispersed_as_its_study(tmp_path):
     document = json.loads(dispersed.stdout)
     assert document["nominal_deg"] == pytest.approx(nominal, rel=1e-9)
     assert (document["limit_deg"], document["output"]) == (pytest.approx(0.4), "required_K0.8")
-    assert "these dispersions are assumed" in dispersed.stderr
+    shown = run("configuration-ii", *options, "--cases", 50)
+    assert "these dispersions are assumed: thrust (truncated, 1 %)" in shown.output
 
 
 def test_in_a_sounding_the_vehicle_alone_is_dispersed():

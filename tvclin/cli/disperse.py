@@ -46,6 +46,11 @@ from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import FixedWind
 from tvclin.winds.wind_file import SOUNDING, wind_tables
 
+_OF_THE_VEHICLE = Dispersions(
+    tuple(d for d in DEFAULT_DISPERSIONS.distributions if d.parameter not in WIND)
+)
+"""Default dispersions in a wind that is not dispersed."""
+
 
 @dataclass(frozen=True)
 class FolderOptions:
@@ -177,17 +182,16 @@ def _campaign(
         words = str(error)
         for option, (key, _) in keys.items():
             words = words.replace(f"--set {key}", option)
+        if not {"study", "campaign"} & source_tables(source).keys():  # no file has these keys
+            words = words.removeprefix(f"{called(source)}: ")
         raise InputError(words) from None
     assumed = campaign.dispersions == DEFAULT_DISPERSIONS
     sounding = winds.sounding_of(campaign, source)
     if sounding is not None:
         wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
-        drawn = [d for d in campaign.dispersions.distributions if d.parameter not in WIND]
-        dispersions = Dispersions(tuple(drawn)) if assumed else campaign.dispersions
+        dispersions = _OF_THE_VEHICLE if assumed else campaign.dispersions
         campaign = replace(campaign, wind=wind, dispersions=dispersions)
     note_left_out(campaign, "disperse")
-    if assumed:
-        say(f"Note: these dispersions are assumed: {campaign.dispersions.words}.", err=True)
     return campaign
 
 
@@ -226,4 +230,9 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
 def _print(summary: CampaignSummary, more: bool) -> None:
     """Print the verdict, the answer with its drivers, and with --more the convergence."""
     table, convergence = summary.tables()
-    print_answer(summary.verdict, table, more=more, details=lambda: print_tables(convergence))
+    dispersions = summary.results.campaign.dispersions
+    assumed = dispersions in (DEFAULT_DISPERSIONS, _OF_THE_VEHICLE)
+    notes = [f"these dispersions are assumed: {dispersions.words}"] * assumed
+    print_answer(
+        summary.verdict, table, notes=notes, more=more, details=lambda: print_tables(convergence)
+    )

@@ -162,7 +162,7 @@ class CampaignSummary(Shown):
         """Return the tables of the answer with its drivers, and of its convergence."""
         plan, r = self.results.campaign, self.required
         planes = f", both planes, {plan.nozzle.limit_shape} stop" if plan.planes == BOTH else ""
-        caption = f"{plan.vehicle.name}, {plan.model}{planes}: {self.output}"
+        caption = f"{plan.vehicle.name or 'vehicle'}, {plan.model}{planes}: {self.output}"
         rows = tuple(
             (
                 significant(f"convergence.{q.cases}", q.cases, 9),
