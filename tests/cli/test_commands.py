@@ -348,7 +348,7 @@ def loaded_by(commands: list[str], folder: Path) -> set[str]:
 @pytest.mark.thorough
 def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -> None:
     commands = ["vehicles", "poles", "boundary", "respond", "study", "fly", "margins"]
-    commands += ["margins --delay-ms 40", "margins --json", "design", "fly --law autopilot --json"]
+    commands += ["margins --delay-ms 40", "margins --json", "fly --law autopilot --json"]
 
     assert loaded_by(commands, tmp_path) == set()
 
@@ -432,7 +432,7 @@ def test_a_limit_that_does_not_exist_is_said_in_the_same_words_everywhere(tmp_pa
     )
     for others in (
         run("boundary", *exact, "--tau-beta", "4"),
-        run("autopilot", *exact),
+        run("fly", *exact, "--law", "autopilot"),
         run("boundary", *exact),
     ):
         assert "none is sufficient" in others.output

@@ -205,7 +205,7 @@ def test_detuned_modes_are_those_of_the_library():
         assert found is None or found == pytest.approx(phase, rel=1e-9)
     edge = expected.stable_ranges[1]
     assert document["edges"][1]["lower"] == pytest.approx(edge.lower, rel=1e-9)
-    shown = margins(*asked).output
+    shown = margins(*asked, "--more").output
     assert f"bending 2: unstable at {edge.lower:.3f} of its frequency" in shown
     assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)
 

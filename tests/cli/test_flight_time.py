@@ -81,8 +81,8 @@ SLOW = ("design", "respond", "nozzle --over load")
 )
 def test_a_schedule_at_a_time_is_answered_as_the_vehicle_between_its_rows(folder, command):
     options = (*COMMANDS[command], "--json")
-    flight = run(command, "flight.csv", "--at", 52, *options)
-    vehicle = run(command, "at-52.toml", *options)
+    flight = run(*command.split(), "flight.csv", "--at", 52, *options)
+    vehicle = run(*command.split(), "at-52.toml", *options)
     assert flight.exit_code == vehicle.exit_code != 2, flight.output
     found, expected = (numbers(json.loads(one.stdout)) for one in (flight, vehicle))
     # roundings of the interpolation, times what a search between two of them may make of it

@@ -172,7 +172,7 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
 def test_a_study_file_and_options_give_the_same_answer(command, file):
     own = {
         "respond": ("--model", "drift", "--limit-deg", "2", "--dead-band", "0.5"),
-        "boundary": ("--model", "drift", "--peak-deg", "4"),
+        "boundary": ("--model", "drift", "--set", "nozzle.rate_limit_deg_per_s=20"),
         "design": ("--model", "drift", *AIRCRAFT, *LOOP),
         "margins": (
             *("--model", "drift", *AIRCRAFT, *LOOP),
