@@ -52,15 +52,6 @@ def test_a_help_names_what_there_is_to_choose() -> None:
         assert shape in helps("study")
 
 
-def test_no_command_has_more_than_20_options_besides_the_common_ones() -> None:
-    group = typer.main.get_command(app)
-    common = {"--set", "--json", "--csv", "--plot", "--more", "--help"}
-    for name in NAMES:
-        options = [item for item in group.commands[name].params if item.opts[0].startswith("--")]
-        own = [item.opts[0] for item in options if item.opts[0] not in common]
-        assert len(own) <= 20, (name, own)
-
-
 def test_a_shipped_vehicle_can_be_copied(tmp_path: Path) -> None:
     mine = tmp_path / "mine.toml"
     assert run("init", str(mine), "--vehicle", "made-up-booster").exit_code == 0
