@@ -676,6 +676,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "SystemPlant.with_effectiveness": Door(
             tv.linear.SystemPlant(exact.ss()).with_effectiveness, {"factor": 1.1}
         ),
+        "lateral_plant": Door(
+            tv.linear.lateral_plant, {"plant": rising, "station": 2.0, "position": True}
+        ),
         "SystemPlant.lateral_rows": Door(
             tv.linear.SystemPlant(exact.ss(), rising.coefficients).lateral_rows,
             {"signal": "drift_rate", "station": 2.0},

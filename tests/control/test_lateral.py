@@ -6,7 +6,7 @@ from typing import NamedTuple
 import control
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import cumulative_simpson, solve_ivp
 from scipy.linalg import expm
 
 import tvclin as tv
@@ -379,6 +379,27 @@ def test_a_continuous_flight_with_drift_is_the_integral_of_own_equations():
         rtol=1e-10, atol=1e-13, max_step=0.05, args=(WIND,),
     ).y  # fmt: skip
     assert_same_flight(tv.fly(PLANT, LAW, WIND, times, **HARDWARE), own)
+
+
+def test_drift_and_acceleration_are_outputs_of_any_flight_and_response():
+    bare = replace(LAW.autopilot, drift_rate_gain=0.0, drift_gain=0.0, acceleration_gain=0.0)
+    plant = tv.linear.lateral_plant(PLANT, station=4.0, position=True)
+    rate, times = 400.0, np.linspace(0.0, 12.0, 25)
+    flown = tv.fly(plant, tv.SaturatedLaw(bare), WIND, times, **HARDWARE, sample_rate=rate).outputs
+    angles = [flown[name] for name in ("attitude", "flight_path_angle", "deflection")]
+    theta, path, nozzle = angles
+    alpha = theta - path - WIND(times)
+    np.testing.assert_allclose(flown["drift_rate"], SPEED * path, rtol=1e-9, atol=1e-12)
+    felt = LIFT * alpha + STEERING * nozzle + 4.0 * (2.1 * alpha - 3.9 * nozzle)
+    np.testing.assert_allclose(flown["lateral_acceleration"], felt, rtol=1e-9, atol=1e-12)
+    fine = np.linspace(0.0, 12.0, 4801)
+    whole = tv.fly(plant, tv.SaturatedLaw(bare), WIND, fine, **HARDWARE, sample_rate=rate).outputs
+    expected = cumulative_simpson(whole["drift_rate"], x=fine, initial=0.0)
+    np.testing.assert_allclose(whole["drift"], expected, rtol=1e-6, atol=1e-7)
+    closed = replace(bare, actuator=ALL.actuator).wind_response(plant, WIND)
+    assert {"drift_rate", "drift", "lateral_acceleration"} <= set(closed.labels)
+    values = dict(zip(closed.labels, closed(times), strict=True))
+    np.testing.assert_allclose(values["drift_rate"], flown["drift_rate"], atol=0.02)
 
 
 def test_a_sampled_flight_with_drift_is_the_integral_of_own_equations():

@@ -6,6 +6,7 @@ from .extremes import Loads as Loads
 from .extremes import wind_loads as wind_loads
 from .flexible import FlexiblePlant as FlexiblePlant
 from .flexible import plant_of as plant_of
+from .lateral import lateral_plant as lateral_plant
 from .modes import Modes as Modes
 from .modes import all_modes as all_modes
 from .modes import unstable_modes as unstable_modes

@@ -7,15 +7,17 @@ normal to the body, without gravity, through a first-order lag.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError
-from tvclin.linear.flexible import AnyPlant
+from tvclin.base.errors import InputError, flag
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.system import LinearSystem, connect
+from tvclin.linear.system_plant import SystemPlant
 
 DRIFT_RATE, DRIFT, ACCELERATION = "sensed_drift_rate", "sensed_drift", "sensed_acceleration"
 """Names of the outputs [m/s], [m] and [m/s^2]."""
@@ -90,18 +92,69 @@ class LateralSensors:
             blocks.append(_first_order(0.0, 1.0, DRIFT_RATE, DRIFT))
         if self.acceleration:
             raw[_FORCE] = plant.lateral_rows("acceleration", self.station)
-            w = self.bandwidth
-            blocks.append(_first_order(-w, w, _FORCE, ACCELERATION))
-        C, D = (
-            np.concatenate([matrix, np.stack([rows[k] for rows in raw.values()], axis=-2)], axis=-2)
-            for k, matrix in enumerate((system.C, system.D))
-        )
-        measured = replace(system, C=C, D=D, outputs=(*system.outputs, *raw))
+            blocks.append(_first_order(-self.bandwidth, self.bandwidth, _FORCE, ACCELERATION))
+        measured = _with_outputs(system, raw)
         return connect([measured, *blocks], system.inputs, (*system.outputs, *self.signals))
 
 
 NO_LATERAL_SENSORS = LateralSensors()
 """Sensors of an autopilot without feedback of drift and acceleration."""
+
+
+def lateral_plant(plant: AnyPlant, *, station: float = 0.0, position: bool = False) -> SystemPlant:
+    """Return the plant with lateral drift rate and acceleration among its outputs.
+
+    Responses, flights by samples and closed loops of it have the further outputs drift_rate [m/s],
+    the velocity normal to the nominal path, lateral_acceleration [m/s^2], the force normal to the
+    body over the mass, and on request drift [m]. With bending they are those at the sensors.
+
+    Parameters
+    ----------
+    plant : Plant or FlexiblePlant
+        One plant with a flight path and a known speed.
+    station : float
+        Position of the acceleration ahead of the centre of gravity [m].
+    position : bool
+        Whether the drift is an output too: a state more, with a pole at zero.
+
+    Raises
+    ------
+    InputError
+        For a batch, and as `Plant.lateral_rows`.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> plant = tv.linear.lateral_plant(vehicle, station=10.0, position=True)
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> trim = tv.trim_deflection(vehicle, wind)
+    >>> flown = tv.attitude_responses(plant, trim, wind, [7.5])
+    >>> [round(float(flown[name][0]), 2) for name in ("drift_rate", "drift")]
+    [-1.82, -7.15]
+    """
+    check_plant(plant)
+    flag("position", position)
+    rows = {
+        name: plant.lateral_rows(signal, station)
+        for name, signal in (("drift_rate", "drift_rate"), ("lateral_acceleration", "acceleration"))
+    }
+    system = _with_outputs(plant.system, rows)
+    if position:
+        integral = _first_order(0.0, 1.0, "drift_rate", "drift")
+        system = connect([system, integral], system.inputs, (*system.outputs, "drift"))
+    return SystemPlant(system.to_control(plant.model), plant.coefficients)
+
+
+def _with_outputs(
+    system: LinearSystem, rows: Mapping[str, tuple[FloatArray, FloatArray]]
+) -> LinearSystem:
+    """Return a system with further outputs, each with its rows of C and D."""
+    C, D = (
+        np.concatenate([matrix, np.stack([row[k] for row in rows.values()], axis=-2)], axis=-2)
+        for k, matrix in enumerate((system.C, system.D))
+    )
+    return replace(system, C=C, D=D, outputs=(*system.outputs, *rows))
 
 
 def _first_order(pole: float, gain: float, input: str, output: str) -> LinearSystem:
