@@ -56,7 +56,6 @@ AT_HELP = (
 )
 At = Annotated[float | None, typer.Option("--at", help=AT_HELP)]
 LIMIT_SHAPES_HELP = f"{listed(LIMIT_SHAPES, 'or')}."
-TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
@@ -222,9 +221,8 @@ NOZZLE = "case.nozzle.Nozzle"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
 """Panels of the help, by the record whose options they group."""
 MOTION = Given(STUDY, ("model", "plane"))
-MODEL, PLANE, SIGN = (Given(STUDY, (name,)) for name in ("model", "plane", "sign"))
+MODEL, PLANE = (Given(STUDY, (name,)) for name in ("model", "plane"))
 LIMIT = Given(NOZZLE, ("limit",), "nozzle")
-RATE_LIMIT = Given(NOZZLE, ("rate_limit",), "nozzle")
 BOTH_LIMITS = Given(NOZZLE, ("limit", "rate_limit"), "nozzle")
 TIMING = Given(DESIGN, ("sample_rate", "delay"), "design")
 
