@@ -288,7 +288,7 @@ def _system(D, period=0, inputs=("attitude", "attitude_rate"), outputs=("u",)):
             ),
             "sample time of 0.1 s",
         ),
-        (lambda p: tv.SaturatedLaw.of(_autopilots()[1]), "SystemLaw"),
+        (lambda p: tv.SaturatedLaw(_autopilots()[1]), "SystemLaw"),
         (
             lambda p: tv.Loop.from_system(control.tf([1], [1, 0.5], 0.1), 0.03),
             "whole number of samples",

@@ -25,7 +25,7 @@ def gain_notes(case: Case, criteria: Criteria, satisfied: bool) -> Iterator[str]
 
     `satisfied`: whether the gains of the case satisfy the criteria.
     """
-    if case.autopilot_design.unspecified:
+    if case.autopilot_design.unspecified and case.controller is None:
         yield (
             "these are textbook gains, a0 = 2 B and a1 = B/beta, since no option and no file"
             " specifies others"
@@ -81,7 +81,14 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
             for ratio in _FREQUENCY_RATIOS
         ]
     rules.append(replace(base, design="lqr"))  # last, for it loads python-control
-    return next((rule for rule in rules if _satisfies(replace(case, design=rule), criteria)), None)
+    return next(
+        (
+            rule
+            for rule in rules
+            if _satisfies(replace(case, design=rule, controller=None), criteria)
+        ),
+        None,
+    )
 
 
 def _satisfies(case: Case, criteria: Criteria) -> bool:

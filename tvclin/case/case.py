@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.design_rules import AutopilotDesign
     from tvclin.linear.flexible import AnyPlant
+    from tvclin.linear.system import LinearSystem
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
 SIGNS = {"head": -1.0, "tail": 1.0}
@@ -58,6 +59,12 @@ class Case:
         Limits and actuator of the nozzle; with a limit shape of both planes both are judged.
     design : AutopilotDesign, optional
         Specification of the autopilot; by default canonical gains.
+    plant_system : LinearSystem, optional
+        State space in place of the plant of the autopilot's margins and flights, see `SystemPlant`;
+        trim and boundaries are those of the vehicle.
+    controller : LinearSystem, optional
+        State space in place of the gains of the design, whose delay, filters and sample rate stay,
+        see `SystemAutopilot`.
     sign : str, optional
         Direction of a wind along the path for the required deflection: head or tail, with the
         dynamic pressure encountered, or frozen, at nominal dynamic pressure; by default the worse
@@ -79,6 +86,8 @@ class Case:
     wind: ShapedWind | FixedWind | WindEnsemble | VehicleWind | History = DEFAULT_WIND
     nozzle: Nozzle = ANY_NOZZLE
     design: AutopilotDesign | None = None
+    plant_system: LinearSystem | None = None
+    controller: LinearSystem | None = None
     sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
 
     def __post_init__(self) -> None:
@@ -97,6 +106,13 @@ class Case:
             from tvclin.control.autopilot.design_rules import AutopilotDesign
 
             instance("design", self.design, AutopilotDesign, "of gains, or a rule for them")
+        for name in ("plant_system", "controller"):
+            if getattr(self, name) is not None:
+                from tvclin.linear.system import LinearSystem
+
+                instance(name, getattr(self, name), LinearSystem, "see linear.read_system")
+        if self.controller is not None and self.design is not None and self.design.has_gains:
+            raise InputError("a controller has its own gains; leave those of the design out")
 
     @property
     def shape(self) -> str:
@@ -123,7 +139,12 @@ class Case:
         """Plant of flights and autopilot: flexible where the vehicle has a structure."""
         from tvclin.linear.flexible import plant_of
 
-        return plant_of(self.vehicle, self.loop_model, self.plane)
+        plant = plant_of(self.vehicle, self.loop_model, self.plane)
+        if self.plant_system is None:
+            return plant
+        from tvclin.linear.system_plant import SystemPlant
+
+        return SystemPlant(self.plant_system, plant.coefficients)
 
     @property
     def heading(self) -> float | None:
@@ -180,8 +201,14 @@ class Case:
             "actuator": self.nozzle.actuator,
             "rate_limit": np.inf if rate is None else rate,
             "delay": design.delay,
-            "sample_rate": design.sample_rate or _FLIGHT_SAMPLE_RATE_HZ,
+            "sample_rate": design.sample_rate or self._controller_rate or _FLIGHT_SAMPLE_RATE_HZ,
         }
+
+    @property
+    def _controller_rate(self) -> float | None:
+        """Sample rate [Hz] of a controller in steps; None without one."""
+        period = None if self.controller is None else self.controller.period
+        return None if period is None else 1.0 / float(period)
 
     @property
     def autopilot_design(self) -> AutopilotDesign:
@@ -193,4 +220,16 @@ class Case:
     @cached_property
     def autopilot(self) -> Autopilot:
         """The autopilot, designed on the rigid plant; same exceptions as its design."""
+        design = self.autopilot_design
+        if self.controller is not None:
+            from tvclin.control.autopilot.system_autopilot import SystemAutopilot
+
+            chains: dict[str, Any] = design.chains
+            return SystemAutopilot(
+                self.controller,
+                actuator=self.nozzle.actuator,
+                delay=design.delay,
+                sample_rate=design.sample_rate,
+                **chains,
+            )
         return self.autopilot_design.autopilot(self.plant.rigid, self.nozzle.actuator)

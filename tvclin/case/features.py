@@ -156,6 +156,10 @@ def omission_notes(case: Case, *questions: str) -> Iterator[str]:
             which, moved = _RIGID_NUMBERS[question], shift_words(case.vehicle, case.plane)
             said = f"{which} are of the rigid vehicle, without the structure in its file"
             yield f"{said}{moved and f', which {moved}'} (tvclin margins has it)"
+    if case.plant_system is not None:
+        for question in of_the_rigid:
+            said = f"{_RIGID_NUMBERS[question]} are of the vehicle, without the plant in its file"
+            yield f"{said} (tvclin margins has it)"
     flown = case.law_model if "fly --law all" in questions else case.loop_model
     if flown != case.model and not any(map(is_rigid_only, questions)):
         drift = case.model == "drift"
@@ -196,7 +200,8 @@ def _specified_features(case: Case, omitted: set[str]) -> list[str]:
         "sample rate": lambda: case.autopilot_design.sample_rate is not None,
         "filters": lambda: any(case.autopilot_design.chains.values()),
         "gains": lambda: (
-            replace(case.autopilot_design.without_filters_and_delay, sample_rate=None)
+            case.controller is not None
+            or replace(case.autopilot_design.without_filters_and_delay, sample_rate=None)
             != type(case.autopilot_design)()
         ),
         "dispersion": lambda: dispersions is not None and dispersions.distributions,

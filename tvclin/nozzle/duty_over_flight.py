@@ -329,6 +329,7 @@ class _Conditions:
             wind=wind,
             nozzle=self.case.nozzle,
             design=self.case.design,
+            controller=self.case.controller,
         )
         plant, nozzle = case.plant.rigid, case.nozzle
         poles = unstable_modes(plant).poles

@@ -108,10 +108,15 @@ def autopilot_boundary(
 
 
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
-    """Return a case at the dynamic pressure at the peak of so many times its wind."""
+    """Return a case at the dynamic pressure at the peak of so many times its wind.
+
+    `InputError` for a plant in state space, which is not known there.
+    """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
     from tvclin.requirement.varying_equations import at_pressure
 
+    if case.plant_system is not None:
+        raise InputError("a plant in state space is known at nominal dynamic pressure alone")
     complete = complete_vehicle(case.vehicle, "a head wind")
     ratio = largest_pressure(need.placed, complete.rigid, need.plane, need.direction, size)
     return replace(case, vehicle=at_pressure(complete, ratio))

@@ -12,6 +12,7 @@ from tvclin.ascent.schedule_file import SOURCE_TABLE, load_vehicle_at
 from tvclin.base.edits import EditedSource
 from tvclin.base.errors import Faults, InputError, between, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
+from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
 from tvclin.case.load import LOAD_TABLE
@@ -35,6 +36,8 @@ from tvclin.ensembles.dispersions import (
     Dispersions,
     spread_table,
 )
+from tvclin.linear.system import LinearSystem
+from tvclin.linear.system_file import read_system
 from tvclin.requirement.flight.request import SIZE_TABLE
 from tvclin.requirement.study import STUDY_TABLE
 from tvclin.studyfile.title_block import DOCUMENT_TABLE
@@ -50,9 +53,13 @@ from tvclin.winds.wind_file import (
     winds_of,
 )
 
+PLANT_TABLE = FileTable("[plant]", words=("system",))
+CONTROLLER_TABLE = FileTable("[controller]", words=("system",))
+"""Files of a plant and of a controller in state space."""
 _STUDY_TABLES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
     *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE, TURBULENCE_TABLE, READING_TABLE),
+    *(PLANT_TABLE, CONTROLLER_TABLE),
 )
 """Tables that no campaign reads; their keys are checked nevertheless."""
 _SINGLE_TABLES = (
@@ -107,6 +114,9 @@ def template() -> str:
 def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
     """Return the campaign of a document; see `load_campaign`."""
     subject = subject_of(document, folder)
+    for table in (PLANT_TABLE, CONTROLLER_TABLE):
+        if table.name in document:
+            raise InputError(f"a campaign has no {table.heading}; leave the table out")
     head = {"cases": CASES} | CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
     head.pop("time", None)
     study = STUDY_TABLE.one(document)
@@ -230,6 +240,16 @@ def vehicle_source(source: str, folder: Path) -> str | Path:
 def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
     """Return the autopilot design of the table [autopilot]; None without the table."""
     return AUTOPILOT_TABLE.made(document, AutopilotDesign.from_table)
+
+
+def system_of(document: Mapping[str, Any], table: FileTable, folder: Path) -> LinearSystem | None:
+    """Return the system of the file that a table names, relative to a folder; None without it."""
+
+    def read(keys: dict[str, Any]) -> LinearSystem:
+        table.need(keys, ("system",))
+        return read_system(folder / printable_text(f"system in {table.heading}", keys["system"]))
+
+    return table.made(document, read)
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:

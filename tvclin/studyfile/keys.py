@@ -88,6 +88,8 @@ _HELP = {
     "gust.peak_speed": "Peak wind speed of the gust, in place of the angle.",
     "gust.plateau": "Part of its duration at its peak.",
     "gust.peak_time": "Time of its peak; by default that of the largest requirement.",
+    "plant.system": "A .mat or .npz file of the plant of margins and flights.",
+    "controller.system": "A .mat or .npz file of a controller, in place of gains.",
     "nozzle.actuator_frequency": "Natural frequency of the actuator; 0: no actuator.",
     "nozzle.actuator_damping": "Damping ratio of the actuator.",
     "nozzle.mass": "Mass that turns, for torque and power.",

@@ -22,6 +22,8 @@ from tvclin.ensembles.availability.availability_request import (
 from tvclin.ensembles.availability.sounding_winds import PairGrowth
 from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest, SoundingRequest
 from tvclin.studyfile.campaign_file import (
+    CONTROLLER_TABLE,
+    PLANT_TABLE,
     design_of,
     dispersions_of,
     is_rigid,
@@ -29,6 +31,7 @@ from tvclin.studyfile.campaign_file import (
     parse_campaign,
     question_of,
     subject_of,
+    system_of,
     vehicle_source,
 )
 from tvclin.studyfile.study_plan import StudyPlan
@@ -77,6 +80,8 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
             document, lambda keys: TurbulenceRequest(**TURBULENCE_TABLE.read(keys))
         ),
         "design": lambda: design_of(document),
+        "plant_system": lambda: system_of(document, PLANT_TABLE, folder),
+        "controller": lambda: system_of(document, CONTROLLER_TABLE, folder),
         "criteria": lambda: _criteria_of(document),
         "document": lambda: DOCUMENT_TABLE.made(document, Document.from_table),
     }

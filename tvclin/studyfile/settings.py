@@ -19,7 +19,12 @@ from tvclin.base.files import called
 from tvclin.base.tables import FileTable, known
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.control.autopilot.design_rules import FILTER_TABLE, GIVEN_GAINS, RULE_KEYS
-from tvclin.studyfile.campaign_file import TABLES, vehicle_source
+from tvclin.studyfile.campaign_file import (
+    CONTROLLER_TABLE,
+    PLANT_TABLE,
+    TABLES,
+    vehicle_source,
+)
 from tvclin.studyfile.title_block import DOCUMENT_TABLE
 from tvclin.vehicle.linear_vehicle import COEFFICIENTS_TABLE
 from tvclin.vehicle.vehicle_file import (
@@ -60,7 +65,7 @@ _ALTERNATIVES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 """Quantities of a table of which the first group excludes the second."""
 _ASSUMED = {"criteria": {"name": "classic"}}
 """Keys that a new table begins with, so that one number changes what is assumed without it."""
-_TEXTS = (WIND_TABLE, SOUNDING_TABLE, VEHICLE_TABLE, DOCUMENT_TABLE)
+_TEXTS = (WIND_TABLE, SOUNDING_TABLE, VEHICLE_TABLE, DOCUMENT_TABLE, PLANT_TABLE, CONTROLLER_TABLE)
 """Tables whose words are texts, also where they look like numbers."""
 _REMOVAL = "none"
 """Value that removes a key."""

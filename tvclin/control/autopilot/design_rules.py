@@ -249,6 +249,11 @@ class AutopilotDesign:
         return all(number is None for number in (*rule, *gains))
 
     @property
+    def has_gains(self) -> bool:
+        """Whether gains or a rule for them are specified."""
+        return not self.unspecified or any(getattr(self, n) for n in GAINS if n in ADDED_GAINS)
+
+    @property
     def chains(self) -> dict[str, tuple[Filter, ...]]:
         """Filters by the name of their chain."""
         return {name: getattr(self, name) for name in CHAINS}

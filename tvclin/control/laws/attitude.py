@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.law import Chains, LinearLaw
+from tvclin.control.autopilot.system_autopilot import SystemAutopilot
+from tvclin.control.laws.law import Chains, Law, LinearLaw
+from tvclin.control.laws.system_law import SystemLaw
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.lateral import LateralSensors
 
@@ -60,9 +62,14 @@ class SaturatedLaw(LinearLaw):
             )
 
     @classmethod
-    def of(cls, autopilot: Autopilot) -> Self:
-        """Return the law of an autopilot, without actuator, delay and sample rate."""
+    def of(cls, autopilot: Autopilot) -> Law:
+        """Return the law of an autopilot, without actuator, delay and sample rate.
+
+        That of a `SystemAutopilot` is a `SystemLaw`.
+        """
         instance("autopilot", autopilot, Autopilot, "see design_gains")
+        if isinstance(autopilot, SystemAutopilot):
+            return SystemLaw(autopilot)
         return cls(replace(autopilot, actuator=None, delay=0.0, sample_rate=None))
 
     @property

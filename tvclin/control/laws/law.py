@@ -207,6 +207,11 @@ class FilteredLaw(Law):
         return self.law.states
 
     @property
+    def state_space(self) -> LinearSystem:
+        """State space of the law without filters."""
+        return self.law.state_space
+
+    @property
     def chains(self) -> Chains:
         """Filter chains of attitude, rate and demand."""
         return Chains(self.attitude_filters, self.rate_filters, self.filters)

@@ -8,6 +8,7 @@ sets the gain of trim and the lean of the recoverable-attitude law.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -15,11 +16,13 @@ import numpy as np
 
 from tvclin.base.errors import InputError, instance, number, one_of, small_angle, unlimited
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.feedback import ACCELEROMETER, GAINS
+from tvclin.control.autopilot.feedback import ACCELEROMETER, CHAINS, GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
+from tvclin.control.autopilot.system_autopilot import SystemAutopilot
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import RATE_LIMIT_RANGE, FilteredLaw, Law
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
+from tvclin.control.laws.system_law import SystemLaw
 from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 from tvclin.linear.plant import PLANT_HINT, Plant
 
@@ -31,6 +34,9 @@ def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = N
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
     instance("autopilot", autopilot, Autopilot, "see design_gains")
+    if isinstance(autopilot, SystemAutopilot):
+        bare: Any = dict.fromkeys(CHAINS, ())
+        return SystemLaw(replace(autopilot, **bare))
     names = (*GAINS, *ACCELEROMETER)
     return SaturatedLaw(Autopilot(**{name: getattr(autopilot, name) for name in names}))
 

@@ -122,6 +122,9 @@ class Campaign(Case):
             "vehicle", complete_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle"
         )
         super().__post_init__()
+        for name in ("plant_system", "controller"):
+            if getattr(self, name) is not None:
+                raise InputError(f"a campaign takes no {name}; leave it out")
         single("vehicle", self.vehicle.batch)
         if not isinstance(self.wind, ShapedWind | FixedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")

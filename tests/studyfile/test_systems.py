@@ -1,0 +1,101 @@
+"""Study files that name a plant and a controller in state space."""
+
+import control
+import pytest
+
+import tvclin as tv
+from tvclin.requirement.autopilot_requirement import at_peak_pressure
+from tvclin.studyfile.campaign_file import load_campaign
+
+STUDY = """
+[study]
+vehicle = "configuration-i"
+[wind]
+peak_deg = 5
+duration_s = 7.5
+[nozzle]
+limit_deg = 1.5
+[autopilot]
+delay_ms = 20
+"""
+GAINS = "attitude_gain = 0.3\nrate_gain_s = 0.5\nsample_rate_Hz = 50\n"
+PLANT, CONTROLLER = '[plant]\nsystem = "plant.mat"\n', '[controller]\nsystem = "law.npz"\n'
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Return a folder with the files of a plant and a controller."""
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    tv.linear.write_system(plant.ss(), tmp_path / "plant.mat")
+    law = control.StateSpace(
+        [], [], [], [[0.3, 0.5]], 0.02, inputs=["attitude", "attitude_rate"], outputs=["u"]
+    )
+    tv.linear.write_system(law, tmp_path / "law.npz")
+    return tmp_path
+
+
+def _plan(folder, text):
+    (folder / "study.toml").write_text(text)
+    return tv.load_study(folder / "study.toml")
+
+
+def test_a_study_with_a_plant_and_a_controller_has_the_margins_of_its_gains(folder):
+    gains = _plan(folder, STUDY + GAINS)
+    systems = _plan(folder, STUDY + PLANT + CONTROLLER)
+    assert systems.hardware["sample_rate"] == gains.hardware["sample_rate"] == 50.0
+    one, other = (plan.autopilot.margins(plan.plant) for plan in (gains, systems))
+    for name in ("aero_margin_dB", "phase_margin_deg", "delay_margin"):
+        assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9)
+    law = tv.SaturatedLaw.of(systems.autopilot)
+    assert isinstance(law, tv.control.SystemLaw)
+    limit = 1.05 * gains.nozzle.limit
+    flown = [
+        tv.fly_many(
+            p.plant,
+            tv.SaturatedLaw.of(p.autopilot),
+            p.history,
+            deflection_limit=limit,
+            **p.hardware,
+        )
+        for p in (gains, systems)
+    ]
+    assert flown[1].peak_attitude == pytest.approx(flown[0].peak_attitude, rel=1e-9)
+
+
+def test_a_plant_in_state_space_is_not_known_at_another_dynamic_pressure(folder):
+    plan = _plan(folder, STUDY + PLANT)
+    with pytest.raises(tv.InputError, match="at nominal dynamic pressure alone"):
+        at_peak_pressure(plan, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (STUDY + '[plant]\nsystem = "none.mat"\n', "none.mat does not exist"),
+        (STUDY + "[plant]\n", "a key is missing in .plant.: system"),
+        (STUDY + '[plant]\nsystem = "law.npz"\n', "must be continuous|has no input deflection"),
+        (STUDY + '[controller]\nsytem = "law.npz"\n', "system"),
+        (STUDY + GAINS + CONTROLLER, "a controller has its own gains"),
+        (STUDY + "sample_rate_Hz = 25\n" + CONTROLLER, "that of the controller, 50 Hz"),
+    ],
+)
+def test_a_bad_system_in_a_study_is_refused_in_one_sentence(folder, text, message):
+    def margins():
+        plan = _plan(folder, text)
+        return plan.autopilot.margins(plan.plant)
+
+    with pytest.raises(tv.InputError, match=message):
+        margins()
+
+
+def test_a_campaign_refuses_a_system(folder):
+    text = '[campaign]\nvehicle = "configuration-i"\ncases = 8\n' + CONTROLLER
+    (folder / "campaign.toml").write_text(text)
+    with pytest.raises(tv.InputError, match="a campaign has no .controller."):
+        load_campaign(folder / "campaign.toml")
+    with pytest.raises(tv.InputError, match="a campaign takes no controller"):
+        tv.Campaign(
+            vehicle=tv.load_vehicle("configuration-i"),
+            cases=8,
+            controller=tv.linear.read_system(folder / "law.npz"),
+        )
