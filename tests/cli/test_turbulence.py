@@ -92,6 +92,26 @@ def test_bad_keys_are_refused_in_a_sentence(tmp_path: Path, keys: str, sentence:
     assert sentence in " ".join(found.output.replace("│", " ").split())
 
 
+def test_in_a_head_wind_the_dynamic_pressure_at_its_peak_is_an_upper_bound(tmp_path: Path) -> None:
+    study = STUDY.replace('sign = "frozen"\n', "")
+    nominal = json.loads(run(tmp_path, "intensity_m_per_s = 6", "--json").stdout)
+    found = json.loads(run(tmp_path, "intensity_m_per_s = 6", "--json", study=study).stdout)
+    answers = [
+        next(q for q in answer["questions"] if q["name"] == "turbulence")
+        for answer in (nominal, found)
+    ]
+    low, high = (answer["measure"]["required"] for answer in answers)
+    assert low == nominal["turbulence"]["deflection_deg"] == found["turbulence"]["deflection_deg"]
+    assert 1.1 * low < high
+    between = str(0.5 * (low + high))
+    unknown = json.loads(
+        run(tmp_path, "intensity_m_per_s = 6", "--json", "--limit-deg", between, study=study).stdout
+    )
+    words = {q["name"]: q["answer"] for q in unknown["questions"]}
+    assert words["turbulence"] == "NOT KNOWN"
+    assert words["rate in turbulence"] == "MET"
+
+
 def test_without_a_stationary_covariance_it_is_not_known(tmp_path: Path) -> None:
     study = f"{STUDY}[autopilot]\nattitude_gain = 0.05\nrate_gain_s = 0.3\n"
     found = run(tmp_path, "intensity_m_per_s = 6", study=study)

@@ -63,11 +63,13 @@ MOST_CASES = 20_000
 class HeadWind:
     """Answers at a constant dynamic pressure, that at the peak of a head wind.
 
-    `stop` and `rates` have the meaning of those fields of `Findings`; None where not computed.
+    `stop`, `rates` and `turbulence` have the meaning of those fields of `Findings`; None where not
+    computed.
     """
 
     stop: ClosedLoopBoundary | None
     rates: RateTradeOff | None
+    turbulence: LoopInTurbulence | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +82,9 @@ class Findings:
     the limit in that wind. `flight` is the sizing of the whole flight, and its worst total;
     `card` the nozzle duty of a law along it. `availability` is the fraction of the days of an
     archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
-    limit and load; `turbulence` the autopilot in the wind and turbulence. `head` has `stop` and
-    `rates` in a head wind, where that sets the requirement. `reasons` says why a result is missing,
-    by the name of its field; `warnings` are those of the computation.
+    limit and load; `turbulence` the autopilot in the wind and turbulence. `head` has `stop`,
+    `rates` and `turbulence` in a head wind, where that sets the requirement. `reasons` says why a
+    result is missing, by the name of its field; `warnings` are those of the computation.
     """
 
     plan: StudyPlan
@@ -234,7 +236,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             turbulence=result(
                 "turbulence", lambda request, _: _turbulence(plan, study, loop, request)
             ),
-            head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
+            head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, loop, limit)),
             reasons=reasons,
             warnings=tuple(messages),
         )
@@ -256,7 +258,9 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         "rates": plan.nozzle.rate_limit and plan.nozzle.limit,
         "loads": plan.load,
         "turbulence": plan.turbulence,
-        "head": plan.nozzle.limit if loop or plan.nozzle.rate_limit else None,
+        "head": plan.nozzle.limit
+        if loop or plan.nozzle.rate_limit or plan.turbulence is not None
+        else None,
     }
     return {name: request for name, request in requests.items() if request is not None}
 
@@ -326,19 +330,27 @@ def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
 
 
 def _in_a_head_wind(
-    plan: StudyPlan, study: Study, loop: Flying | None, limit: float
+    plan: StudyPlan, study: Study, flying: Flying | None, loop: Loop, limit: float
 ) -> HeadWind | None:
     """Return answers at the pressure of a head wind; None where that sets no requirement."""
     from tvclin.requirement.autopilot_requirement import at_peak_pressure, head_wind_boundary
 
     if study.ratio_to_nominal <= 1.0:
         return None
-    stop = head_wind_boundary(plan, loop.autopilot, study, study.plane_ratio) if loop else None
-    rates = None
+    stop = head_wind_boundary(plan, flying.autopilot, study, study.plane_ratio) if flying else None
+    rates = turbulence = None
     with suppress(InputError):
         denser = at_peak_pressure(plan, study)
         rates = _rates(denser, study, limit) if plan.nozzle.rate_limit else None
-    return HeadWind(stop, rates)
+    if plan.turbulence is not None:
+        with suppress(InputError):
+            denser = at_peak_pressure(plan, study)
+
+            def denser_loop() -> tuple[AnyPlant, Autopilot]:
+                return denser.plant, loop()[1]
+
+            turbulence = _turbulence(denser, study, denser_loop, plan.turbulence)
+    return HeadWind(stop, rates, turbulence)
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:

@@ -139,7 +139,7 @@ def all_yes(findings: Findings) -> bool:
 def nominal_notes(findings: Findings) -> Iterator[str]:
     """Say which answers are at nominal pressure, where a head wind sets the requirement."""
     flown = findings.head is not None and findings.head.stop is not None
-    names = {"load", _TURBULENCE, *(() if flown else ("autopilot", "flexible flight"))}
+    names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
     nominal = [q.name for q in questions(findings) if q.yes and q.name in names]
     if nominal and findings.study.ratio_to_nominal > 1.0:
         for words in nominal_pressure(findings.plan):
@@ -355,28 +355,38 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
     """Yield whether limit and rate limit cover the wind and some standard deviations of turbulence.
 
     It is a criterion on the linear loop: where it is not satisfied, limits are met more often.
+    Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
+    bound.
     """
     t, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
     if t is None:
         if findings.plan.turbulence is not None:
             yield Question(_TURBULENCE, None, (_reason(findings, "turbulence"),))
         return
+    nominal, sigmas = t, f"the linear autopilot in the wind and {t.sigmas:g} sigma of turbulence"
+    if findings.head is not None:
+        if findings.head.turbulence is None:
+            reason = "not known with the dynamic pressure at the peak of a head wind"
+            yield Question(_TURBULENCE, None, (reason,))
+            return
+        sigmas, t = f"{sigmas}{_at_peak(findings)}", findings.head.turbulence
     beyond = beyond_linear(t.angle_of_attack, ATTACK)
-    sum_of = f"response of the autopilot to the wind and {t.sigmas:g} sigma of turbulence"
-    line: Line = (beyond or f"{sum_of}, linear",)
-    if t.probability_of_none is not None and not beyond:
-        met = significant("asked.turbulence_met", 1.0 - t.probability_of_none, 3)
-        line = (*line, "; it meets the limit with a probability of ", *met)
-    yes = None if beyond else bool(covers(limit, t.deflection))
-    yield Question(_TURBULENCE, yes, line, measure=_of_angles(t.deflection, limit))
-    if rate_limit is None:
-        return
-    if t.deflection_rate is None:
+    judged = [(_TURBULENCE, limit, nominal.deflection, t.deflection, "deg")]
+    if rate_limit is not None and t.deflection_rate is not None:
+        rates = nominal.deflection_rate or np.nan, t.deflection_rate
+        judged.append((_TURBULENCE_RATE, rate_limit, *rates, "deg/s"))
+    for name, available, at_nominal, required, unit in judged:
+        line: Line = (beyond or sigmas,)
+        if t is not nominal and not beyond:
+            line = (
+                *line,
+                *degrees(f"asked.nominal_{name.replace(' ', '_')}", at_nominal, unit=unit),
+            )
+        yes = _also(bool(covers(available, at_nominal)), bool(covers(available, required)))
+        measure = _of_angles(required, available, unit)
+        yield Question(name, None if beyond else yes, line, measure=measure)
+    if rate_limit is not None and t.deflection_rate is None:
         yield Question(_TURBULENCE_RATE, None, ("the deflection rate has no variance here",))
-        return
-    measure = _of_angles(t.deflection_rate, rate_limit, "deg/s")
-    yes = None if beyond else bool(covers(rate_limit, t.deflection_rate))
-    yield Question(_TURBULENCE_RATE, yes, (beyond or sum_of,), measure=measure)
 
 
 def _at_peak(findings: Findings) -> str:
