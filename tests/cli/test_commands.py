@@ -461,11 +461,9 @@ def test_the_vehicle_of_a_flight_has_a_name_and_its_altitude_in_its_file(tmp_pat
 
 _MAX_OPTIONS = 20
 _COMMON = {"--set", "--json", "--csv", "--plot", "--more", "--help"}
-_TO_MERGE = ("autopilot", "laws", "fly", "margins")
-"""Commands that are still merged."""
 
 
-@pytest.mark.parametrize("command", [name for name in NAMES if name not in _TO_MERGE])
+@pytest.mark.parametrize("command", NAMES)
 def test_a_command_has_at_most_twenty_options_of_its_case(command: str) -> None:
     made = typer.main.get_command(app).commands[command]
     for one in getattr(made, "commands", {command: made}).values():
