@@ -300,3 +300,17 @@ def _system(D, period=0, inputs=("attitude", "attitude_rate"), outputs=("u",)):
 def test_a_bad_controller_is_refused_in_one_sentence(plant, call, message):
     with pytest.raises(tv.InputError, match=message):
         call(plant)
+
+
+def test_a_sampled_controller_in_turbulence_reads_each_output_that_it_names():
+    vehicle = tv.load_vehicle("configuration-i")
+    plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
+    air = tv.winds.Turbulence(intensity=6.0)
+    read = ["flight_path_angle", "attitude", "attitude_rate", "deflection"]
+    law = control.StateSpace([], [], [], [[-0.2, 0.3, 0.5, 0.1]], inputs=read, outputs=["u"])
+    autopilot = tv.control.SystemAutopilot(law, actuator=tv.Actuator())
+    rms = [
+        tv.control.turbulence_covariance(a, plant, air, vehicle.velocity).rms()
+        for a in (autopilot, replace(autopilot, sample_rate=400.0))
+    ]
+    assert rms[1] == pytest.approx(rms[0], rel=5e-3)  # half a sample is 1.25 ms of lag

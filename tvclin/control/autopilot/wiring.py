@@ -187,7 +187,7 @@ def controller_system(controller: LinearSystem) -> LinearSystem:
     return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
 
 
-def _measured(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
+def measured_outputs(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
     """Return the outputs of plant and actuator that an autopilot reads."""
     if autopilot.controller is None:
         return (*plant.sensed, "angle_of_attack", *autopilot.lateral_sensors.signals)
@@ -393,7 +393,7 @@ _MAX_POLE_TIMES_PERIOD = 50.0
 def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem, LinearSystem]:
     """Return the plant with its actuator, and the law in steps, of the loop of `sampled_loop`."""
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
-    sensed = _measured(autopilot, plant)
+    sensed = measured_outputs(autopilot, plant)
     behind_actuator = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
     vehicle = behind_actuator.select((COMMAND,), sensed)
     growth = vehicle.poles.real.max(axis=-1) * period

@@ -28,6 +28,7 @@ from tvclin.control.autopilot.wiring import (
     SENSOR_NOISE,
     autopilot_blocks,
     closed_loop,
+    measured_outputs,
 )
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import LinearSystem, connect, split_delay
@@ -287,7 +288,7 @@ def _sampled(
     whole, remainder = int(complete), float(rest)
     lateral = autopilot.lateral_sensors
     vehicle = plant_with_actuator(plant, autopilot.actuator, lateral)
-    sensed = (*plant.sensed, ANGLE_OF_ATTACK, *lateral.signals)
+    sensed = tuple(dict.fromkeys((*plant.sensed, *measured_outputs(autopilot, plant))))
     law = connect(autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (RETURNED,))
     A, wind, rows, direct, driven = _behind_filter(vehicle, shape)
     n, pipe, states = len(A), whole + 1, len(law.states)
