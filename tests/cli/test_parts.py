@@ -154,7 +154,7 @@ def asked(question, vehicle, station, *options):
 BY_FILE = ("study", "report", "disperse", "explore")
 
 
-QUICK = ("poles", "boundary --tau-beta", "boundary", "margins", "design")
+QUICK = ("poles", "boundary --tau-beta", "boundary", "design")
 """Questions of less than half a second, of which a usual run draws cells; the others fly."""
 CELLS = [(q, part) for q in QUESTIONS if q not in BY_FILE for part in OPTIONS if part != WORK]
 DRAWN = [

@@ -77,10 +77,10 @@ class LinearCase(Flying):
         return "\n".join(said)
 
 
-def law_with_a_stop(case: StudyPlan, name: str) -> Law:
-    """Return the law of --law, whose flight takes the limit as the stop of the nozzle."""
+def limited_law(case: StudyPlan, name: str) -> Law:
+    """Return the law of --law, whose flight keeps to the deflection limit."""
     if case.nozzle.limit is None:
-        raise InputError("--law needs --limit-deg, the stop of the nozzle")
+        raise InputError("--law needs --limit-deg, the deflection limit of the nozzle")
     return LinearCase(case, "", name, None).control
 
 

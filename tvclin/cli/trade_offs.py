@@ -10,7 +10,7 @@ from tvclin.base.lines import Table
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.case.load import FlownLoad
-from tvclin.cli.fly_linear import law_with_a_stop
+from tvclin.cli.fly_linear import limited_law
 from tvclin.cli.progress import bar, waiting
 from tvclin.control.laws.registry import LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty
@@ -58,7 +58,7 @@ def over_rate(case: StudyPlan, title: str, names: list[str], every_law: bool) ->
     from tvclin import plots
 
     with waiting("flying"):
-        flown = [FlownDuty.of(case, name, law_with_a_stop(case, name)) for name in names]
+        flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
         front = rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
@@ -94,7 +94,7 @@ def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
     from tvclin import plots
 
     with waiting("flying"):
-        flown = [FlownLoad.of(case, name, law_with_a_stop(case, name), case.load) for name in names]
+        flown = [FlownLoad.of(case, name, limited_law(case, name), case.load) for name in names]
     with waiting("angle over load"):
         front = _load_trade_off(case)
     curve, point = front.tables()
