@@ -293,6 +293,17 @@ def test_welch_finds_the_spectrum_of_the_deflection_in_flights():
     assert abs(ratio.mean() - 1.0) < 5.0 * spread / np.sqrt(len(ratio) / 2)
 
 
+@pytest.mark.parametrize("sample_rate", [None, 40.0])
+def test_the_curves_of_the_chart_integrate_to_the_variances(sample_rate):
+    found = turbulence_covariance(replace(AUTOPILOT, sample_rate=sample_rate), EXACT, AIR, SPEED)
+    curves = tv.plots.spectrum_curves(found)
+    assert curves.abscissa[-1] <= (sample_rate or 200.0) / 2.0
+    for label, panel in (("deflection", "angles"), ("attitude rate", "rates")):
+        variance = np.trapezoid(curves.column(label, panel) ** 2, curves.abscissa)
+        rms = np.degrees(found.rms(label.replace(" ", "_")))
+        assert np.isclose(np.sqrt(variance), rms, rtol=5e-3), label
+
+
 @cache
 def flight():
     """Return the flight of configuration I and gains along it."""

@@ -144,6 +144,11 @@ CHARTS = {
     "flown margins": flown_margins,
     "boundary map": boundary_map,
     "least gains": least_gains,
+    "spectra": loop(
+        lambda one, plant: plots.spectrum_chart(
+            tv.control.turbulence_covariance(one, plant, tv.winds.Turbulence(6.0), 540.0)
+        )
+    ),
 }
 
 
