@@ -312,7 +312,4 @@ class _Answer:
         if self.in_box is not None:
             return self.in_box.verdict
         autopilot, own = self.found.autopilot, self.results[0].rule
-        gains = f"gains {own}: a0 = {autopilot.attitude_gain:.4g}, a1 = {autopilot.rate_gain:.4g} s"
-        if autopilot.alpha_gain:
-            gains += f", b0 = {autopilot.alpha_gain:.4g}"
-        return f"{gains}; {self.found.verdict}"
+        return f"gains {own}: {autopilot.gains_text}; {self.found.verdict}"

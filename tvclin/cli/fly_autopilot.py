@@ -184,6 +184,7 @@ class AutopilotFlight:
             "part_of_trim": compared.ratio_to_trim,
             "peak_normal_force_N": force,
             "peak_lateral_speed_m_s": across,
+            "steady_drift_rate_m_per_s": compared.steady_drift_rate,
             "trim_deg": degrees(compared.trim_deflection),
             "boundaries_deg": {f"{K:g}": degrees(y) for K, y in compared.boundaries.items()},
             "worst_duration": self.worst,
