@@ -6,6 +6,8 @@ import pytest
 import tvclin as tv
 from tvclin.requirement.autopilot_requirement import at_peak_pressure
 from tvclin.studyfile.campaign_file import load_campaign
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.questions import questions
 
 STUDY = """
 [study]
@@ -99,3 +101,14 @@ def test_a_campaign_refuses_a_system(folder):
             cases=8,
             controller=tv.linear.read_system(folder / "law.npz"),
         )
+
+
+@pytest.mark.thorough
+def test_the_requirement_of_a_plant_in_a_head_wind_is_not_known(folder):
+    systems, gains = (
+        {q.name: q for q in questions(find(_plan(folder, STUDY + text)))}["autopilot"]
+        for text in (PLANT + CONTROLLER, CONTROLLER)
+    )
+    assert gains.yes is True
+    assert systems.yes is None
+    assert "not known with the dynamic pressure at the peak of a head wind" in systems.line[0]

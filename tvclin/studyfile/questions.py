@@ -146,6 +146,8 @@ def nominal_notes(findings: Findings) -> Iterator[str]:
             yield f"{listed(nominal)}: {words}"
 
 
+_NOT_KNOWN_AT_PEAK = "not known with the dynamic pressure at the peak of a head wind"
+"""Reason where a plant is not known at the pressure of a head wind that sets the requirement."""
 _IN_THE_WIND = (
     *("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight"),
     *(_TURBULENCE, _TURBULENCE_RATE),
@@ -347,6 +349,8 @@ def _autopilot(findings: Findings, limit: float) -> Question:
         whose += f", by the bound for a {findings.study.direction} wind"
         at_nominal = degrees("asked.calm", nominal, unit="deg")
         line = ("flown with its stop", _at_peak(findings), *at_nominal, "; ", *free)
+    elif yes is None:
+        line = (f"{_NOT_KNOWN_AT_PEAK}; flown with its stop at the nominal one; ", *free)
     required = nominal if np.isinf(nominal) else requirement.deflection
     return Question(name, yes, line, required, whose)
 
@@ -366,8 +370,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
     nominal, sigmas = t, f"the linear autopilot in the wind and {t.sigmas:g} sigma of turbulence"
     if findings.head is not None:
         if findings.head.turbulence is None:
-            reason = "not known with the dynamic pressure at the peak of a head wind"
-            yield Question(_TURBULENCE, None, (reason,))
+            yield Question(_TURBULENCE, None, (_NOT_KNOWN_AT_PEAK,))
             return
         sigmas, t = f"{sigmas}{_at_peak(findings)}", findings.head.turbulence
     beyond = beyond_linear(t.angle_of_attack, ATTACK)
