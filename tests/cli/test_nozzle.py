@@ -62,7 +62,7 @@ def test_json_equals_the_library() -> None:
                 1,
                 "trim is lost",
             ),
-            (("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot"), 0, "survives"),
+            (("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot"), 0, "flown: MET"),
             (("--rate-limit-deg", "0.05"), 2, "more than 0.101665 deg/s"),
             (("--law", "trim"), 2, "--limit-deg"),
             (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
