@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, number, plain, shown
-from tvclin.base.fields import spec
+from tvclin.base.fields import Field, spec, specs
 from tvclin.base.lines import Line, Row, Table, quantities, significant
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import (
@@ -48,6 +49,17 @@ _MAX_PADE_ORDER = 10
 double has digits."""
 
 
+def _lateral(name: str) -> Mapping[str, Any]:
+    """Return the metadata of a gain that cards show where it is not zero, and documents always."""
+
+    def if_present(autopilot: Feedback) -> Any:
+        gain = getattr(autopilot, name)
+        return gain if np.any(gain) else None
+
+    kind = GAINS[name]
+    return specs(Field(name, kind, card=False), Field(name, kind, of=if_present, document=False))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Feedback(Record):
     """Parameters of an `Autopilot`, whose docstring describes them."""
@@ -56,10 +68,10 @@ class Feedback(Record):
     rate_gain: float | FloatArray = field(metadata=spec("time"))
     alpha_gain: float | FloatArray = field(default=0.0, metadata=spec())
     integral_gain: float | FloatArray = field(default=0.0, metadata=spec("per time"))
-    drift_rate_gain: float | FloatArray = field(default=0.0, metadata=spec("angle per speed"))
-    drift_gain: float | FloatArray = field(default=0.0, metadata=spec("angle per length"))
+    drift_rate_gain: float | FloatArray = field(default=0.0, metadata=_lateral("drift_rate_gain"))
+    drift_gain: float | FloatArray = field(default=0.0, metadata=_lateral("drift_gain"))
     acceleration_gain: float | FloatArray = field(
-        default=0.0, metadata=spec("angle per acceleration")
+        default=0.0, metadata=_lateral("acceleration_gain")
     )
     acceleration_station: float = field(default=0.0, metadata=spec("length", card=False))
     accelerometer_bandwidth: float = field(
