@@ -27,6 +27,8 @@ from tvclin.requirement.flight.total import Line
 SOUNDINGS = Path(__file__).parent / "soundings"
 
 ANSWERS = {
+    "FlightAlong",
+    "Largest",
     "EqualValues",
     "Sweep",
     "SurvivalFraction",
@@ -788,6 +790,36 @@ def doors(folder: Path) -> dict[str, Door]:
                 "times": [60.0, 66.0],
                 "criteria": tv.control.CRITERIA["classic"],
                 "factors": [0.9],
+                "model": "drift-exact",
+                "plane": "pitch",
+            },
+        ),
+        "fly_along": Door(
+            tv.flights.fly_along,
+            {
+                "flight": schedule,
+                "autopilot": dataclasses.replace(autopilot, sample_rate=20.0),
+                "wind": sampled,
+                "deflection_limit": 0.1,
+                "rate_limit": 0.5,
+                "start": 60.0,
+                "stop": 70.0,
+                "model": "drift-exact",
+                "plane": "pitch",
+                "alpha_moment": 1e6,
+                "deflection_moment": 0.0,
+            },
+        ),
+        "fly_many_along": Door(
+            tv.flights.fly_many_along,
+            {
+                "flight": schedule,
+                "autopilot": dataclasses.replace(autopilot, sample_rate=20.0),
+                "wind": sampled,
+                "deflection_limit": [0.1],
+                "rate_limit": 0.5,
+                "start": 60.0,
+                "stop": 70.0,
                 "model": "drift-exact",
                 "plane": "pitch",
             },

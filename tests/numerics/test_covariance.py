@@ -7,13 +7,13 @@ from scipy.linalg import expm
 from scipy.stats import foldnorm, multivariate_normal, norm
 
 from tvclin.numerics.covariance import (
-    GAUSS_NODES,
     constant_over_steps,
     periodic_covariance,
     stationary_covariance,
     steps,
 )
 from tvclin.numerics.gaussian import absolute_covariance, crossing_rate, mean_absolute
+from tvclin.numerics.propagation import GAUSS_NODES
 
 
 def system(n=5, seed=2):

@@ -2,6 +2,10 @@ from .closed_loop.flown_margins import FlownMargin as FlownMargin
 from .closed_loop.flown_margins import FlownMargins as FlownMargins
 from .closed_loop.flown_margins import flown_margins as flown_margins
 from .closed_loop.fly import fly as fly
+from .closed_loop.fly_along import FlightAlong as FlightAlong
+from .closed_loop.fly_along import Largest as Largest
+from .closed_loop.fly_along import fly_along as fly_along
+from .closed_loop.fly_along import fly_many_along as fly_many_along
 from .closed_loop.fly_many import FlownCases as FlownCases
 from .closed_loop.fly_many import fly_many as fly_many
 from .closed_loop.fly_planes import FlownPlaneLimit as FlownPlaneLimit

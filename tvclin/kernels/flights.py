@@ -95,9 +95,9 @@ class Laws(NamedTuple):
     """Laws, with their states and filters.
 
     `numbers`: a sequence of `LawNumbers`, or an array with their fields. `memory`: next states of a
-    law with its filters: rows on these states and on the sensed values, ``(l, s, s + 9)``; l is the
-    number of flights, or 1 for all. `seen`, `told`: with filters, rows of the law's inputs and of
-    the command to the limiter, likewise ``(l, 8, s + 9)`` and ``(l, s + 9)``; empty without
+    law with its filters: rows on these states and on the sensed values, ``(l, s, s + 9)``, of the l
+    indices in `Cases.memory`. `seen`, `told`: with filters, rows of the law's inputs and of the
+    command to the limiter, likewise ``(l, 8, s + 9)`` and ``(l, s + 9)``; empty without
     filters. `noise`: of the measured attitude rate [rad/s], ``(sequences, samples)``.
     """
 
@@ -111,16 +111,21 @@ class Laws(NamedTuple):
 class Cases(NamedTuple):
     """Indices and numbers of each of m flights, ``(m,)``.
 
-    `vehicle`, `wind`, `law`, `sequence`: indices; the last that of its noise. `gain`: factor on the
-    demand of the law. `limit`, `rate_limit`: of the deflection. `start`: start time [s]. `finish`,
-    `ends`, `waiting`, `settling`: numbers of samples of a flight with a fixed end, up to the end of
-    the wind, after it, and for which a flight must be settled to survive.
+    `vehicle`, `wind`, `law`, `memory`, `sequence`: indices; `memory` that of the states of the law,
+    the last that of its noise. `stages`: number of vehicles, laws and memories that follow each
+    other, one for each sample, from these indices on, which are then those of the present sample;
+    one for a flight with constant matrices. `gain`: factor on the demand of the law. `limit`,
+    `rate_limit`: of the deflection. `start`: start time [s]. `finish`, `ends`, `waiting`,
+    `settling`: numbers of samples of a flight with a fixed end, up to the end of the wind, after
+    it, and for which a flight must be settled to survive.
     """
 
     vehicle: IntArray
     wind: IntArray
     law: IntArray
+    memory: IntArray
     sequence: IntArray
+    stages: IntArray
     gain: FloatArray
     limit: FloatArray
     rate_limit: FloatArray
@@ -462,10 +467,10 @@ def nozzle_rate(y: FloatArray, n: int, limit: float) -> float:
 def fly(f: Flights, first: int, last: int) -> None:
     """Fly the cases from `first` up to `last`, each to its end."""
     for i in range(first, last):
-        law = f.laws.numbers[f.cases.law[i]]
         for k in range(NEVER):
             if not measure_sample(f, i, k):
                 break
+            law = f.laws.numbers[f.cases.law[i]]
             demand = law_demand(law, f.now.measured[i], f.now.states[i], f.cases.limit[i])
             step_sample(f, i, k, demand, law.engage, law.release)
 
@@ -493,6 +498,10 @@ def advance(
 @inlined
 def measure_sample(f: Flights, i: int, k: int) -> bool:
     """Write the measurements of a law at a sample; return whether the flight continues."""
+    if 0 < k < f.cases.stages[i]:
+        f.cases.vehicle[i] += 1
+        f.cases.law[i] += 1
+        f.cases.memory[i] += 1
     p, peaks, sensed, x = f.cases.vehicle[i], f.now.peaks[i], f.now.sensed[i], f.now.y[i]
     n = f.vehicles.A.shape[1]
     expand_wind(f, i, f.cases.start[i] + f.steps.lengths[p, 0] * k)
@@ -517,9 +526,8 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
     for r in range(MEASURED):
         f.now.measured[i, r] = sensed[r]
     if f.laws.seen.shape[0]:
-        row = i if f.laws.seen.shape[0] > 1 else 0
         for r in range(MEASURED):
-            f.now.measured[i, r] = row_product(f, i, f.laws.seen[row, r])
+            f.now.measured[i, r] = row_product(f, i, f.laws.seen[f.cases.memory[i], r])
     return True
 
 
@@ -577,7 +585,7 @@ def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, releas
     demand = f.cases.gain[i] * demand
     sensed[MEASURED] = demand
     if f.laws.told.shape[0]:
-        demand = row_product(f, i, f.laws.told[i if f.laws.told.shape[0] > 1 else 0])
+        demand = row_product(f, i, f.laws.told[f.cases.memory[i]])
     mode = next_mode(engage * limit, release * limit, demand, f.now.mode[i])
     f.now.mode[i] = mode
     command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
@@ -606,8 +614,7 @@ def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, releas
 def update_law_states(f: Flights, i: int) -> None:
     """Update the states of a law and of its filters from sensed values and demand."""
     s = f.now.states.shape[1]
-    row = i if f.laws.memory.shape[0] > 1 else 0
     for r in range(s):
-        f.now.next[i, r] = row_product(f, i, f.laws.memory[row, r])
+        f.now.next[i, r] = row_product(f, i, f.laws.memory[f.cases.memory[i], r])
     for r in range(s):
         f.now.states[i, r] = f.now.next[i, r]

@@ -21,7 +21,11 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.numerics import state_space
-from tvclin.numerics.propagation import augmented_matrix, matrix_exponentials
+from tvclin.numerics.propagation import (
+    augmented_matrix,
+    constant_generator,
+    matrix_exponentials,
+)
 
 if TYPE_CHECKING:
     import control
@@ -181,6 +185,19 @@ class LinearSystem:
         named = {kind: list(names) for kind, names in signals.items()}
         dt = 0 if self.period is None else float(self.period)
         return control.StateSpace(*self.matrices(), dt, name=name, **named)
+
+
+def constant_over_steps(
+    first: LinearSystem, second: LinearSystem, lengths: FloatArray
+) -> LinearSystem:
+    """Return the constant systems with the same steps, to fourth order, as a system that varies.
+
+    `first`, `second`: the system at the two `GAUSS_NODES` of each step. `lengths`: lengths of the
+    steps [s]; batches of all three broadcast. Outputs are those of `first`.
+    """
+    one, other = (augmented_matrix(system.A, system.B) for system in (first, second))
+    matrix, n = constant_generator(one, other, lengths), len(first.states)
+    return replace(first, A=matrix[..., :n, :n], B=matrix[..., :n, n:])
 
 
 def split_delay(

@@ -15,11 +15,10 @@ from __future__ import annotations
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
+from tvclin.numerics.propagation import constant_generator
 
 _MAX_SERIES_NORM, _SERIES_TERMS = 0.25, 12
 """Norm of A h up to which the series is used, and its terms: (2 x 0.25)^13/13! is below 1e-13."""
-GAUSS_NODES = 0.5 - np.sqrt(3.0) / 6.0, 0.5 + np.sqrt(3.0) / 6.0
-"""Gauss points of a step, as fractions of it."""
 
 
 def stationary_covariance(A: FloatArray, noise: FloatArray) -> FloatArray:
@@ -88,6 +87,6 @@ def constant_over_steps(
         return product + np.swapaxes(product, -1, -2)
 
     return (
-        0.5 * (A1 + A2) + factor * (A2 @ A1 - A1 @ A2),
+        constant_generator(A1, A2, times),
         0.5 * (N1 + N2) + factor * (driven(A2, N1) - driven(A1, N2)),
     )

@@ -42,6 +42,10 @@ _RELATIVE_ROUNDING = 1e-13
 """Rounding of an output, relative to the sum of the sizes of its terms."""
 
 
+GAUSS_NODES = 0.5 - np.sqrt(3.0) / 6.0, 0.5 + np.sqrt(3.0) / 6.0
+"""Gauss points of a step, as fractions of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Motion:
     """Motion of a linear system with one input history.
@@ -103,6 +107,19 @@ def augmented_matrix(A: AnyArray, B: AnyArray, inputs: AnyArray | None = None) -
     matrix[..., :order, :order], matrix[..., :order, order:] = A, B
     matrix[..., order:, order:] = inputs
     return matrix
+
+
+def constant_generator(first: FloatArray, second: FloatArray, lengths: FloatArray) -> FloatArray:
+    """Return the constant A ``(..., n, n)`` with the same step, to order four, as one that varies.
+
+    Magnus' expansion with two Gauss points (Blanes, Casas, Oteo and Ros, 2009); for equal matrices
+    the matrix itself.
+
+    `first`, `second`: A at the two `GAUSS_NODES` of each step, ``(..., n, n)``. `lengths`: lengths
+    of the steps [s], ``(...)``.
+    """
+    factor = np.sqrt(3.0) / 12.0 * np.asarray(lengths)[..., np.newaxis, np.newaxis]
+    return np.asarray(0.5 * (first + second) + factor * (second @ first - first @ second))
 
 
 def input_states(pieces: Pieces, times: FloatArray) -> AnyArray:

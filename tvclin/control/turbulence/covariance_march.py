@@ -14,12 +14,8 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.control.turbulence.driven_loop import DrivenLoop, Jump
-from tvclin.numerics.covariance import (
-    GAUSS_NODES,
-    constant_over_steps,
-    stationary_covariance,
-    steps,
-)
+from tvclin.numerics.covariance import constant_over_steps, stationary_covariance, steps
+from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
 
 _STEP_OF_ONE_VEHICLE_S, _STEP_OF_A_FLIGHT_S = 0.02, 0.05

@@ -87,13 +87,23 @@ def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
     return np.where(angles[:, :1] > COARSE, substeps, 1.0).astype(np.int64)
 
 
-def joint_steps(moving: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
-    """Return J of `Flights` for a vehicle with its nozzle, see `plant_with_actuator`.
+def with_wind(moving: LinearSystem, terms: int) -> LinearSystem:
+    """Return a vehicle with its nozzle in a wind that is a polynomial of `terms` coefficients."""
+    return connect([moving, polynomial_input("wind", terms)], INPUTS[:1], ())
+
+
+def with_ramp(plant: LinearSystem) -> LinearSystem:
+    """Return a plant whose deflection is linear in time, without wind."""
+    return connect([plant, polynomial_input("deflection", 2)], (), ())
+
+
+def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
+    """Return J of `Flights` for a vehicle with its nozzle, see `with_wind`.
 
     The wind is the polynomial of its present piece.
     """
-    steps = connect([moving, polynomial_input("wind", terms)], INPUTS[:1], ()).to_steps(parts.T)
-    order = len(moving.states)
+    steps = driven.to_steps(parts.T)
+    order = len(driven.states) - terms
     J = beside(steps.A[..., :order], steps.B, steps.A[..., order:])[..., :order, :]
     if order == vehicle:
         # Without an actuator the deflection is a state too, equal to its command.
@@ -102,13 +112,14 @@ def joint_steps(moving: LinearSystem, vehicle: int, parts: FloatArray, terms: in
     return np.ascontiguousarray(np.swapaxes(J, 0, 1))
 
 
-def ramp_steps(plant: LinearSystem, parts: FloatArray) -> FloatArray:
+def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> FloatArray:
     """Return the ramp of `Flights`: the step of a plant with the deflection a + (b - a) t/h.
 
-    `parts`: lengths h of the parts of a sample [s], ``(p, parts)``.
+    `ramp`: the plant as `with_ramp`. `parts`: lengths h of the parts of a sample [s], ``(p,
+    parts)``.
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
-    moved = connect([plant, polynomial_input("deflection", 2)], (), ()).to_steps(parts.T).A
+    moved = ramp.to_steps(parts.T).A
     free, rise = (np.swapaxes(moved[..., :n, k], 0, 1) for k in (slice(n), n + 1))
     start, rise, kick = np.swapaxes(moved[..., :n, n], 0, 1), rise / span, []
     if "deflection_acceleration" in plant.inputs:
@@ -246,7 +257,7 @@ class LawBatch:
         told = np.zeros((lengths.size if filtered else 0, wide))
         for k, (system, chains) in enumerate(zip(systems, self.chains, strict=True)):
             flights = np.flatnonzero(which == k)
-            memory = _with_filters(system, chains, lengths[flights], size)
+            memory = memory_of(system, chains, lengths[flights], size)
             moved[flights] = memory.moved
             if filtered:
                 seen[flights], told[flights] = memory.seen, memory.told
@@ -314,7 +325,7 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
     return LawBatch((), numbers, [chains], index, gains.lateral_sensors)
 
 
-def _with_filters(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
+def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
     """Return the step of one law and its filters, of lengths [s] ``(m,)``, padded to `size` states.
 
     The law's states come first, then the states of each chain. The output of a controller in state
@@ -478,9 +489,11 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     cases, noise = _cases(batch, judges, criteria_index)
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
+    if len(memory.moved) > 1:
+        cases.memory[:] = np.arange(vehicle.size)
     N = steps.joint.shape[2]
     plant = batch.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
-    now = _equilibrium(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
+    now = equilibrium(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
     now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
     return Flights(
@@ -490,7 +503,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
             A=plant.A,
             gust=np.ascontiguousarray(plant.B[..., 1]),
             fastest=np.abs(plant.poles).max(axis=-1),
-            judges=_widened(judges.rows[criteria_index], N, batch.laws.sensors),
+            judges=widened(judges.rows[criteria_index], N, batch.laws.sensors),
             reach=judges.reach[criteria_index],
             ratio=judges.ratio[criteria_index],
         ),
@@ -509,28 +522,54 @@ def _steps(batch: Batch, batch_shape: tuple[int, ...], terms: int) -> Steps:
     """
     hardware, all_vehicles = batch.hardware, np.arange(int(np.prod(batch_shape)))
     plant = batch.system.cases(all_vehicles, batch_shape)
-    length, delay = (_spread(a, batch_shape) for a in (hardware.length, hardware.delay))
-    late, rest = split_delay(delay, length)
-    parts = [length - rest, rest] if np.any(rest) else [length]
-    lengths = np.stack([length, *parts], axis=-1)
-    pace = np.minimum(_spread(quickness(hardware.actuator), batch_shape), _IDEAL_BANDWIDTH)[
-        :, np.newaxis
-    ]
-    substeps = substeps_of(_spread(frequency(hardware.actuator), batch_shape), lengths)
-    short = lengths[:, 1:] / substeps
+    length, delay = (spread_to(a, batch_shape) for a in (hardware.length, hardware.delay))
     nozzle = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
     moving = nozzle.cases(all_vehicles, batch_shape)
-    n = len(plant.states)
-    joint = joint_steps(moving, n, lengths[:, 1:], terms)
+    timing = Timing.of(hardware, batch_shape, length, delay)
+    return steps_of(with_wind(moving, terms), with_ramp(plant), plant, timing, terms)
+
+
+class Timing(NamedTuple):
+    """Lengths of the samples of p vehicles and of their parts; fields as in `Steps`."""
+
+    lengths: FloatArray
+    substeps: IntArray
+    pace: FloatArray
+    late: IntArray
+
+    @classmethod
+    def of(
+        cls, hardware: Hardware, shape: tuple[int, ...], length: FloatArray, delay: FloatArray
+    ) -> Timing:
+        """Return the timing of samples of a length and a delay [s], each ``(p,)``."""
+        late, rest = split_delay(delay, length)
+        parts = [length - rest, rest] if np.any(rest) else [length]
+        lengths = np.stack([length, *parts], axis=-1)
+        substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
+        pace = np.minimum(spread_to(quickness(hardware.actuator), shape), _IDEAL_BANDWIDTH)
+        return cls(lengths, substeps, pace[:, np.newaxis], late.astype(np.int64))
+
+
+def steps_of(
+    driven: LinearSystem, ramp: LinearSystem, plant: LinearSystem, timing: Timing, terms: int
+) -> Steps:
+    """Return the steps of vehicles in winds of `terms` polynomial coefficients.
+
+    `driven`, `ramp`: as `with_wind` and `with_ramp` make them, ``(p,)``, or ``(parts, p)`` where
+    each part has systems of its own. `plant`: the plants, ``(p,)``.
+    """
+    lengths, n = timing.lengths, len(plant.states)
+    short = lengths[:, 1:] / timing.substeps
+    joint = joint_steps(driven, n, lengths[:, 1:], terms)
     return Steps(
         joint=joint,
-        fine=joint_steps(moving, n, short, terms) if np.any(substeps > 1) else joint,
-        substeps=substeps,
-        ramp=ramp_steps(plant, short),
+        fine=joint_steps(driven, n, short, terms) if np.any(timing.substeps > 1) else joint,
+        substeps=timing.substeps,
+        ramp=ramp_steps(ramp, plant, short),
         lengths=lengths,
         short=short,
-        quick=np.where(short > 0.0, pace * short, 0.0),
-        late=late.astype(np.int64),
+        quick=np.where(short > 0.0, timing.pace * short, 0.0),
+        late=timing.late,
     )
 
 
@@ -542,7 +581,7 @@ def _cases(
     `criteria_index`: index of each vehicle's criteria in `judges`.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
-    h = _spread(batch.hardware.length, batch.vehicles)[vehicle]
+    h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]
     start, end = (a.ravel()[encountered] for a in (batch.wind.onset, batch.wind.end))
     has_reach = ~np.isnan(judges.reach[criteria_index][vehicle])
     waiting, settling = (
@@ -553,16 +592,18 @@ def _cases(
         -(-np.minimum(waiting, _MAX_SAMPLES_AFTER_WIND) // kernel.JUDGED_SAMPLES)
         * kernel.JUDGED_SAMPLES
     )
-    finish, ends = (_samples(a - start, h) for a in (np.full(h.shape, batch.until), end))
+    finish, ends = (samples_in(a - start, h) for a in (np.full(h.shape, batch.until), end))
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
     cases = Cases(
         vehicle=vehicle,
         wind=encountered,
         law=batch.laws.which.copy(),
+        memory=np.zeros_like(vehicle),
         sequence=sequence,
-        gain=_spread(batch.gain, shape),
-        limit=_spread(batch.limit, shape),
-        rate_limit=_spread(batch.hardware.rate_limit, shape),
+        stages=np.ones_like(vehicle),
+        gain=spread_to(batch.gain, shape),
+        limit=spread_to(batch.limit, shape),
+        rate_limit=spread_to(batch.hardware.rate_limit, shape),
         start=start.copy(),
         finish=finish,
         ends=ends,
@@ -572,7 +613,7 @@ def _cases(
     return cases, noise
 
 
-def _equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> FlightStates:
+def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> FlightStates:
     """Return the state of m flights in equilibrium.
 
     `n`: states of the plant. `terms`: coefficients of the wind. `memory`: states of the laws.
@@ -597,7 +638,7 @@ def _equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Fligh
     )
 
 
-def _widened(rows: FloatArray, width: int, sensors: LateralSensors) -> FloatArray:
+def widened(rows: FloatArray, width: int, sensors: LateralSensors) -> FloatArray:
     """Return the rows cut or padded with zeros to a width, with zeros for the sensors' states.
 
     The last two columns are those of deflection and deflection rate.
@@ -610,12 +651,12 @@ def _widened(rows: FloatArray, width: int, sensors: LateralSensors) -> FloatArra
     return wide
 
 
-def _spread(array: float | FloatArray, shape: tuple[int, ...]) -> FloatArray:
+def spread_to(array: float | FloatArray, shape: tuple[int, ...]) -> FloatArray:
     """Return an array broadcast to a shape, flattened and writable."""
     return np.array(np.broadcast_to(array, shape), float).ravel()
 
 
-def _samples(span: FloatArray, length: FloatArray) -> IntArray:
+def samples_in(span: FloatArray, length: FloatArray) -> IntArray:
     """Return the number of samples in a time [s]; `NEVER` for an infinite one."""
     has_reach = np.isfinite(span)
     counted = np.ceil(np.where(has_reach, span, 0.0) / length - 1e-9)

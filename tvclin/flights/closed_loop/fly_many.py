@@ -82,11 +82,8 @@ def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
 
 def _continued(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
     """Return the flights at indices `where`, continued from their ends through still air."""
-    rows = {name: getattr(f.laws, name) for name in ("memory", "seen", "told")}
-    rows = {name: array[where] if len(array) > 1 else array for name, array in rows.items()}
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
-        laws=f.laws._replace(**rows),
         cases=Cases._make(array[where] for array in f.cases),
         now=FlightStates._make(array[where] for array in f.now),
     )
@@ -96,6 +93,7 @@ def _continued(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
     g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
     g.cases.finish[:] = np.maximum(np.ceil(_INTERVAL_OVER_SETTLING * g.cases.settling), 1)
     g.cases.ends[:] = NEVER
+    g.cases.stages[:] = 1
     g.now.outcome[:], g.now.ended[:], g.now.peaks[:] = UNDECIDED_CODE, -1, 0.0
     finish(g, laws)
     return g
@@ -277,13 +275,13 @@ def fly_many(
     hardware = Hardware(1.0 / rate, delays, actuator, max_rate)
     batch = Batch(plant, hardware, wind, laws, limit, shape, factor, stop)
     if not np.any(possible):
-        return _flown_cases(None, possible, possible)
+        return flown_cases(None, possible, possible)
     flyable = batch if np.all(possible) else batch.only(possible)
     f = flown(flyable)
-    return _flown_cases(f, possible, _rings(flyable, f))
+    return flown_cases(f, possible, unstable_loops(flyable, f))
 
 
-def _rings(batch: Batch, f: Flights) -> BoolArray:
+def unstable_loops(batch: Batch, f: Flights) -> BoolArray:
     """Return whether the loop of each flight is unstable or has a limit cycle, ``(m,)``."""
     unstable = oscillation_growth(batch, f) > _MIN_GROWTH
     if not batch.plant.has_modes:
@@ -291,7 +289,7 @@ def _rings(batch: Batch, f: Flights) -> BoolArray:
     return unstable | has_limit_cycle(f, batch.laws)
 
 
-def _flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> FlownCases:
+def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> FlownCases:
     """Return the record of the flights `f` of the possible cases; `f` is None without any."""
     outcome = np.full(possible.shape, len(STATUS) - 1)
     if f is None:

@@ -107,7 +107,7 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     x, law_states, pending = np.split(np.eye(size), [order, order + law_order])
 
     def per_case(rows: FloatArray) -> FloatArray:
-        return rows[cases] if len(rows) > 1 else rows
+        return rows[f.cases.memory[cases]]
 
     def spread(rows: FloatArray) -> FloatArray:
         return np.broadcast_to(rows, (k, *rows.shape[-2:]))

@@ -1,0 +1,181 @@
+"""Flights along a varying vehicle: against an integration, and frozen against those of one time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import tvclin as tv
+from tests.whole_flight import Filter, StructureSchedule, autopilot, flight
+from tvclin import InputError
+from tvclin.control.autopilot.actuator import plant_with_actuator
+from tvclin.control.autopilot.wiring import closed_loop
+from tvclin.flights import fly_along, fly_many_along
+
+GUST = tv.TriangularWind(peak=np.radians(4.0), duration=6.0).shift(52.0)
+
+
+def plant_at(made, time):
+    vehicle = made.at(time)
+    return tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
+
+
+def test_the_flight_of_a_made_up_schedule_is_that_of_another_integration() -> None:
+    """Numbers of `solve_ivp` with its own plants, relative to the largest: 1e-5."""
+    gains = tv.Autopilot(
+        attitude_gain=[0.28856656, 0.24001325, 0.14874845, 0.0876385, 0.06166739],
+        rate_gain=[0.56401101, 0.51437777, 0.40494013, 0.31082221, 0.26073082],
+        actuator=tv.Actuator(natural_frequency=25.0, damping=0.7),
+    )
+    schedule = tv.control.GainSchedule([41.0, 60.0, 80.0, 100.0, 116.0], gains)
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=20.0).shift(56.0)
+    flown = fly_along(tv.load_schedule("configuration-i"), schedule, wind, start=56.0)
+    largest = {
+        "attitude": (-3.26972, 68.47),
+        "flight_path_angle": (-1.57646, 75.30),
+        "deflection": (-0.776972, 66.53),
+        "deflection_rate": (0.106538, 70.54),
+        "angle_of_attack": (-7.04744, 66.0),
+    }
+    for name, (value, time) in largest.items():
+        got = flown.largest(name)
+        # the numbers have six digits, and the largest is at a step of 0.02 s
+        assert np.degrees(got.value) == pytest.approx(value, rel=1e-5)
+        assert got.time == pytest.approx(time, abs=0.02)
+    at_90 = {
+        "attitude": 1.00158,
+        "attitude_rate": -0.0342570,
+        "flight_path_angle": -0.846363,
+        "deflection": 0.1065793,
+    }
+    k = int(np.argmin(np.abs(flown.times - 90.0)))
+    for name, value in at_90.items():
+        assert np.degrees(flown.outputs[name][k]) == pytest.approx(value, rel=1e-5)
+    assert flown.status == "not judged"
+
+
+@pytest.mark.thorough
+def test_bending_and_slosh_over_the_flight_are_those_of_an_integration() -> None:
+    made, laws = flight(), autopilot(filters=(Filter.low_pass(40.0, 0.7),), delay=0.0)
+    flown = fly_along(made, laws, GUST, start=50.0, stop=60.0)
+
+    def slope(t, x):
+        loop = closed_loop(laws.along(made, float(t)), plant_at(made, float(t)))
+        return loop.A @ x + loop.B[:, 0] * float(GUST(t))
+
+    x, order = None, len(closed_loop(laws.along(made, 50.0), plant_at(made, 50.0)).states)
+    x = np.zeros(order)
+    for begin, end in ((52.0, 55.0), (55.0, 58.0)):
+        x = solve_ivp(slope, (begin, end), x, method="DOP853", rtol=1e-9, atol=1e-13).y[:, -1]
+        k = int(np.argmin(np.abs(flown.times - end)))
+        for name, state in (("attitude", 0), ("first", 3), ("second", 5), ("lox", 7)):
+            size = abs(flown.largest(name).value)
+            assert flown.outputs[name][k] == pytest.approx(x[state], abs=1e-5 * size)
+
+
+@pytest.mark.thorough
+def test_samples_of_a_varying_vehicle_are_those_of_an_integration() -> None:
+    """Bending, a delay of half a sample and a filter, with the law of each sample held."""
+    made, laws = flight(), autopilot(sample_rate=50.0)
+    flown = fly_along(
+        made, laws, GUST, deflection_limit=0.2, start=52.0, stop=54.0, alpha_moment=1e6
+    )
+    h, delay, x, command = 0.02, 0.01, np.zeros(len(plant_at(made, 52.0).states) + 2), 0.0
+
+    def slope(t, x, c):
+        moving = plant_with_actuator(plant_at(made, float(t)), tv.Actuator())
+        return moving.A @ x + moving.B[:, 0] * c + moving.B[:, 2] * float(GUST(t))
+
+    def moved(begin, end, x, c):
+        options = {"method": "DOP853", "rtol": 1e-9, "atol": 1e-14, "args": (c,)}
+        return solve_ivp(slope, (begin, end), x, **options).y[:, -1]
+
+    for k in range(100):
+        t = 52.0 + k * h
+        gains = laws.along(made, t)
+        system = plant_with_actuator(plant_at(made, t), tv.Actuator())
+        sensed = dict(zip(system.outputs, system.C @ x, strict=True))
+        following = gains.attitude_gain * sensed["sensed_attitude"]
+        following += gains.rate_gain * sensed["sensed_attitude_rate"]
+        x = moved(t, t + delay, x, command)
+        command = float(following)
+        x = moved(t + delay, t + h, x, command)
+        if k % 20 == 19:
+            for name, state in (("attitude", 0), ("first", 3), ("second", 5), ("deflection", -2)):
+                size = abs(flown.largest(name).value)
+                assert flown.outputs[name][k + 1] == pytest.approx(x[state], abs=1e-5 * size)
+    moment = 1e6 * flown.outputs["angle_of_attack"]
+    np.testing.assert_allclose(flown.outputs["bending_moment"], moment, rtol=1e-14)
+
+
+def frozen(made, time) -> tuple[tv.FlightSchedule, tv.FlexiblePlant]:
+    """Return a flight that keeps the vehicle of a time, and the plant of that time."""
+    vehicle, span = made.at(time), np.array([50.0, 120.0])
+    bent = StructureSchedule(span, vehicle.structure, ("first", "second"), ("lox",))
+    still = tv.FlightSchedule(vehicle.rigid.replace(time=span), altitude=1e4, structure=bent)
+    return still, tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
+
+
+def test_a_frozen_flight_is_that_of_fly_many_to_the_last_digit() -> None:
+    still, plant = frozen(flight(), 60.0)
+    filters = (Filter.low_pass(40.0, 0.7), Filter.notch(15.0, 0.1, 0.6))
+    law = autopilot(filters=filters, sample_rate=50.0).along(flight(), 60.0)
+    wind = tv.TriangularWind(peak=np.radians([3.0, 5.0, 8.0]), duration=7.5).shift(60.003)
+    limits = {"deflection_limit": np.radians([1.0, 0.5, 0.5]), "rate_limit": np.radians(3.0)}
+    along = fly_many_along(still, law, wind, **limits, start=60.003, stop=95.003)
+    many = tv.fly_many(
+        plant,
+        replace(law, actuator=None, delay=0.0, sample_rate=None),
+        wind,
+        **limits,
+        actuator=law.actuator,
+        sample_rate=50.0,
+        delay=law.delay,
+        until=95.003,
+    )
+    for name in many.__dataclass_fields__:
+        np.testing.assert_array_equal(getattr(along, name), getattr(many, name))
+    assert len(set(many.status.tolist())) > 1
+
+
+def test_a_single_flight_is_one_of_many() -> None:
+    made, laws = flight(), autopilot(sample_rate=50.0)
+    wind = tv.TriangularWind(peak=np.radians([2.0, 4.0]), duration=6.0).shift(52.0)
+    options = {"deflection_limit": 0.05, "rate_limit": 0.3, "start": 45.0, "stop": 80.0}
+    many = fly_many_along(made, laws, wind, **options)
+    one = fly_along(made, laws, GUST, **options)
+    assert many.peak_attitude[1] == abs(one.largest("attitude").value)
+    assert many.peak_angle_of_attack[1] == abs(one.largest("angle_of_attack").value)
+    assert one.status == many.status[1]
+    assert one.outputs["drift"][-1] != 0.0
+    lines = one.to_csv().splitlines()
+    assert lines[0].startswith("time_s,wind_deg,attitude_deg,attitude_rate_rad_per_s")
+    assert len(lines) == one.times.size + 1
+    assert len(one.table().rows) == len(one.outputs)
+
+
+def test_a_small_limit_is_lost_and_a_wind_to_the_end_is_judged_before_it() -> None:
+    made, laws = flight(), autopilot(sample_rate=50.0)
+    options = {"rate_limit": 0.3, "start": 45.0, "stop": 105.0}
+    long = tv.SampledWind(time=[50.0, 60.0, 110.0], angle=[0.0, 0.02, 0.02])
+    assert fly_along(made, laws, GUST, deflection_limit=1e-3, **options).status == "lost"
+    assert fly_along(made, laws, long, deflection_limit=1e-4, **options).status != "survived"
+    good = fly_along(made, laws, long, deflection_limit=0.1, **options)
+    assert good.status == "survived"
+    assert "unstable modes" in good.reason
+
+
+@pytest.mark.parametrize(
+    ("laws", "options", "message"),
+    [
+        (autopilot(), {"deflection_limit": 0.1}, "limits need samples"),
+        (autopilot(sample_rate=50.0), {}, "deflection_limit must be given"),
+        (autopilot(delay=np.linspace(0.01, 0.02, 5)), {}, "delay and sample_rate must be the same"),
+        (autopilot(), {"start": 20.0}, "start must be between 30 and 110"),
+        (autopilot(), {"model": "drift"}, 'use "drift-exact"'),
+    ],
+)
+def test_flights_that_cannot_be(laws, options, message) -> None:
+    with pytest.raises(InputError, match=message):
+        fly_along(flight(), laws, GUST, **options)

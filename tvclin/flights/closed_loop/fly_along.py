@@ -1,0 +1,469 @@
+"""Flights of an autopilot along a flight whose vehicle, structure and gains vary with time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from math import factorial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.ascent.flight_variable import flight_variable
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import table
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.errors import (
+    InputError,
+    broadcast,
+    finite,
+    instance,
+    number,
+    numbers,
+    one_of,
+    positive,
+    small_angle,
+    unlimited,
+)
+from tvclin.base.fields import spec
+from tvclin.base.lines import Line, Table, significant
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
+from tvclin.control.autopilot.sweep import plants_along
+from tvclin.control.autopilot.wiring import closed_loop
+from tvclin.flights.closed_loop.batch import polynomial_pieces
+from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
+from tvclin.flights.closed_loop.fly_many import FlownCases, flown_cases, unstable_loops
+from tvclin.flights.closed_loop.sampled import finish
+from tvclin.flights.closed_loop.stages import Loops, stages_of
+from tvclin.kernels.flights import Flights
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.plant import DEFAULT_MODEL
+from tvclin.linear.system import connect, constant_over_steps, polynomial_input
+from tvclin.numerics.propagation import GAUSS_NODES
+from tvclin.winds.histories import History
+
+_CONTINUOUS_STEP = 0.02
+"""Longest step of a continuous loop [s]."""
+UNLIMITED = "not judged"
+"""Status of a flight of a continuous loop, which has no limits."""
+_REASONS = {
+    "survived": "after the wind, or over the last seconds in it, the unstable modes stay settled",
+    "lost": "the unstable modes leave the set from which the deflection limit can return them",
+    "rings": "the vehicle returns, and the loop keeps oscillating at the end of the flight",
+    "undecided": "NOT KNOWN: the unstable modes are not settled at the end, or there are none",
+    UNLIMITED: "NOT KNOWN: a continuous loop is flown without limits",
+}
+
+
+class Largest(NamedTuple):
+    """Value of largest size of an output, with its sign, in SI units, and its time [s]."""
+
+    value: float
+    time: float
+
+
+@dataclass(frozen=True, eq=False)
+class FlightAlong(Tabled):
+    """Outputs of a loop along a flight through a wind.
+
+    Attributes
+    ----------
+    times : ndarray
+        Times of flight [s], ``(n,)``: the samples of the autopilot, or the steps of a continuous
+        one.
+    outputs : dict of str to ndarray
+        Outputs by name, ``(n,)``: wind, attitude, flight_path_angle, angle_of_attack [rad],
+        attitude_rate [rad/s], deflection [rad], deflection_rate [rad/s]; lateral drift [m] where
+        the model has a flight path; q_alpha [Pa rad] where the altitude is known; bending_moment
+        [N m] on request; the displacement of each mode and tank by its name.
+    units : dict of str to str
+        SI unit of each.
+    status : str
+        Status as in `FlownCases`; "not judged" for a continuous loop.
+    """
+
+    times: FloatArray = field(metadata=spec("time"))
+    outputs: dict[str, FloatArray]
+    units: dict[str, str]
+    status: str = field(metadata=spec())
+
+    @property
+    def reason(self) -> str:
+        """Meaning of the status, in words."""
+        return _REASONS[self.status]
+
+    def largest(self, output: str) -> Largest:
+        """Return the value of largest size of an output, at `times`, and its time.
+
+        Raises
+        ------
+        InputError
+            For an unknown output.
+        """
+        values = self.outputs[one_of("output", output, tuple(self.outputs))]
+        at = int(np.argmax(np.abs(values)))
+        return Largest(float(values[at]), float(self.times[at]))
+
+    def table(self) -> Table:
+        """Return the table of the largest value of each output and its time, angles in degrees."""
+        rows: list[tuple[Line, ...]] = []
+        for name, unit in self.units.items():
+            value, time = self.largest(name)
+            in_degrees = unit.startswith("rad")
+            value = float(np.degrees(value)) if in_degrees else value
+            written = unit.replace("rad", "deg", 1) if in_degrees else unit
+            shown = significant(f"along.{name}", value, 5, written)
+            rows.append(((name.replace("_", " "),), shown, significant(f"along.{name}.s", time)))
+        return Table(f"Largest values, {self.status}", ("output", "largest", "at [s]"), tuple(rows))
+
+    def _repr_html_(self) -> str:
+        return table(self.table(), ((self.reason,),))
+
+    def _columns(self) -> Columns:
+        axis = Column("time", self.times, "s")
+        columns = tuple(
+            Column(name.replace(" ", "_"), values, self.units[name])
+            for name, values in self.outputs.items()
+        )
+        return Columns((axis,), columns, {"status": self.status})
+
+
+@dataclass(frozen=True, eq=False)
+class _Along:
+    """Checked arguments of a flight: the loop at any times, its span [s] and its law."""
+
+    flight: FlightSchedule
+    autopilot: Autopilot | GainSchedule
+    model: str
+    plane: str
+    start: float
+    stop: float
+
+    def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
+        """Return plants and autopilots at times [s]."""
+        plants = plants_along(self.flight, times, self.model, self.plane)
+        return plants, autopilot_along(self.autopilot, self.flight, times)
+
+    @property
+    def law(self) -> Autopilot:
+        """Autopilot at the breakpoints of a schedule, or the autopilot of all times."""
+        made = self.autopilot
+        return made.autopilot if isinstance(made, GainSchedule) else made
+
+
+def fly_along(
+    flight: FlightSchedule,
+    autopilot: Autopilot | GainSchedule,
+    wind: History,
+    *,
+    deflection_limit: float | None = None,
+    rate_limit: float = np.inf,
+    start: float | None = None,
+    stop: float | None = None,
+    model: str = DEFAULT_MODEL,
+    plane: str = "pitch",
+    alpha_moment: ArrayLike | None = None,
+    deflection_moment: ArrayLike = 0.0,
+) -> FlightAlong:
+    """Return the outputs of an autopilot along a flight through a wind, from equilibrium.
+
+    Parameters
+    ----------
+    flight : FlightSchedule
+        Flight, with its structure and actuator where it has them.
+    autopilot : Autopilot or GainSchedule
+        Autopilot with its actuator, delay, filters and sample rate. Without a sample rate the loop
+        is continuous and has no limits; its delay is a Pade approximation.
+    wind : History
+        One wind angle of attack [rad] over the time of flight: a pulse, a gust, or the `wind` of
+        `fly_through`.
+    deflection_limit, rate_limit : float
+        Deflection limit [rad], within 90 degrees, and rate limit [rad/s], positive; of a sampled
+        autopilot, which needs a deflection limit.
+    start, stop : float, optional
+        Ends of the flight [s], by default those of the schedule.
+    model : {"fixed-path", "drift", "drift-exact", "drift-and-speed"}
+        Model of the motion; "drift" without a structure alone.
+    plane : {"pitch", "yaw"}
+        Plane of the motion.
+    alpha_moment, deflection_moment : array_like, optional
+        Slopes of a bending moment over angle of attack and deflection [N m/rad], one or one for
+        each time of the schedule.
+
+    Raises
+    ------
+    InputError
+        For times outside the flight, a delay that varies, limits of a continuous loop or none of a
+        sampled one, and in the same cases as `fly_many`.
+
+    Notes
+    -----
+    All quantities are deviations from the nominal flight, at nominal dynamic pressure. Between
+    samples the motion is that of `fly_many`, with the matrices that equal the varying ones over
+    each sample to fourth order: exact for bending and actuator, and for a constant vehicle. Knots
+    of the wind within a sample act on the vehicle of its middle. The states of a filter that varies
+    are those of `Filter.matrices`, and stay where its coefficients change. The drift is the
+    integral of speed times path angle by the trapezoidal rule.
+
+    A flight is judged after its wind as in `fly_many`, by the recoverable set of the vehicle frozen
+    at each sample; in a wind that lasts to the end, over the settling time before it.
+    """
+    along = _checked(flight, autopilot, wind, start, stop, model, plane)
+    if wind.batch:
+        raise InputError("wind must be one wind; see fly_many_along for many")
+    slopes: dict[str, FloatArray] = {}
+    if alpha_moment is not None:
+        slopes["alpha_moment"] = _slope(flight, "alpha_moment", alpha_moment)
+        slopes["deflection_moment"] = _slope(flight, "deflection_moment", deflection_moment)
+    max_rate = unlimited("rate_limit", rate_limit, unit="rad/s")
+    if along.law.sample_rate is None:
+        if deflection_limit is not None or np.isfinite(max_rate):
+            raise InputError("limits need samples: give the autopilot a sample_rate")
+        times, rows, rates, status = *_continuous(along, wind), UNLIMITED
+    else:
+        if deflection_limit is None:
+            raise InputError("deflection_limit must be given for an autopilot with a sample_rate")
+        limit = number("deflection_limit", deflection_limit, small_angle("a deflection", positive))
+        made, f = _sampled(along, wind, np.array([limit]), np.array([max_rate]), track=True)
+        times, rows, rates = _tracked(along, f, limit)
+        status = str(made.status[0])
+    outputs = _outputs(along, wind, times, rows, rates, slopes)
+    units = {name: _UNITS.get(name, "") for name in outputs}
+    return FlightAlong(times, outputs, units, status)
+
+
+_UNITS = {
+    **dict.fromkeys(("wind", "attitude", "flight_path_angle", "angle_of_attack"), "rad"),
+    **{"attitude_rate": "rad/s", "deflection": "rad", "deflection_rate": "rad/s"},
+    **{"drift": "m", "q_alpha": "Pa rad", "bending_moment": "N m"},
+}
+"""SI units of the outputs; displacements of modes and tanks are in their normalisation."""
+
+
+def fly_many_along(
+    flight: FlightSchedule,
+    autopilot: Autopilot | GainSchedule,
+    wind: History,
+    *,
+    deflection_limit: ArrayLike,
+    rate_limit: ArrayLike = np.inf,
+    start: float | None = None,
+    stop: float | None = None,
+    model: str = DEFAULT_MODEL,
+    plane: str = "pitch",
+) -> FlownCases:
+    """Return the outcomes of many flights of a sampled autopilot along one flight.
+
+    Parameters
+    ----------
+    flight, autopilot, start, stop, model, plane
+        Same as in `fly_along`; the autopilot has a sample rate.
+    wind : History
+        One wind or a batch, over the time of flight.
+    deflection_limit, rate_limit : array_like
+        Deflection limits [rad] and rate limits [rad/s], positive; they broadcast with the winds.
+
+    Returns
+    -------
+    FlownCases
+        Peaks at samples and outcomes, of the shape of winds and limits.
+
+    Raises
+    ------
+    InputError
+        Same as `fly_along`.
+    """
+    along = _checked(flight, autopilot, wind, start, stop, model, plane)
+    if along.law.sample_rate is None:
+        raise InputError("many flights need samples: give the autopilot a sample_rate")
+    limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
+    rate = numbers("rate_limit", rate_limit)
+    if not np.all(rate > 0.0):
+        raise InputError("rate_limit must be positive")
+    shape = broadcast(wind=wind.batch, deflection_limit=limit.shape, rate_limit=rate.shape)
+    count = int(np.prod(shape))
+    if not count:
+        raise InputError("there must be a wind and a limit or more; got none")
+    winds = wind.cases(
+        np.broadcast_to(np.arange(int(np.prod(wind.batch))).reshape(wind.batch), shape).ravel(),
+        wind.batch,
+    )
+    limits, rates = (np.array(np.broadcast_to(a, shape)).ravel() for a in (limit, rate))
+    made, _ = _sampled(along, winds, limits, rates)
+    return replace(
+        made, **{name: getattr(made, name).reshape(shape) for name in made.__dataclass_fields__}
+    )
+
+
+def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
+    """Return the slope of a moment [N m/rad] at the times of a flight, ``(n,)``."""
+    array = finite(name, value, "N m/rad")
+    if array.shape not in {(), flight.times.shape}:
+        raise InputError(
+            f"{name} must be one number or one for each of the {flight.times.size} times; got shape"
+            f" {array.shape}"
+        )
+    return np.broadcast_to(array, flight.times.shape)
+
+
+def _checked(
+    flight: FlightSchedule,
+    autopilot: Autopilot | GainSchedule,
+    wind: History,
+    start: float | None,
+    stop: float | None,
+    model: str,
+    plane: str,
+) -> _Along:
+    """Return the checked arguments of a flight."""
+    instance("flight", flight, FlightSchedule, "see load_schedule")
+    instance("wind", wind, History, "such as TriangularWind")
+    part = flight.between(start, stop)
+    along = _Along(flight, autopilot, model, plane, *part.span)
+    if not isinstance(autopilot, GainSchedule):
+        instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
+        if autopilot.batch:
+            raise InputError("autopilot must be one autopilot for all times, or a GainSchedule")
+    if np.unique(along.law.delay).size > 1 or np.ndim(along.law.sample_rate or 0.0):
+        raise InputError("delay and sample_rate must be the same along the flight")
+    return along
+
+
+def _sampled(
+    along: _Along, wind: History, limit: FloatArray, rate_limit: FloatArray, *, track: bool = False
+) -> tuple[FlownCases, Flights]:
+    """Return the outcomes of sampled flights ``(m,)``, and their arrays at their ends."""
+    law = along.law
+    actuator = along.loops(np.array([along.start]))[1].actuator
+    rate = float(np.asarray(law.sample_rate))
+    check_sample_rates(rate, actuator)
+    check_delays(np.unique(law.delay)[0], np.array(1.0 / rate))
+    check_samples(along.stop - along.start, 1.0 / rate)
+    loops: Loops = along.loops
+    stages = stages_of(loops, along.start, along.stop, rate, rate_limit)
+    winds = wind if wind.batch else wind.cases(np.zeros(1, np.int64), ())
+    batch = stages.batch(winds, limit)
+    f = stages.flights(batch, track=track)
+    finish(f, batch.laws)
+    return flown_cases(f, np.ones(limit.size, bool), unstable_loops(batch, f)), f
+
+
+def _tracked(along: _Along, f: Flights, limit: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return times ``(n,)``, states and deflection ``(n, states + 1)``, and deflection rates."""
+    per_sample, order = int(f.steps.substeps[0].sum()), f.now.y.shape[1]
+    y = np.concatenate([f.track[::per_sample, :order], f.now.y])
+    count, n = len(y), f.vehicles.A.shape[1]
+    samples = np.arange(count, dtype=float)
+    times: FloatArray = float(f.cases.start[0]) + float(f.steps.lengths[0, 0]) * samples
+    deflection = np.clip(y[:, n], -limit, limit)
+    rates = y[:, n + 1] if order > n + 1 else np.gradient(deflection, times)
+    return times, np.column_stack([y[:, :n], deflection]), rates
+
+
+def _continuous(along: _Along, wind: History) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return times, states with the deflection, and deflection rates of a continuous loop.
+
+    Steps end at the knots of the wind and at the times of the data.
+    """
+    flight, schedule = along.flight, along.autopilot
+    knots, pieces = (array[0] for array in polynomial_pieces(wind))
+    breaks = [flight.times, knots]
+    if flight.structure is not None:
+        breaks.append(flight.structure.times)
+    if isinstance(schedule, GainSchedule) and schedule.variable == "time":
+        breaks.append(schedule.breakpoints)
+    inner = np.concatenate(breaks)
+    inner = inner[(inner > along.start) & (inner < along.stop)]
+    count = int(np.ceil((along.stop - along.start) / _CONTINUOUS_STEP - 1e-9))
+    check_samples(along.stop - along.start, _CONTINUOUS_STEP)
+    times = np.unique(np.concatenate([np.linspace(along.start, along.stop, count + 1), inner]))
+    times = times[np.append(True, np.diff(times) > 1e-9 * max(abs(along.stop), 1.0))]
+    lengths, terms = np.diff(times), pieces.shape[1]
+    systems = []
+    for node in GAUSS_NODES:
+        plants, laws = along.loops(times[:-1] + node * lengths)
+        loop = closed_loop(replace(laws, delay=float(np.unique(laws.delay)[0])), plants)
+        systems.append(connect([loop, polynomial_input("wind", terms)], (), ()))
+    steps = constant_over_steps(systems[0], systems[1], lengths).to_steps(lengths).A
+    order = steps.shape[-1] - terms
+    index = np.searchsorted(knots, times[:-1] + 1e-12, side="right") - 1
+    local = np.array(
+        [_shifted(pieces, knots, int(j), t) for j, t in zip(index, times, strict=False)]
+    )
+    forced = (steps[:, :order, order:] @ local[..., np.newaxis])[..., 0]
+    states = np.zeros((times.size, order))
+    for k in range(lengths.size):
+        states[k + 1] = steps[k, :order, :order] @ states[k] + forced[k]
+    if not np.all(np.isfinite(states)):
+        raise InputError("the motion grows beyond all numbers; the loop is not stable")
+    plants, laws = along.loops(times)
+    loop = closed_loop(replace(laws, delay=float(np.unique(laws.delay)[0])), plants)
+    row = loop.select(("wind",), ("deflection",))
+    C, D = (np.broadcast_to(m, (times.size, 1, m.shape[-1]))[:, 0] for m in (row.C, row.D))
+    gust = np.asarray(wind(times))
+    deflection = np.sum(C * states, axis=1) + D[:, 0] * gust
+    n = len(plants.states)
+    if laws.actuator is not None and laws.actuator.damping is not None:
+        rates = states[:, loop.states.index("actuator_rate")]
+    else:
+        rates = np.gradient(deflection, times)
+    return times.astype(float), np.column_stack([states[:, :n], deflection]), rates
+
+
+def _shifted(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> FloatArray:
+    """Return the derivatives of the j-th piece of a wind at a time [s]; zeros before the first."""
+    if j < 0:
+        return np.zeros(pieces.shape[1])
+    polynomial, values = np.polynomial.Polynomial(pieces[j]), []
+    for k in range(pieces.shape[1]):
+        values.append(polynomial.deriv(k)(time - knots[j]) / factorial(k))
+    return np.array(values)
+
+
+def _outputs(
+    along: _Along,
+    wind: History,
+    times: FloatArray,
+    rows: FloatArray,
+    rates: FloatArray,
+    slopes: dict[str, FloatArray],
+) -> dict[str, FloatArray]:
+    """Return the outputs of a flight by name, ``(n,)``.
+
+    `rows`: states of the plant and deflection. `rates`: deflection rates [rad/s].
+    """
+    flight, inside = along.flight, np.clip(times, along.start, along.stop)
+    plants = along.loops(inside)[0]
+    gust = np.asarray(wind(times), float)
+    states, deflection = rows[:, : len(plants.states)], rows[:, -1]
+    _, _, C, D = plants.matrices()
+    drives = np.column_stack([deflection, gust])
+    values = (C @ states[..., np.newaxis])[..., 0] + (D[..., :2] @ drives[..., np.newaxis])[..., 0]
+    by_name = dict(zip(plants.outputs, values.T, strict=True))
+    outputs: dict[str, FloatArray] = {"wind": gust}
+    for name in ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack"):
+        if name in by_name:
+            outputs[name] = by_name[name]
+    outputs |= {"deflection": deflection, "deflection_rate": rates}
+    if "flight_path_angle" in outputs:
+        speed = flight_variable(flight, "speed", inside) * outputs["flight_path_angle"]
+        steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(times)
+        outputs["drift"] = np.concatenate([[0.0], np.cumsum(steps)])
+    if flight.altitude is not None:
+        pressure = flight_variable(flight, "dynamic_pressure", inside)
+        outputs["q_alpha"] = pressure * outputs["angle_of_attack"]
+    if "alpha_moment" in slopes:
+        on_alpha, on_deflection = (
+            np.interp(inside, flight.times, slopes[name])
+            for name in ("alpha_moment", "deflection_moment")
+        )
+        moment = on_alpha * outputs["angle_of_attack"] + on_deflection * deflection
+        outputs["bending_moment"] = moment
+    if flight.structure is not None:
+        counts = {"bending": flight.structure.modes, "slosh": flight.structure.tanks}
+        for kind, names in counts.items():
+            for k, name in enumerate(names, start=1):
+                outputs[name] = states[:, plants.states.index(f"{kind}_{k}")]
+    return outputs
