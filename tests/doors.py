@@ -27,6 +27,7 @@ from tvclin.requirement.flight.total import Line
 SOUNDINGS = Path(__file__).parent / "soundings"
 
 ANSWERS = {
+    "DeflectionUse",
     "FlightAlong",
     "Largest",
     "EqualValues",
@@ -822,6 +823,14 @@ def doors(folder: Path) -> dict[str, Door]:
                 "stop": 70.0,
                 "model": "drift-exact",
                 "plane": "pitch",
+            },
+        ),
+        "deflection_use": Door(
+            tv.requirement.deflection_use,
+            {
+                "sizing": sizing,
+                "flown": tv.flights.fly_along(schedule, autopilot, sampled, start=55.0, stop=75.0),
+                "limit": 0.02,
             },
         ),
         "equal_values": Door(

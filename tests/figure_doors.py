@@ -189,6 +189,15 @@ def figures(folder: Path) -> dict[str, Door]:
             lambda plot, path: plots.save_figure(plots.sketch_a() if plot is GOOD else plot, path),
             {"plot": GOOD, "path": folder / "a.svg"},
         ),
+        "deflection_use_chart": Door(
+            plots.deflection_use_chart,
+            {
+                "use": tv.requirement.deflection_use(
+                    sizing, tv.flights.fly_along(schedule, lagging, wind.shift(62.0)), 0.02
+                ),
+                "name": "made up",
+            },
+        ),
         "sweep_chart": Door(
             plots.sweep_chart,
             {

@@ -17,6 +17,7 @@ from .frequency_response import bode_chart as bode_chart
 from .frequency_response import nichols_chart as nichols_chart
 from .frequency_response import nyquist_chart as nyquist_chart
 from .requirements import availability_chart as availability_chart
+from .requirements import deflection_use_chart as deflection_use_chart
 from .requirements import sizing_chart as sizing_chart
 from .responses import attitude_chart as attitude_chart
 from .responses import figure_3 as figure_3

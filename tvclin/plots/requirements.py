@@ -10,6 +10,7 @@ from tvclin.base.lines import plural
 from tvclin.ensembles.availability.availability_record import Availability
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
+from tvclin.requirement.flight.deflection_use import DeflectionUse
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.vehicle.coefficients import PLANE_TEXTS
@@ -82,6 +83,30 @@ def _styles(sizing: Sizing) -> dict[str, Style]:
             style |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
         styles[requirement.label] = style
     return styles
+
+
+def deflection_use_chart(use: DeflectionUse, name: str = "") -> "ControlPlot":
+    """Draw required, used and remaining deflection over the flight time, and the limit.
+
+    Parameters
+    ----------
+    use : DeflectionUse
+        Deflections by flight time, see `deflection_use`.
+    name : str
+        Name of the vehicle.
+    """
+    instance("use", use, DeflectionUse, "see deflection_use")
+    rows = {**use.required, "used": use.used, "remaining": use.remaining}
+    columns = [Column(label, np.degrees(values), "deg") for label, values in rows.items()]
+    columns.append(Column(_LIMIT, np.full(use.times.size, np.degrees(use.limit)), "deg"))
+    styles: dict[str, Style] = {
+        label: {"color": colour, "lw": 1.6, "ls": line}
+        for label, colour, line in zip(rows, cycle(_COLOURS), cycle(LINES), strict=False)
+    }
+    styles |= {"used": {"color": INK, "lw": 2.0}, _LIMIT: {"color": WARM, "lw": 1.4}}
+    words = "required, used and remaining deflection"
+    curves = Curves("deflection-use", words, "flight time [s]", use.times, tuple(columns))
+    return draw(curves, Look(called(name, words), "deflection [deg]", styles))
 
 
 _LIMITS = 121

@@ -1,0 +1,31 @@
+"""Required, used and remaining deflection by flight time."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tests.whole_flight import autopilot, flight
+from tvclin import InputError
+
+
+def test_what_remains_is_the_limit_minus_the_largest_of_what_is_required_and_used() -> None:
+    made = flight(flexible=False)
+    gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0)
+    sizing = tv.size(made, gust, times=[45.0, 55.0, 65.0])
+    flown = tv.flights.fly_along(made, autopilot(), gust.shift(52.0), start=50.0, stop=80.0)
+    use = tv.requirement.deflection_use(sizing, flown, 0.05)
+    assert np.isnan(use.used[0])
+    assert np.isnan(use.remaining[0])
+    sizes, times = np.abs(flown.outputs["deflection"]), flown.times
+    assert use.used[1] == sizes[times < 60.0].max()
+    assert use.used[2] == sizes[times >= 60.0].max()
+    for k in (1, 2):
+        largest = max(use.used[k], *(sizing.at_times(r)[k] for r in sizing.required))
+        assert use.remaining[k] == 0.05 - largest
+    assert use.table().head[-2:] == ("used", "remaining")
+    curves = tv.plots.curves_of(tv.plots.deflection_use_chart(use))
+    np.testing.assert_array_equal(curves.column("used")[1:], np.degrees(use.used[1:]))
+    assert len(use.to_csv().splitlines()) == 4
+    one = tv.size(made, gust, times=[55.0])
+    with pytest.raises(InputError, match="two or more flight times; got 1"):
+        tv.requirement.deflection_use(one, flown, 0.05)

@@ -1,0 +1,100 @@
+"""Required, used and remaining deflection by flight time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import table
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.fields import spec
+from tvclin.base.lines import Line, Table, degrees, significant
+from tvclin.flights.closed_loop.fly_along import FlightAlong
+from tvclin.requirement.flight.sizing import Sizing
+
+
+@dataclass(frozen=True, eq=False)
+class DeflectionUse(Tabled):
+    """Deflections by flight time: required, lower bounds, used by an autopilot, and remaining.
+
+    Attributes
+    ----------
+    times : ndarray
+        Flight times of the sizing [s], rising, ``(n,)``.
+    required : dict of str to ndarray
+        Requirements and lower bounds [rad] by their labels, the worst wind at each time, ``(n,)``.
+    used : ndarray
+        Largest deflection [rad] of the flight from the middle between two times to the next,
+        ``(n,)``; NaN where it does not fly.
+    remaining : ndarray
+        Available deflection [rad] minus the largest of these, ``(n,)``; NaN where one is not known.
+    limit : float
+        Available deflection [rad].
+    """
+
+    times: FloatArray = field(metadata=spec("time"))
+    required: dict[str, FloatArray]
+    used: FloatArray = field(metadata=spec("angle"))
+    remaining: FloatArray = field(metadata=spec("angle"))
+    limit: float = field(metadata=spec("angle"))
+
+    def table(self) -> Table:
+        """Return the table of all times, in degrees."""
+        values = {**self.required, "used": self.used, "remaining": self.remaining}
+        rows: list[tuple[Line, ...]] = [
+            (
+                significant(f"use.{k}.time", time),
+                *(degrees(f"use.{k}.{name}", column[k]) for name, column in values.items()),
+            )
+            for k, time in enumerate(self.times)
+        ]
+        return Table("Deflection by flight time, in deg", ("time [s]", *values), tuple(rows))
+
+    def _repr_html_(self) -> str:
+        return table(self.table())
+
+    def _columns(self) -> Columns:
+        columns = [
+            Column(f"required_{label.replace(' ', '_')}", values, "rad")
+            for label, values in self.required.items()
+        ]
+        columns += [Column(name, getattr(self, name), "rad") for name in ("used", "remaining")]
+        return Columns((Column("time", self.times, "s"),), tuple(columns), {"limit": self.limit})
+
+
+def deflection_use(sizing: Sizing, flown: FlightAlong, limit: float) -> DeflectionUse:
+    """Return required, used and remaining deflection by flight time.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        Requirements at two or more flight times.
+    flown : FlightAlong
+        Flight of an autopilot through the wind.
+    limit : float
+        Available deflection [rad], within 90 degrees.
+
+    Raises
+    ------
+    InputError
+        For a sizing of one flight time, and a limit out of range.
+    """
+    instance("sizing", sizing, Sizing, "see size")
+    instance("flown", flown, FlightAlong, "see fly_along")
+    available = number("limit", limit, small_angle("a deflection", positive), "rad")
+    if sizing.times.size < 2:
+        raise InputError("deflections over the flight need two or more flight times; got 1")
+    order = np.argsort(sizing.times)
+    times = sizing.times[order]
+    required = {r.label: sizing.at_times(r)[order] for r in sizing.required}
+    edges = np.concatenate([[-np.inf], 0.5 * (times[1:] + times[:-1]), [np.inf]])
+    sizes = np.abs(flown.outputs["deflection"])
+    inside = np.searchsorted(edges, flown.times, side="right") - 1
+    used = np.array([sizes[inside == k].max(initial=-np.inf) for k in range(times.size)])
+    within = (times >= flown.times[0]) & (times <= flown.times[-1])
+    used = np.where(within & np.isfinite(used), used, np.nan)
+    largest = np.max([*required.values(), used], axis=0)  # NaN where one is not known
+    return DeflectionUse(times, required, used, available - largest, available)
