@@ -825,6 +825,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plane": "pitch",
             },
         ),
+        "FlightAlong.largest": Door(
+            tv.flights.fly_along(schedule, autopilot, sampled, start=55.0, stop=75.0).largest,
+            {"output": "attitude"},
+        ),
         "deflection_use": Door(
             tv.requirement.deflection_use,
             {
