@@ -519,7 +519,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "AvailabilityRequest.availability": Door(
-            days_asked.availability, {"case": study.case, "progress": None}
+            days_asked.availability, {"case": study.case, "azimuth": None, "progress": None}
         ),
         "BangBang": Door(
             tv.linear.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}
@@ -887,6 +887,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 **lateral,
                 "delay": 0.0,
                 "crossover": 5.0,
+                "minimum": "peak",
+                "sudden_ends": 1,
                 "filters": (notch,),
                 "attitude_filters": (notch,),
                 "rate_filters": (notch,),
@@ -990,7 +992,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Nozzle,
             {
                 "limit": 0.01,
-                "stop": "square",
+                "limit_shape": "square",
                 "rate_limit": 0.2,
                 "actuator": tv.Actuator(),
                 "data": hinge,

@@ -122,7 +122,7 @@ def test_systems_of_python_control_have_the_same_margins(model):
         (lambda: Loop.from_system(control.frd([1, 2], [1, 2])), "a loop must be a control.State"),
         (lambda: Loop.from_system(1.0), "whose poles are known; got a float"),
         (lambda: Loop.from_system(control.ss(-np.eye(2), np.eye(2), np.eye(2), 0)), "one input"),
-        (lambda: Loop.from_system(control.tf([1], [1, 1], 0.1)), "in continuous time"),
+        (lambda: Loop.from_system(control.tf([1], [1, 1], 0.1)), "a pole at z = -1"),
         (lambda: Loop.from_system(control.tf([1, 0], [1, 1])), "an algebraic loop: .* actuator"),
         (lambda: Loop.from_system(control.tf([1], [1, 1]), -0.1), "delay must be zero or positive"),
         (lambda: Loop([1], [1, 1], -0.1), "delay must be zero or positive; got -0.1 s"),

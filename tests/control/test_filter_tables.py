@@ -166,7 +166,7 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
     poles = document["closed_loop_poles" if rate is None else "closed_loop_poles_z"]
     values = [complex(p["real"], p["imag"]) for p in poles]
     assert max(abs(z) for z in values) < 1 if rate else max(s.real for s in values) < 0
-    shown = margins(*FILTERS, *sampled).output
+    shown = margins(*FILTERS, *sampled, "--more").output
     assert re.search(r"behind the sum, 1 +32.044 rad/s, +32.044 rad/s, damping +1 at rest", shown)
     assert re.search(r"behind the sum, 2 +none +13.195 rad/s, damping +1 at rest", shown)
     assert ("25 Hz" in shown) == (rate is not None)

@@ -49,10 +49,9 @@ def check_refused(result: Result) -> str:
         ("init", "--study", f"{LONG}/my.toml"),
         ("respond", "--csv", LONG),
         ("respond", "--plot", f"{LONG}.png"),
-        ("campaign", "init", LONG),
-        ("campaign", "run", LONG, "-o", "results"),
-        ("campaign", "show", LONG),
-        ("campaign", "resume", LONG),
+        ("init", "--campaign", LONG),
+        ("disperse", LONG, "-o", "results"),
+        ("disperse", LONG),
     ],
 )
 def test_a_name_longer_than_the_file_system_takes_is_one_sentence(arguments) -> None:
@@ -78,7 +77,7 @@ def test_a_campaign_needs_a_folder_that_can_be(tmp_path: Path) -> None:
     spread = '[[dispersion]]\nparameter = "thrust"\nshape = "uniform"\nspread_percent = 1\n'
     file.write_text(f"{CAMPAIGN}\n{spread}")
 
-    check_refused(run("campaign", "run", file, "-o", tmp_path / LONG))
+    check_refused(run("disperse", file, "-o", tmp_path / LONG))
 
 
 @pytest.mark.parametrize("name", [LONG, "a\\u0000b"])
@@ -134,9 +133,9 @@ def test_no_number_and_no_nesting_is_a_traceback(tmp_path: Path, text: str, said
 @pytest.mark.parametrize(
     ("command", "text"),
     [
-        ("campaign run", f'{CAMPAIGN}[outputs]\nnames = [["boundary"]]\n'),
-        ("campaign run", f"{CAMPAIGN}[outputs]\ndead_bands = [[1.0]]\n"),
-        ("campaign run", f'{CAMPAIGN}[[dispersion]]\nparameter = ["thrust"]\npercent = 1\n'),
+        ("disperse", f'{CAMPAIGN}[outputs]\nnames = [["boundary"]]\n'),
+        ("disperse", f"{CAMPAIGN}[outputs]\ndead_bands = [[1.0]]\n"),
+        ("disperse", f'{CAMPAIGN}[[dispersion]]\nparameter = ["thrust"]\npercent = 1\n'),
         ("study", f'{STUDY}[laws]\nnames = [["trim"]]\n'),
         ("study", f"{STUDY}[laws]\nwinds = [{{a = 1}}]\n"),
     ],
@@ -144,7 +143,7 @@ def test_no_number_and_no_nesting_is_a_traceback(tmp_path: Path, text: str, said
 def test_a_list_where_a_name_belongs_is_one_sentence(tmp_path, command, text) -> None:
     file = tmp_path / "my.toml"
     file.write_text(text)
-    where = ["-o", tmp_path / "results"] if command == "campaign run" else []
+    where = ["-o", tmp_path / "results"] if command == "disperse" else []
 
     check_refused(run(*command.split(), file, *where))
 

@@ -1,4 +1,4 @@
-from .flight_variable import flight_variable as flight_variable
+from .flight_variables import flight_variable as flight_variable
 from .importers.column_map import read_table as read_table
 from .importers.openrocket import read_openrocket as read_openrocket
 from .importers.rasaero import read_rasaero as read_rasaero

@@ -19,9 +19,11 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, print_answer, print_tables
 from tvclin.cli.trade_offs import over_load, over_rate
+from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.requirement.case_requirement import study_requirement
 from tvclin.studyfile.read import vehicle_source
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import is_schedule
 
@@ -75,23 +77,8 @@ def _print_in_a_wind(
     shown: ShownCurves,
 ) -> None:
     """Print the deflection over rate or load in the wind of a case."""
-    names, question = options.names, "nozzle" if over == RATE else f"nozzle --over {over}"
-    options.times.only_with(f"--over {FLIGHT}")
-    if options.planes.plane == BOTH:
-        raise InputError(f"--plane {BOTH} needs tvclin nozzle --over {FLIGHT}")
-    if AUTOPILOT not in names and not options.laws:
-        FlownLaw().only_with_autopilot(vehicle)
-    winds = options.winds.at_one_time(vehicle)
-    groups = (options.limits, options.load, options.model, options.planes, options.dead_band)
-    case = case_of(
-        vehicle,
-        *(group.over for group in groups),
-        wind=winds.over,
-        told=(question,),
-        time=time,
-    )
-    if not names and not options.laws:
-        note_left_out(case, f"{question} without --law")
+    winds, names = options.winds.at_one_time(vehicle), options.names
+    case = _case_in_a_wind(vehicle, over, time, options, winds)
     title, required = winds.title(case, vehicle), study_requirement(case, case.dead_band)
     result = (
         over_rate(case, title, names, options.laws)
@@ -112,3 +99,21 @@ def _print_in_a_wind(
         ),
         result.satisfied,
     )
+
+
+def _case_in_a_wind(
+    vehicle: str, over: str, time: float | None, options: NozzleOptions, winds: WindOptions
+) -> StudyPlan:
+    """Return the case of a trade-off in one wind; `InputError` for options of a flight."""
+    question = "nozzle" if over == RATE else f"nozzle --over {over}"
+    options.times.only_with(f"--over {FLIGHT}")
+    if options.planes.plane == BOTH:
+        raise InputError(f"--plane {BOTH} needs tvclin nozzle --over {FLIGHT}")
+    if AUTOPILOT not in options.names and not options.laws:
+        FlownLaw().only_with_autopilot(vehicle)
+    groups = (options.limits, options.load, options.model, options.planes, options.dead_band)
+    changes = [group.over for group in groups]
+    case = case_of(vehicle, *changes, wind=winds.over, told=(question,), time=time)
+    if not options.names and not options.laws:
+        note_left_out(case, f"{question} without --law")
+    return case

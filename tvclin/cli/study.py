@@ -131,30 +131,36 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     days = () if findings.availability is None else findings.availability.notes
     of_all = (*nominal_notes(findings), *loop_notes(findings), *days)
 
-    def details() -> None:
-        """Print the vehicle, its poles, the boundaries, dispersions and turbulence."""
-        say("")
-        print_tables(tables.vehicle(s, source, numbers_as_written(source)), tables.coefficients(s))
-        print_tables(tables.poles(s))
-        if several:
-            print_tables(tables.boundaries(s))
-            say(wind)
-        say(tables.LEGEND)
-        if findings.dispersed is not None:
-            print_tables(*findings.dispersed.tables())
-            say(findings.dispersed.spreads)
-        if findings.turbulence is not None:
-            print_tables(*findings.turbulence.tables())
-
     print_answer(
         f"verdict: {overall(findings)}" if several else wind,
         questions_table(findings) if several else tables.boundaries(s),
         notes=(*of_all, *s.notes) if several else (*s.notes, *of_all),
         more=more,
-        details=details,
+        details=lambda: _print_details(findings, source, wind if several else ""),
     )
     if explain:
         from tvclin.studyfile.glossary import quantity_table, symbol_table
 
         say("")
         print_tables(symbol_table(), quantity_table())
+
+
+def _print_details(findings: Findings, source: str, wind: str) -> None:
+    """Print the vehicle, its poles, dispersions and turbulence.
+
+    `wind`: the verdict on the wind, which stands below the boundaries; empty where they are the
+    answer.
+    """
+    s = findings.study
+    say("")
+    print_tables(tables.vehicle(s, source, numbers_as_written(source)), tables.coefficients(s))
+    print_tables(tables.poles(s))
+    if wind:
+        print_tables(tables.boundaries(s))
+        say(wind)
+    say(tables.LEGEND)
+    if findings.dispersed is not None:
+        print_tables(*findings.dispersed.tables())
+        say(findings.dispersed.spreads)
+    if findings.turbulence is not None:
+        print_tables(*findings.turbulence.tables())

@@ -1,12 +1,12 @@
 """What commands the deflection: autopilot, margins, laws, and how they compare with trim.
 
-- A loop: `Autopilot`, its `Actuator`; over flight times `GainSchedule`; of a state space
-  `SystemAutopilot`.
+- A loop: `Autopilot`, its `Actuator`; over a flight `GainSchedule`, with a `ModeNotch`, and
+  the times of `equal_values`; of a state space `SystemAutopilot`.
 - Gains: `design_gains`, `canonical_gains`, `half_relief_gains`, `relief_gains`,
   `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`, `drift_gains`; by a rule of a file
   `AutopilotDesign`; the `steady_drift` of any.
 - Margins: `Autopilot.margins`, `loop_margins` of any `Loop`, their `margin_bounds`, with modes
-  `detuned`; what is asked of them: `Criteria`, `CRITERIA`.
+  `detuned`, over a flight their `sweep`; what is asked of them: `Criteria`, `CRITERIA`.
 - Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, of a state
   space `SystemLaw`, without a vane `AccelerometerLaw`, and around them `FilteredLaw`,
   `EstimatedLaw` with a `WindEstimator`; by name `design_law`; your own: `Law`.

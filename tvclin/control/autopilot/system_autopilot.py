@@ -104,7 +104,7 @@ class SystemAutopilot(Autopilot):
             rate = 1.0 / float(system.period)
             if self.sample_rate is None:
                 object.__setattr__(self, "sample_rate", rate)
-            elif abs(np.max(np.abs(np.asarray(self.sample_rate) / rate - 1.0))) > _RELATIVE_RATE:
+            elif np.any(np.abs(np.asarray(self.sample_rate) / rate - 1.0) > _RELATIVE_RATE):
                 raise InputError(
                     f"sample_rate must be that of the controller, {rate:.6g} Hz; got"
                     f" {np.ravel(self.sample_rate)[0]:.6g} Hz"
