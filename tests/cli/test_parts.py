@@ -102,12 +102,13 @@ OTHERWISE = {
     ("ascent", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["ascent"]),
     ("nozzle --over load", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("ascent", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
+    ("ascent", "sign that counts"): (*BASE["ascent"], *KEYS["sign that counts"]),
     ("ascent", "gust"): ("--set", "gust.peak_deg=1.5", "--set", "gust.duration_s=1"),
     **{
         ("availability", part): (*BASE["availability"], "--set", "study.sign=frozen")
         for part in ("head wind", "sign that counts")
     },
-    ("availability", "gust"): (*BASE["availability"], "--gust", 1.5, 1.0),
+    ("availability", "gust"): (*BASE["availability"], *VALUES["gust"]),
     ("availability", "rate limit"): (*BASE["availability"], "--rate-limit-deg", 0.2),
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
     ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 45),

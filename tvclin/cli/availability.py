@@ -95,8 +95,6 @@ def availability(
     Exit code 0: some soundings were judged; with --today: the limit is sufficient for that balloon,
     in every direction; 1: it is not, or that is not known; 2: bad input.
     """
-    from tvclin import plots
-
     note_source(source, "availability")
     azimuths = azimuth and np.radians(within("--azimuth-deg", azimuth, -360.0, 360.0))
     keys: dict[str, Any] = {
@@ -109,41 +107,47 @@ def availability(
         "study.model": model.values.get("model"),
     }
     with waiting("reading"):
-        plan = _plan(
-            source, {key: value for key, value in keys.items() if value is not None and value != []}
-        )
+        plan = _plan(source, keys)
         balloon = None if today is None else plan.reading.profile(today)
     assert plan.availability is not None
-    request = plan.availability
-    request = replace(request, flight=request.flight.between(times.begin, times.end))
+    flight = plan.availability.flight.between(times.begin, times.end)
+    request = replace(plan.availability, flight=flight)
     for note in () if balloon is None else balloon.notes:
         say(f"Note: {called(today)}: {note}.", err=True)
     with bar("soundings") as progress:
-        result = request.availability(
-            plan, progress, np.atleast_1d(request.azimuth if azimuths is None else azimuths)
-        )
+        towards = np.atleast_1d(request.azimuth if azimuths is None else azimuths)
+        result = request.availability(plan, progress, towards)
     judged = () if balloon is None else result.today(balloon)
-    if csv is not None:
-        result.to_csv(csv)
-    draw(plot, lambda: plots.availability_chart(result, source))
-    any_judged = any(share.judged for share in result.fraction())
-    yes = all(day.go for day in judged) if judged else any_judged
+    _write(result, source, csv, plot)
     answer(
         as_json,
         lambda: _document(result, judged),
         lambda: _print(result, judged, source, more),
-        yes,
+        all(day.go for day in judged) if judged else any(s.judged for s in result.fraction()),
     )
 
 
+def _write(result: Availability, source: str, csv: Path | None, plot: Path | None) -> None:
+    """Write every sounding into a CSV file, and draw the figure, where there are such files."""
+    from tvclin import plots
+
+    if csv is not None:
+        result.to_csv(csv)
+    draw(plot, lambda: plots.availability_chart(result, source))
+
+
 def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
-    """Return the plan of a source with keys set; `InputError` without an archive or a limit."""
+    """Return the plan of a source with the keys that have a value.
+
+    `InputError` without an archive or a limit.
+    """
+    given = {key: value for key, value in keys.items() if value is not None and value != []}
     missing = {"availability.archive": "a STATION", "availability.azimuth_deg": "--azimuth-deg"}
     named = source_tables(source).get("availability", {})
     for key, name in missing.items():
-        if key not in keys and not any(k.startswith(key.split(".")[1][:7]) for k in named):
+        if key not in given and not any(k.startswith(key.split(".")[1][:7]) for k in named):
             raise InputError(f"availability needs {name}, or a file with [availability]")
-    edited = with_settings(source, [(key, f"{value}") for key, value in keys.items()])
+    edited = with_settings(source, [(key, f"{value}") for key, value in given.items()])
     plan = load_sizing(edited) if is_flight_with_keys(edited) else load_study(edited)
     if plan.nozzle.limit is None:
         raise InputError("availability is judged for a limit: give --limit-deg")
@@ -169,28 +173,26 @@ def _print(result: Availability, launch: tuple[Today, ...], source: str, more: b
         for azimuth, day in zip(azimuths, launch, strict=False)
     ]
 
-    def details() -> None:
-        """Print what the flight is, the archive, the limits by fraction, and what is judged."""
-        name = result.judge.flight.vehicle.name or source
-        begin, end = result.judged_in_all
-        print_tables(answer_tables.placard(result))
-        say(f"{name}, {result.model}, {PLANE_TEXTS[result.plane]}: {result.soundings!r}")
-        say(
-            f"Judged from {begin:.4g} to {end:.4g} s of the flight."
-            f" {answer_tables.interval(result)}"
-        )
-        say(
-            "A sounding that reaches its limit more than once is judged for this limit alone:"
-            " lower_deg and upper_deg of the CSV bracket its requirement; required_deg is the lower"
-            " of them, and empty where this limit is not judged."
-        )
-
     print_answer(
         "\n".join([*verdicts, f"{limit}, {shares[0]}", *shares[1:]]),
         answer_tables.by_month(result),
         notes=result.notes,
         more=more,
-        details=details,
+        details=lambda: _print_details(result, source),
+    )
+
+
+def _print_details(result: Availability, source: str) -> None:
+    """Print the limits by fraction of soundings, the flight, the archive, and what is judged."""
+    name = result.judge.flight.vehicle.name or source
+    begin, end = result.judged_in_all
+    print_tables(answer_tables.placard(result))
+    say(f"{name}, {result.model}, {PLANE_TEXTS[result.plane]}: {result.soundings!r}")
+    say(f"Judged from {begin:.4g} to {end:.4g} s of the flight. {answer_tables.interval(result)}")
+    say(
+        "A sounding that reaches its limit more than once is judged for this limit alone:"
+        " lower_deg and upper_deg of the CSV bracket its requirement; required_deg is the lower"
+        " of them, and empty where this limit is not judged."
     )
 
 

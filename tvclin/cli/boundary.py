@@ -104,19 +104,11 @@ def _print_over_duration(
     curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
     draw(shown.plot, lambda: plots.boundary_chart(curve, K.tolist(), coefficients))
     title = f"{name}, {plant.model}, {plane}" if name else "Any vehicle, flight path fixed"
-    document = {
-        "vehicle": name or None,
-        "wind": wind,
-        "model": plant.model,
-        "plane": plane,
-        axis.replace("*", "_"): x,
-        "dead_band": K,
-        "limit": limits.limit,
-        "status": limits.status.tolist(),
-    }
+    case = {"vehicle": name or None, "wind": wind, "model": plant.model, "plane": plane}
+    document = case | {axis.replace("*", "_"): x, "dead_band": K, "limit": limits.limit}
     answer(
         shown.as_json,
-        lambda: document,
+        lambda: document | {"status": limits.status.tolist()},
         lambda: print_answer(
             f"{_largest(axis, x, K, limits.limit)}: boundary limit {NOMINAL}, no verdict",
             limits.table(f"{title}: boundary limit y_BR, {wind} wind", axis, x, K),

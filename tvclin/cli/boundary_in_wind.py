@@ -8,6 +8,7 @@ import typer
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
+from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import answer, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
@@ -42,20 +43,16 @@ def print_in_wind(
     """
     from tvclin import plots
 
-    plant, wind, (start, horizon) = case.plant.rigid, case.history, control
-    start = float(wind.onset) if start is None else start
-    known_wind = KnownWind.of(plant, wind, start, horizon, case.nozzle.rate_limit)
+    plant, wind = case.plant.rigid, case.history
+    begin, horizon = chosen(control[0], float(wind.onset)), control[1]
+    known_wind = KnownWind.of(plant, wind, begin, horizon, case.nozzle.rate_limit)
     shown.write(
         lambda: _curves(plant, known_wind.deflection, wind, title),
         lambda curves: plots.response_chart(curves, f"Minimum-peak control\n{title}"),
     )
-    required, notes = study_requirement(case, case.dead_band), [*linear_notes(float(wind.peak))]
-    by_dead_band = None
-    try:
-        by_dead_band = required_deflection(plant, wind, dead_bands)
-    except InputError as error:
-        notes.append(f"there is no boundary limit: {error}")
-    see = [] if required is None else [required.see_study]
+    required = study_requirement(case, case.dead_band)
+    by_dead_band, notes = _required(plant, wind, dead_bands)
+    verdict = "; ".join([known_wind.verdict, *([required.see_study] if required else [])])
     answer(
         shown.as_json,
         lambda: (
@@ -64,7 +61,7 @@ def print_in_wind(
             | {"boundaries": _document(dead_bands, by_dead_band), "notes": notes}
         ),
         lambda: print_answer(
-            "; ".join([known_wind.verdict, *see]),
+            verdict,
             known_wind.dead_band_table(title, dead_bands, by_dead_band),
             notes=notes,
             more=more,
@@ -74,6 +71,17 @@ def print_in_wind(
     if known_wind.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
+
+
+def _required(
+    plant: Plant, wind: History, dead_bands: FloatArray
+) -> tuple[RequiredDeflection | None, list[str]]:
+    """Return the required deflection of each dead band, None if there is none, and notes."""
+    notes = [*linear_notes(float(wind.peak))]
+    try:
+        return required_deflection(plant, wind, dead_bands), notes
+    except InputError as error:
+        return None, [*notes, f"there is no boundary limit: {error}"]
 
 
 def _document(dead_bands: FloatArray, required: RequiredDeflection | None) -> list[dict[str, Any]]:

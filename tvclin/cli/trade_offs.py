@@ -14,7 +14,7 @@ from tvclin.cli.fly_linear import limited_law
 from tvclin.cli.progress import bar, waiting
 from tvclin.control.laws.registry import LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty
-from tvclin.nozzle.flown_trade_off import flown_trade_offs
+from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement
 from tvclin.studyfile.study_plan import StudyPlan
 
@@ -62,11 +62,7 @@ def over_rate(case: StudyPlan, title: str, names: list[str], every_law: bool) ->
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
         front = rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
-    needed = None
-    if every_law:
-        laws = tuple(LAWS) if case.laws is None else case.laws.names
-        with bar("boundaries") as progress:
-            needed = flown_trade_offs({"": case}, laws=laws, progress=progress)[""]
+    needed = _flown_limits(case) if every_law else None
     drawn, (curve, point) = needed or front, front.tables()
     flown_tables = () if needed is None else needed.tables()
     limited = limit is not None or rate_limit is not None
@@ -87,6 +83,13 @@ def over_rate(case: StudyPlan, title: str, names: list[str], every_law: bool) ->
         curves=lambda: plots.rate_curves(drawn),
         chart=lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
+
+
+def _flown_limits(case: StudyPlan) -> FlownTradeOff:
+    """Return the limits that laws need when flown, at each rate limit."""
+    laws = tuple(LAWS) if case.laws is None else case.laws.names
+    with bar("boundaries") as progress:
+        return flown_trade_offs({"": case}, laws=laws, progress=progress)[""]
 
 
 def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
