@@ -55,8 +55,11 @@ def random_case(rng: np.random.Generator) -> dict[str, Any]:
     return {"vehicle": vehicle, "tables": tables}
 
 
-def options(tables: dict[str, Any]) -> list[str]:
-    """Return the options of a command that say what the tables of a study file do."""
+def options(tables: dict[str, Any], by_keys: tuple[str, ...] = ()) -> list[str]:
+    """Return the options of a command that say what the tables of a study file do.
+
+    `by_keys`: what the command has no option of, so that it is set by its key.
+    """
     names = {
         ("wind", "shape"): "--wind",
         ("wind", "duration_s"): "--duration",
@@ -67,13 +70,17 @@ def options(tables: dict[str, Any]) -> list[str]:
         **{("study", key): "--" + key.replace("_", "-") for key in tables["study"]},
     }
     rows = [
-        [name, str(tables[table][key])]
+        ["--set", f"{table}.{key}={tables[table][key]}"]
+        if key in by_keys
+        else [name, str(tables[table][key])]
         for (table, key), name in names.items()
         if key in tables.get(table, {})
     ]
     if "direction_deg" in tables.get("wind", {}):
         rows.append(["--set", f"wind.direction_deg={tables['wind']['direction_deg']}"])
-    if "gust" in tables:
+    if "gust" in tables and "gust" in by_keys:
+        rows += [["--set", f"gust.{key}={value}"] for key, value in tables["gust"].items()]
+    elif "gust" in tables:
         rows.append(["--gust", *(str(float(value)) for value in tables["gust"].values())])
     return [word for row in rows for word in row]
 
@@ -129,6 +136,7 @@ def test_every_entry_point_says_the_same(seed: int, tmp_path: Path) -> None:
     shared = {key: getattr(one_case, key) for key in ("model", "plane", "sign", "wind", "nozzle")}
     campaign = tv.ensembles.Campaign(vehicle=vehicle, cases=1, dead_bands=(K,), **shared)
     dispersed = nominal(campaign)[f"required_K{K:g}"]
+    given = options(tables, ("sign", "limit_shape", "gust"))
     if "nozzle" in tables:
         given[given.index("--plane") + 1] = "both"
     flight = run("ascent", tmp_path / "flight.csv", "--from", 100, "--to", 100, *given)
