@@ -2,8 +2,10 @@
 
 import control
 import pytest
+from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.cli.app import app
 from tvclin.requirement.autopilot_requirement import at_peak_pressure
 from tvclin.studyfile.campaign_file import load_campaign
 from tvclin.studyfile.findings import find
@@ -112,3 +114,15 @@ def test_the_requirement_of_a_plant_in_a_head_wind_is_not_known(folder):
     assert gains.yes is True
     assert systems.yes is None
     assert "not known with the dynamic pressure at the peak of a head wind" in systems.line[0]
+
+
+def test_commands_take_a_controller_in_steps_or_say_who_does(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    wind = "[wind]\npeak_deg = 5\nduration_s = 7.5\n[nozzle]\nlimit_deg = 1.5\n"
+    (folder / "steps.toml").write_text(f'[study]\nvehicle = "configuration-i"\n{wind}{CONTROLLER}')
+    flown = CliRunner().invoke(app, ["fly", "steps.toml", "--law", "autopilot"])
+    assert flown.exit_code == 0, flown.output
+    assert "Limit 1.5 deg: SUFFICIENT" in flown.stdout
+    refused = CliRunner().invoke(app, ["design", "steps.toml"])
+    assert refused.exit_code == 2
+    assert "tvclin margins judges that" in " ".join(refused.stderr.split())

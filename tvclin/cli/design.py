@@ -171,7 +171,7 @@ def design(
 
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
-    changes = [options.over for options in (timing, motion, least, gains)]
+    changes = [*(options.over for options in (timing, motion, least, gains)), _with_gains]
     told = ("design --box",) if box else ()
     case = case_of(vehicle, *changes, wind=winds.over, told=("design", *told), time=time)
     with waiting("seeking gains"):
@@ -189,6 +189,16 @@ def design(
     with waiting("drawing"):
         draw(shown.plot, result.chart)
     answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.met)
+
+
+def _with_gains(plan: StudyPlan) -> StudyPlan:
+    """Return a plan; `InputError` where a controller in state space stands for gains."""
+    if plan.controller is not None:
+        raise InputError(
+            "design is of gains, and the study has a [controller]: tvclin margins judges that;"
+            " --set controller none designs gains in its place"
+        )
+    return plan
 
 
 def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Iterator[RuleResult]:

@@ -297,7 +297,7 @@ def _worst(compared: TrimComparison, wind: Any) -> WorstDuration | None:
         return None
     return worst_duration(
         compared.plant,
-        replace(compared.autopilot, sample_rate=None),
+        compared.autopilot.continuous,
         peak=wind.peak,
         shortest=_MIN_DURATION_RATIO * wind.duration,
         longest=_MAX_DURATION_RATIO * wind.duration,
