@@ -75,7 +75,7 @@ class FlightOptions(PulseOptions):
         return requests
 
     def at_one_time(self, source: str) -> WindOptions:
-        """Return these options for a single flight time; `source`: that of the case."""
+        """Return the options of a wind at a single flight time. `source`: file of the case."""
         files = self.winds or []
         for key in keys_set(source) if files else ():
             if key.partition(".")[0] == "wind":

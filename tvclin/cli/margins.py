@@ -110,7 +110,7 @@ def margins(
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """Margins, with those of detuned modes, and flown in a wind, on request."""
+    """Margins of a loop, of its detuned modes, and of its flights in a wind with a limit."""
 
     case: StudyPlan
     found: MarginsFound

@@ -49,7 +49,7 @@ Loops = Callable[[FloatArray], tuple[AnyPlant, Autopilot]]
 
 @dataclass(frozen=True, eq=False)
 class Stages:
-    """A sampled loop over a flight: plants and autopilots at its samples.
+    """Sampled loop over a flight: plants and autopilots at its samples.
 
     `loops`: plants and autopilots at any times. `times`: times of the samples [s], ``(n + 1,)``,
     the last that of the end. `plants`, `laws`: at these times. `hardware`: sample period, delay and
