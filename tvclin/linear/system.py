@@ -190,7 +190,7 @@ class LinearSystem:
 def constant_over_steps(
     first: LinearSystem, second: LinearSystem, lengths: FloatArray
 ) -> LinearSystem:
-    """Return the constant systems with the same steps, to fourth order, as a system that varies.
+    """Return constant systems, one a step, that equal a system that varies to fourth order.
 
     `first`, `second`: the system at the two `GAUSS_NODES` of each step. `lengths`: lengths of the
     steps [s]; batches of all three broadcast. Outputs are those of `first`.

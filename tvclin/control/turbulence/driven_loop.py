@@ -152,7 +152,7 @@ class DrivenLoop:
     jumps: tuple[Jump, ...] = ()
 
     def part(self, index: slice) -> DrivenLoop:
-        """Return the part of a batch with one axis."""
+        """Return the loops at some positions of a batch ``(n,)``."""
         names = ("A", "noise", "wind", "rows", "direct")
         return replace(self, **{name: getattr(self, name)[index] for name in names})
 
