@@ -98,7 +98,7 @@ def check_links(python: Path, sdist: Path, version: str) -> int:
     paths = [match[1] for match in map(into.fullmatch, links) if match]
     dead = [one for one in links if not one.startswith("https://")]
     dead += [one for one in paths if Path(one) not in there]
-    if dead or len(paths) < 30:
+    if dead or len(paths) < 15:
         sys.exit(f"of {len(paths)} links into the repository these lead nowhere: {dead}")
     return len(paths)
 

@@ -14,6 +14,8 @@ from tvclin.base.errors import Faults, InputError, naming, number, shown
 from tvclin.base.units import UNITS, written
 
 _T = TypeVar("_T")
+_MAX_LISTED_CHARACTERS = 300
+"""Largest length of a list of known keys in a message."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,4 +165,10 @@ def known(what: str, given: Iterable[str], names: Iterable[str]) -> None:
 
 
 def _hint(similar: list[str], legal: Iterable[str]) -> str:
-    return f"did you mean {' or '.join(similar)}?" if similar else f"known are {', '.join(legal)}"
+    if similar:
+        return f"did you mean {' or '.join(similar)}?"
+    names = ", ".join(legal)
+    if len(names) <= _MAX_LISTED_CHARACTERS:
+        return f"known are {names}"
+    first = names[: names.rindex(",", 0, _MAX_LISTED_CHARACTERS)]
+    return f"known are {first}, and more (tvclin init --keys)"

@@ -98,6 +98,7 @@ class StudyPlan(Case):
         super().__post_init__()
         if not isinstance(self.wind, VehicleWind | History):
             pulse_of(self)
+        instance("reading", self.reading, SoundingReading, "of the table [sounding]")
         self._check_parts()
 
     def _check_parts(self) -> None:
