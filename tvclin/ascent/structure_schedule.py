@@ -143,7 +143,7 @@ def load_structure(
     series = {name: [of_name[time] for time in times] for name, of_name in rows.items()}
     notes = []
     for name, elements in series.items():
-        turned = _with_one_sign(elements)
+        turned = _align_signs(elements)
         if turned:
             at = listed([f"{times[k]:g}" for k in turned])
             notes.append(f"{name}: its displacements and slopes are turned at {at} s")
@@ -242,10 +242,11 @@ def _shape_of(mode: BendingMode) -> FloatArray:
     return np.array([*numbers, *mode.tank_displacements, *mode.tank_slopes], float)
 
 
-def _with_one_sign(elements: list[Any]) -> list[int]:
-    """Turn modes whose shape is opposite to the one before, in place; return their indices.
+def _align_signs(elements: list[Any]) -> list[int]:
+    """Return the indices of modes whose sign was changed, in `elements`, to match the row before.
 
-    Each number is weighted with its largest size over the flight.
+    The sign of a shape is that of its product with the shape before, each number weighted with its
+    largest size over the flight.
     """
     if not isinstance(elements[0], BendingMode):
         return []
