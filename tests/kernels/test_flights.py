@@ -7,10 +7,10 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, Plant
 from tvclin.flights.closed_loop import sampled
-from tvclin.flights.closed_loop.batch import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
 from tvclin.kernels.choice import available, pinned
 from tvclin.kernels.control_laws import bounded_coordinate, slow_edges
+from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import matrix_exponentials
 
 VEHICLE = tv.load_vehicle("configuration-i")
@@ -205,7 +205,7 @@ def test_exponentials_of_a_batch_are_scipys():
     ],
 )
 def test_polynomial_pieces_are_the_wind(wind):
-    knots, c = polynomial_pieces(wind)
+    knots, c = polynomial_pieces(wind.pieces)
     for k, (row, pieces) in enumerate(zip(knots, c, strict=True)):
         times = np.linspace(row[0], row[-1], 500)
         index = np.searchsorted(row, times, side="right") - 1

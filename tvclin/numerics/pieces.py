@@ -39,6 +39,10 @@ _DECAYED_EXPONENT = 60.0
 """Exponent at which a decaying term is negligible: e^-60 of its initial value."""
 _OVERFLOW_EXPONENT = 600.0
 """Exponent beyond which an unstable term is not followed: e^600."""
+_PIECE_LENGTH_TIMES_RATE = 0.5
+"""Longest piece on which an exponential becomes a polynomial, times its rate."""
+_POLYNOMIAL_DEGREE = 10
+"""Degree of that polynomial: its error, 0.5^11/11!, is below 2e-11."""
 
 
 def moments(z: ArrayLike, degree: int) -> AnyArray:
@@ -277,6 +281,46 @@ def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
 def _padded_degree(c: AnyArray, degree: int) -> AnyArray:
     extra = degree + 1 - c.shape[-1]
     return np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, extra)])
+
+
+def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
+    """Return the histories of a batch as polynomials between breakpoints.
+
+    Breakpoints ``(histories, k)`` and coefficients ``(histories, k, degree + 1)``, lowest power
+    first. Piecewise polynomials are exact; pieces with exponentials are divided until a polynomial
+    approximates them to 2e-11 of their magnitude.
+    """
+    batch = pieces.batch or (1,)
+    pieces = spread(pieces, batch)
+    size = int(np.prod(batch))
+    knots = pieces.knots.reshape(size, pieces.knots.shape[-1])
+    c = pieces.coefficients.reshape(size, *pieces.coefficients.shape[-3:])
+    rates = pieces.rates.reshape(size, pieces.rates.shape[-1])
+    if not np.any(rates):
+        return knots.copy(), np.real(c.sum(axis=-2)).astype(float)
+    edges = _cut(knots, np.abs(rates).max(axis=-1))
+    flat = Pieces(knots, c, rates)
+    index, u = locate(flat, edges)
+    local = recentred(at_pieces(c, index, 2), rates, np.maximum(u, 0.0))
+    order = local.shape[-1] + _POLYNOMIAL_DEGREE
+    coefficients = np.zeros((*edges.shape, order), dtype=complex)
+    for k in range(_POLYNOMIAL_DEGREE + 1):
+        growth = rates[:, np.newaxis, :, np.newaxis] ** k / factorial(k)
+        coefficients[..., k : k + local.shape[-1]] += (local * growth).sum(axis=-2)
+    return edges, np.ascontiguousarray(np.real(coefficients))
+
+
+def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
+    """Return the knots with further ones between them, as the fastest rate requires."""
+    widths = np.diff(knots, axis=-1)
+    parts = np.ceil(
+        (widths * fastest[:, np.newaxis]).max(axis=0, initial=0.0) / _PIECE_LENGTH_TIMES_RATE
+    )
+    columns = [
+        knots[:, k : k + 1] + widths[:, k : k + 1] * np.arange(n) / n
+        for k, n in enumerate(np.maximum(parts, 1.0).astype(int))
+    ]
+    return np.concatenate([*columns, knots[:, -1:]], axis=-1)
 
 
 def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from math import factorial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,7 +50,7 @@ from tvclin.kernels.flights import (
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.system import LinearSystem, connect, polynomial_input, split_delay
-from tvclin.numerics.pieces import at_pieces, locate, recentred, spread
+from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.state_space import beside
 from tvclin.winds.histories import History
 
@@ -146,53 +145,6 @@ def sensed_rows(plant: LinearSystem) -> FloatArray:
         if k is not None:
             rows[:, row, :n], rows[:, row, n] = plant.C[:, k], plant.D[:, k, 1]
     return rows
-
-
-_PIECE_LENGTH_TIMES_RATE = 0.5
-"""Longest piece on which an exponential becomes a polynomial, times its rate."""
-_TERMS = 10
-"""Degree of that polynomial: its error, 0.5^11/11!, is below 2e-11."""
-
-
-def polynomial_pieces(wind: History) -> tuple[FloatArray, FloatArray]:
-    """Return a batch of winds as polynomials between breakpoints.
-
-    Breakpoints ``(winds, k)`` and coefficients ``(winds, k, degree + 1)``, lowest power first.
-    Piecewise linear winds are exact; pieces with exponentials are divided until a polynomial
-    approximates them to 2e-11 of their magnitude.
-    """
-    pieces = wind.pieces
-    batch = pieces.batch or (1,)
-    pieces = spread(pieces, batch)
-    size = int(np.prod(batch))
-    knots = pieces.knots.reshape(size, pieces.knots.shape[-1])
-    c = pieces.coefficients.reshape(size, *pieces.coefficients.shape[-3:])
-    rates = pieces.rates.reshape(size, pieces.rates.shape[-1])
-    if not np.any(rates):
-        return knots.copy(), np.real(c.sum(axis=-2)).astype(float)
-    edges = _cut(knots, np.abs(rates).max(axis=-1))
-    flat = type(pieces)(knots, c, rates)
-    index, u = locate(flat, edges)
-    local = recentred(at_pieces(c, index, 2), rates, np.maximum(u, 0.0))
-    order = local.shape[-1] + _TERMS
-    coefficients = np.zeros((*edges.shape, order), dtype=complex)
-    for k in range(_TERMS + 1):
-        growth = rates[:, np.newaxis, :, np.newaxis] ** k / factorial(k)
-        coefficients[..., k : k + local.shape[-1]] += (local * growth).sum(axis=-2)
-    return edges, np.ascontiguousarray(np.real(coefficients))
-
-
-def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
-    """Return the knots with further ones between them, as the fastest rate of any wind requires."""
-    widths = np.diff(knots, axis=-1)
-    parts = np.ceil(
-        (widths * fastest[:, np.newaxis]).max(axis=0, initial=0.0) / _PIECE_LENGTH_TIMES_RATE
-    )
-    columns = [
-        knots[:, k : k + 1] + widths[:, k : k + 1] * np.arange(n) / n
-        for k, n in enumerate(np.maximum(parts, 1.0).astype(int))
-    ]
-    return np.concatenate([*columns, knots[:, -1:]], axis=-1)
 
 
 SENSED = ("sensed_attitude", "sensed_attitude_rate", *LAW_INPUTS[2:])
@@ -479,7 +431,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     kernel would be compiled again for others.
     """
     batch_shape, (vehicle, encountered) = batch.vehicles, batch.indices
-    knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
+    knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind.pieces))
     terms = pieces.shape[2]
     steps = _steps(batch, batch_shape, terms)
     judges, criteria_index = (

@@ -32,7 +32,6 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
 from tvclin.control.autopilot.sweep import plants_along
 from tvclin.control.autopilot.wiring import closed_loop
-from tvclin.flights.closed_loop.batch import polynomial_pieces
 from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
 from tvclin.flights.closed_loop.fly_many import FlownCases, flown_cases, unstable_loops
 from tvclin.flights.closed_loop.sampled import finish
@@ -41,6 +40,7 @@ from tvclin.kernels.flights import Flights
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.linear.system import connect, constant_over_steps, polynomial_input
+from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
 
@@ -368,7 +368,7 @@ def _continuous(along: _Along, wind: History) -> tuple[FloatArray, FloatArray, F
     Steps end at the knots of the wind and at the times of the data.
     """
     flight, schedule = along.flight, along.autopilot
-    knots, pieces = (array[0] for array in polynomial_pieces(wind))
+    knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
     breaks = [flight.times, knots]
     if flight.structure is not None:
         breaks.append(flight.structure.times)

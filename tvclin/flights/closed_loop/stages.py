@@ -26,7 +26,6 @@ from tvclin.flights.closed_loop.batch import (
     Timing,
     equilibrium,
     memory_of,
-    polynomial_pieces,
     samples_in,
     sensed_rows,
     steps_of,
@@ -40,6 +39,7 @@ from tvclin.kernels.flights import JUDGED_SAMPLES, Cases, Flights, Laws, Steps, 
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.system import LinearSystem, constant_over_steps
+from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
 
@@ -96,7 +96,7 @@ class Stages:
 
     def flights(self, batch: Batch, *, track: bool = False) -> Flights:
         """Return the arrays of the flights of a batch of `batch` at their start, in equilibrium."""
-        knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
+        knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind.pieces))
         count, start = self.times.size, float(self.times[0])
         plant = self.sensors.system(self.plants).cases(np.arange(count), (count,))
         steps = self._steps(plant, pieces.shape[2])
