@@ -47,6 +47,7 @@ VALUES = {
     ),
     "gains": ("--set", "autopilot.integral_gain_per_s", 0.05),
     "dispersion": ("--set", "dispersion.thrust.percent=5"),
+    "turbulence": ("--set", "turbulence.intensity_m_per_s=6"),
     "limit": ("--limit-deg", 0.3),
 }
 WORK = "torque, power, travel and acceleration limits"
@@ -239,6 +240,7 @@ IN_FILES = {
     "filters": {"autopilot": {"filter": [{"kind": "low-pass", "frequency_Hz": 5.0}]}},
     "gains": {"autopilot": {"integral_gain_per_s": 0.05}},
     "dispersion": {"dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 5}]},
+    "turbulence": {"turbulence": {"intensity_m_per_s": 6.0}},
     "limit": {"nozzle": {"limit_deg": 0.5}},
     WORK: {"nozzle": {"mass_kg": 900, "arm_m": 1.0, "torque_limit_N_m": 4e3}},
 }
@@ -351,7 +353,9 @@ CASES = {
     "outputs": {"names": ["required", "margins", "flight"]},
     "dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 5}],
 }
-IN_CAMPAIGNS = {name: change for name, change in IN_FILES.items() if name != WORK} | {
+IN_CAMPAIGNS = {
+    name: change for name, change in IN_FILES.items() if name not in (WORK, "turbulence")
+} | {
     "sign that counts": {"campaign": {"sign": "frozen"}},
     "measured wind": {"wind": {"file": "winds.csv", "unit": "deg"}},
     "dispersion": {"dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 9}]},

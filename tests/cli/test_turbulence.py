@@ -128,3 +128,14 @@ def test_without_the_speed_of_the_vehicle_it_is_not_known(tmp_path: Path) -> Non
     found = run(tmp_path, "intensity_m_per_s = 6", study=study)
     assert found.exit_code == 1, found.output
     assert "turbulence: turbulence needs the speed of the vehicle" in found.stdout
+
+
+@pytest.mark.parametrize("command", ["disperse", "respond", "poles"])
+def test_a_command_without_turbulence_says_so(tmp_path: Path, command: str) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(f"{STUDY}\n[campaign]\ncases = 20\n[turbulence]\nintensity_m_per_s = 6\n")
+    found = CliRunner().invoke(app, [command, str(file)])
+    assert found.exit_code in (0, 1), found.output
+    left_out = re.search("what the file says of (.*?) is left out here", found.stderr)
+    assert left_out, found.stderr
+    assert "turbulence" in left_out[1]

@@ -7,7 +7,7 @@ message that names the questions that compute it. No feature is ignored.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -37,6 +37,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
         *("--attitude-gain", "--rate-gain"),
     ),
     "dispersion": (),
+    "turbulence": (),
     "limit": ("--limit-deg",),
     "torque, power, travel and acceleration limits": (),
 }
@@ -46,7 +47,7 @@ _LAW = ("actuator", "delay", "filters")
 _LOOP = (*_LAW, "rate limit", "sample rate", "gains")
 _WIND = ("gust", "head wind", "sign that counts", "heading", "measured wind")
 _WORK = "torque, power, travel and acceleration limits"
-_STUDY_FEATURES = ("limit shape", "dispersion", _WORK)
+_STUDY_FEATURES = ("limit shape", "dispersion", "turbulence", _WORK)
 _NOMINAL_PRESSURE = ("sign that counts", *_STUDY_FEATURES)
 _REFUSED: dict[str, tuple[str, ...]] = {
     "study": (_WORK,),
@@ -63,13 +64,16 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "margins": _NOMINAL_PRESSURE,
     "fly": _STUDY_FEATURES,
     "fly --law all": (*_NOMINAL_PRESSURE, "limit"),
-    "nozzle": ("sign that counts", "limit shape", "dispersion"),
+    "nozzle": ("sign that counts", "limit shape", "dispersion", "turbulence"),
     "nozzle --over load": _NOMINAL_PRESSURE,
-    "nozzle --over flight": ("dispersion",),
-    "ascent": (*(feature for feature in _LOOP if feature != "rate limit"), "dispersion", _WORK),
-    "availability": (*_LOOP, "dispersion", _WORK),
-    "disperse": (_WORK,),
-    "explore": ("measured wind", "dispersion", _WORK),
+    "nozzle --over flight": ("dispersion", "turbulence"),
+    "ascent": (
+        *(feature for feature in _LOOP if feature != "rate limit"),
+        *("dispersion", "turbulence", _WORK),
+    ),
+    "availability": (*_LOOP, "dispersion", "turbulence", _WORK),
+    "disperse": ("turbulence", _WORK),
+    "explore": ("measured wind", "dispersion", "turbulence", _WORK),
 }
 _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "margins without --limit-deg": ("rate limit", "limit"),
@@ -143,10 +147,11 @@ def refusal(question: str, option: str, key: str | None = None) -> str | None:
     return None
 
 
-def omission_notes(case: Case, *questions: str) -> Iterator[str]:
+def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) -> Iterator[str]:
     """Yield a note for each feature of a case that questions omit.
 
-    `questions`: names in `QUESTIONS`, or a name with an option, such as "design --box".
+    `questions`: names in `QUESTIONS`, or a name with an option, such as "design --box". `tables`:
+    tables of the file of a case, of features that the case itself does not hold.
     """
     of_the_rigid = [question for question in questions if question in _RIGID_NUMBERS]
     if case.vehicle.structure is not None:
@@ -170,7 +175,7 @@ def omission_notes(case: Case, *questions: str) -> Iterator[str]:
         for question in questions
         for feature in (*_REFUSED.get(question, ()), *_OMITTED_BY_OPTIONS.get(question, ()))
     }
-    named = _specified_features(case, omitted)
+    named = _specified_features(case, omitted, tables)
     whole_duty = "nozzle --over flight"
     for who, parts in (("study", set(named) - {_WORK}), (whole_duty, set(named) & {_WORK})):
         if parts:
@@ -183,7 +188,7 @@ def is_rigid_only(question: str) -> bool:
     return _RIGID_NUMBERS.get(question) == _ALL_NUMBERS
 
 
-def _specified_features(case: Case, omitted: set[str]) -> list[str]:
+def _specified_features(case: Case, omitted: set[str], tables: Collection[str]) -> list[str]:
     """Return the omitted features that a case specifies, other than structure and damping."""
     nozzle, wind = case.nozzle, case.wind
     sizing, dispersions = getattr(case, "sizing", None), getattr(case, "dispersions", None)
@@ -205,6 +210,9 @@ def _specified_features(case: Case, omitted: set[str]) -> list[str]:
             != type(case.autopilot_design)()
         ),
         "dispersion": lambda: dispersions is not None and dispersions.distributions,
+        "turbulence": lambda: (
+            "turbulence" in tables or getattr(case, "turbulence", None) is not None
+        ),
         "limit": lambda: nozzle.limit is not None,
         _WORK: lambda: any(vars(nozzle)[name] is not None for name in _LIMITS_OF_WORK),
     }

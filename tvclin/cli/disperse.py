@@ -191,7 +191,7 @@ def _campaign(
         wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
         dispersions = _OF_THE_VEHICLE if assumed else campaign.dispersions
         campaign = replace(campaign, wind=wind, dispersions=dispersions)
-    note_left_out(campaign, "disperse")
+    note_left_out(campaign, "disperse", tables=source_tables(source))
     return campaign
 
 

@@ -1,6 +1,6 @@
 """Cases and notes that several commands make of their options."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -79,9 +79,9 @@ def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
         say(f"Note: {doubt}.", err=True)
 
 
-def note_left_out(case: Case, *questions: str) -> None:
-    """Print on stderr the effects of a case that questions neglect, see `parts.told`."""
-    for sentence in omission_notes(case, *questions):
+def note_left_out(case: Case, *questions: str, tables: Collection[str] = ()) -> None:
+    """Print on stderr the effects of a case that questions neglect, see `omission_notes`."""
+    for sentence in omission_notes(case, *questions, tables=tables):
         say(f"Note: {sentence}.", err=True)
 
 
