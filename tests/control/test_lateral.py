@@ -254,9 +254,24 @@ def test_the_closed_loop_in_turbulence_has_drift_sampled_or_not():
         names = ("attitude", "sensed_drift_rate", "sensed_drift", "sensed_acceleration")
         found.append([covariance.rms(name) for name in names])
         assert covariance.rms("sensed_drift_rate") == pytest.approx(
-            covariance.rms("lateral_rate"), rel=1e-9
+            covariance.rms("drift_rate"), rel=1e-9
         )
     assert found[1] == pytest.approx(found[0], rel=1e-3)
+
+
+def test_a_plant_with_lateral_outputs_has_the_drift_rate_of_turbulence_once():
+    air = tv.winds.Turbulence(2.0, 500.0)
+    autopilot = tv.design_gains(PLANT, natural_frequency=1.0, damping=0.7)
+    plain = tv.control.turbulence_covariance(autopilot, PLANT, air, SPEED)
+    plant = tv.linear.lateral_plant(PLANT, station=10.0)
+    covariance = tv.control.turbulence_covariance(autopilot, plant, air, SPEED)
+    assert covariance.outputs.count("drift_rate") == 1
+    assert covariance.rms("drift_rate") == pytest.approx(plain.rms("drift_rate"), rel=1e-9)
+    assert any("lateral acceleration" in row[0] for row in covariance.tables()[0].rows)
+    moved = tv.linear.lateral_plant(PLANT, position=True)
+    history = tv.control.turbulence_history(autopilot, moved, air, SPEED, 5.0)
+    plain = tv.control.turbulence_history(autopilot, PLANT, air, SPEED, 5.0)
+    assert history.deviation("drift") == pytest.approx(plain.deviation("drift"), rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize("model", ["drift", "drift-exact"])

@@ -118,7 +118,7 @@ def test_loads_are_sums_of_angle_and_deflection():
     slopes = LoadSlopes(dynamic_pressure=3e4, alpha_moment=2e7, deflection_moment=-1e7)
     found = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED, loads=slopes)
     assert np.isclose(found.rms("q_alpha"), 3e4 * found.rms("angle_of_attack"))
-    assert np.isclose(found.rms("lateral_rate"), SPEED * found.rms("flight_path_angle"))
+    assert np.isclose(found.rms("drift_rate"), SPEED * found.rms("flight_path_angle"))
     tilted = [
         turbulence_covariance(
             AUTOPILOT, EXACT, AIR, SPEED, loads=LoadSlopes(alpha_moment=a, deflection_moment=d)
@@ -195,7 +195,7 @@ def test_a_history_becomes_stationary_about_the_exact_mean_response():
     size, time = found.largest(3.0)
     k = np.searchsorted(found.times, time)
     assert np.isclose(size, abs(found.mean()[k]) + 3.0 * found.deviation()[k])
-    assert np.all(np.diff(found.deviation("lateral_position")) > 0.0)  # an integral has no limit
+    assert np.all(np.diff(found.deviation("drift")) > 0.0)  # an integral has no limit
     assert np.allclose(found.quantile(0.5), found.mean())
 
 
@@ -358,7 +358,7 @@ def test_along_a_flight_a_constant_vehicle_is_a_history():
     schedule = tv.FlightSchedule(vehicle)
     along = turbulence_along(schedule, AUTOPILOT, AIR, wind=WIND.shift(61.0))
     alone = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 10.0, wind=WIND.shift(1.0))
-    for output in ("deflection", "angle_of_attack", "lateral_position"):
+    for output in ("deflection", "angle_of_attack", "drift"):
         assert np.isclose(along.deviation(output)[-1], alone.deviation(output)[-1], rtol=1e-9)
         assert np.isclose(along.mean(output)[-1], alone.mean(output)[-1], rtol=1e-5)
     assert np.isclose(along.travel(), alone.travel(), rtol=1e-3)
@@ -372,7 +372,7 @@ def test_along_a_flight_a_structure_and_drift_count():
     bent = turbulence_along(schedule, soft, air, structure=STRUCTURE)
     assert bent.travel() > rigid.travel()
     assert "sensed_attitude" in bent.outputs
-    assert rigid.deviation("lateral_position")[-1] > 10.0
+    assert rigid.deviation("drift")[-1] > 10.0
     # severe air is 2.0 to 3.3 times moderate air at these altitudes
     severe = turbulence_along(schedule, gains, tv.winds.Turbulence.mil_f_8785c("severe"))
     assert 2.0 * rigid.travel() < severe.travel() < 3.3 * rigid.travel()

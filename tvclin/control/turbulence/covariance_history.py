@@ -260,7 +260,7 @@ def turbulence_history(
         The known wind [rad]; by default none.
     settled : bool
         Whether turbulence has acted for long before, so that the covariance is the stationary one
-        throughout; by default the vehicle is at rest at first, and its lateral position an output.
+        throughout; by default the vehicle is at rest at first, and its drift an output.
 
     Raises
     ------
@@ -296,7 +296,7 @@ def turbulence_history(
     V = float(speed)
     shape = *shape[:2], shape[2] / V
     at_rest = not flag("settled", settled)
-    loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, position=at_rest)
+    loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, drift=at_rest)
     times = march_times(0.0, number("duration", duration, _DURATIONS, "s"), wind, loop)
     start = None if at_rest else stationary(loop)[0][0]
     moments = march((loop, loop), times, wind, shape[:2], start)
@@ -349,7 +349,7 @@ def turbulence_along(
     Notes
     -----
     Between the times of the schedule the vehicle and the gains are straight lines. The outputs are
-    those of `turbulence_history`, and the lateral position [m] where the model has a flight path.
+    those of `turbulence_history`, and the drift [m] where the model has a flight path.
     """
     instance("schedule", schedule, FlightSchedule, "see load_schedule")
     gains = autopilot if isinstance(autopilot, GainSchedule) else None
@@ -388,7 +388,7 @@ def turbulence_along(
         V = np.broadcast_to(np.asarray(vehicle.velocity), times.shape)
         advance, angle = (x[:, np.newaxis, np.newaxis] for x in (V / length, sigma / V))
         shape = A * advance, b * np.sqrt(advance), c * angle
-        return driven_loop(law, plant, shape, V, noise, position=True)
+        return driven_loop(law, plant, shape, V, noise, drift=True)
 
     times = march_times(*flight.span, wind, None)
     loops = loop_at(np.concatenate([times, *gauss_times(times)]))

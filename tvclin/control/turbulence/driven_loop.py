@@ -37,7 +37,7 @@ from tvclin.winds.turbulence import FilterMatrices, Turbulence
 DEFLECTION, DEFLECTION_RATE = "deflection", "deflection_rate"
 ACCELERATION = "deflection_acceleration"
 ANGLE_OF_ATTACK, PATH = "angle_of_attack", "flight_path_angle"
-LATERAL_RATE, LATERAL_POSITION = "lateral_rate", "lateral_position"
+DRIFT_RATE, DRIFT = "drift_rate", "drift"
 Q_ALPHA, BENDING_MOMENT = "q_alpha", "bending_moment"
 _MAX_DENSITY = 1e3
 """Largest noise density of a sensor, in its unit."""
@@ -207,13 +207,13 @@ def driven_loop(
     noise: SensorNoise | None = None,
     loads: LoadSlopes | None = None,
     *,
-    position: bool = False,
+    drift: bool = False,
 ) -> DrivenLoop:
     """Return the loop of an autopilot and a plant behind a shaping filter.
 
     `shape`: A, b and c of the filter in time, to the wind angle [rad]; with leading axes for a
-    batch of plants. `speed`: of the vehicle [m/s], ``(...)``. `position`: whether the lateral
-    position is a state of a continuous loop, which has no stationary covariance.
+    batch of plants. `speed`: of the vehicle [m/s], ``(...)``. `drift`: whether the drift
+    is a state of a continuous loop, which has no stationary covariance.
 
     `InputError` for a Pade approximation that hides an instability, and for an autopilot without
     actuator whose deflection follows the noise of a sensor.
@@ -223,10 +223,10 @@ def driven_loop(
     else:
         loop = _continuous(autopilot, plant, shape, noise)
     more = {}
-    if PATH in loop.labels:
+    if PATH in loop.labels and DRIFT_RATE not in loop.labels:
         row, direct = loop.row(PATH)
         V = np.asarray(speed)
-        more[LATERAL_RATE] = V[..., np.newaxis] * row, V * direct
+        more[DRIFT_RATE] = V[..., np.newaxis] * row, V * direct
     alpha, deflection = loop.row(ANGLE_OF_ATTACK), loop.row(DEFLECTION)
     for name, (by_alpha, by_deflection) in (loads.slopes if loads else {}).items():
         more[name] = tuple(  # type: ignore[assignment]
@@ -238,8 +238,8 @@ def driven_loop(
         if not random and _is_constant(rate[0]):
             more[ACCELERATION] = loop.derivative(rate[0])
     loop = loop.with_rows(more) if more else loop
-    continuous = position and not loop.jumps and LATERAL_RATE in loop.labels
-    return _with_position(loop) if continuous else loop
+    integrated = drift and not loop.jumps and DRIFT_RATE in loop.labels and DRIFT not in loop.labels
+    return _with_drift(loop) if integrated else loop
 
 
 def _continuous(
@@ -337,9 +337,9 @@ def _sampled(
     )
 
 
-def _with_position(loop: DrivenLoop) -> DrivenLoop:
-    """Return a continuous loop with the lateral position [m], the integral of the lateral rate."""
-    row, direct = loop.row(LATERAL_RATE)
+def _with_drift(loop: DrivenLoop) -> DrivenLoop:
+    """Return a continuous loop with the drift [m], the integral of the drift rate."""
+    row, direct = loop.row(DRIFT_RATE)
     n = loop.A.shape[-1]
 
     def wider(matrix: FloatArray, rows: int) -> FloatArray:
@@ -351,7 +351,7 @@ def _with_position(loop: DrivenLoop) -> DrivenLoop:
     A[..., n, :n] = row
     wind = np.concatenate([loop.wind, np.asarray(direct)[..., np.newaxis]], axis=-1)
     wide = replace(loop, A=A, noise=wider(loop.noise, 1), wind=wind, rows=wider(loop.rows, 0))
-    return wide.with_rows({LATERAL_POSITION: (np.eye(n + 1)[n], np.asarray(0.0))})
+    return wide.with_rows({DRIFT: (np.eye(n + 1)[n], np.asarray(0.0))})
 
 
 def checked_parts(

@@ -31,8 +31,8 @@ from tvclin.control.turbulence.driven_loop import (
     BENDING_MOMENT,
     DEFLECTION,
     DEFLECTION_RATE,
-    LATERAL_POSITION,
-    LATERAL_RATE,
+    DRIFT,
+    DRIFT_RATE,
     Q_ALPHA,
     DrivenLoop,
     LoadSlopes,
@@ -60,15 +60,16 @@ KINDS = {
     "sensed_attitude_rate": "angular rate",
     DEFLECTION_RATE: "angular rate",
     ACCELERATION: "angular acceleration",
-    LATERAL_RATE: "speed",
-    LATERAL_POSITION: "length",
+    DRIFT_RATE: "speed",
+    DRIFT: "length",
     lateral.DRIFT_RATE: "speed",
     lateral.DRIFT: "length",
     lateral.ACCELERATION: "acceleration",
+    "lateral_acceleration": "acceleration",
     Q_ALPHA: "pressure angle",
     BENDING_MOMENT: "moment",
 }
-"""Kind of unit of each output."""
+"""Kind of unit of each output that is no output of a state space alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,7 +243,7 @@ class LoopCovariance(Shown):
 
 def shown_value(name: str, output: str, value: float) -> Line:
     """Return a value of an output as a cell of a table, in degrees where it is an angle."""
-    kind = KINDS[output]
+    kind = KINDS.get(output, "number")
     item = Field(name, kind)
     if kind in ("angle", "angular rate", "angular acceleration"):
         unit = {"angle": "deg", "angular rate": "deg/s"}.get(kind, "deg/s2")
@@ -296,7 +297,7 @@ def turbulence_covariance(
     -------
     LoopCovariance
         The covariance of the outputs of `Autopilot.close`, and of deflection rate and
-        acceleration where they have a variance, the lateral rate where the model has a flight
+        acceleration where they have a variance, the drift rate where the model has a flight
         path, and the loads.
 
     Raises
