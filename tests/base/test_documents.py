@@ -7,8 +7,7 @@ import numpy as np
 
 import tvclin as tv
 from tvclin.base.cards import Record
-from tvclin.base.documents import plain
-from tvclin.base.fields import spec
+from tvclin.base.fields import plain, spec
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ from tvclin.ascent.measured_wind import GustOf, MeasuredWind, fly_through
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, NotKnownError, instance, number, positive
 from tvclin.vehicle.linear_vehicle import complete_vehicle
-from tvclin.winds.histories import History
+from tvclin.winds.histories import History, VehicleWind
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.vehicle_wind import VehicleWind
 
 WINDOW_S = 20.0
 """Default length [s] of the part of a sounding that counts, about the time of the vehicle."""

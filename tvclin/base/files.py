@@ -1,5 +1,7 @@
 """Files: texts and tables read, and everything written whole or not at all."""
 
+from __future__ import annotations
+
 import codecs
 import csv
 import io
@@ -11,13 +13,53 @@ import tempfile
 import tomllib
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from copy import deepcopy
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
+
+
+class EditedSource(str):
+    """Complete name or path of a file, whose tables are these in place of those in the file.
+
+    `tables_of` (`base/files`) returns them, so that every reader of the source has the same.
+
+    Parameters
+    ----------
+    source : str
+        Name or path, as messages quote it.
+    tables : dict, optional
+        Tables by heading, as of a TOML file; without them the content is that of the file.
+    keys : tuple of str, optional
+        Names of the keys that were set, other than those removed.
+
+    Attributes
+    ----------
+    keys : tuple of str
+        As the parameter.
+    """
+
+    _tables: dict[str, Any] | None
+    keys: tuple[str, ...]
+
+    def __new__(  # noqa: D102
+        cls, source: str, tables: dict[str, Any] | None = None, keys: tuple[str, ...] = ()
+    ) -> Self:
+        made = super().__new__(cls, source)
+        made._tables, made.keys = tables, keys
+        return made
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    @property
+    def tables(self) -> dict[str, Any] | None:
+        """A copy of the tables; None where they equal the tables of the file."""
+        return deepcopy(self._tables)
+
 
 _MAX_DEPTH = 8
 """Largest depth of nested tables and lists; real files have at most four levels."""

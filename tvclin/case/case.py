@@ -15,9 +15,8 @@ from tvclin.linear.plant import DEFAULT_MODEL, MODELS, default_model, flexible_m
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History
+from tvclin.winds.histories import History, VehicleWind
 from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
-from tvclin.winds.vehicle_wind import VehicleWind
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot

@@ -4,8 +4,8 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError
+from tvclin.base.files import EditedSource
 from tvclin.base.lines import listed
 from tvclin.case.case import Case
 from tvclin.case.features import is_rigid_only, omission_notes

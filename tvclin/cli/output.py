@@ -192,7 +192,7 @@ def _print_quantities(title: str, rows: Sequence[Sequence[str]]) -> None:
 
 def print_json(document: Any) -> None:
     """Print a document, with records in it, as JSON; numbers that do not exist become null."""
-    from tvclin.base.documents import plain
+    from tvclin.base.fields import plain
 
     typer.echo(json.dumps(plain(document), indent=2, allow_nan=False))
 

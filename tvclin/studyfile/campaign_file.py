@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.schedule_file import SOURCE_TABLE, load_vehicle_at
-from tvclin.base.edits import EditedSource
 from tvclin.base.errors import Faults, InputError, between, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.errors import text as printable_text
-from tvclin.base.files import called, exists, read_text, tables_of
+from tvclin.base.files import EditedSource, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
 from tvclin.case.load import LOAD_TABLE
 from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle

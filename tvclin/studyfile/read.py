@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.fields import completed
-from tvclin.base.files import called, tables_of
+from tvclin.base.files import EditedSource, called, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.studyfile.study_plan import StudyPlan

@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tvclin.ascent.flight_condition import FLIGHT_TABLE
-from tvclin.base.edits import EditedSource
 from tvclin.base.errors import InputError, naming, number, shown
-from tvclin.base.files import called
+from tvclin.base.files import EditedSource, called
 from tvclin.base.tables import FileTable, known
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.control.autopilot.design_rules import FILTER_TABLE, GIVEN_GAINS, RULE_KEYS

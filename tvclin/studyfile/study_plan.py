@@ -13,10 +13,9 @@ from tvclin.linear.deflections import SWITCHES
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study
 from tvclin.studyfile.title_block import Document
-from tvclin.winds.histories import History
+from tvclin.winds.histories import History, VehicleWind
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.reading import NO_READING, SoundingReading
-from tvclin.winds.vehicle_wind import VehicleWind
 
 if TYPE_CHECKING:
     from tvclin.case.load import LoadBound

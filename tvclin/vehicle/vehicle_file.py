@@ -15,11 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.edits import EditedSource
 from tvclin.base.errors import Faults, InputError, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.fields import file_table, parameters
-from tvclin.base.files import ENCODINGS, UTF_8, called, exists, read_text, tables_of
+from tvclin.base.files import ENCODINGS, UTF_8, EditedSource, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
 from tvclin.vehicle.damping import QUANTITIES, damping_of

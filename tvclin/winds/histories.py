@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, reduce
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -409,3 +410,16 @@ def _finite_values(values: AnyArray, s: AnyArray) -> AnyArray:
 
 def _real_if_real(values: AnyArray, s: AnyArray) -> AnyArray:
     return values if np.iscomplexobj(s) else np.real(values)
+
+
+class VehicleWind(ABC):
+    """A wind of a case, whose angle follows from the vehicle, as that of a measured wind speed."""
+
+    @property
+    @abstractmethod
+    def shape(self) -> str:
+        """Name of the wind."""
+
+    @abstractmethod
+    def history(self, vehicle: Any, plane: str) -> History:
+        """Return the wind angle of attack [rad] of a vehicle in a plane."""

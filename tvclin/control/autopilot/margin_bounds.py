@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tvclin.base.cards import Shown
-from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, nonnegative, number, single
-from tvclin.base.fields import spec
+from tvclin.base.fields import decibels, spec
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.linear.flexible import AnyPlant, check_plant
 

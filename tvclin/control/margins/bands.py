@@ -17,9 +17,8 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, instance, one_of, plain
-from tvclin.base.fields import derived, spec
+from tvclin.base.fields import decibels, derived, spec
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import InDecibels, Margins, in_batch_shape, margins_of
 from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins, row_minimum

@@ -13,9 +13,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Row, Shown, card
-from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, instance, plain
-from tvclin.base.fields import Field, spec, specs
+from tvclin.base.fields import Field, decibels, spec, specs
 from tvclin.base.lines import Line, number, text
 from tvclin.control.margins.loop import Loop
 from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins

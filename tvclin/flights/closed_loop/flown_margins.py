@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from tvclin.base import lines
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.documents import decibels
 from tvclin.base.errors import InputError, number, positive, small_angle
-from tvclin.base.fields import derived, spec
+from tvclin.base.fields import decibels, derived, spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator
