@@ -435,7 +435,11 @@ def doors(folder: Path) -> dict[str, Door]:
                 "autopilot": gusty["autopilot"],
                 "wind": wind,
                 "limit": 0.02,
+                "altitude": 9000.0,
             },
+        ),
+        "TurbulenceRequest.at": Door(
+            tv.case.TurbulenceRequest(severity="light").at, {"altitude": 9000.0}
         ),
         "Turbulence.at": Door(severe.at, {"altitude": 9000.0}),
         "Turbulence.over": Door(severe.over, {"altitude": [9000.0, 9500.0]}),

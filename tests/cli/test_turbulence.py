@@ -73,8 +73,18 @@ def test_a_severity_is_that_of_the_specification(
     (tmp_path / "study.toml").write_text(f"{STUDY}\n[turbulence]\n{keys}\n")
     plan = tv.load_study(str(tmp_path / "study.toml"))
     assert plan.turbulence is not None
-    assert plan.turbulence.turbulence.intensity == pytest.approx(severity * 0.3048)
-    assert plan.turbulence.turbulence.length == pytest.approx(533.4)
+    assert plan.turbulence.at().intensity == pytest.approx(severity * 0.3048)
+    assert plan.turbulence.at().length == pytest.approx(533.4)
+
+
+def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
+    study = f'{STUDY}[schedule]\nsource = "configuration-i"\n'
+    found = json.loads(run(tmp_path, 'severity = "severe"', "--json", study=study).stdout)
+    schedule = tv.load_schedule("configuration-i")
+    height = np.interp(66.0, schedule.times, schedule.height)
+    severe = tv.winds.Turbulence.mil_f_8785c("severe").at(float(height))
+    air = found["turbulence"]["turbulence"]
+    assert air["intensity_m_per_s"] == pytest.approx(severe.intensity, rel=1e-9)
 
 
 @pytest.mark.parametrize(

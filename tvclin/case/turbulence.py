@@ -8,7 +8,7 @@ the loop is no longer linear, and flights in sampled turbulence say the rest.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Self
 
 from tvclin.base.cards import Shown
@@ -54,7 +54,8 @@ class TurbulenceRequest:
     exceedance : float, optional
         In place of these, the probability with which the intensity of MIL-F-8785C is exceeded.
     altitude : float, optional
-        Altitude [m], for the intensities of MIL-F-8785C.
+        Altitude [m] of a single time, for the intensities of MIL-F-8785C; along a flight its own
+        altitudes count.
     length : float, optional
         Scale length [m]; by default that of MIL-F-8785C.
     spectrum : str
@@ -67,8 +68,7 @@ class TurbulenceRequest:
     Raises
     ------
     InputError
-        For numbers out of range, other than one of intensity, severity and exceedance, and one of
-        the last two without an altitude.
+        For numbers out of range, and other than one of intensity, severity and exceedance.
     """
 
     intensity: float | None = quantity("speed", None, nonnegative)
@@ -89,23 +89,39 @@ class TurbulenceRequest:
                 "[turbulence] needs one of intensity, severity and exceedance"
                 f"{'; got ' + ' and '.join(given) if given else ''}"
             )
-        if self.intensity is None and self.altitude is None:
-            raise InputError(
-                f"[turbulence] needs an altitude with {given[0]}, on which its intensity depends"
-            )
-        _ = self.turbulence  # refuses numbers out of range
+        _ = self.over_altitude  # refuses numbers out of range
 
     @property
-    def turbulence(self) -> Turbulence:
-        """Turbulence of one intensity and length."""
+    def needs_altitude(self) -> bool:
+        """Whether the intensity depends on the altitude, and the request has none."""
+        return self.intensity is None and self.altitude is None
+
+    @property
+    def over_altitude(self) -> Turbulence:
+        """Turbulence along a flight: a table over altitude, or of one intensity and length."""
         of: dict[str, str] = {"spectrum": self.spectrum, "component": self.component}
         if self.intensity is not None:
             return Turbulence(self.intensity, self.length, **of)  # type: ignore[arg-type]
         exceedance = self.severity if self.exceedance is None else self.exceedance
         assert exceedance is not None
-        assert self.altitude is not None
-        air = Turbulence.mil_f_8785c(exceedance, **of).at(self.altitude)  # type: ignore[arg-type]
-        return Turbulence(air.intensity, self.length or air.length, **of)  # type: ignore[arg-type]
+        table = Turbulence.mil_f_8785c(exceedance, **of)  # type: ignore[arg-type]
+        return table if self.length is None else replace(table, length=self.length)
+
+    def at(self, altitude: float | None = None) -> Turbulence:
+        """Return the turbulence of one altitude [m], by default that of the request.
+
+        Raises
+        ------
+        InputError
+            For an intensity that depends on an altitude that is not known.
+        """
+        height = self.altitude if altitude is None else altitude
+        if self.intensity is None and height is None:
+            given = "severity" if self.exceedance is None else "exceedance"
+            raise InputError(
+                f"[turbulence] needs an altitude with {given}, on which its intensity depends"
+            )
+        return self.over_altitude if height is None else self.over_altitude.at(height)
 
 
 TURBULENCE_TABLE = file_table("[turbulence]", TurbulenceRequest)
@@ -146,7 +162,7 @@ class LoopInTurbulence(Shown):
         Mean and spread over time.
     """
 
-    turbulence: Turbulence
+    turbulence: Turbulence = field(metadata=spec())
     sigmas: float = field(metadata=spec())
     deflection: float = field(metadata=spec("angle"))
     time: float = field(metadata=spec("time"))
@@ -171,6 +187,7 @@ class LoopInTurbulence(Shown):
         autopilot: Autopilot,
         wind: History,
         limit: float | None = None,
+        altitude: float | None = None,
     ) -> Self:
         """Return the motion of an autopilot in a wind and turbulence, of one vehicle.
 
@@ -188,6 +205,8 @@ class LoopInTurbulence(Shown):
             The known wind [rad], which ends.
         limit : float, optional
             Deflection limit [rad].
+        altitude : float, optional
+            Altitude [m], by default that of the request.
 
         Raises
         ------
@@ -206,7 +225,7 @@ class LoopInTurbulence(Shown):
         if not isinstance(vehicle, Vehicle):
             raise InputError("turbulence needs the speed of the vehicle, which coefficients lack")
         speed = number("velocity", vehicle.velocity, positive, "m/s")
-        air, k = request.turbulence, request.sigmas
+        air, k = request.at(altitude), request.sigmas
         stationary = turbulence_covariance(autopilot, plant, air, speed)
         ended = wind.shift(-float(wind.onset))
         duration = float(ended.end) + _AFTER_WIND_S

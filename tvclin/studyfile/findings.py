@@ -368,7 +368,18 @@ def _turbulence(
 
     if study.judges_both_planes:
         raise InputError("turbulence is answered in one plane; leave out the stop of both planes")
-    return LoopInTurbulence.of(request, plan.vehicle, *loop(), study.history, plan.nozzle.limit)
+    wind, limit = study.history, plan.nozzle.limit
+    altitude = _altitude(plan) if request.needs_altitude else None
+    return LoopInTurbulence.of(request, plan.vehicle, *loop(), wind, limit, altitude)
+
+
+def _altitude(plan: StudyPlan) -> float | None:
+    """Return the altitude [m] of the vehicle at its time of the flight; None if not known."""
+    time = getattr(plan.vehicle, "time", None)
+    if time is None or plan.sizing is None or plan.sizing.schedule.altitude is None:
+        return None
+    schedule = plan.sizing.schedule
+    return float(np.interp(float(np.asarray(time)), schedule.times, schedule.height))
 
 
 def _flight(
