@@ -1,31 +1,84 @@
 """`tvclin nozzle`: limits over rate or load in a wind, and the duty of the nozzle over a flight."""
 
-from typing import Annotated
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.lines import Table, listed
+from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
+from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
+from tvclin.case.load import FlownLoad
+from tvclin.cli.ascent import FlightOptions, PlaneOptions, flight_asked
+from tvclin.cli.fly_linear import limited_law
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure, only_with
-from tvclin.cli.nozzle_duty import print_duty
-from tvclin.cli.nozzle_options import FLIGHT, IN_A_WIND, LOAD, RATE, NozzleOptions
 from tvclin.cli.options import (
+    BOTH_LIMITS,
     GROUP,
+    MODEL,
     SOURCE_HELP,
+    STUDY,
     At,
+    Given,
     More,
     ShownCurves,
     asked,
+    switch,
 )
 from tvclin.cli.output import answer, print_answer, print_tables
-from tvclin.cli.trade_offs import over_load, over_rate
+from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
-from tvclin.control.laws.registry import AUTOPILOT
-from tvclin.requirement.case_requirement import study_requirement
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
+from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_trade_offs
+from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import is_schedule
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+    from tvclin.plots.curves import Curves
+
+RATE, LOAD, FLIGHT = "rate", "load", "flight"
+IN_A_WIND = f"--over {RATE} or {LOAD}"
+"""Option of the answers at one flight time."""
+
+
+@dataclass(frozen=True)
+class NozzleOptions:
+    """Options of the case of a nozzle; `grouped` gives them to a command."""
+
+    winds: FlightOptions = GROUP
+    limits: Given = BOTH_LIMITS
+    load: Given = Given("case.load.LoadBound", ("load",), "load")
+    law: list[str] | None = asked(
+        f"Fly this law with the limits too: {listed(LAWS, 'or')}. May be given several times"
+        f" with {IN_A_WIND}.",
+        shown=f"none; with --over {FLIGHT} that of the study file, or trim",
+    )
+    laws: bool = switch(
+        "--laws",
+        "Fly every law, of a study file those of its laws, at each rate limit, for the limit that"
+        " it needs; it takes about a minute.",
+    )
+    times: Given = Given(
+        "requirement.flight.request.SizingRequest", ("start", "stop", "every"), "sizing"
+    )
+    model: Given = MODEL
+    planes: PlaneOptions = GROUP
+    dead_band: Given = Given(STUDY, ("dead_band",))
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the flown laws."""
+        return [one_of("--law", item, LAWS) for item in self.law or ()]
 
 
 def nozzle(
@@ -117,3 +170,148 @@ def _case_in_a_wind(
     if not options.names and not options.laws:
         note_left_out(case, f"{question} without --law")
     return case
+
+
+@dataclass(frozen=True, kw_only=True)
+class TradeOffAnswer:
+    """A trade-off with its flights: what is printed, drawn and written.
+
+    `outcomes`: the outcomes of the flights, in words. `tables`: the answer; `further`: the others.
+    `satisfied`: whether no limit is below its lower bound, and the flights satisfy the limits.
+    """
+
+    trade_off: RateTradeOff | LoadTradeOff
+    document: dict[str, Any]
+    outcomes: list[str]
+    tables: tuple[Table, ...]
+    further: tuple[Table, ...]
+    notes: tuple[str, ...]
+    satisfied: bool
+    curves: "Callable[[], Curves]"
+    chart: "Callable[[Curves], ControlPlot]"
+
+    def verdict(self, required: CaseRequirement | None) -> str:
+        """Return the verdict on the limit, its lower bound, the study's requirement and flights."""
+        front, bound = self.trade_off, []
+        if not front.beyond:
+            bound = [front.bound_text, *([] if required is None else [required.see_study])]
+        return "; ".join([*filter(None, [front.verdict]), *self.outcomes, *bound])
+
+
+def over_rate(case: StudyPlan, title: str, names: list[str], every_law: bool) -> TradeOffAnswer:
+    """Return the deflection limit over the rate limit, with the duty of laws by their names.
+
+    `every_law`: whether laws are flown for the limit that they need at each rate limit.
+    """
+    from tvclin import plots
+
+    with waiting("flying"):
+        flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
+    limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
+    with waiting("angle over rate"):
+        front = rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
+    needed = _flown_limits(case) if every_law else None
+    drawn, (curve, point) = needed or front, front.tables()
+    flown_tables = () if needed is None else needed.tables()
+    limited = limit is not None or rate_limit is not None
+    return TradeOffAnswer(
+        trade_off=front,
+        document={"trade_off": front, "flown": flown}
+        | ({} if needed is None else {"laws": needed}),
+        outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
+        tables=_titled(title, (*flown_tables, curve)[0]),
+        further=(
+            *(flown_tables and (curve,)),
+            point,
+            *(table for duty in flown for table in duty.tables()),
+        ),
+        notes=tuple(note for result in (drawn, *flown) for note in result.notes),
+        satisfied=not (limited and front.verdict)
+        and all(bool(duty.verdict.satisfied) for duty in flown),
+        curves=lambda: plots.rate_curves(drawn),
+        chart=lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
+    )
+
+
+def _flown_limits(case: StudyPlan) -> FlownTradeOff:
+    """Return the limits that laws need when flown, at each rate limit."""
+    laws = tuple(LAWS) if case.laws is None else case.laws.names
+    with bar("boundaries") as progress:
+        return flown_trade_offs({"": case}, laws=laws, progress=progress)[""]
+
+
+def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
+    """Return the deflection limit over the load, with the largest load of laws by their names."""
+    from tvclin import plots
+
+    with waiting("flying"):
+        flown = [FlownLoad.of(case, name, limited_law(case, name), case.load) for name in names]
+    with waiting("angle over load"):
+        front = _load_trade_off(case)
+    curve, point = front.tables()
+    return TradeOffAnswer(
+        trade_off=front,
+        document={"trade_off": front, "flown": flown},
+        outcomes=[f"flown, {load.words}" for load in flown],
+        tables=_titled(title, curve),
+        further=(point,),
+        notes=tuple(front.notes),
+        satisfied=(front.limit is None or not front.verdict)
+        and all(load.survives_within for load in flown),
+        curves=lambda: plots.load_curves(front, flown),
+        chart=lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),
+    )
+
+
+def _load_trade_off(case: StudyPlan) -> LoadTradeOff:
+    """Return the trade-off curve of limit over load, by the load limit of a file if it has one."""
+    if case.load is not None:
+        return case.load.trade_off(case)
+    limit, rate = case.nozzle.limit, case.nozzle.rate_limit
+    fastest = np.inf if rate is None else rate
+    return load_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)
+
+
+def _titled(title: str, table: Table) -> tuple[Table]:
+    """Return a table below the title of its case."""
+    return (replace(table, caption=f"{title}\n{table.caption}"),)
+
+
+_QUESTION = "nozzle --over flight"
+_USED = (
+    "used is what the law uses in its samples, within the limits, at least the lower bound; the"
+    " required deflection is that of tvclin ascent or study"
+)
+
+
+def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurves) -> None:
+    """Print what a law in a whole flight takes of the nozzle, and the verdict on its limits."""
+    groups = (options.limits, options.model, options.planes)
+    case = flight_asked(_QUESTION, source, options.winds, options.times, *groups)
+    request, names = case.sizing, options.names
+    assert request is not None
+    if len(names) > 1:
+        raise InputError(f"--law may be given once with --over flight; got {len(names)}")
+    law = names[0] if names else request.card or "trim"
+    if law != AUTOPILOT:
+        FlownLaw().only_with_autopilot(source)
+        note_left_out(case, f"{_QUESTION} without the law {AUTOPILOT}")
+    with bar("flight times and winds") as progress:
+        duty = flight_duty(case, request, law, progress=progress)
+    notes = [*request.warnings, *request.notes, *duty.notes]
+    if shown.csv is not None:
+        duty.to_csv(shown.csv)
+    sheet, *further = duty.tables()
+    sheet = replace(sheet, caption=f"{duty.vehicle}, {law} flown\n{sheet.caption}")
+    answer(
+        shown.as_json,
+        lambda: duty.as_dict() | {"notes": notes},
+        lambda: print_answer(
+            duty.verdict.words,
+            sheet,
+            notes=[*notes, _USED],
+            more=more,
+            details=lambda: print_tables(*further),
+        ),
+        bool(duty.verdict.satisfied),
+    )
