@@ -7,7 +7,7 @@ from peers import ratio
 import tvclin as tv
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.units import FOOT
-from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.airframe import Engine
 from tvclin.flights.sixdof.fly_sixdof import SixDof
 from tvclin.flights.sixdof.model import model_xml, planet_xml
 from tvclin.flights.sixdof.steering import TrimThenHold

@@ -44,7 +44,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 LOADED_WHERE_NEEDED = (
     "tvclin.__main__",
     "tvclin.show.explorer.panel",
-    "tvclin.flights.sixdof.engine",
+    "tvclin.flights.sixdof.airframe",
 )
 EACH = (SizingRequest, StudyPlan, Nozzle, AutopilotDesign, AvailabilityRequest)
 

@@ -17,8 +17,7 @@ from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
-from tvclin.flights.sixdof.airframe import Airframe
-from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.airframe import Airframe, Engine
 from tvclin.flights.sixdof.fly_sixdof import SixDof
 from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, nominal_trajectory, planet_xml
 

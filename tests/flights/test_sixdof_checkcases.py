@@ -11,7 +11,7 @@ import pytest
 from scipy.special import ellipj, ellipkinc
 
 from tvclin.base.units import FOOT, SLUG
-from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.airframe import Engine
 from tvclin.flights.sixdof.model import mass_balance
 
 pytest.importorskip("jsbsim")

@@ -14,7 +14,7 @@ from tests.archives import Balloon, days, jet, write
 from tests.turns import usual
 from tvclin import plots
 from tvclin.linear.plant import Plant
-from tvclin.show.report.figures import narrow
+from tvclin.show.report.page import narrow
 from tvclin.show.reproduce import FIGURES
 
 mpl.use("Agg")

@@ -11,11 +11,12 @@ from .curves import Curves as Curves
 from .curves import curves_of as curves_of
 from .flown_boundaries import figure_10 as figure_10
 from .flown_boundaries import figure_11 as figure_11
-from .flown_margins import boundary_map_chart as boundary_map_chart
-from .flown_margins import flown_margins_chart as flown_margins_chart
 from .frequency_response import bode_chart as bode_chart
 from .frequency_response import nichols_chart as nichols_chart
 from .frequency_response import nyquist_chart as nyquist_chart
+from .margins import boundary_map_chart as boundary_map_chart
+from .margins import flown_margins_chart as flown_margins_chart
+from .margins import sweep_chart as sweep_chart
 from .requirements import availability_chart as availability_chart
 from .requirements import deflection_use_chart as deflection_use_chart
 from .requirements import sizing_chart as sizing_chart
@@ -34,7 +35,6 @@ from .responses import study_response_chart as study_response_chart
 from .root_locus import pole_map as pole_map
 from .root_locus import root_locus_chart as root_locus_chart
 from .style import save_figure as save_figure
-from .sweeps import sweep_chart as sweep_chart
 from .trade_offs import gain_trade_off_chart as gain_trade_off_chart
 from .trade_offs import laws_chart as laws_chart
 from .trade_offs import load_chart as load_chart
