@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from control import ControlPlot
     from matplotlib.axes import Axes
 
-_NOMINAL, _DETUNED, _LIMIT = "whole loop", "worst detuned mode", "criterion"
+_NOMINAL, _DETUNED, _CRITERION = "whole loop", "worst detuned mode", "criterion"
 _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the criteria
 
 
@@ -65,7 +65,7 @@ def sweep_chart(sweep: Sweep, name: str = "") -> ControlPlot:
     styles: dict[str, Style] = {
         _NOMINAL: {"color": INK, "lw": 1.8},
         _DETUNED: {"color": INK, "lw": 1.2, "ls": ":"},
-        _LIMIT: {"color": WARM, "lw": 1.2, "ls": "--"},
+        _CRITERION: {"color": WARM, "lw": 1.2, "ls": "--"},
     }
     styles |= {
         mode: {"color": colour, "lw": 1.5}
@@ -85,7 +85,7 @@ def sweep_chart(sweep: Sweep, name: str = "") -> ControlPlot:
         detuned = [judged for judged in sweep.detuned_judgements if judged.criterion == limit]
         if detuned:
             columns.append(Column(_DETUNED, factor * _lowest(detuned)[order], unit, panel))
-        columns.append(Column(_LIMIT, np.full(order.size, worst), unit, panel))
+        columns.append(Column(_CRITERION, np.full(order.size, worst), unit, panel))
     words = f"margins over the flight, criteria {sweep.criteria.name}"
     curves = Curves("sweep", words, "flight time [s]", sweep.times[order], tuple(columns))
     ordinate = ordinates if len(ordinates) > 1 else next(iter(ordinates.values()))
@@ -106,10 +106,10 @@ def _lowest(judgements: list[Judgement]) -> FloatArray:
 
 
 _FACTORS, _DELAY = "gain and effectiveness", "delay"
-_NEAR_REST = ": grows near rest"
+_LINEAR_LABEL = ": grows near rest"
 _BOUNDARY: Style = {"color": COLOURS[0], "lw": 0.9}
-_LIMIT: Style = {"color": WARM, "lw": 2.4}
-_GROWS: Style = {"color": "0.88"}
+_LIMIT_LINE: Style = {"color": WARM, "lw": 2.4}
+_UNSTABLE_AREA: Style = {"color": "0.88"}
 
 
 def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
@@ -132,7 +132,7 @@ def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
     for name, colour, line in zip(CHANGES, (*COLOURS[:4], INK), (*LINES[:4], "-"), strict=True):
         margins = [getattr(m, name) for m in ordered]
         unit, panel = ("s", _DELAY) if name == "delay" else ("dB", _FACTORS)
-        kinds = [("value", "", 2.0), ("linear", _NEAR_REST, 1.0)]
+        kinds = [("value", "", 2.0), ("linear", _LINEAR_LABEL, 1.0)]
         for field, suffix, width in kinds[: 1 if name.startswith("effect") else 2]:
             values = np.array([getattr(margin, field) for margin in margins])
             shown = values if name == "delay" else 20.0 * np.log10(values)
@@ -192,14 +192,18 @@ def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) ->
     lines = axes.contour(*coordinates, values, levels=12, colors=COLOURS[0], linewidths=0.9)
     handles: list[Line2D | Patch] = [Line2D([], [], label="boundary, of full trim", **_BOUNDARY)]
     if level is not None:
-        handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT))
+        handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT_LINE))
         if values.min() < level < values.max():
             axes.contour(*coordinates, values, levels=[level], colors=WARM, linewidths=2.4)
     if boundary_map.growth.max() > 0.0:
-        handles.append(Patch(label="grows near rest", **_GROWS))
+        handles.append(Patch(label="grows near rest", **_UNSTABLE_AREA))
         ends = [0.0, 2.0 * boundary_map.growth.max()]
         axes.contourf(
-            *coordinates, boundary_map.growth.T, levels=ends, colors=_GROWS["color"], zorder=3
+            *coordinates,
+            boundary_map.growth.T,
+            levels=ends,
+            colors=_UNSTABLE_AREA["color"],
+            zorder=3,
         )
     axes.set(xlabel="gain, over that of the law [-]", ylabel="delay [s]")
     axes.set_title("Boundary over gain and delay")
