@@ -90,7 +90,7 @@ def test_the_balance_of_a_slow_nozzle(label):
 CLIFF = [line.strip("| ").split(" | ") for line in LINES if re.match(r"\| [23]\.\d+, ", line)]
 
 
-@pytest.mark.parametrize("row", usual(CLIFF, 0, 4, 8), ids=[row[0] for row in CLIFF])
+@pytest.mark.parametrize("row", usual(CLIFF, 0, 2), ids=[row[0] for row in CLIFF])
 def test_the_cliff(row):
     gains, lead, shown, lost = row
     frequency, damping, ratio = (float(n) for n in re.sub(r" \(.*", "", gains).split(", "))
@@ -127,11 +127,6 @@ PROSE = " ".join(" ".join(LINES).split())
 WINDS = {
     r"needs (\S+) at .{1,20} = 4\$ and (\S+) at 8\. A jump": "full reversal",
     r"side needs (\S+) and (\S+) \(with": "flip to 0.3",
-    r"peak first (\S+) and (\S+), like": "sawtooth, jumps first",
-    r"cosine gusts need (\S+) and (\S+), trap": "1 - cosine",
-    r"trapezoids (\S+) and (\S+), two": "trapezoid",
-    r"two gusts (\S+) and (\S+), opposite": "two gusts",
-    r"opposite gusts (\S+) and (\S+)\. ": "opposite gusts",
 }
 
 
@@ -150,7 +145,6 @@ def test_what_other_winds_ask_for(words, name):
     ("words", "durations", "options"),
     [
         (r"1 deg/s needs (\S+), (\S+), (\S+) \(", (4, 8, 20), {"rate_limit": np.radians(1.0)}),
-        (r"100 ms needs (\S+), (\S+), (\S+), (\S+) at", (2, 4, 8, 20), {"delay": 0.1}),
         (r"200 ms (\S+) is needed at", (8,), {"delay": 0.2}),
     ],
 )
