@@ -13,7 +13,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,10 +32,17 @@ from tvclin.base.errors import (
 )
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant
-from tvclin.base.public_names import Hinted
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
-from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, LATERAL_SIGNALS, MODELS, STATION_RANGE, Plant
+from tvclin.linear.plant import (
+    DEFAULT_MODEL,
+    INPUTS,
+    LATERAL_SIGNALS,
+    MODELS,
+    STATION_RANGE,
+    Plant,
+    WithCoefficients,
+)
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_plant import SystemPlant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
@@ -61,7 +68,7 @@ class Shift(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FlexiblePlant(Shown, Hinted):
+class FlexiblePlant(Shown, WithCoefficients):
     """Linear model of a flexible vehicle, or of a batch of flexible vehicles.
 
     Make it with `from_vehicle`. Without structure it is the `Plant` of the same model.
@@ -161,16 +168,6 @@ class FlexiblePlant(Shown, Hinted):
         return self.rigid.coefficients
 
     @property
-    def coordinate_scale(self) -> Any:
-        """Deflection that counts as one for recoverable coordinates: B of the rigid vehicle."""
-        return self.coefficients.B
-
-    @property
-    def coefficients_known(self) -> bool:
-        """True: the rigid vehicle has coefficients."""
-        return True
-
-    @property
     def is_rigid(self) -> bool:
         """False: the plant is analysed by its matrices."""
         return False
@@ -179,11 +176,6 @@ class FlexiblePlant(Shown, Hinted):
     def has_modes(self) -> bool:
         """True: bending and slosh may have a limit cycle with the nozzle."""
         return True
-
-    @property
-    def name(self) -> str:
-        """Name of the vehicle; empty without one."""
-        return self.coefficients.name
 
     def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> FlexiblePlant:
         """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`.

@@ -81,8 +81,33 @@ def models_of(vehicle: AnyVehicle) -> list[str]:
     return available_models(coefficients_of(vehicle))
 
 
+class WithCoefficients(Hinted):
+    """Properties of a plant that are those of its rigid vehicle's `coefficients`."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def coefficients(self) -> Coefficients:
+            """Coefficients of the rigid vehicle."""
+
+    @property
+    def name(self) -> str:
+        """Name of the vehicle; empty without one."""
+        return self.coefficients.name
+
+    @property
+    def coordinate_scale(self) -> Any:
+        """Deflection that counts as one for the recoverable coordinates of flights: B."""
+        return self.coefficients.B
+
+    @property
+    def coefficients_known(self) -> bool:
+        """Whether the coefficients of the moment are known; not of every `SystemPlant`."""
+        return True
+
+
 @dataclass(frozen=True)
-class Plant(Hinted):
+class Plant(WithCoefficients):
     """Linear model of a vehicle, or of a batch of vehicles.
 
     Make it with `from_coefficients` or `from_vehicle`.
@@ -175,21 +200,6 @@ class Plant(Hinted):
     def has_modes(self) -> bool:
         """Whether lightly damped modes may have a limit cycle with the nozzle."""
         return False
-
-    @property
-    def name(self) -> str:
-        """Name of the vehicle; empty without one."""
-        return self.coefficients.name
-
-    @property
-    def coordinate_scale(self) -> Any:
-        """Deflection that counts as one for the recoverable coordinates of flights: B."""
-        return self.coefficients.B
-
-    @property
-    def coefficients_known(self) -> bool:
-        """Whether the coefficients of the moment are known; not of every `SystemPlant`."""
-        return True
 
     @property
     def sensed(self) -> tuple[str, str]:
