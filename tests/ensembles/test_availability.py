@@ -11,10 +11,10 @@ import tvclin as tv
 from tests.archives import Balloon, days, jet, write
 from tests.requirement.test_sizing_varying import trim_law_is_lost
 from tests.turns import usual
-from tvclin.ascent.measured_wind import gust_of_speed
+from tvclin.ascent.measured_wind import FlightWind, gust_of_speed
 from tvclin.ensembles.statistics import effective_number, survival_fraction
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
-from tvclin.requirement.flight.flight_requirement import FlightMode, FlightWind
+from tvclin.requirement.flight.flight_requirement import FlightMode
 from tvclin.requirement.time_varying import curves, encountered_at_steps
 
 EAST = np.radians(90.0)

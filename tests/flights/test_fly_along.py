@@ -30,7 +30,9 @@ def test_the_flight_of_a_made_up_schedule_is_that_of_another_integration() -> No
     )
     schedule = tv.control.GainSchedule([41.0, 60.0, 80.0, 100.0, 116.0], gains)
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=20.0).shift(56.0)
-    flown = fly_along(tv.load_schedule("configuration-i"), schedule, wind, start=56.0)
+    flown = fly_along(
+        tv.load_schedule("configuration-i"), schedule, wind, sign="frozen", start=56.0
+    )
     largest = {
         "attitude": (-3.26972, 68.47),
         "flight_path_angle": (-1.57646, 75.30),
@@ -58,7 +60,7 @@ def test_the_flight_of_a_made_up_schedule_is_that_of_another_integration() -> No
 @pytest.mark.thorough
 def test_bending_and_slosh_over_the_flight_are_those_of_an_integration() -> None:
     made, laws = flight(), autopilot(filters=(Filter.low_pass(40.0, 0.7),), delay=0.0)
-    flown = fly_along(made, laws, GUST, start=50.0, stop=60.0)
+    flown = fly_along(made, laws, GUST, sign="frozen", start=50.0, stop=60.0)
 
     def slope(t, x):
         loop = closed_loop(laws.along(made, float(t)), plant_at(made, float(t)))
@@ -79,7 +81,14 @@ def test_samples_of_a_varying_vehicle_are_those_of_an_integration() -> None:
     """Bending, a delay of half a sample and a filter, with the law of each sample held."""
     made, laws = flight(), autopilot(sample_rate=50.0)
     flown = fly_along(
-        made, laws, GUST, deflection_limit=0.2, start=52.0, stop=54.0, alpha_moment=1e6
+        made,
+        laws,
+        GUST,
+        deflection_limit=0.2,
+        sign="frozen",
+        start=52.0,
+        stop=54.0,
+        alpha_moment=1e6,
     )
     h, delay, x, command = 0.02, 0.01, np.zeros(len(plant_at(made, 52.0).states) + 2), 0.0
 
@@ -109,6 +118,102 @@ def test_samples_of_a_varying_vehicle_are_those_of_an_integration() -> None:
     np.testing.assert_allclose(flown.outputs["bending_moment"], moment, rtol=1e-14)
 
 
+def with_air(made, ratio) -> tv.FlightSchedule:
+    """Return a flight whose vehicle has so many times its forces of the air."""
+    v = made.vehicle
+    forces = {
+        "normal_force_slope": v.normal_force_slope * ratio,
+        "axial_force": v.axial_force * ratio,
+    }
+    return replace(made, vehicle=v.replace(**forces))
+
+
+def integrated(made, laws, alpha, ratio, end) -> float:
+    """Return the attitude [rad] of a continuous loop from 52 s, in an angle and a q/q_n."""
+
+    def slope(t, x):
+        time = float(t)
+        plant = with_air(made, ratio(time)).plants(time, "drift-exact", "pitch")
+        loop = closed_loop(laws.along(made, time), plant)
+        return loop.A @ x + loop.B[:, 0] * alpha(time)
+
+    order = len(closed_loop(laws.along(made, 52.0), made.plants(52.0, "drift-exact", "pitch")).A)
+    x = np.zeros(order)
+    for begin, stop in zip((52.0, 55.0), (55.0, end), strict=True):
+        x = solve_ivp(slope, (begin, stop), x, rtol=1e-6, atol=1e-10).y[:, -1]
+    return float(x[0])
+
+
+@pytest.mark.parametrize("sign", ["head", pytest.param("tail", marks=pytest.mark.thorough)])
+def test_a_pulse_has_the_pressure_of_its_wind_triangle(sign) -> None:
+    """q/q_n of the horizontal wind that has the angle, by the sine rule of the triangle."""
+    made, laws = flight(flexible=False), autopilot(delay=0.0)
+    turned = {"head": -1.0, "tail": 1.0}[sign]
+
+    def ratio(t):
+        path = np.interp(t, made.times, made.vehicle.attitude)
+        return (np.sin(path) / np.sin(path + turned * float(GUST(t)))) ** 2
+
+    expected = integrated(made, laws, lambda t: float(GUST(t)), ratio, 56.0)
+    options = {"start": 52.0, "stop": 56.0, "alpha_moment": 1e6}
+    flown = fly_along(made, laws, GUST, sign=sign, **options)
+    largest = abs(flown.largest("attitude").value)
+    assert flown.outputs["attitude"][-1] == pytest.approx(expected, abs=1e-5 * largest)
+    q = np.array([ratio(t) for t in flown.times])
+    np.testing.assert_allclose(flown.outputs["pressure_ratio"], q, rtol=1e-12)
+    moment = 1e6 * q * flown.outputs["angle_of_attack"]
+    np.testing.assert_allclose(flown.outputs["bending_moment"], moment, rtol=1e-12)
+    reversed_gust = fly_along(made, laws, -GUST, sign=sign, **options)
+    np.testing.assert_array_equal(reversed_gust.outputs["attitude"], -flown.outputs["attitude"])
+    if sign == "head":  # by default
+        default = fly_along(made, laws, GUST, **options)
+        np.testing.assert_array_equal(default.outputs["attitude"], flown.outputs["attitude"])
+
+
+def test_a_sounding_has_its_speed_in_angle_and_pressure() -> None:
+    made, laws = flight(flexible=False), autopilot(delay=0.0)
+    height = np.linspace(0.0, 3e4, 1201)
+    speeds = {
+        "east": np.interp(height, [0, 8e3, 9e3, 3e4], [0, -40, -10, 0]),
+        "north": 1e-3 * height,
+    }
+    profile = tv.WindProfile(height=height, **speeds)
+    wind = tv.fly_through(profile, made, azimuth=np.pi / 2)
+
+    def triangle(t):
+        at, speed, path = (
+            np.interp(t, made.times, x) for x in (made.altitude, made.speed, made.vehicle.attitude)
+        )
+        along, across = (np.interp(at, height, x) for x in speeds.values())
+        x, z, y = speed * np.cos(path) - along, speed * np.sin(path), across
+        return np.arctan2(z, x) - path, (x**2 + y**2 + z**2) / speed**2
+
+    flown = fly_along(made, laws, wind, start=52.0, stop=56.0)
+    for name, k in (("wind", 0), ("pressure_ratio", 1)):
+        shown = np.array([triangle(t)[k] for t in flown.times[:-1]])
+        # chords of T = 0.06 s, between which the angle bends by T^2/8 times 2e-3 rad/s^2
+        largest = np.abs(shown).max()
+        np.testing.assert_allclose(flown.outputs[name][:-1], shown, atol=2e-5 * largest, rtol=0.0)
+    expected = integrated(
+        made, laws, lambda t: float(triangle(t)[0]), lambda t: float(triangle(t)[1]), 56.0
+    )
+    size = abs(flown.largest("attitude").value)
+    assert flown.outputs["attitude"][-1] == pytest.approx(expected, abs=2e-5 * size)
+    with pytest.raises(InputError, match="measured winds have their own sign"):
+        fly_along(made, laws, wind, sign="head")
+    with pytest.raises(InputError, match="gust_time must be given"):
+        fly_along(made, laws, replace(wind, gust=GUST))
+    gusty = fly_along(made, laws, replace(wind, gust=GUST), gust_time=54.0, start=52.0, stop=56.0)
+    # eq (B1e) at the nominal speed with the gust, and the triangle of that wind
+    path = np.interp(54.0, made.times, made.vehicle.attitude)
+    along = np.interp(np.interp(54.0, made.times, made.altitude), height, speeds["east"])
+    nominal = np.arcsin(along / (8.0 * 54.0) * np.sin(path)) - np.radians(4.0)
+    w = np.sin(nominal) / np.sin(path)
+    expected = np.arctan2(w * np.sin(path), 1.0 - w * np.cos(path))
+    shown = np.interp(54.0, gusty.times, gusty.outputs["wind"])
+    assert shown == pytest.approx(expected, rel=1e-4)
+
+
 def frozen(made, time) -> tuple[tv.FlightSchedule, tv.FlexiblePlant]:
     """Return a flight that keeps the vehicle of a time, and the plant of that time."""
     vehicle, span = made.at(time), np.array([50.0, 120.0])
@@ -123,7 +228,8 @@ def test_a_frozen_flight_is_that_of_fly_many_to_the_last_digit() -> None:
     law = autopilot(filters=filters, sample_rate=50.0).along(flight(), 60.0)
     wind = tv.TriangularWind(peak=np.radians([3.0, 5.0, 8.0]), duration=7.5).shift(60.003)
     limits = {"deflection_limit": np.radians([1.0, 0.5, 0.5]), "rate_limit": np.radians(3.0)}
-    along = fly_many_along(still, law, wind, **limits, start=60.003, stop=95.003)
+    span = {"start": 60.003, "stop": 95.003}
+    along = fly_many_along(still, law, wind, **limits, sign="frozen", **span)
     many = tv.fly_many(
         plant,
         replace(law, actuator=None, delay=0.0, sample_rate=None),
@@ -148,6 +254,14 @@ def test_a_single_flight_is_one_of_many() -> None:
     assert many.peak_attitude[1] == abs(one.largest("attitude").value)
     assert many.peak_angle_of_attack[1] == abs(one.largest("angle_of_attack").value)
     assert one.status == many.status[1]
+    sounding = tv.fly_through(
+        tv.WindProfile(height=[0.0, 8e3, 4e4], east=[0, 40, 0], north=[0, 9, 0]),
+        made,
+        azimuth=np.pi / 2,
+    )
+    both = fly_many_along(made, laws, [sounding, sounding], **options)
+    single = fly_along(made, laws, sounding, **options)
+    assert both.peak_attitude.tolist() == [abs(single.largest("attitude").value)] * 2
     assert one.outputs["drift"][-1] != 0.0
     lines = one.to_csv().splitlines()
     assert lines[0].startswith("time_s,wind_deg,attitude_deg,attitude_rate_rad_per_s")
@@ -174,6 +288,8 @@ def test_a_small_limit_is_lost_and_a_wind_to_the_end_is_judged_before_it() -> No
         (autopilot(delay=np.linspace(0.01, 0.02, 5)), {}, "delay and sample_rate must be the same"),
         (autopilot(), {"start": 20.0}, "start must be between 30 and 110"),
         (autopilot(), {"model": "drift"}, 'use "drift-exact"'),
+        (autopilot(), {"sign": "up"}, "sign must be one of"),
+        (autopilot(), {"gust_time": 50.0}, "add a pulse to a history"),
     ],
 )
 def test_flights_that_cannot_be(laws, options, message) -> None:

@@ -8,8 +8,9 @@ from scipy.linalg import eig
 import tvclin as tv
 from tests.small_launcher import sounding, write
 from tests.turns import usual
+from tvclin.ascent.measured_wind import FlightWind
 from tvclin.requirement.flight import flight_requirement as flight_mode
-from tvclin.requirement.flight.flight_requirement import FlightMode, FlightWind
+from tvclin.requirement.flight.flight_requirement import FlightMode
 from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, LimitedFlights, encountered_at_steps
 from tvclin.studyfile.parse import parse_study
 

@@ -5,10 +5,9 @@ import pytest
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.measured_wind import gust_of_speed
+from tvclin.ascent.measured_wind import FlightWind, gust_of_speed
 from tvclin.base.lines import text
 from tvclin.base.quantities import WIND_KNOWN
-from tvclin.requirement.flight.flight_requirement import FlightWind
 from tvclin.requirement.flight.sizing_tables import legend, time_tables, wind_columns_table
 from tvclin.requirement.flight.total import total_table
 from tvclin.winds.soundings.levels import wind_components

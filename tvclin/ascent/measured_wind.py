@@ -1,5 +1,7 @@
 """Measured winds along a flight: their part of one sign around a flight time, with a gust."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,7 +17,13 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import SampledWind, checked_gust
 from tvclin.winds.soundings.profile import WindProfile, wind_angles_along
-from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, angle_in_plane, checked_linear, wind_triangle
+from tvclin.winds.wind_angles import (
+    MAX_LINEAR_ANGLE,
+    NominalWind,
+    angle_in_plane,
+    checked_linear,
+    wind_triangle,
+)
 
 GustOf = History | Callable[[Vehicle], History]
 """A gust, or a function from a vehicle to its gust: a wind speed has another angle for each."""
@@ -74,6 +82,32 @@ class SoundingSpeeds:
         nominal = wind_triangle(path, bias["pitch"], bias["yaw"])
         k = PLANES.index(plane)
         return angles[k] - nominal[k], ratio
+
+
+@dataclass(frozen=True, eq=False)
+class FlightWind(NominalWind):
+    """A wind in flight time, as a vehicle encounters it with the wind of a sounding.
+
+    Attributes
+    ----------
+    history : History
+        Wind angles [rad] at the nominal speed of the flight, eq (B1e).
+    plane : str
+        Plane of these angles.
+    speeds : SoundingSpeeds
+        The wind of both planes.
+    """
+
+    plane: str
+    speeds: SoundingSpeeds
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack [rad] and q/q_n at times [s], by the wind triangle."""
+        return self.speeds.encountered(self.plane, super().at(times)[0], times)
+
+    def between(self, start: float, stop: float) -> FlightWind:
+        """Return the wind from a time to another [s], and none before and after."""
+        return replace(self, history=super().between(start, stop).history)
 
 
 @dataclass(frozen=True, eq=False)

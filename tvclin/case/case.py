@@ -17,6 +17,7 @@ from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle,
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History, VehicleWind
 from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
+from tvclin.winds.wind_angles import FROZEN, SIGNS
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -25,14 +26,6 @@ if TYPE_CHECKING:
     from tvclin.linear.system import LinearSystem
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
-SIGNS = {"head": -1.0, "tail": 1.0}
-"""Sign of the wind angle in the pitch plane, by direction."""
-CROSS = "cross"
-"""Direction of a wind across the path."""
-DIRECTIONS = (*SIGNS, CROSS)
-"""Directions of a wind, on which the dynamic pressure encountered depends."""
-FROZEN = "frozen"
-"""The nominal dynamic pressure, for either sign of the wind."""
 ANY_NOZZLE = Nozzle()
 """Nozzle without limits, with the usual actuator."""
 _FLIGHT_SAMPLE_RATE_HZ = 100.0

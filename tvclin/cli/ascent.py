@@ -12,7 +12,6 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.files import called
-from tvclin.case.case import FROZEN
 from tvclin.cli.inputs import changed, chosen, keys_set, note_source
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -39,6 +38,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.soundings.reading import SoundingReading
+from tvclin.winds.wind_angles import FROZEN
 
 _FIELDS = ("start", "stop", "every", "dead_bands", "varying")
 """Fields of `SizingRequest` that have an option."""

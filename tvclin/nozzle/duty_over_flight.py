@@ -28,7 +28,7 @@ from tvclin.base.lines import Table
 from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
 from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.optimum.minimum_peak import minimum_peaks
-from tvclin.case.case import FROZEN, SIGNS, Case
+from tvclin.case.case import Case
 from tvclin.case.flexible_autopilot import specified_law
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
@@ -60,12 +60,11 @@ from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import doubtful_winds
 from tvclin.requirement.plane_requirement import rectangle
 from tvclin.requirement.required_quantity import in_wind
-from tvclin.requirement.varying_equations import at_pressure
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import Vehicle, at_pressure
 from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import beyond_linear, pressure_ratio
+from tvclin.winds.wind_angles import FROZEN, SIGNS, beyond_linear, pressure_ratio
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,6 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.case.case import FROZEN
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import (
@@ -49,7 +48,7 @@ from tvclin.requirement.study import Study
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import load_vehicle
-from tvclin.winds.wind_angles import BEYOND_LINEAR
+from tvclin.winds.wind_angles import BEYOND_LINEAR, FROZEN
 
 if TYPE_CHECKING:
     from control import ControlPlot

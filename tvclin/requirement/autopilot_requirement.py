@@ -21,6 +21,7 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.requirement.case_requirement import CaseRequirement
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.vehicle.vehicle import at_pressure
 
 AnyCase = TypeVar("AnyCase", bound=Case)
 
@@ -113,7 +114,6 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     `InputError` for a plant in state space, which is not known there.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
-    from tvclin.requirement.varying_equations import at_pressure
 
     if case.plant_system is not None:
         raise InputError("a plant in state space is known at nominal dynamic pressure alone")

@@ -14,7 +14,7 @@ from tvclin.base.fields import Field, spec, specs
 from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.open_loop import Reason
-from tvclin.case.case import FROZEN, Case
+from tvclin.case.case import Case
 from tvclin.linear.plant import Plant
 from tvclin.requirement.nominal_requirement import RequiredDeflection, covers, required_deflection
 from tvclin.requirement.plane_requirement import TwoPlaneRequirement, heading_requirement, rectangle
@@ -22,7 +22,7 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
+from tvclin.winds.wind_angles import FROZEN, MAX_LINEAR_ANGLE, beyond_linear
 
 _SIZE_TOLERANCE = 1e-9
 """Tolerance of the logarithm of a factor on the wind."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
-from tvclin.case.case import CROSS, FROZEN, SIGNS, Case
+from tvclin.case.case import Case
 from tvclin.requirement.time_varying import (
     VaryingRequirement,
     batch_requirements,
@@ -29,7 +29,14 @@ from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
-from tvclin.winds.wind_angles import EncounteredWind, angles_from_vector_size, sines_by_heading
+from tvclin.winds.wind_angles import (
+    CROSS,
+    FROZEN,
+    SIGNS,
+    EncounteredWind,
+    angles_from_vector_size,
+    sines_by_heading,
+)
 
 
 def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:

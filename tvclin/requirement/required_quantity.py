@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.base.errors import between, flag, number, one_of
-from tvclin.case.case import DIRECTIONS
+from tvclin.winds.wind_angles import DIRECTIONS
 
 DEAD_BAND = "dead band"
 QUANTITIES = ("trim", DEAD_BAND, "no forecast", "minimum")

@@ -23,7 +23,7 @@ from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.boundary.open_loop import ROUNDING, Reason, with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.case.case import FROZEN, Case
+from tvclin.case.case import Case
 from tvclin.case.nozzle import Nozzle
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
@@ -37,7 +37,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle import vehicle_warnings as slips
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
-from tvclin.winds.wind_angles import linear_notes, pressure_ratio
+from tvclin.winds.wind_angles import FROZEN, linear_notes, pressure_ratio
 
 _MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
 """Wind angle [rad] above which the change of dynamic pressure exceeds the error of the boundary."""

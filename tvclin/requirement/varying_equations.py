@@ -20,20 +20,12 @@ from tvclin.boundary.limit import COMPARABLE, leading_pole
 from tvclin.linear.modes import left_eigenvectors, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.requirement.varying_minimum import UnstableModes, unstable_modes_of
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import Vehicle, at_pressure
 
 PRESSURES = (1.0, 1.25, 2.0)
 """q/q_n at which equations are computed; three of them determine E, E_1 and E_2."""
 _QUICK_PATH_FRACTION = 0.1
 """Fraction of the fastest rate from which on the rate b1 of the path is comparable with it."""
-
-
-def at_pressure(vehicle: Vehicle, ratio: FloatArray | float) -> Vehicle:
-    """Return a vehicle whose normal and axial force are those at q/q_n times its own pressure."""
-    return vehicle.replace(
-        normal_force_slope=vehicle.normal_force_slope * ratio,
-        axial_force=vehicle.axial_force * ratio,
-    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ import numpy as np
 
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.case.case import FROZEN
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
 from tvclin.requirement.study import OUTLASTS, outlasts_single_pole
@@ -18,6 +17,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.wind_angles import (
     BEYOND_LINEAR,
     DOUBTFUL,
+    FROZEN,
     MAX_CERTAIN_ANGLE,
     beyond_linear,
     doubtfully_linear,

@@ -266,6 +266,14 @@ NUMBERS = tuple(parameters(Vehicle))
 """Names of the numerical fields."""
 
 
+def at_pressure(vehicle: Vehicle, ratio: ArrayLike) -> Vehicle:
+    """Return a vehicle whose normal and axial force are those at q/q_n times its own pressure."""
+    return vehicle.replace(
+        normal_force_slope=np.multiply(vehicle.normal_force_slope, ratio),
+        axial_force=np.multiply(vehicle.axial_force, ratio),
+    )
+
+
 def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
     """Yield warnings on implausible numbers of a vehicle or a batch, without full stops.
 

@@ -45,6 +45,14 @@ from tvclin.base.errors import (
 from tvclin.numerics import pieces
 from tvclin.winds.histories import History
 
+SIGNS = {"head": -1.0, "tail": 1.0}
+"""Sign of the wind angle in the pitch plane, by direction."""
+CROSS = "cross"
+"""Direction of a wind across the path."""
+DIRECTIONS = (*SIGNS, CROSS)
+"""Directions of a wind, on which the dynamic pressure encountered depends."""
+FROZEN = "frozen"
+"""The nominal dynamic pressure, for either sign of the wind."""
 _NEWTON_ITERATIONS = 8
 """Newton iterations for the speed ratio of a wind vector."""
 _AXIS_ROUNDING = 1e-12

@@ -25,6 +25,7 @@ from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.control.margins.margins import MARGINS, Margins, margins_of
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, named_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
+from tvclin.vehicle.vehicle import at_pressure
 
 _COLUMNS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin")
 """Margins of the whole loop in a CSV."""
@@ -208,9 +209,18 @@ def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",
     )
 
 
-def plants_along(flight: FlightSchedule, times: FloatArray, model: str, plane: str) -> AnyPlant:
-    """Return the plants of a flight at times [s], flexible where it has a structure."""
-    vehicle = flight.at(times)
+def plants_along(
+    flight: FlightSchedule,
+    times: FloatArray,
+    model: str,
+    plane: str,
+    pressure: FloatArray | float = 1.0,
+) -> AnyPlant:
+    """Return the plants of a flight at times [s], flexible where it has a structure.
+
+    `pressure`: dynamic pressure q/q_n, ``(n,)``.
+    """
+    vehicle = at_pressure(flight.at(times), pressure)
     if vehicle.structure is None:
         return Plant.from_vehicle(vehicle, model, plane)
     return FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, model, plane)

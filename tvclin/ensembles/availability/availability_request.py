@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, between, directions, fraction, instance, nonzero, one_of
 from tvclin.base.fields import checked, file_table, quantity, word
-from tvclin.case.case import FROZEN, Case
+from tvclin.case.case import Case
 from tvclin.ensembles.availability.judge import STOPS
 from tvclin.ensembles.availability.sounding_winds import PairGrowth, WindGrowth, growth_of
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.wind_angles import FROZEN
 
 if TYPE_CHECKING:
     from tvclin.ensembles.availability.availability_record import Availability

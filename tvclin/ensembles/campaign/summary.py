@@ -11,13 +11,13 @@ from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant, text
 from tvclin.base.quantities import sufficiency, survival
-from tvclin.case.case import FROZEN
 from tvclin.ensembles.campaign.outputs import plane_columns, required_name
 from tvclin.ensembles.campaign.results import CampaignResults
 from tvclin.ensembles.statistics import Quantile, Success, shares
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import FROZEN
 
 _MAX_SHOWN = 5
 """Largest number of cases and of drivers that are shown."""

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import factorial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.flight_variables import flight_variable
+from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.arrays import FloatArray
+from tvclin.ascent.wind_along import WindAlong, wind_along
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import table
 from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.errors import (
     InputError,
     broadcast,
+    each,
     finite,
     instance,
     number,
@@ -43,6 +47,7 @@ from tvclin.linear.system import connect, constant_over_steps, polynomial_input
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import FROZEN
 
 _CONTINUOUS_STEP = 0.02
 """Longest step of a continuous loop [s]."""
@@ -75,9 +80,9 @@ class FlightAlong(Tabled):
         one.
     outputs : dict of str to ndarray
         Outputs by name, ``(n,)``: wind, attitude, flight_path_angle, angle_of_attack [rad],
-        attitude_rate [rad/s], deflection [rad], deflection_rate [rad/s]; lateral drift [m] where
-        the model has a flight path; q_alpha [Pa rad] where the altitude is known; bending_moment
-        [N m] on request; the displacement of each mode and tank by its name.
+        attitude_rate [rad/s], deflection [rad], deflection_rate [rad/s]; pressure_ratio q/q_n;
+        lateral drift [m] where the model has a flight path; q_alpha [Pa rad] where the altitude is
+        known; bending_moment [N m] on request; the displacement of each mode and tank by its name.
     units : dict of str to str
         SI unit of each.
     status : str
@@ -136,6 +141,7 @@ class _Along:
 
     flight: FlightSchedule
     autopilot: Autopilot | GainSchedule
+    wind: WindAlong
     model: str
     plane: str
     start: float
@@ -143,7 +149,8 @@ class _Along:
 
     def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
         """Return plants and autopilots at times [s]."""
-        plants = plants_along(self.flight, times, self.model, self.plane)
+        pressure = self.wind.pressure(times)
+        plants = plants_along(self.flight, times, self.model, self.plane, pressure)
         return plants, autopilot_along(self.autopilot, self.flight, times)
 
     @property
@@ -156,10 +163,12 @@ class _Along:
 def fly_along(
     flight: FlightSchedule,
     autopilot: Autopilot | GainSchedule,
-    wind: History,
+    wind: History | MeasuredWind,
     *,
     deflection_limit: float | None = None,
     rate_limit: float = np.inf,
+    sign: str | None = None,
+    gust_time: float | None = None,
     start: float | None = None,
     stop: float | None = None,
     model: str = DEFAULT_MODEL,
@@ -176,14 +185,21 @@ def fly_along(
     autopilot : Autopilot or GainSchedule
         Autopilot with its actuator, delay, filters and sample rate. Without a sample rate the loop
         is continuous and has no limits; its delay is a Pade approximation.
-    wind : History
-        One wind angle of attack [rad] over the time of flight: a pulse, a gust, or the `wind` of
-        `fly_through`.
+    wind : History or MeasuredWind
+        One wind angle of attack [rad] over the time of flight, such as a pulse or a gust, or the
+        wind of `fly_through`, without its window.
     deflection_limit, rate_limit : float
         Deflection limit [rad], within 90 degrees, and rate limit [rad/s], positive; of a sampled
         autopilot, which needs a deflection limit.
+    sign : {"head", "tail", "frozen"}, optional
+        Direction of the largest angle of a history in the pitch plane, for the dynamic pressure
+        encountered: by default a head wind, whatever the sign of the angle. In the yaw plane a
+        history is a cross wind, and a sounding has its own direction. "frozen" is the nominal
+        dynamic pressure.
+    gust_time : float, optional
+        Time of flight [s] of the gust of a sounding.
     start, stop : float, optional
-        Ends of the flight [s], by default those of the schedule.
+        Ends of the flight [s], by default those of the schedule, or of the sounding within it.
     model : {"fixed-path", "drift", "drift-exact", "drift-and-speed"}
         Model of the motion; "drift" without a structure alone.
     plane : {"pitch", "yaw"}
@@ -195,24 +211,30 @@ def fly_along(
     Raises
     ------
     InputError
-        For times outside the flight, a delay that varies, limits of a continuous loop or none of a
-        sampled one, and in the same cases as `fly_many`.
+        For times outside the flight or the sounding, a delay that varies, limits of a continuous
+        loop or none of a sampled one, a path on which no horizontal wind has the angle, the sign of
+        a sounding, and in the same cases as `fly_many`.
 
     Notes
     -----
-    All quantities are deviations from the nominal flight, at nominal dynamic pressure. Between
-    samples the motion is that of `fly_many`, with the matrices that equal the varying ones over
-    each sample to fourth order: exact for bending and actuator, and for a constant vehicle. Knots
-    of the wind within a sample act on the vehicle of its middle. The states of a filter that varies
-    are those of `Filter.matrices`, and stay where its coefficients change. The drift is the
+    All quantities are deviations from the nominal flight. Normal and axial force, `alpha_moment`
+    and q_alpha are those of the dynamic pressure encountered in the wind, by the wind triangle; a
+    schedule of gains follows the nominal flight. Motions in a head wind with all angles reversed
+    are the same, so that the wind keeps the sign of its angles.
+
+    Between samples the motion is that of `fly_many`, with the matrices that equal the varying ones
+    over each sample to fourth order: exact for bending and actuator, and for a constant vehicle.
+    Knots of the wind within a sample act on the vehicle of its middle. The states of a filter that
+    varies are those of `Filter.matrices`, and stay where its coefficients change. The drift is the
     integral of speed times path angle by the trapezoidal rule.
 
     A flight is judged after its wind as in `fly_many`, by the recoverable set of the vehicle frozen
     at each sample; in a wind that lasts to the end, over the settling time before it.
     """
-    along = _checked(flight, autopilot, wind, start, stop, model, plane)
-    if wind.batch:
+    if getattr(wind, "batch", ()):
         raise InputError("wind must be one wind; see fly_many_along for many")
+    wind_of_flight = wind_along(flight, wind, plane, sign, gust_time)
+    along = _checked(flight, autopilot, wind_of_flight, start, stop, model, plane)
     slopes: dict[str, FloatArray] = {}
     if alpha_moment is not None:
         slopes["alpha_moment"] = _slope(flight, "alpha_moment", alpha_moment)
@@ -221,15 +243,15 @@ def fly_along(
     if along.law.sample_rate is None:
         if deflection_limit is not None or np.isfinite(max_rate):
             raise InputError("limits need samples: give the autopilot a sample_rate")
-        times, rows, rates, status = *_continuous(along, wind), UNLIMITED
+        times, rows, rates, status = *_continuous(along), UNLIMITED
     else:
         if deflection_limit is None:
             raise InputError("deflection_limit must be given for an autopilot with a sample_rate")
         limit = number("deflection_limit", deflection_limit, small_angle("a deflection", positive))
-        made, f = _sampled(along, wind, np.array([limit]), np.array([max_rate]), track=True)
+        made, f = _sampled(along, np.array([limit]), np.array([max_rate]), track=True)
         times, rows, rates = _tracked(along, f, limit)
         status = str(made.status[0])
-    outputs = _outputs(along, wind, times, rows, rates, slopes)
+    outputs = _outputs(along, times, rows, rates, slopes)
     units = {name: _UNITS.get(name, "") for name in outputs}
     return FlightAlong(times, outputs, units, status)
 
@@ -237,7 +259,7 @@ def fly_along(
 _UNITS = {
     **dict.fromkeys(("wind", "attitude", "flight_path_angle", "angle_of_attack"), "rad"),
     **{"attitude_rate": "rad/s", "deflection": "rad", "deflection_rate": "rad/s"},
-    **{"drift": "m", "q_alpha": "Pa rad", "bending_moment": "N m"},
+    **{"pressure_ratio": "", "drift": "m", "q_alpha": "Pa rad", "bending_moment": "N m"},
 }
 """SI units of the outputs; displacements of modes and tanks are in their normalisation."""
 
@@ -245,10 +267,11 @@ _UNITS = {
 def fly_many_along(
     flight: FlightSchedule,
     autopilot: Autopilot | GainSchedule,
-    wind: History,
+    wind: History | Sequence[MeasuredWind],
     *,
     deflection_limit: ArrayLike,
     rate_limit: ArrayLike = np.inf,
+    sign: str | None = None,
     start: float | None = None,
     stop: float | None = None,
     model: str = DEFAULT_MODEL,
@@ -258,10 +281,10 @@ def fly_many_along(
 
     Parameters
     ----------
-    flight, autopilot, start, stop, model, plane
+    flight, autopilot, sign, start, stop, model, plane
         Same as in `fly_along`; the autopilot has a sample rate.
-    wind : History
-        One wind or a batch, over the time of flight.
+    wind : History or sequence of MeasuredWind
+        One wind or a batch, over the time of flight, or soundings without a gust.
     deflection_limit, rate_limit : array_like
         Deflection limits [rad] and rate limits [rad/s], positive; they broadcast with the winds.
 
@@ -275,26 +298,51 @@ def fly_many_along(
     InputError
         Same as `fly_along`.
     """
-    along = _checked(flight, autopilot, wind, start, stop, model, plane)
-    if along.law.sample_rate is None:
-        raise InputError("many flights need samples: give the autopilot a sample_rate")
     limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
     rate = numbers("rate_limit", rate_limit)
     if not np.all(rate > 0.0):
         raise InputError("rate_limit must be positive")
-    shape = broadcast(wind=wind.batch, deflection_limit=limit.shape, rate_limit=rate.shape)
-    count = int(np.prod(shape))
-    if not count:
+    winds, batch = _winds_along(flight, wind, plane, sign)
+    shape = broadcast(wind=batch, deflection_limit=limit.shape, rate_limit=rate.shape)
+    if not int(np.prod(shape)):
         raise InputError("there must be a wind and a limit or more; got none")
-    winds = wind.cases(
-        np.broadcast_to(np.arange(int(np.prod(wind.batch))).reshape(wind.batch), shape).ravel(),
-        wind.batch,
-    )
+    which = np.broadcast_to(np.arange(int(np.prod(batch))).reshape(batch), shape).ravel()
     limits, rates = (np.array(np.broadcast_to(a, shape)).ravel() for a in (limit, rate))
-    made, _ = _sampled(along, winds, limits, rates)
-    return replace(
-        made, **{name: getattr(made, name).reshape(shape) for name in made.__dataclass_fields__}
+    flown: dict[str, list[AnyArray]] = {name: [] for name in FlownCases.__dataclass_fields__}
+    flights = []
+    if len(winds) == 1:
+        history = winds[0].history.cases(which, batch)
+        winds, which = [replace(winds[0], history=history)], np.zeros_like(which)
+    for k, one in enumerate(winds):
+        chosen = np.flatnonzero(which == k)
+        along = _checked(flight, autopilot, one, start, stop, model, plane)
+        if along.law.sample_rate is None:
+            raise InputError("many flights need samples: give the autopilot a sample_rate")
+        made, _ = _sampled(along, limits[chosen], rates[chosen])
+        flights.append(chosen)
+        for name, values in flown.items():
+            values.append(getattr(made, name))
+    order = np.argsort(np.concatenate(flights))
+    return FlownCases(
+        **{name: np.concatenate(values)[order].reshape(shape) for name, values in flown.items()}
     )
+
+
+def _winds_along(
+    flight: FlightSchedule, wind: Any, plane: str, sign: str | None
+) -> tuple[list[WindAlong], tuple[int, ...]]:
+    """Return the winds along a flight, and the shape of their batch.
+
+    Winds at nominal dynamic pressure have the same vehicle, and are one batch.
+    """
+    if not isinstance(wind, History):
+        winds = each("wind", wind, MeasuredWind, "a History, or soundings")
+        return [wind_along(flight, one, plane, sign) for one in winds], (len(winds),)
+    if sign == FROZEN or not wind.batch:
+        return [wind_along(flight, wind, plane, sign)], wind.batch
+    count = int(np.prod(wind.batch))
+    cases = [wind.cases(np.asarray(k), wind.batch) for k in range(count)]
+    return [wind_along(flight, case, plane, sign) for case in cases], wind.batch
 
 
 def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
@@ -311,17 +359,14 @@ def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
 def _checked(
     flight: FlightSchedule,
     autopilot: Autopilot | GainSchedule,
-    wind: History,
+    wind: WindAlong,
     start: float | None,
     stop: float | None,
     model: str,
     plane: str,
 ) -> _Along:
     """Return the checked arguments of a flight."""
-    instance("flight", flight, FlightSchedule, "see load_schedule")
-    instance("wind", wind, History, "such as TriangularWind")
-    part = flight.between(start, stop)
-    along = _Along(flight, autopilot, model, plane, *part.span)
+    along = _Along(flight, autopilot, wind, model, plane, *wind.span(flight, start, stop))
     if not isinstance(autopilot, GainSchedule):
         instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
         if autopilot.batch:
@@ -332,7 +377,7 @@ def _checked(
 
 
 def _sampled(
-    along: _Along, wind: History, limit: FloatArray, rate_limit: FloatArray, *, track: bool = False
+    along: _Along, limit: FloatArray, rate_limit: FloatArray, *, track: bool = False
 ) -> tuple[FlownCases, Flights]:
     """Return the outcomes of sampled flights ``(m,)``, and their arrays at their ends."""
     law = along.law
@@ -343,7 +388,8 @@ def _sampled(
     check_samples(along.stop - along.start, 1.0 / rate)
     loops: Loops = along.loops
     stages = stages_of(loops, along.start, along.stop, rate, rate_limit)
-    winds = wind if wind.batch else wind.cases(np.zeros(1, np.int64), ())
+    wind = along.wind.history
+    winds = wind if wind.batch else wind.cases(np.zeros(limit.size, np.int64), ())
     batch = stages.batch(winds, limit)
     f = stages.flights(batch, track=track)
     finish(f, batch.laws)
@@ -362,12 +408,12 @@ def _tracked(along: _Along, f: Flights, limit: float) -> tuple[FloatArray, Float
     return times, np.column_stack([y[:, :n], deflection]), rates
 
 
-def _continuous(along: _Along, wind: History) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _continuous(along: _Along) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times, states with the deflection, and deflection rates of a continuous loop.
 
     Steps end at the knots of the wind and at the times of the data.
     """
-    flight, schedule = along.flight, along.autopilot
+    flight, schedule, wind = along.flight, along.autopilot, along.wind.history
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
     breaks = [flight.times, knots]
     if flight.structure is not None:
@@ -424,7 +470,6 @@ def _shifted(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> Floa
 
 def _outputs(
     along: _Along,
-    wind: History,
     times: FloatArray,
     rows: FloatArray,
     rates: FloatArray,
@@ -435,8 +480,8 @@ def _outputs(
     `rows`: states of the plant and deflection. `rates`: deflection rates [rad/s].
     """
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
-    plants = along.loops(inside)[0]
-    gust = np.asarray(wind(times), float)
+    plants, ratio = along.loops(inside)[0], along.wind.pressure(inside)
+    gust = np.asarray(along.wind.history(times), float)
     states, deflection = rows[:, : len(plants.states)], rows[:, -1]
     _, _, C, D = plants.matrices()
     drives = np.column_stack([deflection, gust])
@@ -446,20 +491,20 @@ def _outputs(
     for name in ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack"):
         if name in by_name:
             outputs[name] = by_name[name]
-    outputs |= {"deflection": deflection, "deflection_rate": rates}
+    outputs |= {"deflection": deflection, "deflection_rate": rates, "pressure_ratio": ratio}
     if "flight_path_angle" in outputs:
         speed = flight_variable(flight, "speed", inside) * outputs["flight_path_angle"]
         steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(times)
         outputs["drift"] = np.concatenate([[0.0], np.cumsum(steps)])
     if flight.altitude is not None:
         pressure = flight_variable(flight, "dynamic_pressure", inside)
-        outputs["q_alpha"] = pressure * outputs["angle_of_attack"]
+        outputs["q_alpha"] = ratio * pressure * outputs["angle_of_attack"]
     if "alpha_moment" in slopes:
         on_alpha, on_deflection = (
             np.interp(inside, flight.times, slopes[name])
             for name in ("alpha_moment", "deflection_moment")
         )
-        moment = on_alpha * outputs["angle_of_attack"] + on_deflection * deflection
+        moment = ratio * on_alpha * outputs["angle_of_attack"] + on_deflection * deflection
         outputs["bending_moment"] = moment
     if flight.structure is not None:
         counts = {"bending": flight.structure.modes, "slosh": flight.structure.tanks}

@@ -86,6 +86,7 @@ def _continued(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
         cases=Cases._make(array[where] for array in f.cases),
         now=FlightStates._make(array[where] for array in f.now),
+        track=f.track[:0],
     )
     ring = g.now.commands.shape[1]
     shifted = (g.now.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again

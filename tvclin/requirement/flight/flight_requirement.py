@@ -29,7 +29,6 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.measured_wind import SoundingSpeeds
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
@@ -45,12 +44,12 @@ from tvclin.requirement.time_varying import varying_requirement
 from tvclin.requirement.varying_equations import (
     PRESSURES,
     Equations,
-    at_pressure,
     has_quick_path,
     of_pressure,
     unstable_end,
 )
 from tvclin.requirement.varying_minimum import unstable_modes_of
+from tvclin.vehicle.vehicle import at_pressure
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
@@ -243,32 +242,6 @@ def _refined(times: FloatArray, steps: FloatArray) -> FloatArray:
 
 _SAMPLES_BETWEEN = 16
 """Times between breakpoints of a wind at which static trim is computed."""
-
-
-@dataclass(frozen=True, eq=False)
-class FlightWind(NominalWind):
-    """A wind in flight time, as a vehicle encounters it with the wind of a sounding.
-
-    Attributes
-    ----------
-    history : History
-        Wind angles [rad] at the nominal speed of the flight, eq (B1e).
-    plane : str
-        Plane of these angles.
-    speeds : SoundingSpeeds
-        The wind of both planes.
-    """
-
-    plane: str
-    speeds: SoundingSpeeds
-
-    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n at times [s], by the wind triangle."""
-        return self.speeds.encountered(self.plane, super().at(times)[0], times)
-
-    def between(self, start: float, stop: float) -> FlightWind:
-        """Return the wind from a time to another [s], and none before and after."""
-        return replace(self, history=super().between(start, stop).history)
 
 
 @dataclass(frozen=True, eq=False)

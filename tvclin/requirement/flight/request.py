@@ -33,7 +33,7 @@ from tvclin.base.fields import checked, file_table, flag, quantity, text, word
 from tvclin.base.fields import count as integer
 from tvclin.base.lines import Line
 from tvclin.base.lines import number as number_line
-from tvclin.case.case import CROSS, DIRECTIONS, FROZEN, SIGNS, Case
+from tvclin.case.case import Case
 from tvclin.control.laws.registry import LAWS
 from tvclin.kernels.choice import repeated
 from tvclin.requirement.flight.controllability import ControllabilityRatio, controllability_ratio
@@ -50,7 +50,7 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, component_in
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
+from tvclin.winds.wind_angles import CROSS, DIRECTIONS, FROZEN, MAX_LINEAR_ANGLE, SIGNS
 
 
 @dataclass(frozen=True, eq=False)

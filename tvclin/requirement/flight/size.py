@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.ascent.measured_wind import FlightWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
@@ -24,7 +25,6 @@ from tvclin.requirement.flight.flight_requirement import (
     LAWS,
     FlightMode,
     FlightRequirement,
-    FlightWind,
     FrozenRequirement,
     flight_requirement,
     frozen_requirement,

@@ -18,7 +18,6 @@ from tvclin.base.errors import InputError
 from tvclin.base.fields import parameters
 from tvclin.base.files import exists, write_new
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
-from tvclin.case.case import FROZEN, SIGNS
 from tvclin.case.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.control.autopilot.design_rules import (
     ADDED_GAINS,
@@ -39,6 +38,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import vehicle_table
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
+from tvclin.winds.wind_angles import FROZEN, SIGNS
 from tvclin.winds.wind_file import gust_of
 
 REPORT, TRIM = "report (open loop)", "trim"

@@ -1,0 +1,157 @@
+"""Winds along a flight: wind angle of attack and dynamic pressure encountered, over flight time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tvclin.ascent.measured_wind import FlightWind, MeasuredWind
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, instance, number, one_of
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import SampledWind
+from tvclin.winds.wind_angles import FROZEN, SIGNS, EncounteredWind
+
+_MAX_INTERVAL_S = 0.1
+"""Longest interval [s] of the straight lines between the encountered angles of a sounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindAlong:
+    """Wind along a flight, in one plane.
+
+    Attributes
+    ----------
+    history : History
+        Wind angles of attack [rad] over the time of flight; a batch at nominal dynamic pressure
+        alone.
+    encountered : EncounteredWind or FlightWind, optional
+        Wind with its dynamic pressure; None for the nominal one.
+    known : tuple of float
+        First and last time of flight [s] at which the wind is known.
+    """
+
+    history: History
+    encountered: EncounteredWind | FlightWind | None = None
+    known: tuple[float, float] = (-np.inf, np.inf)
+
+    def pressure(self, times: FloatArray) -> FloatArray:
+        """Return the dynamic pressure q/q_n at times of flight [s], ``(n,)``."""
+        if self.encountered is None:
+            return np.ones(times.shape)
+        ratio = self.encountered.at(np.reshape(times, (1, -1)))[1]
+        return np.reshape(ratio, times.shape)
+
+    def span(
+        self, flight: FlightSchedule, start: float | None, stop: float | None
+    ) -> tuple[float, float]:
+        """Return the ends [s] of a flight through the wind, by default where both are known.
+
+        `InputError` for times outside the flight or the wind.
+        """
+        part = flight.between(start, stop)
+        ends = np.clip(part.span, *self.known).tolist()
+        for name, given, end in zip(("start", "stop"), (start, stop), ends, strict=True):
+            if given is not None and given != end:
+                raise InputError(
+                    f"{name} must be between {self.known[0]:.6g} and {self.known[1]:.6g} s, where"
+                    f" the wind is known; got {given:.6g} s"
+                )
+        if not ends[0] < ends[1]:
+            raise InputError("the wind must be known at times of the flight; it is at none of them")
+        return ends[0], ends[1]
+
+
+def wind_along(
+    flight: FlightSchedule,
+    wind: History | MeasuredWind,
+    plane: str,
+    sign: str | None = None,
+    gust_time: float | None = None,
+) -> WindAlong:
+    """Return one wind along a flight with the dynamic pressure encountered.
+
+    Parameters
+    ----------
+    flight : FlightSchedule
+        Flight with its path angles.
+    wind : History or MeasuredWind
+        Wind angles of attack [rad] over the time of flight, or the wind of `fly_through` without
+        its window.
+    plane : {"pitch", "yaw"}
+        Plane of the wind angles.
+    sign : {"head", "tail", "frozen"}, optional
+        Direction of the largest angle of a history in the pitch plane: by default a head wind,
+        whatever the sign of the angle. A history in the yaw plane is a cross wind, and a sounding
+        has its own direction. "frozen" is the nominal dynamic pressure.
+    gust_time : float, optional
+        Time of flight [s] of the gust of a `MeasuredWind`.
+
+    Raises
+    ------
+    InputError
+        For another sign, the sign of a sounding, a path on which no horizontal wind has the angle,
+        and a gust without its time.
+    """
+    instance("flight", flight, FlightSchedule, "see load_schedule")
+    one_of("plane", plane, PLANES)
+    if sign is not None:
+        one_of("sign", sign, (*SIGNS, FROZEN))
+    if isinstance(wind, MeasuredWind):
+        return _sounding(flight, wind, plane, sign, gust_time)
+    instance("wind", wind, History, "such as TriangularWind, or the wind of fly_through")
+    if gust_time is not None:
+        raise InputError("gust_time is that of the gust of a sounding: add a pulse to a history")
+    if sign == FROZEN or not np.any(np.isfinite(wind.onset)):
+        return WindAlong(wind)
+    in_pitch = 0.0
+    if plane == "pitch":
+        in_pitch = SIGNS[sign or "head"] * float(np.sign(wind.peak))
+    directions = np.asarray(in_pitch), np.asarray(float(plane != "pitch"))
+    paths = flight.flight_path_angle
+    encountered = EncounteredWind(
+        plane,
+        paths[0],
+        wind,
+        None,
+        directions,
+        (0.0, 0.0),
+        (flight.times, paths, np.ones(paths.shape)),
+    )
+    encountered.check_possible()
+    return WindAlong(wind, encountered)
+
+
+def _sounding(
+    flight: FlightSchedule,
+    wind: MeasuredWind,
+    plane: str,
+    sign: str | None,
+    gust_time: float | None,
+) -> WindAlong:
+    """Return the wind of a sounding along a flight; parameters as in `wind_along`."""
+    if sign in SIGNS:
+        raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
+    if (wind.gust is None) != (gust_time is None):
+        raise InputError("gust_time must be given for a sounding with a gust, and for no other")
+    whole = replace(wind, window=None)
+    history: History = wind.wind
+    if gust_time is not None:
+        time = number("gust_time", gust_time, unit="s")
+        history = whole.of_both_signs(flight.at(time).rigid)
+    if wind.speeds is None or sign == FROZEN:
+        return WindAlong(history, known=wind.known)
+    encountered = FlightWind(history, plane, wind.speeds)
+    knots = history.knots
+    parts = np.maximum(np.ceil(np.diff(knots) / _MAX_INTERVAL_S), 1.0).astype(int)
+    between = [
+        np.linspace(a, b, n, endpoint=False)
+        for a, b, n in zip(knots[:-1], knots[1:], parts.tolist(), strict=True)
+    ]
+    times = np.unique(np.concatenate([*between, knots[-1:]]))
+    inside = np.minimum(times, np.nextafter(knots[-1], -np.inf))
+    change = encountered.at(inside[np.newaxis])[0][0] - history(inside)
+    return WindAlong(history + SampledWind(time=times, angle=change), encountered, wind.known)
