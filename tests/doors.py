@@ -365,7 +365,12 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "LoadSlopes": Door(
             tv.control.LoadSlopes,
-            {"dynamic_pressure": 3e4, "alpha_moment": 2e7, "deflection_moment": -1e7},
+            {
+                "dynamic_pressure": 3e4,
+                "alpha_moment": 2e7,
+                "deflection_moment": -1e7,
+                "bandwidth": 6.0,
+            },
         ),
         "SensorNoise": Door(tv.control.SensorNoise, {"attitude": 1e-4, "rate": 2e-4}),
         "turbulence_covariance": Door(tv.control.turbulence_covariance, gusty),
@@ -386,6 +391,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "wind": wind,
                 "structure": None,
                 "noise": None,
+                "loads": None,
             },
         ),
         **{

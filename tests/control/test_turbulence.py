@@ -378,6 +378,180 @@ def test_along_a_flight_a_structure_and_drift_count():
     assert 2.0 * rigid.travel() < severe.travel() < 3.3 * rigid.travel()
 
 
+def flown_along(schedule, gains, air, times, runs, samples, delayed):
+    """Return deflections and attitudes of sampled flights along a flight at even times.
+
+    `samples`: number of steps between samples. `delayed`: from a sample until its command acts.
+    """
+    step = times[1] - times[0]
+    V = np.interp(times, schedule.times, schedule.speed)
+    height = np.interp(times, schedule.times, schedule.height)
+    winds = air.winds(times, V, altitude=height, seed=61, runs=runs).angle
+    x, held, pipe, motion = np.zeros((runs, 5)), np.zeros(runs), {}, []
+    for k, t in enumerate(times):
+        motion.append(x[:, [3, 0]])
+        if k % samples == 0:
+            law = gains.at(t)
+            pipe[k + delayed] = law.attitude_gain * x[:, 0] + law.rate_gain * x[:, 1]
+        held = pipe.pop(k, held)
+        if k + 1 < len(times):
+            plant = tv.Plant.from_vehicle(schedule.at(t + 0.5 * step), "drift-exact")
+            A, B, *_ = plant.matrices()
+            whole = np.zeros((8, 8))
+            whole[:3, :3], whole[:3, 3], whole[:3, 6] = A, B[:, 0], B[:, 1]
+            whole[3, 4], whole[4, 3:6], whole[6, 7] = 1.0, [-625.0, -35.0, 625.0], 1.0
+            F = expm(whole * step)[:5]
+            slope = (winds[:, k + 1] - winds[:, k]) / step
+            x = np.column_stack([x, held, winds[:, k], slope]) @ F.T
+    return np.moveaxis(np.array(motion), 0, -1)
+
+
+@pytest.mark.parametrize("runs", [400, pytest.param(10_000, marks=pytest.mark.thorough)])
+def test_along_a_flight_a_sampled_autopilot_has_the_covariance_of_its_flights(runs):
+    schedule, gains = flight()
+    air = tv.winds.Turbulence.mil_f_8785c("severe")
+    sampled = replace(gains, autopilot=replace(gains.autopilot, sample_rate=12.5, delay=0.02))
+    found = turbulence_along(schedule, sampled, air, start=60.0, stop=66.0)
+    times = 60.0 + 0.01 * np.arange(601)
+    deflection, attitude = np.moveaxis(flown_along(schedule, gains, air, times, runs, 8, 2), 1, 0)
+    at = np.searchsorted(found.times, times - 1e-6)
+    assert np.allclose(found.times[at], times, atol=1e-9)
+    later = slice(100, None, 37)  # at and between samples
+    for name, values in (("deflection", deflection), ("attitude", attitude)):
+        ratio = values.std(axis=0)[later] / found.deviation(name)[at][later]
+        assert np.abs(ratio - 1.0).max() < 5.0 / np.sqrt(2.0 * runs), name
+    rates = np.diff(deflection) / 0.01
+    travels = np.abs(rates).sum(axis=1) * 0.01
+    assert (
+        abs(travels.mean() / found.travel() - 1.0)
+        < 5.0 * travels.std() / (travels.mean() * np.sqrt(runs)) + 2e-3
+    )  # (25 x 0.01)^2/12 of differences within steps
+    assert abs(travels.std() / found.travel_deviation() - 1.0) < 5.0 / np.sqrt(2.0 * runs) + 0.02
+
+
+def test_along_a_flight_a_constant_sampled_loop_is_a_history():
+    schedule = tv.FlightSchedule(BOOSTER.replace(time=[60.0, 64.0]))
+    autopilot = replace(
+        AUTOPILOT, sample_rate=25.0, delay=0.05, integral_gain=0.02, filters=NOTCHES
+    )
+    noise, wind = SensorNoise(rate=1e-4), WIND.shift(61.0)
+    along = turbulence_along(schedule, autopilot, AIR, wind=wind, noise=noise)
+    alone = turbulence_history(autopilot, EXACT, AIR, SPEED, 4.0, wind=WIND.shift(1.0), noise=noise)
+    assert np.allclose(along.times - 60.0, alone.times, atol=1e-9)
+    for output in ("deflection", "angle_of_attack", "drift"):
+        assert np.allclose(along.deviation(output), alone.deviation(output), rtol=1e-9)
+        assert np.allclose(along.mean(output), alone.mean(output), rtol=1e-9, atol=1e-13)
+    assert np.isclose(along.travel(), alone.travel(), rtol=1e-9)
+    assert np.isclose(along.travel_deviation(), alone.travel_deviation(), rtol=1e-9)
+
+
+@cache
+def bending_flight():
+    """Return configuration I with a mode over the flight, and gains with a notch that follows."""
+    schedule, gains = flight()
+    mode = tv.vehicle.BendingMode(**{**BEND, "frequency": [11.0, 13.6, 19.0]})
+    structure = tv.ascent.StructureSchedule(
+        [41.0, 66.0, 116.0], replace(STRUCTURE, bending=(mode,)), modes=("first",)
+    )
+    notch = tv.control.ModeNotch(mode="first", zero_damping=0.06, pole_damping=0.6)
+    return schedule, structure, replace(gains, notches=(notch,))
+
+
+def test_along_a_flight_a_structure_that_stays_is_one_structure():
+    schedule, gains = flight()
+    span = {"start": 60.0, "stop": 62.0}
+    soft = replace(gains, autopilot=replace(gains.autopilot, filters=NOTCHES))
+    still = tv.ascent.StructureSchedule([41.0, 116.0], STRUCTURE, modes=("first", "second"))
+    ways = [
+        (schedule, {"structure": STRUCTURE}),
+        (schedule, {"structure": still}),
+        (replace(schedule, structure=still), {}),
+    ]
+    spreads = [turbulence_along(s, soft, AIR, **span, **more).deviation() for s, more in ways]
+    assert np.allclose(spreads[1:], spreads[0], rtol=1e-12)
+    assert spreads[0][-1] > turbulence_along(schedule, gains, AIR, **span).deviation()[-1]
+
+
+@pytest.mark.thorough
+def test_along_a_flight_a_structure_and_its_notch_vary():
+    """By integration of the covariance of loops that are closed anew at each time."""
+    schedule, structure, gains = bending_flight()
+    start, stop = 65.9, 66.1
+    found = turbulence_along(schedule, gains, AIR, structure=structure, start=start, stop=stop)
+    soft = replace(schedule, structure=structure)
+    a, b, c = AIR.normalised_filter
+
+    def slope(t, flat):
+        vehicle = soft.at(t)
+        plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, "drift-exact")
+        loop = gains.along(soft, t).close(plant)
+        onto = loop.B[:, [list(loop.input_labels).index("wind")]]
+        n, V = len(loop.A), float(vehicle.velocity)
+        A, N = np.zeros((2, n + 2, n + 2))
+        A[:n, :n], A[:n, n:], A[n:, n:] = loop.A, onto @ c * (6.0 / V), a * (V / 533.4)
+        N[n:, n:] = b @ b.T * (V / 533.4)
+        P = flat.reshape(n + 2, n + 2)
+        return (A @ P + P @ A.T + N).ravel()
+
+    plant = tv.FlexiblePlant.from_vehicle(soft.at(start).rigid, soft.at(start).structure)
+    names = list(gains.along(soft, start).close(plant).state_labels)
+    P = np.zeros((len(names) + 2,) * 2)
+    P[-2:, -2:] = 0.25 * np.eye(2)
+    for ends in ((start, 66.0), (66.0, stop)):
+        whole = solve_ivp(slope, ends, P.ravel(), method="RK45", rtol=1e-6, atol=1e-13)
+        P = whole.y[:, -1].reshape(P.shape)
+    spread = np.sqrt(P[names.index("actuator_deflection"), names.index("actuator_deflection")])
+    assert np.isclose(found.deviation()[-1], spread, rtol=1e-4)
+    itself = turbulence_along(soft, gains, AIR, start=start, stop=stop)
+    assert np.allclose(itself.deviation(), found.deviation(), rtol=1e-12)
+
+
+def test_loads_along_a_flight_are_those_of_its_times():
+    schedule, gains = flight()
+    air = tv.winds.Turbulence.mil_f_8785c("severe")
+    slopes = np.linspace(1e7, 3e7, schedule.times.size)
+    loads = LoadSlopes(alpha_moment=slopes, deflection_moment=-1e7)
+    found = turbulence_along(schedule, gains, air, loads=loads, start=50.0, stop=70.0)
+    pressure = tv.ascent.flight_variable(schedule, "dynamic_pressure", found.times)
+    alpha = found.deviation("angle_of_attack")
+    assert np.allclose(found.deviation("q_alpha"), pressure * alpha, rtol=1e-9)
+    slope = np.interp(found.times, schedule.times, slopes)
+    low = np.abs(slope * alpha - 1e7 * found.deviation())
+    high = slope * alpha + 1e7 * found.deviation()
+    moment = found.deviation("bending_moment")
+    assert np.all((low <= moment) & (moment <= high))
+
+
+@pytest.mark.parametrize("sample_rate", [None, 40.0])
+def test_behind_a_low_pass_the_angle_of_attack_has_crossings(sample_rate):
+    """The variances are integrals of spectra, times that of the low-pass."""
+    loads = LoadSlopes(dynamic_pressure=3e4, alpha_moment=2e7, bandwidth=4.0)
+    autopilot = replace(AUTOPILOT, sample_rate=sample_rate)
+    found = turbulence_covariance(autopilot, EXACT, AIR, SPEED, loads=loads)
+    filtered = "filtered_angle_of_attack"
+    assert np.isclose(found.rms("filtered_q_alpha"), 3e4 * found.rms(filtered), rtol=1e-9)
+    assert np.isclose(found.rms("filtered_bending_moment"), 2e7 * found.rms(filtered), rtol=1e-9)
+    assert found.rms(filtered) < found.rms("angle_of_attack")
+    if sample_rate is None:
+
+        def power(omega):
+            return float(found.spectrum(omega, "angle_of_attack")) / (1.0 + (omega / 4.0) ** 2)
+
+        corners = [1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]
+        variance = frequency_integral(power, corners)
+        motion = frequency_integral(lambda w: w**2 * power(w), corners)
+        assert np.isclose(found.rms(filtered), np.sqrt(variance), rtol=1e-5)
+        limit = 2.5 * found.rms(filtered)
+        rate = np.sqrt(motion / variance) / np.pi * np.exp(-0.5 * 2.5**2)  # Rice, both sides
+        assert np.isclose(found.crossing_rate(limit, filtered), rate, rtol=1e-3)  # 1/s above 1e5
+    history = turbulence_history(autopilot, EXACT, AIR, SPEED, 30.0, loads=loads, wind=WIND)
+    limit = 3.0 * found.rms(filtered)
+    calm = turbulence_history(autopilot, EXACT, AIR, SPEED, 30.0, loads=loads)
+    assert history.crossings(limit, filtered) > calm.crossings(limit, filtered)
+    rates = calm.crossing_rate(limit, filtered)[-20:]
+    assert np.isclose(rates.mean(), found.crossing_rate(limit, filtered), rtol=2e-2)
+
+
 UNSTABLE = tv.Autopilot(attitude_gain=0.05, rate_gain=0.3, actuator=ACTUATOR)
 
 
@@ -421,8 +595,8 @@ UNSTABLE = tv.Autopilot(attitude_gain=0.05, rate_gain=0.3, actuator=ACTUATOR)
         ),
         (lambda: turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 1e4), "up to 30000 steps"),
         (
-            lambda: turbulence_along(flight()[0], replace(AUTOPILOT, sample_rate=50.0), AIR),
-            "continuous autopilots",
+            lambda: turbulence_along(flight()[0], replace(AUTOPILOT, sample_rate=900.0), AIR),
+            "up to 30000 steps",
         ),
     ],
 )

@@ -28,6 +28,8 @@ _EARTH_RADIUS = 6_356_766.0
 _GAS_CONSTANT = 8.31432 / 28.9644e-3
 _RATIO_OF_SPECIFIC_HEATS = 1.4
 _BASES = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
+LAYER_ALTITUDES = _EARTH_RADIUS * _BASES / (_EARTH_RADIUS - _BASES)
+"""Geometric altitudes [m] at which layers of the atmosphere begin, its corners."""
 _LAPSES = np.array([-6.5e-3, 0.0, 1.0e-3, 2.8e-3, 0.0, -2.8e-3, -2.0e-3])
 _SEA_TEMPERATURE, _SEA_PRESSURE = 288.15, 101_325.0
 

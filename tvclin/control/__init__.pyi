@@ -46,8 +46,8 @@ from .margins.loop import Loop as Loop
 from .margins.margins import Crossings as Crossings
 from .margins.margins import Margins as Margins
 from .margins.margins import loop_margins as loop_margins
+from .turbulence.covariance_along import turbulence_along as turbulence_along
 from .turbulence.covariance_history import CovarianceHistory as CovarianceHistory
-from .turbulence.covariance_history import turbulence_along as turbulence_along
 from .turbulence.covariance_history import turbulence_history as turbulence_history
 from .turbulence.driven_loop import LoadSlopes as LoadSlopes
 from .turbulence.driven_loop import SensorNoise as SensorNoise

@@ -12,49 +12,35 @@ for the wind's own curvature.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 
-from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    MAX_TIME,
-    InputError,
-    between,
-    flag,
-    fraction,
-    instance,
-    number,
-    one_of,
-    positive,
-    shown,
-)
+from tvclin.base.errors import MAX_TIME, between, flag, fraction, number, one_of, positive
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.gain_schedule import GainSchedule
-from tvclin.control.turbulence.covariance_march import gauss_times, march, march_times
+from tvclin.control.turbulence.covariance_march import Moments, march, march_times
 from tvclin.control.turbulence.driven_loop import (
     DEFLECTION,
-    DrivenLoop,
     LoadSlopes,
     SensorNoise,
+    Signal,
+    check_single,
     checked_parts,
     driven_loop,
 )
-from tvclin.control.turbulence.loop_covariance import smooth_rate, stationary
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
-from tvclin.linear.plant import Plant
+from tvclin.control.turbulence.loop_covariance import stationary
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.numerics.gaussian import absolute_covariance, crossing_rate, mean_absolute
-from tvclin.vehicle.structure import Structure
 from tvclin.winds.histories import History
 from tvclin.winds.turbulence import Turbulence
 
 _DURATIONS = between(1e-3, MAX_TIME)
 """Check of durations [s]."""
-_MAX_TIMES_OF_PAIRS = 400
-"""Times of the double integral of a travel's variance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +59,13 @@ class CovarianceHistory(Shown):
 
     times: FloatArray = field(metadata=spec("time"))
     outputs: tuple[str, ...] = field(metadata=spec(card=False))
-    _loop: DrivenLoop  # at the times
-    _wind: FloatArray
-    _means: FloatArray
-    _covariances: FloatArray
-    _transitions: FloatArray
+    _signals: Mapping[str, Signal]
+    _moments: Moments
+
+    @classmethod
+    def of(cls, times: FloatArray, signals: Mapping[str, Signal], moments: Moments) -> Self:
+        """Return the history of the outputs of a loop at times, from the moments of its states."""
+        return cls(times, tuple(signals), signals, moments)
 
     def mean(self, output: str = DEFLECTION) -> FloatArray:
         """Return the response to the known wind at the times ``(n,)``, in SI units.
@@ -135,20 +123,16 @@ class CovarianceHistory(Shown):
             As `travel`.
         """
         rate, direct = self._rate(output)
-        count = len(self.times)
-        chosen = np.unique(np.linspace(0, count - 1, _MAX_TIMES_OF_PAIRS).round().astype(int))
-        rows = np.broadcast_to(rate, (count, rate.shape[-1]))
+        chosen = self._moments.chosen
+        rows = np.broadcast_to(rate, (len(self.times), rate.shape[-1]))[chosen]
         mean, spread = self._value(rate, direct)[chosen], self._spread(rate)[chosen]
         covariances = np.zeros((len(chosen), len(chosen)))
         carried = np.zeros((rate.shape[-1], len(chosen)))
-        column = 0
-        for k in range(count):
+        for k, row in enumerate(rows):
             if k:
-                carried[:, :column] = self._transitions[k - 1] @ carried[:, :column]
-            if k == chosen[column]:
-                carried[:, column] = self._covariances[k] @ rows[k]
-                covariances[column, : column + 1] = rows[k] @ carried[:, : column + 1]
-                column += 1
+                carried[:, :k] = self._moments.transitions[k - 1] @ carried[:, :k]
+            carried[:, k] = self._moments.covariances[chosen[k]] @ row
+            covariances[k, : k + 1] = row @ carried[:, : k + 1]
         covariances = np.tril(covariances) + np.tril(covariances, -1).T
         sizes = np.maximum(np.outer(spread, spread), np.finfo(float).tiny)
         pairs = absolute_covariance(
@@ -211,18 +195,15 @@ class CovarianceHistory(Shown):
         return self.mean(output) + z * self.deviation(output)
 
     def _output(self, output: str) -> tuple[FloatArray, FloatArray]:
-        return self._loop.row(one_of("output", output, self.outputs))
+        return self._signals[one_of("output", output, self.outputs)][:2]
 
     def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
         """Return row and direct part of an output's rate; `InputError` for an output that jumps."""
-        rate, direct = smooth_rate(self._loop, output)
-        row = self._output(output)[0]
-        varies = row.ndim > 1
-        return rate + np.gradient(row, self.times, axis=0) if varies else rate, direct
+        return self._signals[one_of("output", output, self.outputs)].smooth_rate(output)
 
     def _value(self, row: FloatArray, direct: FloatArray) -> FloatArray:
         """Return the mean of an output of given row and direct part."""
-        return np.asarray(np.sum(row * self._means, axis=-1) + direct * self._wind)
+        return np.asarray(np.sum(row * self._moments.means, axis=-1) + direct * self._moments.wind)
 
     def _spread(self, row: FloatArray) -> FloatArray:
         """Return the standard deviation of a row of the states."""
@@ -230,9 +211,10 @@ class CovarianceHistory(Shown):
 
     def _joint(self, first: FloatArray, second: FloatArray) -> FloatArray:
         """Return the covariance of two rows of the states at the times, ``(n,)``."""
-        shape = self._covariances.shape[:-1]
-        rows = np.broadcast_to(first, shape), np.broadcast_to(second, shape)
-        return np.asarray(np.einsum("ki,kij,kj->k", rows[0], self._covariances, rows[1]))
+        covariances = self._moments.covariances
+        rows = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
+        left, right = rows
+        return np.asarray(np.sum((left[:, np.newaxis] @ covariances)[:, 0] * right, axis=-1))
 
 
 def turbulence_history(
@@ -287,11 +269,7 @@ def turbulence_history(
     """
     checked_parts(autopilot, turbulence, noise, loads)
     check_plant(plant)
-    if autopilot.batch or plant.batch:
-        raise InputError(
-            "turbulence_history() is for one autopilot and one plant; got batches of shape"
-            f" {autopilot.batch} and {plant.batch} (see turbulence_along)"
-        )
+    check_single("turbulence_history", autopilot, plant, loads)
     shape = turbulence.shaping_filter(speed, altitude)
     V = float(speed)
     shape = *shape[:2], shape[2] / V
@@ -299,101 +277,6 @@ def turbulence_history(
     loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, drift=at_rest)
     times = march_times(0.0, number("duration", duration, _DURATIONS, "s"), wind, loop)
     start = None if at_rest else stationary(loop)[0][0]
-    moments = march((loop, loop), times, wind, shape[:2], start)
-    return CovarianceHistory(times, loop.labels, loop, *moments)
-
-
-def turbulence_along(
-    schedule: FlightSchedule,
-    autopilot: Autopilot | GainSchedule,
-    turbulence: Turbulence,
-    *,
-    model: str = "drift-exact",
-    plane: str = "pitch",
-    start: float | None = None,
-    stop: float | None = None,
-    wind: History | None = None,
-    structure: Structure | None = None,
-    noise: SensorNoise | None = None,
-) -> CovarianceHistory:
-    """Return mean and covariance of a vehicle along its flight, in a known wind and turbulence.
-
-    Parameters
-    ----------
-    schedule : FlightSchedule
-        The vehicle at its flight times; it needs altitudes for turbulence that is a table.
-    autopilot : Autopilot or GainSchedule
-        One continuous autopilot, or its gains over the flight.
-    turbulence : Turbulence
-        The wind.
-    model : {"fixed-path", "drift", "drift-exact", "drift-and-speed"}
-        Model of the motion.
-    plane : {"pitch", "yaw"}
-        Plane of the motion.
-    start, stop : float, optional
-        First and last time [s], by default those of the schedule: a start where the wind angle is
-        small, so not on the pad.
-    wind : History, optional
-        The known wind [rad] over flight time; by default none.
-    structure : Structure, optional
-        Bending, slosh and sensors, constant along the flight.
-    noise : SensorNoise, optional
-        White noise of the sensors.
-
-    Raises
-    ------
-    InputError
-        For an autopilot with a sample rate, a schedule without the altitudes that a table needs,
-        and numbers out of range.
-
-    Notes
-    -----
-    Between the times of the schedule the vehicle and the gains are straight lines. The outputs are
-    those of `turbulence_history`, and the drift [m] where the model has a flight path.
-    """
-    instance("schedule", schedule, FlightSchedule, "see load_schedule")
-    gains = autopilot if isinstance(autopilot, GainSchedule) else None
-    parts = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
-    checked_parts(parts, turbulence, noise, None)
-    if parts.sample_rate is not None:
-        raise InputError(
-            "turbulence_along() is for continuous autopilots; this one has a sample_rate (replace"
-            " it by None, and add half a sample to the delay)"
-        )
-    if structure is not None and not isinstance(structure, Structure):
-        raise InputError(f"structure must be a Structure or None; got {shown(structure)}")
-    if gains is None and parts.batch:
-        raise InputError(
-            f"autopilot must be one autopilot, or a GainSchedule; got a batch of {parts.batch}"
-        )
-    delay = np.unique(parts.delay)
-    if delay.size > 1:
-        raise InputError("the delay of the autopilot must be the same along the flight")
-    flight = schedule if start is None and stop is None else schedule.between(start, stop)
-    if turbulence.altitude is not None:
-        _ = flight.height  # refuses a schedule without altitude
-    A, b, c = turbulence.normalised_filter
-
-    def loop_at(times: FloatArray) -> DrivenLoop:
-        vehicle = flight.at(np.clip(times, *flight.span))
-        plant: AnyPlant
-        if structure is None:
-            plant = Plant.from_vehicle(vehicle, model, plane)
-        else:
-            plant = FlexiblePlant.from_vehicle(vehicle, structure, model, plane)
-        law = gains.along(flight, np.clip(times, *flight.span)) if gains else parts
-        law = replace(law, delay=float(delay[0]))
-        height = None if flight.altitude is None else np.interp(times, flight.times, flight.height)
-        sigma, length = (np.broadcast_to(x, times.shape) for x in turbulence.over(height))
-        V = np.broadcast_to(np.asarray(vehicle.velocity), times.shape)
-        advance, angle = (x[:, np.newaxis, np.newaxis] for x in (V / length, sigma / V))
-        shape = A * advance, b * np.sqrt(advance), c * angle
-        return driven_loop(law, plant, shape, V, noise, drift=True)
-
-    times = march_times(*flight.span, wind, None)
-    loops = loop_at(np.concatenate([times, *gauss_times(times)]))
-    steps = len(times) - 1
-    first, second = loops.part(slice(-2 * steps, -steps)), loops.part(slice(-steps, None))
-    loop = loops.part(slice(len(times)))
-    moments = march((first, second), times, wind, (A, b))
-    return CovarianceHistory(times, loop.labels, loop, *moments)
+    moments = march(loop, times, wind, shape[:2], start)
+    signals = {output: loop.signal(output) for output in loop.labels}
+    return CovarianceHistory.of(times, signals, moments)

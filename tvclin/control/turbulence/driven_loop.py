@@ -10,7 +10,7 @@ law among x; a delay is exact.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -18,7 +18,17 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import InputError, instance, number, shown, within
+from tvclin.base.errors import (
+    InputError,
+    between,
+    broadcast,
+    finite,
+    instance,
+    number,
+    plain,
+    shown,
+    within,
+)
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.autopilot import PADE_WARNING, Autopilot, pade_misleads
@@ -39,6 +49,12 @@ ACCELERATION = "deflection_acceleration"
 ANGLE_OF_ATTACK, PATH = "angle_of_attack", "flight_path_angle"
 DRIFT_RATE, DRIFT = "drift_rate", "drift"
 Q_ALPHA, BENDING_MOMENT = "q_alpha", "bending_moment"
+FILTERED = "filtered_"
+"""Begin of the names of angle of attack and loads behind a low-pass."""
+_SLOPES = ("dynamic_pressure", "alpha_moment", "deflection_moment")
+"""Names of the numbers of loads that may vary along a flight."""
+_BANDWIDTHS = between(1e-3, 1e5)
+"""Check of bandwidths of a low-pass [rad/s]."""
 _MAX_DENSITY = 1e3
 """Largest noise density of a sensor, in its unit."""
 
@@ -81,48 +97,106 @@ class SensorNoise(Record):
         return 0.5 * np.array([self.attitude, self.rate]) ** 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoadSlopes(Record):
-    """Slopes of loads over angle of attack and deflection.
+    """Slopes of loads over angle of attack and deflection, and a low-pass of what jumps.
 
     Parameters
     ----------
-    dynamic_pressure : float, optional
-        Dynamic pressure [Pa], for the output "q_alpha" [Pa rad].
-    alpha_moment, deflection_moment : float, optional
+    dynamic_pressure : array_like, optional
+        Dynamic pressure [Pa], for the output "q_alpha" [Pa rad]. Along a flight with altitudes it
+        is by default that of the flight.
+    alpha_moment, deflection_moment : array_like, optional
         Slopes of a bending moment over angle of attack and deflection [N m/rad], for the output
         "bending_moment" [N m].
+    bandwidth : float, optional
+        Bandwidth [rad/s] of a first-order low-pass, behind which angle of attack and loads are the
+        further outputs "filtered_angle_of_attack", "filtered_q_alpha" and
+        "filtered_bending_moment": those have crossings of a limit, which rise with the bandwidth.
 
     Raises
     ------
     InputError
-        For numbers that are not finite.
+        For numbers that are not finite, shapes that do not broadcast, and a bandwidth beyond 1e-3
+        to 1e5 rad/s.
+
+    Notes
+    -----
+    Numbers over a flight are those at the times of its schedule, ``(n,)``.
     """
 
-    dynamic_pressure: float | None = field(default=None, metadata=spec("pressure"))
-    alpha_moment: float | None = field(default=None, metadata=spec("moment slope"))
-    deflection_moment: float = field(default=0.0, metadata=spec("moment slope"))
+    dynamic_pressure: float | FloatArray | None = field(default=None, metadata=spec("pressure"))
+    alpha_moment: float | FloatArray | None = field(default=None, metadata=spec("moment slope"))
+    deflection_moment: float | FloatArray = field(default=0.0, metadata=spec("moment slope"))
+    bandwidth: float | None = field(default=None, metadata=spec("natural frequency"))
 
     def __post_init__(self) -> None:
-        for name in ("dynamic_pressure", "alpha_moment", "deflection_moment"):
+        shapes = {}
+        for name in _SLOPES:
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, number(name, getattr(self, name)))
+                value = finite(name, getattr(self, name))
+                shapes[name] = value.shape
+                object.__setattr__(self, name, plain(value))
+        broadcast(**shapes)
+        if self.bandwidth is not None:
+            object.__setattr__(self, "bandwidth", number("bandwidth", self.bandwidth, _BANDWIDTHS))
 
     @property
-    def slopes(self) -> dict[str, tuple[float, float]]:
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the numbers; ``()`` for those of one flight time."""
+        return np.broadcast_shapes(*(np.shape(getattr(self, name)) for name in _SLOPES))
+
+    @property
+    def slopes(self) -> dict[str, tuple[float | FloatArray, float | FloatArray]]:
         """Slopes over angle of attack and deflection of each output."""
-        slopes = {}
+        slopes: dict[str, tuple[float | FloatArray, float | FloatArray]] = {}
         if self.dynamic_pressure is not None:
             slopes[Q_ALPHA] = self.dynamic_pressure, 0.0
         if self.alpha_moment is not None:
             slopes[BENDING_MOMENT] = self.alpha_moment, self.deflection_moment
         return slopes
 
+    def over(self, times: FloatArray, at: FloatArray) -> LoadSlopes:
+        """Return the slopes at other times, given those ``(n,)`` or ``()`` at `times` [s]."""
+        if self.batch not in {(), times.shape}:
+            raise InputError(
+                "loads along a flight must have one number, or one for each of the"
+                f" {times.size} times of the schedule; got shape {self.batch}"
+            )
+        given = {name: getattr(self, name) for name in _SLOPES}
+        changes = {
+            name: np.interp(at, times, value) for name, value in given.items() if np.ndim(value)
+        }
+        return replace(self, **changes)
+
+
+class Signal(NamedTuple):
+    """Output of a loop.
+
+    `row`, `direct`: its row of the states ``(..., n)`` and its direct part of the known wind.
+    `rate`: row and direct part of its rate; None for an output that jumps.
+    """
+
+    row: FloatArray
+    direct: FloatArray
+    rate: tuple[FloatArray, FloatArray] | None
+
+    def smooth_rate(self, output: str) -> tuple[FloatArray, FloatArray]:
+        """Return row and direct part of the rate; `InputError` for an output that jumps."""
+        if self.rate is None:
+            raise InputError(
+                f"{output} has no rate of finite variance, as it follows the turbulence, the noise"
+                " or a sample at once: it crosses every limit infinitely often, and has no travel;"
+                " see its rms and quantile"
+            )
+        return self.rate
+
 
 class Jump(NamedTuple):
     """Jump of the states behind an interval: x becomes matrix x + wind alpha_w, plus noise.
 
-    `length`: of the interval [s]. `matrix` ``(n, n)``, `wind` ``(n,)``, `noise`: its covariance.
+    `length`: of the interval [s]. `matrix` ``(..., n, n)``, `wind` ``(..., n)``, `noise`: its
+    covariance, ``(..., n, n)``.
     """
 
     length: float
@@ -133,7 +207,7 @@ class Jump(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DrivenLoop:
-    """Linear system in white noise, or a batch of them in continuous time.
+    """Linear system in white noise, or a batch of them.
 
     `A`, `noise`: A [1/s] and N, ``(..., n, n)``. `wind`: B_w, ``(..., n)``. `rows`, `direct`: C
     ``(..., m, n)`` and D_w ``(..., m)`` of the outputs `labels`. `order`: number of states of the
@@ -151,10 +225,22 @@ class DrivenLoop:
     filter_order: int
     jumps: tuple[Jump, ...] = ()
 
-    def part(self, index: slice) -> DrivenLoop:
-        """Return the loops at some positions of a batch ``(n,)``."""
-        names = ("A", "noise", "wind", "rows", "direct")
-        return replace(self, **{name: getattr(self, name)[index] for name in names})
+    @property
+    def arrays(self) -> tuple[FloatArray, ...]:
+        """All arrays of the loop, in the order in which `mapped` takes them."""
+        jumps = (array for jump in self.jumps for array in jump[1:])
+        return self.A, self.noise, self.wind, self.rows, self.direct, *jumps
+
+    @property
+    def filter_states(self) -> slice:
+        """Positions of the states of the filter."""
+        return slice(self.order, self.order + self.filter_order)
+
+    def mapped(self, function: Callable[[FloatArray], FloatArray]) -> DrivenLoop:
+        """Return the loop with a function of each of its arrays, to change the batch."""
+        A, noise, wind, rows, direct = map(function, self.arrays[:5])
+        jumps = tuple(Jump(jump.length, *map(function, jump[1:])) for jump in self.jumps)
+        return replace(self, A=A, noise=noise, wind=wind, rows=rows, direct=direct, jumps=jumps)
 
     def with_rows(self, rows: Mapping[str, tuple[FloatArray, FloatArray]]) -> DrivenLoop:
         """Return the loop with further outputs: the row and the direct part of each."""
@@ -179,10 +265,16 @@ class DrivenLoop:
             not np.any(_times(row, self.noise))
             and not np.any(direct)
             and all(
-                np.array_equal(row @ jump.matrix, row) and not np.any(row @ jump.noise)
+                np.array_equal(_times(row, jump.matrix), row)
+                and not np.any(_times(row, jump.noise))
                 for jump in self.jumps
             )
         )
+
+    def signal(self, output: str) -> Signal:
+        """Return an output with its rate."""
+        row, direct = self.row(output)
+        return Signal(row, direct, self.derivative(row) if self.is_smooth(row, direct) else None)
 
     def derivative(self, row: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the row and the direct part of the rate of an output that `is_smooth`."""
@@ -213,7 +305,7 @@ def driven_loop(
 
     `shape`: A, b and c of the filter in time, to the wind angle [rad]; with leading axes for a
     batch of plants. `speed`: of the vehicle [m/s], ``(...)``. `drift`: whether the drift
-    is a state of a continuous loop, which has no stationary covariance.
+    is a state, which has no stationary covariance.
 
     `InputError` for a Pade approximation that hides an instability, and for an autopilot without
     actuator whose deflection follows the noise of a sensor.
@@ -222,24 +314,34 @@ def driven_loop(
         loop = _sampled(autopilot, plant, shape, noise)
     else:
         loop = _continuous(autopilot, plant, shape, noise)
-    more = {}
+    more: dict[str, tuple[FloatArray, FloatArray]] = {}
     if PATH in loop.labels and DRIFT_RATE not in loop.labels:
         row, direct = loop.row(PATH)
         V = np.asarray(speed)
         more[DRIFT_RATE] = V[..., np.newaxis] * row, V * direct
     alpha, deflection = loop.row(ANGLE_OF_ATTACK), loop.row(DEFLECTION)
-    for name, (by_alpha, by_deflection) in (loads.slopes if loads else {}).items():
-        more[name] = tuple(  # type: ignore[assignment]
-            by_alpha * a + by_deflection * d for a, d in zip(alpha, deflection, strict=True)
-        )
+    for name, slopes in (loads.slopes if loads else {}).items():
+        by_alpha, by_deflection = (np.asarray(slope)[..., np.newaxis] for slope in slopes)
+        row = by_alpha * alpha[0] + by_deflection * deflection[0]
+        more[name] = row, slopes[0] * alpha[1] + slopes[1] * deflection[1]
     if loop.is_smooth(*deflection) and _is_constant(deflection[0]):
         rate = more[DEFLECTION_RATE] = loop.derivative(deflection[0])
         random = np.any(_times(rate[0], loop.noise)) or np.any(rate[1])
         if not random and _is_constant(rate[0]):
             more[ACCELERATION] = loop.derivative(rate[0])
     loop = loop.with_rows(more) if more else loop
-    integrated = drift and not loop.jumps and DRIFT_RATE in loop.labels and DRIFT not in loop.labels
-    return _with_drift(loop) if integrated else loop
+    states = {}
+    if loads is not None and loads.bandwidth is not None:
+        names = (ANGLE_OF_ATTACK, *loads.slopes)
+        for name, (row, direct) in zip(names, map(loop.row, names), strict=True):
+            states[FILTERED + name] = (
+                -loads.bandwidth,
+                loads.bandwidth * row,
+                loads.bandwidth * direct,
+            )
+    if drift and DRIFT_RATE in loop.labels and DRIFT not in loop.labels:
+        states[DRIFT] = 0.0, *loop.row(DRIFT_RATE)
+    return _with_states(loop, states) if states else loop
 
 
 def _continuous(
@@ -286,50 +388,54 @@ def _sampled(
     period = 1.0 / float(autopilot.sample_rate or 1.0)
     complete, rest = split_delay(float(autopilot.delay), period)
     whole, remainder = int(complete), float(rest)
-    lateral = autopilot.lateral_sensors
-    vehicle = plant_with_actuator(plant, autopilot.actuator, lateral)
+    vehicle = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
     sensed = tuple(dict.fromkeys((*plant.sensed, *measured_outputs(autopilot, plant))))
     law = connect(autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (RETURNED,))
     A, wind, rows, direct, driven = _behind_filter(vehicle, shape)
-    n, pipe, states = len(A), whole + 1, len(law.states)
+    n, pipe, states = A.shape[-1], whole + 1, len(law.states)
+    batch = np.broadcast_shapes(A.shape[:-2], law.batch)
     total = n + 1 + pipe + states
     held, commands, laws = n, slice(n + 1, n + 1 + pipe), slice(n + 1 + pipe, total)
     command = vehicle.select((COMMAND,), vehicle.outputs)
-    full_A, full_noise = np.zeros((2, total, total))
-    full_A[:n, :n], full_noise[:n, :n] = A, driven
-    full_A[: len(vehicle.states), held] = command.B[:, 0]
-    full_rows = np.zeros((len(rows), total))
-    full_rows[:, :n], full_rows[:, held] = rows, command.D[:, 0]
+    full_A, full_noise, full_rows = (
+        np.zeros((*batch, count, total)) for count in (total, total, len(vehicle.outputs))
+    )
+    full_A[..., :n, :n], full_noise[..., :n, :n] = A, driven
+    full_A[..., : len(vehicle.states), held] = command.B[..., 0]
+    full_rows[..., :n], full_rows[..., held] = rows, command.D[..., 0]
     index = [vehicle.outputs.index(name) for name in sensed]
     # the sample: the law reads the sensors, its command enters the pipe, and one leaves it
-    sensors = full_rows[index]
-    sample = np.eye(total)
-    sample[laws] = law.B @ sensors
-    sample[laws, laws] += law.A
-    sample[commands] = np.eye(pipe, k=-1) @ np.eye(total)[commands]
-    sample[n + 1] = law.D[0] @ sensors
-    sample[n + 1, laws] += law.C[0]
-    entry, by_wind = np.zeros((total, 2)), np.zeros(total)
-    entry[laws], entry[n + 1] = law.B[:, :2], law.D[0, :2]
-    by_wind[laws], by_wind[n + 1] = law.B @ direct[index], law.D[0] @ direct[index]
+    sensors, by_sensors = full_rows[..., index, :], direct[..., index]
+    sample = np.broadcast_to(np.eye(total), full_A.shape).copy()
+    sample[..., laws, :] = law.B @ sensors
+    sample[..., laws, laws] += law.A
+    sample[..., commands, :] = np.eye(pipe, k=-1) @ np.eye(total)[commands]
+    sample[..., n + 1, :] = _times(law.D[..., 0, :], sensors)
+    sample[..., n + 1, laws] += law.C[..., 0, :]
+    entry, by_wind = np.zeros((*batch, total, 2)), np.zeros((*batch, total))
+    entry[..., laws, :], entry[..., n + 1, :] = law.B[..., :2], law.D[..., 0, :2]
+    by_wind[..., laws] = (law.B @ by_sensors[..., np.newaxis])[..., 0]
+    by_wind[..., n + 1] = np.sum(law.D[..., 0, :] * by_sensors, axis=-1)
     arrival = np.eye(total)
     arrival[held] = np.eye(total)[n + pipe]
     if not remainder:
-        sample, entry, by_wind = arrival @ sample, arrival @ entry, arrival @ by_wind
+        sample, entry = arrival @ sample, arrival @ entry
+        by_wind = by_wind @ arrival.T
     variances = (noise.intensities if noise else np.zeros(2)) / period
-    jumps = [Jump(period - remainder, sample, by_wind, entry * variances @ entry.T)]
+    driven_by = (entry * variances) @ np.swapaxes(entry, -1, -2)
+    jumps = [Jump(period - remainder, sample, by_wind, driven_by)]
     if remainder:
-        nothing = np.zeros(total)
-        jumps.insert(0, Jump(remainder, arrival, nothing, np.zeros((total, total))))
-    full_wind = np.zeros(total)
-    full_wind[:n] = wind
+        nothing = np.zeros_like(by_wind), np.zeros_like(sample)
+        jumps.insert(0, Jump(remainder, np.broadcast_to(arrival, sample.shape), *nothing))
+    full_wind = np.zeros((*batch, total))
+    full_wind[..., :n] = wind
     m = shape[0].shape[-1]
     return DrivenLoop(
         full_A,
         full_noise,
         full_wind,
         full_rows,
-        direct,
+        np.broadcast_to(direct, (*batch, direct.shape[-1])),
         vehicle.outputs,
         n - m,
         m,
@@ -337,21 +443,38 @@ def _sampled(
     )
 
 
-def _with_drift(loop: DrivenLoop) -> DrivenLoop:
-    """Return a continuous loop with the drift [m], the integral of the drift rate."""
-    row, direct = loop.row(DRIFT_RATE)
-    n = loop.A.shape[-1]
+def _with_states(
+    loop: DrivenLoop, states: Mapping[str, tuple[float, FloatArray, FloatArray]]
+) -> DrivenLoop:
+    """Return a loop with further outputs, each a state z' = pole z + row x + direct alpha_w.
 
-    def wider(matrix: FloatArray, rows: int) -> FloatArray:
-        result = np.zeros((*matrix.shape[:-2], matrix.shape[-2] + rows, n + 1))
+    `states`: the pole [1/s], the row and the direct part of each; their places are the last.
+    """
+    n, count = loop.A.shape[-1], len(states)
+    unit, nothing = np.eye(count), np.zeros((count, count))
+
+    def wider(matrix: FloatArray, corner: FloatArray) -> FloatArray:
+        result = np.zeros((*matrix.shape[:-2], matrix.shape[-2] + len(corner), n + count))
         result[..., : matrix.shape[-2], :n] = matrix
+        result[..., matrix.shape[-2] :, n:] = corner
         return result
 
-    A = wider(loop.A, 1)
-    A[..., n, :n] = row
-    wind = np.concatenate([loop.wind, np.asarray(direct)[..., np.newaxis]], axis=-1)
-    wide = replace(loop, A=A, noise=wider(loop.noise, 1), wind=wind, rows=wider(loop.rows, 0))
-    return wide.with_rows({DRIFT: (np.eye(n + 1)[n], np.asarray(0.0))})
+    def longer(vector: FloatArray) -> FloatArray:
+        return np.concatenate([vector, np.zeros((*vector.shape[:-1], count))], axis=-1)
+
+    A, wind = wider(loop.A, np.diag([pole for pole, *_ in states.values()])), longer(loop.wind)
+    for k, (_, row, direct) in enumerate(states.values(), start=n):
+        A[..., k, :n], wind[..., k] = row, direct
+    noise, rows = wider(loop.noise, nothing), wider(loop.rows, unit[:0])
+    jumps = tuple(
+        Jump(jump.length, wider(jump.matrix, unit), longer(jump.wind), wider(jump.noise, nothing))
+        for jump in loop.jumps
+    )
+    wide = replace(loop, A=A, noise=noise, wind=wind, rows=rows, jumps=jumps)
+    places = np.eye(n + count)[n:]
+    return wide.with_rows(
+        {name: (place, np.asarray(0.0)) for name, place in zip(states, places, strict=True)}
+    )
 
 
 def checked_parts(
@@ -367,3 +490,15 @@ def checked_parts(
         raise InputError(f"noise must be a SensorNoise or None; got {shown(noise)}")
     if loads is not None and not isinstance(loads, LoadSlopes):
         raise InputError(f"loads must be LoadSlopes or None; got {shown(loads)}")
+
+
+def check_single(
+    function: str, autopilot: Autopilot, plant: AnyPlant, loads: LoadSlopes | None
+) -> None:
+    """Raise `InputError` for a batch, as the function is for one loop."""
+    batches = autopilot.batch, plant.batch, () if loads is None else loads.batch
+    if any(batches):
+        raise InputError(
+            f"{function}() is for one autopilot and one plant; got batches of shape {batches[0]}"
+            f" and {batches[1]}, loads {batches[2]} (see turbulence_along)"
+        )

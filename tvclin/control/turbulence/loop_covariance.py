@@ -28,15 +28,18 @@ from tvclin.base.lines import Line, Table, significant
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.turbulence.driven_loop import (
     ACCELERATION,
+    ANGLE_OF_ATTACK,
     BENDING_MOMENT,
     DEFLECTION,
     DEFLECTION_RATE,
     DRIFT,
     DRIFT_RATE,
+    FILTERED,
     Q_ALPHA,
     DrivenLoop,
     LoadSlopes,
     SensorNoise,
+    check_single,
     checked_parts,
     driven_loop,
 )
@@ -54,7 +57,7 @@ KINDS = {
     "attitude": "angle",
     "sensed_attitude": "angle",
     "flight_path_angle": "angle",
-    "angle_of_attack": "angle",
+    ANGLE_OF_ATTACK: "angle",
     DEFLECTION: "angle",
     "attitude_rate": "angular rate",
     "sensed_attitude_rate": "angular rate",
@@ -69,6 +72,7 @@ KINDS = {
     Q_ALPHA: "pressure angle",
     BENDING_MOMENT: "moment",
 }
+KINDS |= {FILTERED + name: KINDS[name] for name in (ANGLE_OF_ATTACK, Q_ALPHA, BENDING_MOMENT)}
 """Kind of unit of each output that is no output of a state space alone."""
 
 
@@ -151,7 +155,7 @@ class LoopCovariance(Shown):
         InputError
             As `rms`, and for an output that jumps with the wind or with the noise.
         """
-        variances = self._variances(smooth_rate(self._loop, output)[0])
+        variances = self._variances(self._rate(output))
         return float(self._weights @ mean_absolute(np.zeros(1), np.sqrt(variances)))
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> float:
@@ -163,7 +167,7 @@ class LoopCovariance(Shown):
             As `mean_absolute_rate`, and for a limit that is not positive.
         """
         bound = number("limit", limit, positive)
-        row, rate = self._row(output), smooth_rate(self._loop, output)[0]
+        row, rate = self._row(output), self._rate(output)
         spread, motion = np.sqrt(self._variances(row)), np.sqrt(self._variances(rate))
         crossed = np.einsum("i,kij,j->k", row, self._covariances, rate)
         correlation = crossed / np.maximum(spread * motion, np.finfo(float).tiny)
@@ -236,6 +240,11 @@ class LoopCovariance(Shown):
     def _row(self, output: str) -> FloatArray:
         return self._loop.row(one_of("output", output, self.outputs))[0]
 
+    def _rate(self, output: str) -> FloatArray:
+        """Return the row of an output's rate; `InputError` for an output that jumps."""
+        name = one_of("output", output, self.outputs)
+        return self._loop.signal(name).smooth_rate(name)[0]
+
     def _variances(self, row: FloatArray) -> FloatArray:
         """Return the variance of a row of the states at each phase, ``(phases,)``."""
         return np.maximum(np.einsum("i,kij,j->k", row, self._covariances, row), 0.0)
@@ -249,18 +258,6 @@ def shown_value(name: str, output: str, value: float) -> Line:
         unit = {"angle": "deg", "angular rate": "deg/s"}.get(kind, "deg/s2")
         return significant(name, np.degrees(value), 4, unit)
     return significant(name, value, 4, item.unit)
-
-
-def smooth_rate(loop: DrivenLoop, output: str) -> tuple[FloatArray, FloatArray]:
-    """Return row and direct part of an output's rate; `InputError` for an output that jumps."""
-    row, direct = loop.row(one_of("output", output, loop.labels))
-    if not loop.is_smooth(row, direct):
-        raise InputError(
-            f"{output} has no rate of finite variance, as it follows the turbulence, the noise or a"
-            " sample at once: it crosses every limit infinitely often, and has no travel; see its"
-            " rms and quantile"
-        )
-    return loop.derivative(row)
 
 
 def turbulence_covariance(
@@ -324,11 +321,7 @@ def turbulence_covariance(
     """
     checked_parts(autopilot, turbulence, noise, loads)
     check_plant(plant)
-    if autopilot.batch or plant.batch:
-        raise InputError(
-            "turbulence_covariance() is for one autopilot and one plant; got batches of shape"
-            f" {autopilot.batch} and {plant.batch}"
-        )
+    check_single("turbulence_covariance", autopilot, plant, loads)
     shape = turbulence.shaping_filter(speed, altitude)
     V = float(speed)
     loop = driven_loop(autopilot, plant, (*shape[:2], shape[2] / V), np.asarray(V), noise, loads)
