@@ -8,6 +8,7 @@ import tvclin as tv
 from tvclin.ascent import StructureSchedule
 from tvclin.ascent.atmosphere import standard_atmosphere
 from tvclin.vehicle import BendingMode, Filter, SloshTank, Structure
+from tvclin.vehicle.vehicle_file import BENDING_TABLE, SLOSH_TABLE
 
 TIMES = np.array([30.0, 50.0, 70.0, 90.0, 110.0])
 
@@ -64,3 +65,66 @@ def autopilot(**options) -> tv.control.GainSchedule:
     return tv.control.GainSchedule.design(
         TIMES, plants.coefficients, tv.design_gains, **settings | options
     )
+
+
+def write_flight(folder) -> None:
+    """Write the flight, its structure and the gains of `autopilot` as the files of a study."""
+    made, law = flight(), autopilot().autopilot
+    made.to_csv(folder / "plain.csv")
+    head, *rows = (folder / "plain.csv").read_text(encoding="utf-8").splitlines()
+    named = [f"{rows[0]},modes.csv", *(f"{row}," for row in rows[1:])]
+    (folder / "flight.csv").write_text("\n".join([f"{head},structure", *named]), encoding="utf-8")
+    gains = zip(TIMES, law.attitude_gain, law.rate_gain, strict=True)
+    lines = ["time_s,attitude_gain,rate_gain_s", *(f"{t},{a},{r}" for t, a, r in gains)]
+    (folder / "gains.csv").write_text("\n".join(lines), encoding="utf-8")
+    names = ("frequency", "damping", "modal_mass", "gimbal_displacement", "gimbal_slope")
+    names = (*names, "attitude_slope", "rate_slope", "pressure_displacement")
+    tank = ("mass", "station", "damping", "pendulum_length")
+    keys = {**BENDING_TABLE.write(dict.fromkeys(names)), **SLOSH_TABLE.write(dict.fromkeys(tank))}
+    lines = [",".join(["time_s", "name", *keys])]
+    for k, time in enumerate(TIMES):
+        whole = made.structure.structure
+        elements = [*zip(("first", "second"), whole.bending, strict=True), ("lox", whole.slosh[0])]
+        for name, element in elements:
+            of_kind = tank if name == "lox" else names
+            table = SLOSH_TABLE if name == "lox" else BENDING_TABLE
+            values = {n: np.broadcast_to(getattr(element, n), TIMES.shape)[k] for n in of_kind}
+            cells = table.write(values)
+            lines.append(",".join([f"{time}", name, *(f"{cells.get(key, '')}" for key in keys)]))
+    (folder / "modes.csv").write_text("\n".join(lines), encoding="utf-8")
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+
+
+STUDY = """
+[study]
+vehicle = "flight.csv"
+
+[nozzle]
+limit_deg = 5.0
+rate_limit_deg_per_s = 20.0
+
+[autopilot]
+schedule = "gains.csv"
+delay_ms = 10
+sample_rate_Hz = 50
+
+[[autopilot.filter]]
+kind = "low-pass"
+frequency_rad_per_s = 40.0
+damping = 0.7
+
+[[autopilot.filter]]
+kind = "notch"
+mode = "first"
+zero_damping = 0.1
+pole_damping = 0.6
+
+[[autopilot.filter]]
+kind = "notch"
+mode = "second"
+zero_damping = 0.1
+pole_damping = 0.6
+
+[size]
+every_s = 20
+"""

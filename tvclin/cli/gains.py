@@ -72,6 +72,8 @@ def with_gains(base: AutopilotDesign, **given: float | str | None) -> AutopilotD
     Gains remove a rule and a rule removes gains; a named rule also removes parameters of another.
     """
     out: tuple[str, ...] = ()
+    if given.keys() & {*GIVEN_GAINS, *RULE_KEYS} and base.schedule is not None:
+        base = replace(base, schedule=replace(base.schedule, gains={}))
     if given.keys() & set(GIVEN_GAINS):
         out = RULE_KEYS
     elif given.keys() & set(RULE_KEYS):

@@ -9,6 +9,7 @@ from tvclin.base.errors import one_of
 from tvclin.base.fields import document
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.autopilot_assumptions import gain_notes
+from tvclin.cli.flight_margins import FROZEN, flight_loop, is_whole_flight, print_sweep
 from tvclin.cli.gains import GAINS
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import (
@@ -27,7 +28,7 @@ from tvclin.cli.options import (
     At,
     Given,
     More,
-    Shown,
+    ShownCurves,
     Source,
     System,
     asked,
@@ -70,9 +71,12 @@ def margins(
     chart: str = asked("What --plot draws: nichols, bode, nyquist or root-locus.", "nichols"),
     system: System = None,
     more: More = False,
-    shown: Shown = GROUP,
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
+
+    Of a flight schedule without --at, or a study of one without time_s, they are those of the
+    whole flight, each time as if frozen, with the frequency of each mode 10 percent off too.
 
     The criteria are classic, 6 dB and 30 deg; --set criteria.name aircraft takes 6 dB and 45 deg,
     and other keys of the table criteria single numbers.
@@ -91,6 +95,11 @@ def margins(
     one_of("--chart", chart, _CHARTS)
     flown = bool(limit.values)
     changes = [options.over for options in (limit, timing, motion, gains)]
+    if is_whole_flight(vehicle, time):
+        only_with(FROZEN, system=system, detuned=detuned, limit_deg=flown or None, **vars(winds))
+        print_sweep(vehicle, flight_loop(vehicle, *changes), more, shown)
+        return
+    only_with("a whole flight: a flight schedule without --at", csv=shown.csv)
     case = case_of(vehicle, *changes, wind=winds.over, time=time)
     only_with(_MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins without --limit-deg"] * (not flown)

@@ -7,8 +7,8 @@ from .autopilot.drift_gains import drift_gains as drift_gains
 from .autopilot.drift_gains import steady_drift as steady_drift
 from .autopilot.gain_schedule import EqualValues as EqualValues
 from .autopilot.gain_schedule import GainSchedule as GainSchedule
-from .autopilot.gain_schedule import ModeNotch as ModeNotch
 from .autopilot.gain_schedule import equal_values as equal_values
+from .autopilot.gain_table import ModeNotch as ModeNotch
 from .autopilot.gains import canonical_gains as canonical_gains
 from .autopilot.gains import design_gains as design_gains
 from .autopilot.gains import drift_minimum_gains as drift_minimum_gains

@@ -116,6 +116,9 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     for table in (PLANT_TABLE, CONTROLLER_TABLE):
         if table.name in document:
             raise InputError(f"a campaign has no {table.heading}; leave the table out")
+    design = design_of(document, folder)
+    if design is not None and design.schedule is not None:
+        raise InputError("a campaign is of one flight time: no schedule and no filter with a mode")
     head = {"cases": CASES} | CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
     head.pop("time", None)
     study = STUDY_TABLE.one(document)
@@ -130,7 +133,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
     return Campaign(
         nozzle=nozzle,
-        design=design_of(document),
+        design=design,
         wind=wind,
         dispersions=DEFAULT_DISPERSIONS if assumed else dispersions_of(document),
         **(head | subject),
@@ -236,9 +239,9 @@ def vehicle_source(source: str, folder: Path) -> str | Path:
     return path if source not in list_vehicles() and exists(path) else source
 
 
-def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
+def design_of(document: Mapping[str, Any], folder: Path) -> AutopilotDesign | None:
     """Return the autopilot design of the table [autopilot]; None without the table."""
-    return AUTOPILOT_TABLE.made(document, AutopilotDesign.from_table)
+    return AUTOPILOT_TABLE.made(document, lambda keys: AutopilotDesign.from_table(keys, folder))
 
 
 def system_of(document: Mapping[str, Any], table: FileTable, folder: Path) -> LinearSystem | None:

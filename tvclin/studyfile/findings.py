@@ -53,6 +53,7 @@ Flying: TypeAlias = "FlexibleAnswer | TrimComparison"
 _UNSEALED_IF_NONE = (
     *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
     *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load", "turbulence"),
+    *("schedule", "scheduled_design"),
 )
 """Inputs that a seal omits where they are None, so that seals of older studies are unchanged."""
 MOST_CASES = 20_000

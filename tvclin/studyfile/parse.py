@@ -13,6 +13,7 @@ from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
 from tvclin.case.load import LOAD_TABLE, LoadBound
 from tvclin.case.turbulence import TURBULENCE_TABLE, TurbulenceRequest
+from tvclin.control.autopilot.flight_autopilot import design_at
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.design.standard_trials import LAWS_TABLE, LawsRequest
 from tvclin.ensembles.availability.availability_request import (
@@ -79,7 +80,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         "turbulence": lambda: TURBULENCE_TABLE.made(
             document, lambda keys: TurbulenceRequest(**TURBULENCE_TABLE.read(keys))
         ),
-        "design": lambda: design_of(document),
+        "design": lambda: design_of(document, folder),
         "plant_system": lambda: system_of(document, PLANT_TABLE, folder),
         "controller": lambda: system_of(document, CONTROLLER_TABLE, folder),
         "criteria": lambda: _criteria_of(document),
@@ -92,7 +93,29 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         with faults.kept():
             values[name] = read()
     faults.tell()
+    values |= _at_its_time(document, folder, subject, values)
     return StudyPlan(**subject, **values, **question_of(document), **options)
+
+
+def _at_its_time(
+    document: Mapping[str, Any],
+    folder: Path,
+    subject: Mapping[str, Any],
+    values: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return the autopilot at the time of the vehicle, and the sizing with that of the flight.
+
+    Empty where the autopilot does not vary over the flight.
+    """
+    design, sizing = values["design"], values["sizing"]
+    if design is None or design.schedule is None:
+        return {}
+    time = getattr(subject["vehicle"], "time", None)
+    if time is None:
+        raise InputError("a schedule of gains and a notch at a mode need a vehicle with a time")
+    flight = _flight(document, folder)["schedule"]
+    sizing = sizing and replace(sizing, scheduled_design=design)
+    return {"design": design_at(design, flight, float(time)), "sizing": sizing}
 
 
 def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
@@ -227,6 +250,7 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
     if lists:
         schedule = schedule_of(table, "[schedule]", folder)
+        schedule = replace(schedule, structure=None) if is_rigid(document) else schedule
         return {"schedule": schedule, "source": "the lists in [schedule]"}
     SOURCE_TABLE.read(table)
     study, campaign = document.get("study", {}), document.get("campaign", {})
@@ -240,6 +264,8 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     schedule = load_schedule(vehicle_source(source, folder))
     if "structure" in table:
         schedule = with_structure(schedule, table["structure"], folder)
+    if is_rigid(document):
+        schedule = replace(schedule, structure=None)
     flight = {"schedule": schedule, "source": source}
     named = isinstance(vehicle, str)
     same = named and Path(vehicle_source(source, folder)) == Path(vehicle_source(vehicle, folder))

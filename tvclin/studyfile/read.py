@@ -30,6 +30,15 @@ if TYPE_CHECKING:
 _STUDY_HEADINGS, _VEHICLE_HEADINGS = {"study", "campaign"}, {COEFFICIENTS, "vehicle"}
 """Tables of a study, which names its vehicle, and of a vehicle file, which has its numbers."""
 
+_DEFAULT_TABLES = {
+    "wind": {
+        "shape": DEFAULT_WIND.shape,
+        "peak_rad": DEFAULT_WIND.peak,
+        "duration_s": DEFAULT_WIND.duration,
+    }
+}
+"""Wind of a flight schedule, whose study needs none for margins."""
+
 
 def load_study(source: str | PathLike[str], time: float | None = None) -> StudyPlan:
     """Return the plan of a study file, or a plan of a vehicle alone.
@@ -69,9 +78,10 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     from tvclin.studyfile.parse import parse_study
 
     with naming(called(name)):
-        if time is not None and not _of_a_vehicle(document):
+        if time is not None and not (_of_a_vehicle(document) or is_flight(source)):
             raise InputError("the time of the vehicle of a study file is time_s in its [study]")
         if time is not None:
+            document = _DEFAULT_TABLES | document
             document["study"]["time_s"] = time
         return parse_study(document, Path(name).parent)
 
@@ -109,9 +119,8 @@ def load_sizing(
     winds = dict(soundings or {})
     if _is_study(source):
         document = source_tables(source)
-        plan = (
-            _flight_of_a_vehicle(source, winds) if _of_a_vehicle(document) else load_study(source)
-        )
+        of_flight = _of_a_vehicle(document) or is_flight(source)
+        plan = _flight_of_a_vehicle(source, winds) if of_flight else load_study(source)
         if plan.sizing is None:
             raise InputError(
                 f"{called(source)} has no flight; add [schedule], see tvclin init --study"
@@ -157,16 +166,26 @@ def _flight_of_a_vehicle(
     from tvclin.ascent.schedule_file import load_schedule
 
     document, vehicle = source_tables(source), vehicle_source(source)
-    tables = document | {"size": document.get("size", {})}
+    tables = _DEFAULT_TABLES | {"size": {}} | document
     flight = load_schedule(vehicle) if is_schedule(vehicle) else None
-    # at the time of the largest speed, so that a gust by its speed has an angle
-    time = None if flight is None else float(flight.times[np.argmax(flight.vehicle.velocity)])
-    plan = load_study(EditedSource(str(source), tables), time)
+    if flight is not None:  # at the largest speed, so that a gust by its speed has an angle
+        fastest = float(flight.times[np.argmax(flight.vehicle.velocity)])
+        tables["study"] = tables["study"] | {"time_s": fastest}
+    plan = load_study(EditedSource(str(source), tables))
     assert plan.sizing is not None
     soundings = {**plan.sizing.soundings, **winds}
     pulse = isinstance(plan.wind, ShapedWind) and not (soundings and _is_default(plan.wind))
     plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse, soundings=soundings))
     return plan if flight is None else replace(plan, vehicle=flight.vehicle)
+
+
+def is_flight(source: str | PathLike[str]) -> bool:
+    """Return whether a source is a flight schedule, or a study of one without a time."""
+    document = source_tables(source)
+    tables = [document.get(table, {}) for table in ("study", "campaign")]
+    if any("time_s" in keys or isinstance(keys.get("vehicle"), dict) for keys in tables):
+        return False
+    return is_schedule(vehicle_source(source))
 
 
 def is_flight_with_keys(source: str | PathLike[str]) -> bool:

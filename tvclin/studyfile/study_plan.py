@@ -149,6 +149,8 @@ class StudyPlan(Case):
     @property
     def _modes(self) -> bool:
         """Whether the vehicle has bending or slosh modes."""
+        if self.sizing is not None and self.sizing.schedule.structure is not None:
+            return True
         structure = self.vehicle.structure
         return structure is not None and bool(structure.bending or structure.slosh)
 

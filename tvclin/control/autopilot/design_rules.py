@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Self
 
 from tvclin.base.errors import (
@@ -21,8 +22,11 @@ from tvclin.base.errors import (
     positive,
     shown,
     single,
+    text,
 )
 from tvclin.base.fields import checked, count, file_table, quantity, word
+from tvclin.base.files import exists
+from tvclin.base.lines import listed
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -33,6 +37,7 @@ from tvclin.control.autopilot.feedback import (
     CHAINS,
     GAINS,
 )
+from tvclin.control.autopilot.gain_table import GainTable, ModeNotch, load_gains
 from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,
@@ -68,8 +73,9 @@ FILTER_TABLE = FileTable(
         "pole_damping": "number",
         "zero": "natural frequency",
         "pole": "natural frequency",
+        "ratio": "number",
     },
-    words=("kind", "on"),
+    words=("kind", "on", "mode"),
     lists=("numerator", "denominator"),
     required=("kind",),
 )
@@ -104,6 +110,19 @@ def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
         if name in keys:
             keys[name] = [number(f"{name}[{k}]", c) for k, c in enumerate(keys[name])]
     return position, _MAKERS[kind](**keys)
+
+
+def _mode_notch(row: Mapping[str, Any]) -> ModeNotch:
+    """Return the notch of a table with a mode, which it follows over the flight."""
+    keys = FILTER_TABLE.read(row)
+    allowed = ("mode", "zero_damping", "pole_damping", "ratio")
+    kind, position = keys.pop("kind"), keys.pop("on", "sum")
+    FILTER_TABLE.need(keys, allowed[:3])
+    if kind != "notch" or position != "sum" or set(keys) - set(allowed):
+        raise InputError(
+            f"a filter that follows a mode is a notch on the sum, of {listed(allowed)}"
+        )
+    return ModeNotch(**keys)
 
 
 LEAST_NOZZLE = "least-nozzle"
@@ -192,6 +211,8 @@ class AutopilotDesign:
     sample_rate : float, optional
         Sample rate of the autopilot or law [Hz]. Without it margins are of a continuous one, and
         flights sample it at 100.
+    schedule : GainTable, optional
+        Gains over the flight, in place of a rule, and notches that follow a mode.
     """
 
     design: str | None = word(DESIGNS, None, shown="canonical")
@@ -221,6 +242,7 @@ class AutopilotDesign:
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
     sample_rate: float | None = quantity("sample rate", None, positive)
+    schedule: GainTable | None = None
 
     def __post_init__(self) -> None:
         checked(self)
@@ -229,21 +251,32 @@ class AutopilotDesign:
             object.__setattr__(self, name, chain)
 
     @classmethod
-    def from_table(cls, table: Mapping[str, Any]) -> Self:
+    def from_table(cls, table: Mapping[str, Any], folder: Path = Path()) -> Self:
         """Return the specification in a file's table [autopilot], with its [[autopilot.filter]].
+
+        `folder`: folder of the table of gains that it names.
 
         Raises
         ------
         InputError
-            For unknown keys, and in the same cases as `AutopilotDesign`.
+            For unknown keys, and in the same cases as `AutopilotDesign` and `load_gains`.
         """
         keys = AUTOPILOT_TABLE.read(table)
-        chains: dict[str, Any] = filter_chains(keys.pop("filter", ()))
+        rows: tuple[Any, ...] = keys.pop("filter", ())
+        following = [row for row in rows if isinstance(row, Mapping) and "mode" in row]
+        chains: dict[str, Any] = filter_chains([row for row in rows if row not in following])
+        if "schedule" in keys or following:
+            name = keys.pop("schedule", None)
+            gains = GainTable() if name is None else load_gains(_file(name, folder))
+            notches = tuple(_mode_notch(row) for row in following)
+            keys["schedule"] = replace(gains, notches=notches)
         return cls(**keys, **chains)
 
     @property
     def unspecified(self) -> bool:
         """Whether neither gains nor a rule are specified, so that the gains are canonical."""
+        if self.schedule is not None and self.schedule.gains:
+            return False
         rule = (getattr(self, name) for name in RULE_PARAMETERS)
         gains = (getattr(self, name) for name in GIVEN_GAINS)
         return all(number is None for number in (*rule, *gains))
@@ -263,14 +296,24 @@ class AutopilotDesign:
         """Specification with its delay and filters removed."""
         return replace(self, delay=0.0, filters=(), attitude_filters=(), rate_filters=())
 
+    def options(self, actuator: Actuator | None) -> dict[str, Any]:
+        """Return the arguments of an `Autopilot` other than the gains that a rule may design."""
+        return {
+            "actuator": actuator,
+            **{name: getattr(self, name) for name in ADDED_GAINS},
+            "delay": self.delay,
+            "sample_rate": self.sample_rate,
+            **self.chains,
+        }
+
     def autopilot(self, plant: Plant, actuator: Actuator | None = None) -> Autopilot:
         """Return the autopilot for a plant, with the actuator of its nozzle.
 
         Raises
         ------
         InputError
-            For a rule and gains together, a single gain, a rule with too few numbers or too many,
-            and in the same cases as the rule.
+            For a rule and gains together, a single gain, a rule with too few numbers or too many, a
+            schedule over the flight, and in the same cases as the rule.
         """
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         single("plant", plant.batch)
@@ -278,13 +321,9 @@ class AutopilotDesign:
             raise InputError(
                 f"crossover is of gains for the minimum deflection: design {LEAST_NOZZLE}"
             )
-        options: dict[str, Any] = {
-            "actuator": actuator,
-            **{name: getattr(self, name) for name in ADDED_GAINS},
-            "delay": self.delay,
-            "sample_rate": self.sample_rate,
-            **self.chains,
-        }
+        if self.schedule is not None:
+            raise InputError("a schedule of gains and a notch at a mode need a flight")
+        options = self.options(actuator)
         rule = [getattr(self, name) for name in RULE_PARAMETERS]
         if all(getattr(self, name) is None for name in GIVEN_GAINS):
             return _by_rule(plant, self, options)
@@ -300,7 +339,13 @@ class AutopilotDesign:
         )
 
 
-AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, lists=("filter",))
+AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, words=("schedule",), lists=("filter",))
+
+
+def _file(name: Any, folder: Path) -> Path:
+    """Return the path of the table of gains, in a folder if the file exists there."""
+    path = folder / text("schedule", name)
+    return path if exists(path) else Path(name)
 
 
 def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> Autopilot:

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from tvclin.ascent.flight_variables import VARIABLES, flight_variable
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Record
 from tvclin.base.columns import Column, Columns, Tabled, columns_of
 from tvclin.base.errors import (
     InputError,
@@ -20,10 +19,7 @@ from tvclin.base.errors import (
     each,
     finite,
     instance,
-    number,
     one_of,
-    positive,
-    text,
     times_row,
 )
 from tvclin.base.fields import spec
@@ -31,6 +27,7 @@ from tvclin.base.lines import Line, Table, significant
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
+from tvclin.control.autopilot.gain_table import ModeNotch
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -41,52 +38,6 @@ _MAX_INTERPOLATED_ORDER = 2
 one on the straight line is stable, of a higher order not."""
 _SHOWN_PAIRS = 5
 """Number of pairs of times in a table, those that differ most."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModeNotch(Record):
-    """Notch behind the sum of all feedbacks, at the frequency of a bending mode at each time.
-
-    Parameters
-    ----------
-    mode : str
-        Name of the mode in the structure of the flight.
-    zero_damping, pole_damping : float
-        As in `Filter.notch`.
-    ratio : float
-        Frequency of the notch over that of the mode, positive.
-
-    Raises
-    ------
-    InputError
-        For numbers out of range.
-    """
-
-    mode: str = field(metadata=spec())
-    zero_damping: float = field(metadata=spec())
-    pole_damping: float = field(metadata=spec())
-    ratio: float = field(default=1.0, metadata=spec())
-
-    def __post_init__(self) -> None:
-        text("mode", self.mode)
-        object.__setattr__(self, "zero_damping", number("zero_damping", self.zero_damping))
-        for name in ("pole_damping", "ratio"):
-            object.__setattr__(self, name, number(name, getattr(self, name), positive))
-
-    def at(self, flight: FlightSchedule, time: ArrayLike) -> Filter:
-        """Return the notch at times of flight [s].
-
-        Raises
-        ------
-        InputError
-            For a flight whose structure has no mode of this name.
-        """
-        instance("flight", flight, FlightSchedule, "see load_schedule")
-        if flight.structure is None:
-            raise InputError(f"a notch at {self.mode} needs a flight with a structure over time")
-        mode = flight.structure.at(time).bending[flight.structure.mode_number(self.mode)]
-        frequency = self.ratio * np.asarray(mode.frequency)
-        return Filter.notch(frequency, self.zero_damping, self.pole_damping)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from tvclin.base.cards import table
 from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.errors import InputError, finite, instance, one_row, positive, times_row
 from tvclin.base.fields import derived, spec
-from tvclin.base.lines import Line, Table, number, significant
+from tvclin.base.lines import Line, Table, number, significant, text
 from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback, warn_of_sampling
 from tvclin.control.autopilot.detuning import mode_changes, with_mode_factors
@@ -22,13 +22,15 @@ from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
 from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.criteria import CRITERIA, Criteria, Judgement
 from tvclin.control.margins.loop import Loop, SampledLoop
-from tvclin.control.margins.margins import MARGINS, Margins, margins_of
+from tvclin.control.margins.margins import MARGINS, Margins, margins_of, unit_factor
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, named_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
 from tvclin.vehicle.vehicle import at_pressure
 
 _COLUMNS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin")
 """Margins of the whole loop in a CSV."""
+_MAX_MODE_COLUMNS = 2
+"""Largest number of modes with columns of their own in the table by flight time."""
 
 
 class WorstMargin(NamedTuple):
@@ -127,9 +129,8 @@ class Sweep(Tabled):
 
     def table(self) -> Table:
         """Return the table of the worst of each margin, its time and its limit."""
-        judged = (*self.judgements, *self.detuned_judgements)
         rows: list[tuple[Line, ...]] = []
-        for k, (worst, of) in enumerate(zip(self.worst, judged, strict=True)):
+        for k, (worst, of) in enumerate(zip(self.worst, self._judged, strict=True)):
             unstable = np.isnan(worst.surplus)
             unit = of.criterion.unit
             applies = np.isfinite(worst.surplus)
@@ -154,6 +155,77 @@ class Sweep(Tabled):
             rows.append((("damping of the poles",), damping, time, ("",), ("",)))
         head = ("margin", "worst", "at [s]", "asked", "")
         return Table("Worst margins over the flight", head, tuple(rows))
+
+    @property
+    def verdict(self) -> str:
+        """Verdict on the criteria, with the margin of the largest shortfall and its time."""
+        head = f"criteria {self.criteria.name}: {satisfaction(self.all_satisfied)}"
+        count = f"{self.times.size} flight times"
+        if self.all_satisfied:
+            return f"{head} at {count}"
+        missed = [p for p in zip(self.worst, self._judged, strict=True) if not p[0].satisfied]
+        worst, of = min(missed, key=lambda pair: _normalised(pair[0].surplus, pair[1]))
+        limit, unit = of.criterion.shown
+        shown = text(number("value", unit_factor(unit) * worst.value, 2, unit))
+        of_all = f"({np.sum(~self.satisfied)} of {count})"
+        if np.isnan(worst.surplus):
+            change = worst.margin.rpartition(", ")[2]
+            shown = "the loop is unstable" + f" with {change}" * (change in self.changes)
+            return f"{head}, {shown} at {worst.time:.4g} s {of_all}"
+        against = f"limit {limit:g} {unit}".rstrip()
+        return f"{head}, {worst.margin}: {shown} at {worst.time:.4g} s, {against} {of_all}"
+
+    @property
+    def _judged(self) -> tuple[Judgement, ...]:
+        """Judgements of the nominal loop, then of those with changes."""
+        return (*self.judgements, *self.detuned_judgements)
+
+    def time_table(self, rows: int | None = None) -> Table:
+        """Return the table of the margins by flight time, and of those with one mode changed.
+
+        `rows`: largest number of even flight times, to which those of the worst are added; by
+        default all. "detuned" is the smallest margin with a changed mode over its limit.
+        """
+        shown = np.arange(self.times.size)
+        if rows is not None and shown.size > rows:
+            worst = [int(np.argmin(np.abs(self.times - w.time))) for w in self.worst]
+            shown = np.unique([*np.linspace(0, shown[-1], rows).round().astype(int), *worst])
+        columns = self._by_time()
+        cells: list[tuple[Line, ...]] = []
+        for k in shown:
+            values = (number(f"sweep.{k}.{name}", column[k], 2) for name, column in columns.items())
+            verdict = satisfaction(bool(self.satisfied[k]))
+            cells.append((significant(f"sweep.{k}.time", self.times[k]), *values, (verdict,)))
+        return Table("Margins by flight time", ("at [s]", *columns, "criteria"), tuple(cells))
+
+    def _by_time(self) -> dict[str, FloatArray]:
+        """Return the columns of the table by flight time, ``(n,)``, by their headings."""
+        margins = {
+            "gain down [dB]": self.margins.aero_margin_dB,
+            "gain up [dB]": self.margins.gain_increase_dB,
+            "phase [deg]": self.margins.phase_margin_deg,
+        }
+        for unit, name in (("dB", "gain_margin_dB"), ("deg", "phase_margin_deg")):
+            of_modes = {
+                f"{mode.name} [{unit}]": np.asarray(getattr(mode, name), float)
+                for mode in self.modes
+            }
+            if len(of_modes) > _MAX_MODE_COLUMNS:
+                of_modes = {f"worst mode [{unit}]": np.fmin.reduce(list(of_modes.values()))}
+            margins |= of_modes
+        columns = {
+            name: np.asarray(values)
+            for name, values in margins.items()
+            if np.any(np.isfinite(values))
+        }
+        if self.detuned_judgements:
+            by_limit = [
+                _normalised(np.asarray(judged.surplus).reshape(-1, self.times.size), judged)
+                for judged in self.detuned_judgements
+            ]
+            lowest = np.concatenate(by_limit).min(axis=0)
+            columns["detuned"] = np.where(np.isinf(lowest), np.nan, 1.0 + lowest)
+        return columns
 
     def _repr_html_(self) -> str:
         return table(self.table())
@@ -191,6 +263,12 @@ def _of_margin(name: str, values: FloatArray) -> Column:
                 else Column(key, np.asarray(values), unit)
             )
     return Column(name, np.asarray(values))
+
+
+def _normalised(surplus: Any, judged: Judgement) -> Any:
+    """Return the surplus of a margin over its limit; minus infinity for an unstable loop."""
+    limit = judged.criterion.limit or 1.0
+    return np.where(np.isnan(surplus), -np.inf, np.asarray(surplus) / limit)
 
 
 def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",)) -> WorstMargin:

@@ -34,6 +34,7 @@ from tvclin.base.fields import count as integer
 from tvclin.base.lines import Line
 from tvclin.base.lines import number as number_line
 from tvclin.case.case import Case
+from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.laws.registry import LAWS
 from tvclin.kernels.choice import repeated
 from tvclin.requirement.flight.controllability import ControllabilityRatio, controllability_ratio
@@ -245,6 +246,9 @@ class SizingRequest:
         Seed of that noise.
     steady_window : float
         Length [s] over which the steady rate of the card is a mean.
+    scheduled_design : AutopilotDesign, optional
+        Specification of the autopilot over the flight, where it varies; that of the case is then
+        that of the time of its vehicle.
 
     Raises
     ------
@@ -286,6 +290,7 @@ class SizingRequest:
     rate_noise: float = quantity("angular rate", 0.0, between(0.0, MAX_RATE_NOISE), option=None)
     noise_seed: int = integer(0, option=None)
     steady_window: float = quantity("time", 0.5, positive, option=None)
+    scheduled_design: AutopilotDesign | None = None
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")

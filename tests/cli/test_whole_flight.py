@@ -1,0 +1,127 @@
+"""Commands on a whole flight: the same numbers as Python, their exit codes, and bad input."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tests.whole_flight import autopilot, flight, write_flight
+from tvclin.cli.app import app
+from tvclin.vehicle import Filter
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Return a folder with a flight, its structure, its gains and a study of it."""
+    made = tmp_path_factory.mktemp("flight")
+    write_flight(made)
+    return made
+
+
+def run(*words):
+    """Return the result of a command."""
+    return CliRunner().invoke(app, [f"{word}" for word in words], env={"COLUMNS": "80"})
+
+
+def notched() -> tv.control.GainSchedule:
+    """Return the autopilot of the study, made in Python."""
+    low_pass = Filter.low_pass(40.0, 0.7)
+    notches = tuple(
+        tv.control.ModeNotch(mode=name, zero_damping=0.1, pole_damping=0.6)
+        for name in ("first", "second")
+    )
+    return replace(autopilot(filters=(low_pass,), sample_rate=50.0), notches=notches)
+
+
+def read(folder) -> tv.FlightSchedule:
+    """Return the flight of the folder."""
+    return tv.load_schedule(folder / "flight.csv")
+
+
+def test_margins_of_a_flight_are_the_sweep_of_the_schedule_in_its_file(folder, tmp_path) -> None:
+    file, csv = folder / "study.toml", tmp_path / "sweep.csv"
+    result = run("margins", file, "--json", "--csv", csv)
+    document = json.loads(result.stdout)
+    swept = tv.control.sweep(read(folder), notched(), np.arange(30.0, 111.0, 20.0))
+    for name in ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg"):
+        np.testing.assert_allclose(
+            document["margins"][name], getattr(swept.margins, name), rtol=1e-9
+        )
+    assert document["satisfied"] == swept.satisfied.tolist() == [False, *4 * [True]]
+    assert result.exit_code == 1
+    assert len(csv.read_text(encoding="utf-8").splitlines()) == 6
+    printed = run("margins", file).output
+    assert printed.startswith("Criteria classic: NOT MET, gain may rise, second x 0.9: 4.41 dB at")
+    assert max(map(len, printed.partition("Note")[0].splitlines()[1:])) <= 80
+    met = run("margins", file, "--set", "size.from_s", "50")
+    assert (met.exit_code, met.output[:22]) == (0, "Criteria classic: MET ")
+
+
+def test_one_time_of_the_flight_has_the_gains_and_notches_of_that_time(folder) -> None:
+    document = json.loads(run("margins", folder / "study.toml", "--at", 60, "--json").stdout)
+    made = read(folder)
+    vehicle = made.at(60.0)
+    plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
+    margins = notched().along(made, 60.0).margins(plant)
+    got = document["margins"]["phase_margin_deg"]
+    assert got == pytest.approx(margins.phase_margin_deg, rel=1e-9)
+
+
+def test_options_take_the_place_of_the_schedule_and_a_rule_is_applied_at_each_time(folder) -> None:
+    words = ("--natural-frequency", "1.1", "--delay-ms", "10", "--sample-rate", "50", "--json")
+    words = (*words, "--set", "size.every_s", "20", "--set", "study.rigid", "true")
+    document = json.loads(run("margins", folder / "flight.csv", *words).stdout)
+    plain = flight(flexible=False)
+    times = np.arange(30.0, 111.0, 20.0)
+    made = tv.control.GainSchedule.design(
+        times,
+        plain.plants(times, "drift-exact", "pitch").coefficients,
+        tv.design_gains,
+        natural_frequency=1.1,
+        damping=0.7,
+        actuator=tv.Actuator(),
+        delay=0.01,
+        sample_rate=50.0,
+    )
+    assert document["modes"] == []
+    swept = tv.control.sweep(plain, made, times)
+    np.testing.assert_allclose(
+        document["margins"]["phase_margin_deg"], swept.margins.phase_margin_deg, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("gains", "message"),
+    [
+        ("time_s,attitude_gain\n30,1\n60,1\n", "needs attitude_gain and rate_gain_s, both"),
+        ("attitude_gain,rate_gain_s\n1,1\n1,1\n", "needs one column of time_s, .*; got none"),
+        ("time_s,mach,attitude_gain,rate_gain_s\n30,1,1,1\n", "got time, mach"),
+        ("time_s,attitude_gain,rate_gain_s\n30,1,1\n30,1,1\n", "two or more values, which rise"),
+        ("time_s,attitude_gain,rate_gain_s\n30,1,x\n", "line 2: rate_gain_s must be a number"),
+        ("time_s,attitude_gain,rate_gain_s,yaw\n30,1,1,1\n", "unknown key in a table of gains"),
+    ],
+)
+def test_a_wrong_table_of_gains_is_refused_in_one_sentence(folder, gains, message) -> None:
+    (folder / "wrong.csv").write_text(gains, encoding="utf-8")
+    result = run("margins", folder / "study.toml", "--set", "autopilot.schedule", "wrong.csv")
+    assert result.exit_code == 2
+    assert re.search(message, " ".join(result.stderr.split())), result.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--limit-deg", "3"), "--limit-deg needs a single flight time: --at TIME"),
+        (("--set", "autopilot.attitude_gain", "0.5"), "gains or a rule for them, not both"),
+        (("--set", "autopilot.filter.2.mode", "third"), "mode must be one of first, second"),
+        (("--set", "size.from_s", "10"), "start must be between 30 and 110; got 10 s"),
+    ],
+)
+def test_what_a_sweep_cannot_take_is_refused(folder, words, message) -> None:
+    result = run("margins", folder / "study.toml", *words)
+    assert (result.exit_code, result.stderr.count("Error")) == (2, 1), result.output
+    assert message in " ".join(result.stderr.split())
