@@ -86,6 +86,40 @@ def test_machine_code_is_found_where_numba_keeps_it(tmp_path, place):
         assert folder.startswith(str(inside.get(place, tmp_path / "mine")))
 
 
+_CACHED_FIRST = """
+import sys, numpy as np
+from tests.kernels.test_source import total
+from tvclin.kernels.source import machine_code
+values = np.random.default_rng(3).normal(size=100)
+compiled = machine_code(total)
+print(compiled(values, 0.3), "numba.np.arraymath" in sys.modules, len(compiled.stats.cache_hits))
+print(compiled(values, 1), "numba.np.arraymath" in sys.modules, len(compiled.stats.cache_misses))
+"""
+
+
+@pytest.mark.thorough
+def test_cached_machine_code_loads_no_compiler_and_another_signature_is_compiled(tmp_path):
+    pytest.importorskip("numba")
+    values = np.random.default_rng(3).normal(size=100)
+    wanted = [str(total(values, rate)) for rate in (0.3, 1)]
+    for cached in (False, True):
+        done = subprocess.run(
+            [sys.executable, "-c", _CACHED_FIRST],
+            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        lines = [line.split() for line in done.stdout.splitlines()]
+        assert [line[0] for line in lines] == wanted
+        assert lines[0][1:] == [str(not cached), str(int(cached))]
+        if not cached:  # only the first signature stays, so that the other is compiled anew
+            _, second = sorted(tmp_path.rglob("*.nbc"), key=lambda file: file.stat().st_mtime)
+            second.unlink()
+        else:
+            assert lines[1][1:] == ["True", "1"]
+
+
 def test_a_process_with_the_code_in_another_place_pays_the_small_threshold(monkeypatch, tmp_path):
     """What was compiled before is taken for little work, wherever it is kept."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
