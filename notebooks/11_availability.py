@@ -109,9 +109,9 @@ today = later.today(soundings[3])
 print(f"today: {np.degrees(today.upper):.3f} deg of {np.degrees(today.limit):.3f}, go: {today.go}")
 
 # %% [markdown]
-# **Try:** other azimuths, several at once (`azimuth=np.radians([60, 90, 110])`); a square stop,
-# `stop="square"`; a gust, `gust=tv.OneMinusCosineGust(peak=np.radians(0.5), duration=2)`. In a
-# shell: `tvclin availability configuration-i STATION.zip --azimuth-deg 90 --limit-deg 0.45`.
+# **Try:** other azimuths, several at once (`azimuth=np.radians([60, 90, 110])`); a square limit,
+# `limit_shape="square"`; a gust, `gust=tv.OneMinusCosineGust(peak=np.radians(0.5), duration=2)`. In
+# a shell: `tvclin availability configuration-i STATION.zip --azimuth-deg 90 --limit-deg 0.45`.
 
 # %%
 part, less = february.fraction(), later.fraction()

@@ -66,7 +66,7 @@ _ = plane_chart(plant, sounding.to_winds(flight, azimuth=np.radians(30)), "round
 met = tv.fly_through(sounding, flight, azimuth=np.radians(30), plane="both")
 stops = {}
 for stop in ("round", "round-each-plane", "square", "square-45"):
-    found = tv.size(flight, met, times=[66.0], dead_bands=1.0, plane="both", stop=stop)
+    found = tv.size(flight, met, times=[66.0], dead_bands=1.0, plane="both", limit_shape=stop)
     stops[stop] = np.degrees(found.required["K = 1"][0, 0])
     print(f"{stop:16s} {stops[stop]:.3f} deg")
 

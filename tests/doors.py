@@ -262,7 +262,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Cluster": three,
     }
     drifting = {"tau_beta": 4.0, "dead_band": 0.5, "beta": 0.5, "b1": 0.02, "b2": -0.01}
-    planes = {"plant": exact, "wind": veering, "stop": ellipse, "yaw_plant": exact}
+    planes = {"plant": exact, "wind": veering, "limit_shape": ellipse, "yaw_plant": exact}
     lateral = {"drift_rate_gain": 1e-4, "drift_gain": 0.0, "acceleration_gain": 1e-3}
     lateral |= {"acceleration_station": 2.0, "accelerometer_bandwidth": 80.0}
     options = {"actuator": actuator, "delay": 0.01, "integral_gain": 0.0, "pade_order": 2}
@@ -332,7 +332,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "SquareShape": Door(tv.boundary.SquareShape, {"rotation": 0.3}),
         "ClusterEngine": Door(
             tv.boundary.ClusterEngine,
-            {"at": 1.0, "share": 1.0, "stop": ellipse, "state": "stuck", "deflection": 0.1},
+            {"at": 1.0, "share": 1.0, "limit_shape": ellipse, "state": "stuck", "deflection": 0.1},
         ),
         "Cluster": Door(tv.boundary.Cluster, {"engines": engines, "hold_roll": True}),
         "Cluster.offset": Door(three.offset, {"control_arm": 20.0}),
@@ -1180,7 +1180,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "gust": gust,
                 "gust_at": 3.0,
                 "heading": 1.0,
-                "stop": ellipse,
+                "limit_shape": ellipse,
             },
         ),
         "Study.of": Door(tv.Study.of, {"case": study.case, "dead_band": 0.5, "switch": "report"}),
@@ -1438,7 +1438,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "law": law,
                 "wind": veering,
                 "deflection_limit": 0.01,
-                "stop": ellipse,
+                "limit_shape": ellipse,
                 "saturate": "radial",
                 "sample_rate": 60.0,
                 "delay": 0.01,
@@ -1453,7 +1453,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plant": exact,
                 "law": law,
                 "wind": veering,
-                "stop": ellipse,
+                "limit_shape": ellipse,
                 "saturate": "radial",
                 "sample_rate": 20.0,
                 "lowest": 0.5,
@@ -1690,7 +1690,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "limit": 0.01,
                 "azimuth": 1.5,
                 "plane": "both",
-                "stop": "round",
+                "limit_shape": "round",
                 "model": "drift-exact",
                 "persistence": 0.001,
                 "gust": gust,
@@ -1793,7 +1793,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "dead_bands": [1.0],
                 "model": "drift-exact",
                 "plane": "pitch",
-                "stop": "round",
+                "limit_shape": "round",
                 "progress": None,
                 "placing": "peak",
                 "window": 20.0,

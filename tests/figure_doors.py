@@ -162,7 +162,7 @@ def figures(folder: Path) -> dict[str, Door]:
             {
                 "plant": plant,
                 "wind": tv.winds.PlaneWind.veering(wind, 0.3, 0.1),
-                "stop": "round",
+                "limit_shape": "round",
                 "dead_band": 0.5,
                 "yaw_plant": plant,
             },

@@ -33,7 +33,7 @@ def cluster(dead, places=CROSS, stop=None, hold_roll=True, state="centred", defl
     held = {"state": state, "deflection": deflection}
     return Cluster(
         [
-            ClusterEngine(at=at, stop=stop, **(held if k in dead else {}))
+            ClusterEngine(at=at, limit_shape=stop, **(held if k in dead else {}))
             for k, at in enumerate(places)
         ],
         hold_roll,

@@ -570,7 +570,7 @@ STABLE = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.3, mu_delta=2.6)
         ({"plant": PAIR}, "all real; it has the complex pair"),
         ({"yaw_plant": PAIR}, "yaw_plant must have unstable poles, all real; it has the complex"),
         ({"plant": STABLE}, "it has none"),
-        ({"stop": "round"}, "stop must be a LimitShape"),
+        ({"limit_shape": "round"}, "limit_shape must be a LimitShape"),
     ],
 )
 def test_what_has_no_limit_in_two_planes_is_refused(door, changed, message):

@@ -267,10 +267,10 @@ def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     for stop in ("square", "round"):
         turned = tv.WindProfile(height=height, east=east / 2**0.5, north=east / 2**0.5)
         found = tv.availability(
-            booster, one(turned), limit=0.0, azimuth=EAST, stop=stop, model=model
+            booster, one(turned), limit=0.0, azimuth=EAST, limit_shape=stop, model=model
         ).lower[0]
         again = tv.availability(
-            booster, one(turned), limit=0.9 * found, azimuth=EAST, stop=stop, model=model
+            booster, one(turned), limit=0.9 * found, azimuth=EAST, limit_shape=stop, model=model
         )
         assert again.flies[0] == 1.0
 
@@ -411,7 +411,9 @@ def test_both_planes_go_together_as_the_stop_is_round_or_square(flight, archive)
         for plane in ("pitch", "yaw")
     )
     round_, square = (
-        tv.availability(flight, wind, limit=1.0, azimuth=0.7, stop=stop, sign="frozen").required[0]
+        tv.availability(
+            flight, wind, limit=1.0, azimuth=0.7, limit_shape=stop, sign="frozen"
+        ).required[0]
         for stop in ("round", "square")
     )
 

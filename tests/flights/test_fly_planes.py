@@ -58,7 +58,7 @@ def test_in_a_straight_wind_it_is_the_flight_of_one_plane(name, nozzle) -> None:
 def test_a_flight_is_the_solution_of_its_equations(stop, saturate) -> None:
     """In both planes theta'' = beta^2 alpha - (beta^2/B) delta, with delta held over a sample."""
     wind, limit, gain = veering(180.0), 0.75 * TRIM, 10.0
-    found = flown(tv.TrimLaw(PLANT, gain=gain), wind, 0.75, stop=stop, saturate=saturate)
+    found = flown(tv.TrimLaw(PLANT, gain=gain), wind, 0.75, limit_shape=stop, saturate=saturate)
     inner = limit if stop == "square" else limit / np.sqrt(2.0)
     x, t = np.zeros(2, complex), 0.0
     for k in range(int(GUST.duration * RATE)):
@@ -118,7 +118,7 @@ def test_what_cannot_be_flown_in_two_planes_is_refused() -> None:
         "must not switch": {"law": tv.control.DeadBandLaw(PLANT, dead_band=0.5)},
         "filters and noise": {"law": tv.RecoverableAttitudeLaw(PLANT, estimator=noisy)},
         "first order": {"actuator": tv.Actuator(natural_frequency=20.0, damping=0.7)},
-        "stop must be one of": {"stop": "oval"},
+        "limit_shape must be one of": {"limit_shape": "oval"},
         "saturate must be one of": {"saturate": "never"},
         "deflection_limit must be positive": {"deflection_limit": 0.0},
     }

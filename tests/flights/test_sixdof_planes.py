@@ -26,7 +26,13 @@ def test_a_slanting_wind_has_the_linear_boundary_within_a_percent(drift, stop) -
     linear = tv.plane_limit(plants[0], wind, shape, switch="literal", yaw_plant=plants[1])
     saturate = "radial" if stop == "round" else "each plane"
     survives = planes_verdict(
-        VEHICLE, wind, tv.TrimLaw(FIXED), drift=drift, stop=stop, saturate=saturate, step=0.02
+        VEHICLE,
+        wind,
+        tv.TrimLaw(FIXED),
+        drift=drift,
+        limit_shape=stop,
+        saturate=saturate,
+        step=0.02,
     )
     assert not survives(0.99 * linear.limit * TRIM)
     assert survives(1.01 * linear.limit * TRIM)

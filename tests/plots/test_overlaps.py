@@ -139,7 +139,7 @@ CHARTS = {
         rigid(vehicle), tv.winds.PlaneWind.veering(WIND, angle=0.4, rate=0.2), "round"
     ),
     "planes of a study": lambda vehicle: plots.study_planes_chart(
-        study(vehicle, heading=1.0, stop="square")
+        study(vehicle, heading=1.0, limit_shape="square")
     ),
     "flown margins": flown_margins,
     "boundary map": boundary_map,

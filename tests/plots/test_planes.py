@@ -34,7 +34,7 @@ def test_the_stop_meets_what_is_held_which_is_a_mean_of_the_trim_to_come(stop) -
 def test_of_a_study_it_is_that_of_its_wind() -> None:
     vehicle = tv.load_vehicle("configuration-i")
     options = {"duration": 7.5, "peak": 0.08}
-    study = tv.Study.from_vehicle(vehicle, **options, heading=4.0, stop="square")
+    study = tv.Study.from_vehicle(vehicle, **options, heading=4.0, limit_shape="square")
     drawn = curves_of(study_planes_chart(study))
     assert study.planes is not None
     assert tv.boundary.SquareShape().gauge(vectors(drawn, STOP)) == pytest.approx(

@@ -183,7 +183,7 @@ def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
     assert blown(90.0, plane="yaw").encountered == {"cross": pytest.approx(across)}
     with pytest.raises(tv.InputError, match="leave sign"):
         blown(0.0, sign="head")
-    both = blown(30.0, stop="round")
+    both = blown(30.0, limit_shape="round")
     assert 1.0 < both.ratio_to_nominal < of_peak(5.0).ratio_to_nominal
     assert both.required_deflection == both.encountered["head"]
 

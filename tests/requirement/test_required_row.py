@@ -26,7 +26,7 @@ def marked(study: Study) -> list[str]:
             ("cross wind (verdict)", {"duration": 7.5, "plane": "yaw"}),
             (
                 "both planes (verdict)",
-                {"duration": 7.5, "heading": np.radians(225), "stop": "round"},
+                {"duration": 7.5, "heading": np.radians(225), "limit_shape": "round"},
             ),
         ],
         0,

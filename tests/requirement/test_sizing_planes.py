@@ -46,7 +46,7 @@ def test_a_wind_along_one_plane_asks_for_the_same_to_the_last_bit(flight, model,
         for plane, angle in (("pitch", 0.0), ("yaw", np.pi / 2)):
             alone = tv.size(flight, GUST, plane=plane, **options)
             wind = tv.winds.PlaneWind.towards(GUST, angle)
-            found = tv.size(flight, wind, plane="both", stop=stop, **options)
+            found = tv.size(flight, wind, plane="both", limit_shape=stop, **options)
             for name, values in alone.required.items():
                 assert found.required[name].tolist() == values.tolist(), (stop, plane, name)
 
@@ -77,7 +77,7 @@ def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight)
         met = tv.fly_through(profile, flight, azimuth=np.radians(azimuth), plane="both")
         for stop, norm in (("round", np.hypot), ("square", np.maximum)):
             found = tv.size(
-                flight, met, times=[66.0], plane="both", stop=stop, dead_bands=(1.0, 0.5)
+                flight, met, times=[66.0], plane="both", limit_shape=stop, dead_bands=(1.0, 0.5)
             )
             pitch, yaw = (found.separate[plane].required for plane in ("pitch", "yaw"))
             for name, values in found.required.items():
@@ -136,8 +136,8 @@ def test_a_wind_without_a_direction_has_no_answer_in_two_planes(flight) -> None:
         tv.size(flight, GUST, times=TIMES, plane="both")
     with pytest.raises(tv.InputError, match="a PlaneWind needs plane='both'"):
         tv.size(flight, tv.winds.PlaneWind.towards(GUST, 0.3), times=TIMES)
-    with pytest.raises(tv.InputError, match="stop must be one of round"):
-        tv.size(flight, GUST, times=TIMES, plane="both", stop="oval")
+    with pytest.raises(tv.InputError, match="limit_shape must be one of round"):
+        tv.size(flight, GUST, times=TIMES, plane="both", limit_shape="oval")
     shaped = tv.ShapedWind("triangular", 0.08, 7.5)
     with pytest.raises(tv.InputError, match="both planes need a wind with a direction"):
         shaped.peaks(0.8)

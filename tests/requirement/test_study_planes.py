@@ -33,7 +33,7 @@ def test_a_wind_from_behind_requires_what_a_tail_wind_does_to_the_last_bit(boost
     options = {"duration": 7.5, "peak": 0.08, "limit": 0.006}
     plain = tv.Study.from_vehicle(booster, **options, sign="tail")
     for stop in (None, "round", "square"):
-        tail = tv.Study.from_vehicle(booster, **options, heading=np.pi, stop=stop)
+        tail = tv.Study.from_vehicle(booster, **options, heading=np.pi, limit_shape=stop)
         assert tail.required_deflection == plain.required_deflection
         assert tail.survivable_peak == plain.survivable_peak
         assert tail.sufficient is plain.sufficient
@@ -100,7 +100,13 @@ def test_a_peak_says_of_what_it_is(stop) -> None:
 def test_a_study_keeps_its_direction(booster) -> None:
     gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0).shift(2.0)
     study = tv.Study.from_vehicle(
-        booster, duration=7.5, peak=0.08, heading=4.0, stop="square", gust=gust, model="fixed-path"
+        booster,
+        duration=7.5,
+        peak=0.08,
+        heading=4.0,
+        limit_shape="square",
+        gust=gust,
+        model="fixed-path",
     )
     again = StudyPlan.of_study(study).study()
     assert again.required_deflection == pytest.approx(study.required_deflection, rel=1e-12)
@@ -130,7 +136,9 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
         assert found.exit_code == 2
         assert words in " ".join(found.output.split())
     with pytest.raises(tv.InputError, match="a stop of both planes needs a wind with a direction"):
-        tv.Study.from_vehicle(booster, duration=7.5, peak=0.08, stop="round", model="fixed-path")
+        tv.Study.from_vehicle(
+            booster, duration=7.5, peak=0.08, limit_shape="round", model="fixed-path"
+        )
     wind = tv.ShapedWind("triangular", 0.08, 7.5, heading=0.0)
     with pytest.raises(tv.InputError, match="no part in yaw"):
         tv.Campaign(vehicle=booster, wind=wind, plane="yaw", cases=2)

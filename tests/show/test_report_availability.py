@@ -233,7 +233,7 @@ def test_model_limit_stop_and_gust_are_those_of_the_study(folder) -> None:
     )
     assert plan.availability is not None
     found = plan.availability.availability(plan)
-    assert (found.model, found.plane, found.judge.stop) == ("drift", "both", "square")
+    assert (found.model, found.plane, found.judge.limit_shape) == ("drift", "both", "square")
     assert (found.limit, found.judge.additions.gust.peak) == (np.radians(0.3), np.radians(0.5))
 
 

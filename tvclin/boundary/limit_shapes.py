@@ -336,18 +336,19 @@ LIMIT_SHAPES = tuple(_SHAPES)
 """Limit shapes that files and options name."""
 
 
-def limit_shape_of(stop: LimitShape | str, name: str = "stop") -> LimitShape:
+def limit_shape_of(limit_shape: LimitShape | str, name: str = "limit_shape") -> LimitShape:
     """Return a limit shape, or the shape of a name of `LIMIT_SHAPES`; else raise `InputError`.
 
     `name`: the argument, for the message.
     """
-    if isinstance(stop, LimitShape):
-        return stop
-    if not isinstance(stop, str):
+    if isinstance(limit_shape, LimitShape):
+        return limit_shape
+    if not isinstance(limit_shape, str):
         raise InputError(
-            f"{name} must be one of {', '.join(LIMIT_SHAPES)}, or a LimitShape; got {shown(stop)}"
+            f"{name} must be one of {', '.join(LIMIT_SHAPES)}, or a LimitShape; got"
+            f" {shown(limit_shape)}"
         )
-    return _SHAPES[one_of(name, stop, LIMIT_SHAPES)]()
+    return _SHAPES[one_of(name, limit_shape, LIMIT_SHAPES)]()
 
 
 @dataclass(frozen=True)
@@ -360,7 +361,7 @@ class ClusterEngine:
         Its place about the roll axis [m]: in the pitch plane + 1j in the yaw plane.
     share : float
         Its thrust, from 1e-6 to 1e9; only the ratios in a cluster count.
-    stop : LimitShape
+    limit_shape : LimitShape
         What it can do, over the limit.
     state : {"moving", "centred", "stuck", "out"}
         Centred: it stays at zero. Stuck: it stays at `deflection`. Out: see `Cluster`.
@@ -376,7 +377,7 @@ class ClusterEngine:
 
     at: complex
     share: float = 1.0
-    stop: LimitShape = field(default_factory=CircularShape)
+    limit_shape: LimitShape = field(default_factory=CircularShape)
     state: str = "moving"
     deflection: complex = 0.0
 
@@ -387,11 +388,11 @@ class ClusterEngine:
                 raise InputError(f"{name} must be one number within 1e9 in size, pitch + 1j*yaw")
             object.__setattr__(self, name, complex(array))
         object.__setattr__(self, "share", number("share", self.share, between(1e-6, 1e9)))
-        instance("stop", self.stop, LimitShape, "such as CircularShape")
+        instance("limit_shape", self.limit_shape, LimitShape, "such as CircularShape")
         one_of("state", self.state, STATES)
         if self.deflection and self.state != "stuck":
             raise InputError('deflection must be zero, or state "stuck"')
-        if self.stop.gauge(self.deflection) > 1.0 + 1e-12:
+        if self.limit_shape.gauge(self.deflection) > 1.0 + 1e-12:
             raise InputError("deflection must be within the stop; 1 is the limit")
 
 
@@ -457,7 +458,7 @@ class Cluster(LimitShape):
     @property
     def symmetric(self) -> bool:
         """Whether the shape is symmetric about zero."""
-        return not any(self._stuck) and all(engine.stop.symmetric for engine in self._moving)
+        return not any(self._stuck) and all(engine.limit_shape.symmetric for engine in self._moving)
 
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return the support function of the mean deflection along vectors."""
@@ -525,7 +526,8 @@ class Cluster(LimitShape):
         """Return the sum of the support functions of all moving engines, by their shares."""
         moving = [(engine, share) for engine, share in self._shares if engine.state == "moving"]
         supports = [
-            share * engine.stop.support(d + rho * self._arm(engine)) for engine, share in moving
+            share * engine.limit_shape.support(d + rho * self._arm(engine))
+            for engine, share in moving
         ]
         return np.asarray(np.sum(supports, axis=0))
 

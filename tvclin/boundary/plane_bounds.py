@@ -181,7 +181,7 @@ class PlanePair:
 
 
 def checked_batch(
-    plant: Plant, wind: PlaneWind, stop: LimitShape, yaw_plant: Plant | None
+    plant: Plant, wind: PlaneWind, limit_shape: LimitShape, yaw_plant: Plant | None
 ) -> tuple[int, ...]:
     """Return the shape of the batch; `InputError` for what has no limit in two planes."""
     instance("plant", plant, Plant, "see Plant.from_vehicle")
@@ -191,7 +191,7 @@ def checked_batch(
             " history"
         )
     instance("wind", wind, PlaneWind, "see PlaneWind.towards")
-    instance("stop", stop, LimitShape, "such as CircularShape")
+    instance("limit_shape", limit_shape, LimitShape, "such as CircularShape")
     plants = {"plant": plant}
     if yaw_plant is not None:
         instance("yaw_plant", yaw_plant, Plant, "see Plant.from_vehicle")
@@ -213,19 +213,19 @@ def checked_batch(
     )
 
 
-def _difference_gauge(stop: LimitShape) -> Callable[[ComplexArray], FloatArray]:
+def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], FloatArray]:
     """Return the gauge of S - S, from its supports in some directions: a lower bound of it."""
-    if stop.symmetric:
-        return lambda vector: stop.gauge(vector) / 2.0
+    if limit_shape.symmetric:
+        return lambda vector: limit_shape.gauge(vector) / 2.0
     directions = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
-    normals = directions / (stop.support(directions) + stop.support(-directions))
+    normals = directions / (limit_shape.support(directions) + limit_shape.support(-directions))
     components = np.stack([normals.real, normals.imag])
     return lambda vector: np.abs(np.stack([vector.real, vector.imag], axis=-1) @ components).max(
         axis=-1
     )
 
 
-def no_forecast_bound(pair: PlanePair, stop: LimitShape) -> float:
+def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     """Return the bound [rad] of the fast modes for laws that know the wind, but not when it stops.
 
     With planes that differ, it is computed for states that a constant vector returns from: up to
@@ -235,13 +235,13 @@ def no_forecast_bound(pair: PlanePair, stop: LimitShape) -> float:
     shown = pair.times()
     times = shown[:: max(1, shown.size // _TIMES)]
     times = np.union1d(np.append(times, [onset, end]), np.linspace(onset, end, _TIMES // 2))
-    gauge = _difference_gauge(stop)
+    gauge = _difference_gauge(limit_shape)
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
         return gauge(_between(pair, s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
-        return stop.gauge(_between(pair, np.full((1, 1), onset), T))
+        return limit_shape.gauge(_between(pair, np.full((1, 1), onset), T))
 
     grid = two_sided(times[:, np.newaxis], times)
     s, T = (times[i] for i in np.unravel_index(np.argmax(grid), grid.shape))
@@ -314,13 +314,16 @@ class PlaneOptimum(Shown):
 
 
 def plane_optimum(
-    plant: Plant, wind: PlaneWind, stop: LimitShape | None = None, yaw_plant: Plant | None = None
+    plant: Plant,
+    wind: PlaneWind,
+    limit_shape: LimitShape | None = None,
+    yaw_plant: Plant | None = None,
 ) -> PlaneOptimum:
     """Return the deflection of minimum limit in both planes that cancels every unstable mode.
 
     Parameters
     ----------
-    plant, wind, stop, yaw_plant
+    plant, wind, limit_shape, yaw_plant
         Parameters of `plane_limit`, but one plant and one wind. A cluster counts as the polygon
         `LimitShape.inscribed`, which is a little smaller.
 
@@ -344,14 +347,14 @@ def plane_optimum(
     >>> round(tv.boundary.plane_optimum(plant, wind).limit, 4)
     0.3122
     """
-    stop = CircularShape() if stop is None else stop
-    single("plant, wind", checked_batch(plant, wind, stop, yaw_plant))
+    limit_shape = CircularShape() if limit_shape is None else limit_shape
+    single("plant, wind", checked_batch(plant, wind, limit_shape, yaw_plant))
     pair = PlanePair((plant, yaw_plant or plant), wind)
-    return minimum_in_planes(pair, stop.inside)
+    return minimum_in_planes(pair, limit_shape.inside)
 
 
 def minimum_in_planes(
-    pair: PlanePair, stop: LimitShape, exit_time: float | None = None
+    pair: PlanePair, limit_shape: LimitShape, exit_time: float | None = None
 ) -> PlaneOptimum:
     """Return `plane_optimum` of checked arguments, after trim up to `exit_time` [s].
 
@@ -359,16 +362,18 @@ def minimum_in_planes(
     """
     if exit_time is not None:
         demands = np.concatenate([pair.demands_after_trim(plane, exit_time) for plane in (0, 1)])
-        return _optimum(pair, *_solved(_Moments(pair, stop, demands), exit_time))
-    if pair.equal and pair.wind.unidirectional and isinstance(stop, CircularShape):
+        return _optimum(pair, *_solved(_Moments(pair, limit_shape, demands), exit_time))
+    if pair.equal and pair.wind.unidirectional and isinstance(limit_shape, CircularShape):
         return _along_a_line(pair)
     start = np.asarray([float(pair.wind.onset)])
     moments = _Moments(
-        pair, stop, np.concatenate([pair.mode_demands(plane, start)[:, 0] for plane in (0, 1)])
+        pair,
+        limit_shape,
+        np.concatenate([pair.mode_demands(plane, start)[:, 0] for plane in (0, 1)]),
     )
     if pair.equal and moments.poles.size == 2:
         deflection = pair.wind_demand(start)
-        peak = float(stop.gauge(deflection)[0])
+        peak = float(limit_shape.gauge(deflection)[0])
         return _optimum(pair, start, deflection, Certificate(peak, peak, 0.0, 0.0, 0.0))
     return _optimum(pair, *_solved(moments, float(start[0])))
 
@@ -399,7 +404,7 @@ class _Moments:
     """
 
     pair: PlanePair
-    stop: LimitShape
+    limit_shape: LimitShape
     demands: FloatArray
 
     @cached_property
@@ -448,7 +453,7 @@ class _Moments:
     def norm(self, multipliers: FloatArray) -> float:
         """Return the support-function norm N of multipliers ``(k,)``, by Gauss quadrature."""
         values, weights = self.nodes
-        return float(weights @ self.stop.support(multipliers @ values))
+        return float(weights @ self.limit_shape.support(multipliers @ values))
 
 
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
@@ -464,24 +469,24 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
-    stop, cells = moments.stop, moments.cells
+    limit_shape, cells = moments.limit_shape, moments.cells
     # Functions that are orthonormal over the cells, each normalised by the largest deflection in
     # its plane; N(l) is at least the smaller one, 1/g, times |l| of its functions, and so bounds
     # them.
     even, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
-    reach = stop.support(moments.axes)
+    reach = limit_shape.support(moments.axes)
     rows = (even[: cells.shape[1]] + 1j * even[cells.shape[1] :]).T / reach[:, np.newaxis]
     triangle = triangle * reach[:, np.newaxis]
     d = np.linalg.lstsq(triangle.T, moments.demands, rcond=None)[0]
     size = float(np.abs(d).max())
     d /= size
-    ends = np.maximum(stop.gauge(moments.axes), stop.gauge(-moments.axes)) * reach
+    ends = np.maximum(limit_shape.gauge(moments.axes), limit_shape.gauge(-moments.axes)) * reach
     best, trial, shares = np.zeros(d.size), d, np.zeros(0)
     extremes: list[Vectors] = []
     moments_of_extremes: list[FloatArray] = []
     for _ in range(_MAX_CUTTING_PLANES):
         for multipliers in (trial, 0.5 * (best + trial)):
-            extremes.append(stop.farthest(multipliers @ rows))
+            extremes.append(limit_shape.farthest(multipliers @ rows))
             moments_of_extremes.append(np.real(np.conj(rows) @ extremes[-1]))
             scaled = multipliers / (multipliers @ moments_of_extremes[-1])
             best = scaled if scaled @ d > best @ d else best
@@ -507,13 +512,13 @@ def _corrected(
     moments: _Moments, onset: float, best: FloatArray, deflections: Vectors, size: float
 ) -> tuple[FloatArray, Vectors, Certificate]:
     """Return times [s], deflections [rad] that satisfy the conditions, and their certificate."""
-    d, cells, stop = moments.demands / size, moments.cells, moments.stop
+    d, cells, limit_shape = moments.demands / size, moments.cells, moments.limit_shape
     for _ in range(2):  # the second time for the rounding of the first
         missing = d - np.real(np.conj(cells) @ deflections)
         basis = moments.axes[:, np.newaxis] * np.exp(-np.outer(moments.poles, moments.edges[:-1]))
         gram = np.real(np.conj(cells) @ basis.T)
         deflections = deflections + np.linalg.lstsq(gram, missing, rcond=None)[0] @ basis
-    peak = float(stop.gauge(deflections).max())
+    peak = float(limit_shape.gauge(deflections).max())
     dual = float(best @ d) / moments.norm(best)
     violation = np.abs(d - np.real(np.conj(cells) @ deflections))
     residual = float((violation / (np.abs(cells).sum(axis=1) * peak + np.abs(d))).max())

@@ -83,7 +83,9 @@ class PlaneRequirement:
     y: float | None = None
 
 
-def vector_requirement(pair: PlanePair, stop: LimitShape, K: float, separate: float) -> float:
+def vector_requirement(
+    pair: PlanePair, limit_shape: LimitShape, K: float, separate: float
+) -> float:
     """Return the limit [rad] of the control in both planes with exit on trim, or `separate`.
 
     `separate`: limit [rad] of the rectangle of both planes' separate requirements, returned if it
@@ -93,32 +95,36 @@ def vector_requirement(pair: PlanePair, stop: LimitShape, K: float, separate: fl
     if _scalar_case(pair) is not None:  # the planes are one along it
         return separate
     _check_turning(pair, K)
-    shape = stop if K == 0.0 else stop.inside
+    shape = limit_shape if K == 0.0 else limit_shape.inside
     limit = max(separate, float(shape.gauge(_dead_band_exit(pair, shape, K, literal=True)[0])))
     if K in (0.0, 1.0) or max(poles.size for poles in pair.poles) == 1:
         return limit
-    return _requirement_after_trim(pair, stop.inside, K, True, limit)
+    return _requirement_after_trim(pair, limit_shape.inside, K, True, limit)
 
 
 def two_plane_requirement(
-    pair: PlanePair, stop: LimitShape, bands: Sequence[float], literal: bool
+    pair: PlanePair, limit_shape: LimitShape, bands: Sequence[float], literal: bool
 ) -> list[PlaneRequirement]:
     """Return the requirement of one wind in two planes, for each dead band K."""
     line = _scalar_case(pair)
     if line is not None:
-        return [_unidirectional_requirement(pair, *line, stop, K, literal) for K in bands]
+        return [_unidirectional_requirement(pair, *line, limit_shape, K, literal) for K in bands]
     _check_turning(pair, max(bands))
-    minimum = float(stop.inside.gauge(pair.wind_demand(np.asarray([float(pair.wind.onset)])))[0])
+    minimum = float(
+        limit_shape.inside.gauge(pair.wind_demand(np.asarray([float(pair.wind.onset)])))[0]
+    )
     warning = ""
     if max(poles.size for poles in pair.poles) > 1:
-        optimum = minimum_in_planes(pair, stop.inside)
+        optimum = minimum_in_planes(pair, limit_shape.inside)
         minimum = optimum.peak
         if optimum.status != OK:
             warning = (
                 f"the minimum is not solved: at most {100.0 * optimum.certificate.gap:.2g}% less"
             )
-    bound = no_forecast_bound(pair, stop.inside)
-    return [_turning_requirement(pair, stop, K, literal, minimum, bound, warning) for K in bands]
+    bound = no_forecast_bound(pair, limit_shape.inside)
+    return [
+        _turning_requirement(pair, limit_shape, K, literal, minimum, bound, warning) for K in bands
+    ]
 
 
 def _check_turning(pair: PlanePair, K: float) -> None:
@@ -133,7 +139,7 @@ def _check_turning(pair: PlanePair, K: float) -> None:
 
 def _turning_requirement(
     pair: PlanePair,
-    stop: LimitShape,
+    limit_shape: LimitShape,
     K: float,
     literal: bool,
     minimum: float,
@@ -141,12 +147,12 @@ def _turning_requirement(
     warning: str,
 ) -> PlaneRequirement:
     """Return the requirement of a wind that turns, or of planes that differ."""
-    shape = stop if K == 0.0 else stop.inside
+    shape = limit_shape if K == 0.0 else limit_shape.inside
     deflection, time, status = _dead_band_exit(pair, shape, K, literal)
     notes = [] if status == OK else [status]
     if K > 0.0:
         notes += [] if pair.wind.unidirectional else [TURNS]
-        notes += [] if shape is stop else [POLYGON]
+        notes += [] if shape is limit_shape else [POLYGON]
     modes = max(poles.size for poles in pair.poles)
     requirements = {
         Reason.BOUNDARY: float(shape.gauge(deflection)),
@@ -155,7 +161,7 @@ def _turning_requirement(
     }
     if modes > 1 and 0.0 < K < 1.0:
         requirements[Reason.AFTER_TRIM] = _requirement_after_trim(
-            pair, stop.inside, K, literal, max(requirements.values())
+            pair, limit_shape.inside, K, literal, max(requirements.values())
         )
     limit, more = _governing_requirement(requirements)
     notes += [warning] if warning and limit == requirements[Reason.MINIMUM] else []
@@ -163,7 +169,7 @@ def _turning_requirement(
 
 
 def _requirement_after_trim(
-    pair: PlanePair, stop: LimitShape, K: float, literal: bool, minimum: float
+    pair: PlanePair, limit_shape: LimitShape, K: float, literal: bool, minimum: float
 ) -> float:
     """Return the largest limit [rad] that diverges after trim up to K times it, or `minimum`.
 
@@ -174,14 +180,14 @@ def _requirement_after_trim(
 
     driver = pair.trim if literal else pair.moment_driver
     times = pair.times()
-    heights = np.asarray(stop.gauge(driver(times)))
-    limit = float(max(heights.max(), stop.gauge(pair.trim(times)).max()))
+    heights = np.asarray(limit_shape.gauge(driver(times)))
+    limit = float(max(heights.max(), limit_shape.gauge(pair.trim(times)).max()))
 
     def demand(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad], or an upper bound of it that is sufficient or not to be solved."""
 
         def excess(t: float) -> float:
-            return float(stop.gauge(driver(np.asarray([t])))[0]) - K * limit
+            return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
         # at the end of the wind without an earlier exit of the dead band
         k = int(np.argmax(heights >= K * limit)) if heights.max() >= K * limit else -1
@@ -193,11 +199,11 @@ def _requirement_after_trim(
             poles, z = pair.poles[plane][np.newaxis], pair.demands_after_trim(plane, t)[np.newaxis]
             separate.append(float(peaks_for_demands(poles, z / poles)[0]))
         corners = [complex(separate[0], sign * separate[1]) for sign in (1.0, -1.0)]
-        rectangle = float(np.max(stop.gauge([*corners, *(-corner for corner in corners)])))
+        rectangle = float(np.max(limit_shape.gauge([*corners, *(-corner for corner in corners)])))
         return (
             rectangle
             if rectangle <= sufficient or not solved
-            else minimum_in_planes(pair, stop, t).peak
+            else minimum_in_planes(pair, limit_shape, t).peak
         )
 
     limit = max(limit, demand(heights.max() / K * (1.0 + _RELATIVE_TOLERANCE), limit, False))
@@ -238,7 +244,7 @@ def _scalar_case(pair: PlanePair) -> tuple[Plant, History] | None:
 
 
 def _unidirectional_requirement(
-    pair: PlanePair, plant: Plant, wind: History, stop: LimitShape, K: float, literal: bool
+    pair: PlanePair, plant: Plant, wind: History, limit_shape: LimitShape, K: float, literal: bool
 ) -> PlaneRequirement:
     """Return the scalar requirement along the direction of the wind."""
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
@@ -246,7 +252,7 @@ def _unidirectional_requirement(
     requirements = {name: float(size) for name, size in required.items()}
     direction = complex(unit_vector(pair.wind.direction))
     deflection = boundary.deflection * direction
-    gauges = stop.gauge([direction, -direction])
+    gauges = limit_shape.gauge([direction, -direction])
     gauge, largest_gauge = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
     bound = requirements[Reason.NO_FORECAST] * largest_gauge
     after = requirements[Reason.AFTER_TRIM]
@@ -270,7 +276,7 @@ def _unidirectional_requirement(
 
 
 def _dead_band_exit(
-    pair: PlanePair, stop: LimitShape, K: float, literal: bool
+    pair: PlanePair, limit_shape: LimitShape, K: float, literal: bool
 ) -> tuple[complex, float, str]:
     """Return constant deflection [rad] after the exit of the dead band, exit time [s] and status.
 
@@ -283,10 +289,10 @@ def _dead_band_exit(
 
     def margin(t: FloatArray, floor: float = 0.0) -> FloatArray:
         """Return the driver's gauge minus K times the gauge of the required deflection [rad]."""
-        driver = stop.gauge(pair.trim(t) if literal else pair.moment_driver(t))
-        return np.maximum(driver, floor) - K * stop.gauge(pair.required_constant(t))
+        driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
+        return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
 
-    heights = stop.gauge(pair.trim(times) if literal else pair.moment_driver(times))
+    heights = limit_shape.gauge(pair.trim(times) if literal else pair.moment_driver(times))
     records = np.flatnonzero(heights >= np.maximum.accumulate(heights))
     margins = margin(times[records])
     short = np.flatnonzero(margins < -_RELATIVE_ROUNDING * heights.max())
@@ -294,7 +300,7 @@ def _dead_band_exit(
         return complex(pair.required_constant(times[:1])[0]), float(times[0]), OK
     if short[-1] == records.size - 1:
         trims = pair.trim(times)
-        return complex(trims[np.argmax(stop.gauge(trims))]), np.nan, NO_EXIT
+        return complex(trims[np.argmax(limit_shape.gauge(trims))]), np.nan, NO_EXIT
     first, last = records[short[-1]], records[short[-1] + 1]
     floor, span = float(heights[first]), times[first : last + 1]
     for _ in range(_GRID_REFINEMENTS):  # the last rise through zero, in steps between each two
@@ -349,7 +355,7 @@ class PlaneLimit(Shown):
 def plane_limit(
     plant: Plant,
     wind: PlaneWind,
-    stop: LimitShape | None = None,
+    limit_shape: LimitShape | None = None,
     dead_band: ArrayLike = 1.0,
     switch: str = "report",
     yaw_plant: Plant | None = None,
@@ -362,7 +368,7 @@ def plane_limit(
         One plant or a batch, whose unstable poles are real.
     wind : PlaneWind
         One wind that ends, or a batch; batches broadcast, and are solved case by case.
-    stop : LimitShape, optional
+    limit_shape : LimitShape, optional
         Limit shape of the nozzle; round by default. `LimitShape.each_plane` is the square
         inside it, for planes that are limited separately.
     dead_band : array_like
@@ -403,37 +409,39 @@ def plane_limit(
     >>> np.degrees([limit.deflection, limit.pitch_only]).round(3)
     array([0.351, 0.201])
     """
-    stop = CircularShape() if stop is None else stop
+    limit_shape = CircularShape() if limit_shape is None else limit_shape
     one_of("switch", switch, SWITCHES)
     K = within("dead_band", dead_band, 0.0, 1.0)
-    shape = broadcast(dead_band=K.shape, plants=checked_batch(plant, wind, stop, yaw_plant))
+    shape = broadcast(dead_band=K.shape, plants=checked_batch(plant, wind, limit_shape, yaw_plant))
     if not shape:
-        return _case_limit(PlanePair((plant, yaw_plant or plant), wind), stop, float(K), switch)
+        return _case_limit(
+            PlanePair((plant, yaw_plant or plant), wind), limit_shape, float(K), switch
+        )
     dead_bands = np.broadcast_to(K, shape).ravel()
     limits = []
     for case in range(dead_bands.size):
         first = plant.case(case, shape)
         plants = first, yaw_plant.case(case, shape) if yaw_plant else first
         pair = PlanePair(plants, wind.case(case, shape))
-        limits.append(_case_limit(pair, stop, float(dead_bands[case]), switch))
+        limits.append(_case_limit(pair, limit_shape, float(dead_bands[case]), switch))
     names = [field.name for field in fields(PlaneLimit)][:-1]
     numbers = {n: np.reshape([getattr(limit, n) for limit in limits], shape) for n in names}
     notes = tuple(dict.fromkeys(note for limit in limits for note in limit.notes))
     return PlaneLimit(**numbers, notes=notes)
 
 
-def _case_limit(pair: PlanePair, stop: LimitShape, K: float, switch: str) -> PlaneLimit:
+def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str) -> PlaneLimit:
     """Return the limit of one case at dead band K."""
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
-    requirement = two_plane_requirement(pair, stop, (K,), literal)[0]
+    requirement = two_plane_requirement(pair, limit_shape, (K,), literal)[0]
     pitch_only = requirement.limit
     if np.isfinite(pair.wind.yaw.onset):
         pitch_only = 0.0
         if np.isfinite(pair.wind.pitch.onset):
             flat = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
-            pitch_only = two_plane_requirement(PlanePair(pair.plants, flat), stop, (K,), literal)[
-                0
-            ].limit
+            pitch_only = two_plane_requirement(
+                PlanePair(pair.plants, flat), limit_shape, (K,), literal
+            )[0].limit
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     return PlaneLimit(
         limit=requirement.limit / scale if requirement.y is None else requirement.y,

@@ -301,7 +301,7 @@ _FRAME_MARGIN = 0.06
 def plane_chart(
     plant: Plant,
     wind: PlaneWind,
-    stop: LimitShape | str = "round",
+    limit_shape: LimitShape | str = "round",
     dead_band: float = 1.0,
     yaw_plant: Plant | None = None,
 ) -> ControlPlot:
@@ -313,7 +313,7 @@ def plane_chart(
 
     Parameters
     ----------
-    plant, wind, stop, dead_band, yaw_plant
+    plant, wind, limit_shape, dead_band, yaw_plant
         Single ones, as in `plane_limit`; a limit shape may be given by name, as in `size`.
 
     Raises
@@ -321,7 +321,7 @@ def plane_chart(
     InputError
         In the same cases as `plane_limit`, and for batches.
     """
-    shape = limit_shape_of(stop)
+    shape = limit_shape_of(limit_shape)
     checked_batch(plant, wind, shape, yaw_plant)
     for name, plane_plant in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
         single(name, plane_plant.batch)
@@ -375,7 +375,7 @@ def study_planes_chart(study: Study) -> ControlPlot:
     if study.slanting is None or study.planes is None:
         raise InputError("study must be of a wind with a direction: give it a heading")
     pitch, yaw = (Plant.from_vehicle(study.vehicle, study.model, plane) for plane in PLANES)
-    return plane_chart(pitch, study.planes.wind, study.planes.stop, study.dead_band, yaw)
+    return plane_chart(pitch, study.planes.wind, study.planes.limit_shape, study.dead_band, yaw)
 
 
 def _styles() -> dict[str, Style]:

@@ -246,14 +246,16 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     """Return the requirement of a wind of one shape on a case; it raises as `Study.of`."""
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
-    stop = None if case.nozzle.limit_shape is None else limit_shape_of(case.nozzle.limit_shape)
+    limit_shape = (
+        None if case.nozzle.limit_shape is None else limit_shape_of(case.nozzle.limit_shape)
+    )
     in_plane, planes = case.wind_in_plane_at(K), None
     assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:
         vehicle = complete_vehicle(case.vehicle, "a wind with a direction")
         placed = replace(wind, gust_at=in_plane.gust_at)
-        planes = heading_requirement(vehicle, case.model, placed, stop, K)
-    elif stop is not None:
+        planes = heading_requirement(vehicle, case.model, placed, limit_shape, K)
+    elif limit_shape is not None:
         raise InputError(
             "a stop of both planes needs a wind with a direction: give where it blows from,"
             " and the azimuth of the flight"
@@ -323,7 +325,7 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     planes, required = need.planes, {}
     for name, by_plane in directions.items():
         pitch, yaw = (by_plane.get(plane, 0.0) for plane in PLANES)
-        required[name] = float(rectangle(planes.stop, pitch, yaw))
+        required[name] = float(rectangle(planes.limit_shape, pitch, yaw))
         if planes.governs is Reason.BOTH_PLANES:
             ratios = [
                 x / (size * float(planes.separate[plane])) for plane, x in by_plane.items() if x

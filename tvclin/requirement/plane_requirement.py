@@ -49,7 +49,7 @@ class VectorRequirement:
 
 
 def vector_requirements(
-    pitch: Plant, yaw: Plant, wind: PlaneWind, stop: LimitShape, dead_bands: FloatArray
+    pitch: Plant, yaw: Plant, wind: PlaneWind, limit_shape: LimitShape, dead_bands: FloatArray
 ) -> VectorRequirement:
     """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
@@ -57,14 +57,14 @@ def vector_requirements(
 
     pair = PlanePair((pitch, yaw), wind)
     try:
-        checked_batch(pitch, wind, stop, yaw)
-        limits = two_plane_requirement(pair, stop, dead_bands.tolist(), literal=True)
+        checked_batch(pitch, wind, limit_shape, yaw)
+        limits = two_plane_requirement(pair, limit_shape, dead_bands.tolist(), literal=True)
     except InputError as error:
         return VectorRequirement(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
-    if isinstance(stop, CircularShape):
+    if isinstance(limit_shape, CircularShape):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
     else:
-        trim = float(stop.gauge(pair.moment_driver(pair.times())).max())
+        trim = float(limit_shape.gauge(pair.moment_driver(pair.times())).max())
     return VectorRequirement(
         trim=trim,
         required=np.array([limit.limit for limit in limits]),
@@ -74,7 +74,7 @@ def vector_requirements(
     )
 
 
-def rectangle(stop: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
+def rectangle(limit_shape: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
     """Return the minimum limit whose shape contains -x to x in pitch and -y to y in yaw [rad].
 
     Infinite and NaN where one of the deflections is.
@@ -83,7 +83,7 @@ def rectangle(stop: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
     finite = (np.abs(x) < _MAX_FINITE_RAD) & (np.abs(y) < _MAX_FINITE_RAD)
     a, b = np.where(finite, x, 0.0), np.where(finite, y, 0.0)
     corners = np.stack([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b])
-    return np.where(finite, stop.gauge(corners).max(axis=0), x + y)
+    return np.where(finite, limit_shape.gauge(corners).max(axis=0), x + y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class TwoPlaneRequirement:
     of each plane by itself.
     """
 
-    stop: LimitShape
+    limit_shape: LimitShape
     wind: PlaneWind
     deflection: Any = field(metadata=spec("angle", name="required_deflection"))
     separate: dict[str, Any] = field(metadata=spec("angle"))
@@ -102,7 +102,7 @@ class TwoPlaneRequirement:
     @property
     def governs(self) -> Reason:
         """Reason of the larger requirement, one plane or the vector of both; for one wind."""
-        by_planes = rectangle(self.stop, self.separate["pitch"], self.separate["yaw"])
+        by_planes = rectangle(self.limit_shape, self.separate["pitch"], self.separate["yaw"])
         vector = self.deflection > by_planes * (1.0 + ROUNDING)
         return Reason.BOTH_PLANES if vector else Reason.ONE_PLANE
 
@@ -118,7 +118,7 @@ class TwoPlaneRequirement:
         The other plane is the same loop in the same wind, and its deflections have that ratio.
         """
         peaks = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
-        return float(rectangle(self.stop, peaks["pitch"], peaks["yaw"])) / peaks[plane]
+        return float(rectangle(self.limit_shape, peaks["pitch"], peaks["yaw"])) / peaks[plane]
 
     def omitted_fraction(self, plane: str) -> float:
         """Return the fraction of the requirement of both planes that one plane omits."""
@@ -126,22 +126,22 @@ class TwoPlaneRequirement:
 
 
 def two_plane_requirement(
-    plants: dict[str, Plant], wind: PlaneWind, stop: LimitShape, dead_band: float
+    plants: dict[str, Plant], wind: PlaneWind, limit_shape: LimitShape, dead_band: float
 ) -> TwoPlaneRequirement:
     """Return the requirement of both planes; `InputError` as `required_deflection`.
 
     Plants and winds broadcast; the vectors of a batch are solved case by case.
     """
     separate = separate_requirements(plants, wind, dead_band)
-    required = rectangle(stop, separate["pitch"], separate["yaw"])
+    required = rectangle(limit_shape, separate["pitch"], separate["yaw"])
     if all(_has_onset(getattr(wind, plane)) for plane in PLANES):
         vector = [
-            _vector(plants, wind, stop, dead_band, by_planes, case, required.shape)
+            _vector(plants, wind, limit_shape, dead_band, by_planes, case, required.shape)
             for case, by_planes in enumerate(required.ravel().tolist())
         ]
         required = np.reshape(vector, required.shape)
     return TwoPlaneRequirement(
-        stop, wind, plain(required), {k: plain(np.asarray(v)) for k, v in separate.items()}
+        limit_shape, wind, plain(required), {k: plain(np.asarray(v)) for k, v in separate.items()}
     )
 
 
@@ -166,7 +166,7 @@ def _has_onset(wind: History) -> bool:
 def _vector(
     plants: dict[str, Plant],
     wind: PlaneWind,
-    stop: LimitShape,
+    limit_shape: LimitShape,
     dead_band: float,
     by_planes: float,
     case: int,
@@ -179,8 +179,8 @@ def _vector(
     pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
     pair = PlanePair((pitch, yaw), wind.case(case, shape))
     try:
-        checked_batch(pitch, pair.wind, stop, yaw)
-        return vector_requirement(pair, stop, dead_band, by_planes)
+        checked_batch(pitch, pair.wind, limit_shape, yaw)
+        return vector_requirement(pair, limit_shape, dead_band, by_planes)
     except InputError:  # (4b) has no vector for them
         return by_planes
 
@@ -189,14 +189,14 @@ def heading_requirement(
     vehicle: Vehicle,
     model: str,
     wind: ShapedWind,
-    stop: LimitShape | None,
+    limit_shape: LimitShape | None,
     dead_band: float,
 ) -> TwoPlaneRequirement:
     """Return the requirement of both planes in a wind with a heading; the default stop is round."""
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
     plane_wind = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
-    return two_plane_requirement(plants, plane_wind, stop or CircularShape(), dead_band)
+    return two_plane_requirement(plants, plane_wind, limit_shape or CircularShape(), dead_band)
 
 
 def direction_notes(

@@ -259,7 +259,7 @@ class Study(CaseRequirement, Shown):
         gust: History | None = None,
         gust_at: float | None = None,
         heading: float | None = None,
-        stop: LimitShape | str | None = None,
+        limit_shape: LimitShape | str | None = None,
     ) -> Self:
         """Return the study of a vehicle in a wind, and the verdict on a limit.
 
@@ -283,7 +283,7 @@ class Study(CaseRequirement, Shown):
             Condition for the exit of the dead band, as in `of`.
         heading, gust, gust_at
             Direction, gust and time of the gust, as in `ShapedWind`.
-        stop
+        limit_shape
             Limit shape of both planes, as in `Nozzle`.
 
         Raises
@@ -303,7 +303,7 @@ class Study(CaseRequirement, Shown):
         """
         one_of("wind", wind, SHAPES)
         shaped_wind = ShapedWind(wind, peak, duration, heading, gust, gust_at)
-        nozzle, model = Nozzle(limit=limit, limit_shape=stop), "" if model is None else model
+        nozzle, model = Nozzle(limit=limit, limit_shape=limit_shape), "" if model is None else model
         options: Any = {"model": model, "plane": plane, "wind": shaped_wind, "nozzle": nozzle}
         return cls.of(Case(vehicle=vehicle, sign=sign, **options), dead_band, switch)
 
@@ -426,7 +426,7 @@ class Study(CaseRequirement, Shown):
             planes["planes"] = {
                 "heading_deg": np.degrees(slanting.heading or 0.0),
                 **document(self.planes),
-                "stop": repr(self.planes.stop),
+                "limit_shape": repr(self.planes.limit_shape),
                 "pitch_omitted_fraction": self.planes.omitted_fraction("pitch"),
                 "judged": self.judges_both_planes,
             }

@@ -23,14 +23,14 @@ SATURATE = ("radial", "each plane")
 class LawInPlanes:
     """Law for both planes, and the saturation of its demand.
 
-    `law`: one law. `stop`: limit shape of the nozzle. `saturate`: "radial" if the limited demand
+    `law`: one law. `limit_shape`: that of the nozzle. `saturate`: "radial" if the limited demand
     keeps its direction, "each plane" if each component is limited by the largest rectangle within
     the shape. `InputError` for another type than a law, a law that switches, has filters or noise,
     and unknown words.
     """
 
     law: Law
-    stop: LimitShape | str = "round"
+    limit_shape: LimitShape | str = "round"
     saturate: str = "radial"
 
     def __post_init__(self) -> None:
@@ -50,8 +50,8 @@ class LawInPlanes:
     @cached_property
     def shape(self) -> LimitShape:
         """Limit shape, of unit limit."""
-        stop = limit_shape_of(self.stop).inside
-        return stop if self.radial else stop.each_plane()
+        limit_shape = limit_shape_of(self.limit_shape).inside
+        return limit_shape if self.radial else limit_shape.each_plane()
 
     @cached_property
     def plane_limits(self) -> FloatArray:

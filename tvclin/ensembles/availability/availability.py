@@ -52,7 +52,7 @@ def availability(
     limit: float,
     azimuth: ArrayLike,
     plane: str = BOTH,
-    stop: str = "round",
+    limit_shape: str = "round",
     model: str = DEFAULT_MODEL,
     persistence: float | WindGrowth | PairGrowth | str | None = None,
     gust: History | None = None,
@@ -80,7 +80,7 @@ def availability(
         Direction of flight [rad], from north, clockwise; or several of them.
     plane : {"both", "pitch", "yaw"}
         Plane of the motion that counts.
-    stop : {"round", "square"}
+    limit_shape : {"round", "square"}
         Limit shape of both planes: with a round stop the requirement is the root of the sum of
         squares of both planes, though their peaks need not coincide; with a square stop the larger.
     model : str
@@ -159,7 +159,7 @@ def availability(
         plane=plane,
         model=model,
         azimuths=azimuths,
-        stop=one_of("stop", stop, STOPS),
+        limit_shape=one_of("limit_shape", limit_shape, STOPS),
         growth=growth if isinstance(growth, WindGrowth) else None,
         gust=gust,
         gust_speed=gust_speed,

@@ -96,7 +96,9 @@ class AvailabilityRequest:
             limit=case.nozzle.limit,
             azimuth=self.azimuth if azimuth is None else azimuth,
             plane=self.plane,
-            stop=one_of("limit_shape of availability", case.nozzle.limit_shape or "round", STOPS),
+            limit_shape=one_of(
+                "limit_shape of availability", case.nozzle.limit_shape or "round", STOPS
+            ),
             model=case.model,
             persistence=self.persistence,
             gust=getattr(case.wind, "gust", None),

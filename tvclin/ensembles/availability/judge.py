@@ -104,7 +104,7 @@ class Judge:
         Planes of the motion.
     azimuths : ndarray
         Directions of flight [rad], ``(a,)``.
-    stop : {"round", "square"}
+    limit_shape : {"round", "square"}
         Limit shape of both planes.
     known_to : float or None
         Height [m] to which each sounding must go.
@@ -120,7 +120,7 @@ class Judge:
     intervals: tuple[FlightInterval, ...]
     planes: tuple[str, ...]
     azimuths: FloatArray
-    stop: str
+    limit_shape: str
     known_to: float | None
     heights: FloatArray
     strength: dict[tuple[str, float], FloatArray]
@@ -306,7 +306,7 @@ class Judge:
         planes = np.zeros((len(self.planes), *(in_planes[0][1].shape if in_planes else shape)))
         for p, required in in_planes:
             np.maximum(planes[p], required, out=planes[p])
-        return planes.max(axis=0) if self.stop == "square" else np.hypot.reduce(planes)
+        return planes.max(axis=0) if self.limit_shape == "square" else np.hypot.reduce(planes)
 
     def _survive(self, marched: list[tuple[int, MarchedWinds]], limit: float) -> BoolArray:
         """Return whether flights through all winds survive with a limit [rad] and all above.
@@ -318,7 +318,7 @@ class Judge:
         for p, winds in marched:
             np.maximum(lower[p], winds.bounds.lower, out=lower[p])
         size, share = np.hypot.reduce(lower), np.ones(lower.shape)
-        if self.stop == "round":
+        if self.limit_shape == "round":
             share = np.divide(lower, size, out=share, where=size > 0.0)
         survives = np.ones(size.shape, dtype=bool)
         flown = []

@@ -174,8 +174,8 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the fractions of the limit by plane, ``(n,)``, in the ratio of the peak winds."""
     peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.plane_batches.items()}
-    stop = limit_shape_of(campaign.nozzle.limit_shape or "")
-    total = rectangle(stop, *(peaks.get(plane, 0.0) for plane in PLANES))
+    limit_shape = limit_shape_of(campaign.nozzle.limit_shape or "")
+    total = rectangle(limit_shape, *(peaks.get(plane, 0.0) for plane in PLANES))
     return {plane: peak / total for plane, peak in peaks.items()}
 
 
@@ -276,16 +276,16 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     if not batch.plane_batches:
         nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
         return {name: at_encountered(campaign.plane, np.abs(nominal))}
-    stop = limit_shape_of(campaign.nozzle.limit_shape or "")
-    nominal = two_plane_requirement(batch.plants, batch.vectors, stop, dead_band)
+    limit_shape = limit_shape_of(campaign.nozzle.limit_shape or "")
+    nominal = two_plane_requirement(batch.plants, batch.vectors, limit_shape, dead_band)
     separate = {
         plane: at_encountered(plane, np.abs(nominal.separate[plane]))
         for plane in batch.plane_batches
     }
-    combined = rectangle(stop, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
+    combined = rectangle(limit_shape, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = [np.nan_to_num(x / np.abs(nominal.separate[k])) for k, x in separate.items()]
-    vector = nominal.deflection > rectangle(stop, **nominal.separate) * (1.0 + ROUNDING)
+    vector = nominal.deflection > rectangle(limit_shape, **nominal.separate) * (1.0 + ROUNDING)
     combined = np.where(
         vector, np.maximum(combined, nominal.deflection * np.max(ratios, axis=0)), combined
     )
@@ -321,16 +321,18 @@ def _bound(
     """
     if not batch.plane_batches:
         return {name: scalar(batch.plant, batch.wind)}
-    stop, shape = limit_shape_of(campaign.nozzle.limit_shape or ""), (batch.count,)
+    limit_shape, shape = limit_shape_of(campaign.nozzle.limit_shape or ""), (batch.count,)
     bounds = dict.fromkeys(PLANES, 0.0)
     for plane, in_plane in batch.plane_batches.items():
         first = in_plane.first
         bounds[plane] = float(np.abs(scalar(first.plant, first.wind)))
-    largest = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    largest = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     bound = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
     if len(batch.plane_batches) > 1:
         pitch, yaw = (plant.case(0, shape) for plant in batch.plants.values())
-        needs = vector_requirements(pitch, yaw, batch.vectors.case(0, shape), stop, np.ones(1))
+        needs = vector_requirements(
+            pitch, yaw, batch.vectors.case(0, shape), limit_shape, np.ones(1)
+        )
         bound = max(bound, vector_bound(needs))
     return {name: bound} | {k: bounds[plane] for plane, k in plane_columns(name).items()}
 

@@ -83,7 +83,7 @@ class PlaneOutcomes:
 
 def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> PlaneOutcomes:
     """Return the outcomes of flights whose planes are stepped together until all are decided."""
-    m, order, stop = limit.size, len(law.law.states[0]), law.shape
+    m, order, limit_shape = limit.size, len(law.law.states[0]), law.shape
     outcomes = PlaneOutcomes(
         np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), []
     )
@@ -99,11 +99,11 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         x = _both(pair, lambda f: f.now.y[:, 0])[active]
         s = _both(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
         outcomes.attitude[active] = np.maximum(outcomes.attitude[active], np.abs(x))
-        outcomes.deflection[active] = np.maximum(outcomes.deflection[active], stop.gauge(s))
+        outcomes.deflection[active] = np.maximum(outcomes.deflection[active], limit_shape.gauge(s))
         if m == 1:
             outcomes.shown.append((complex(x[0]), complex(s[0])))
         if k % JUDGED_SAMPLES == 0 or k == last:
-            _decide(pair, stop, limit, outcomes, k, k == last)
+            _decide(pair, limit_shape, limit, outcomes, k, k == last)
             active = np.flatnonzero(outcomes.ended < 0)
             if not active.size:
                 break
@@ -125,7 +125,7 @@ def _both(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vector
 
 def _decide(
     pair: list[Flights],
-    stop: LimitShape,
+    limit_shape: LimitShape,
     limit: FloatArray,
     outcomes: PlaneOutcomes,
     k: int,
@@ -138,7 +138,7 @@ def _decide(
     if np.any(survived):
         z = [f.now.y @ f.vehicles.judges[0, 0] / f.vehicles.reach[0] for f in pair]
         with np.errstate(all="ignore"):
-            ratio = stop.gauge(np.where(survived, z[0] + 1j * z[1], 0.0))
+            ratio = limit_shape.gauge(np.where(survived, z[0] + 1j * z[1], 0.0))
         survived &= ratio < _MAX_OVER_RECOVERABLE * limit
     decided = (lost | survived | last) & (outcomes.ended < 0)
     outcomes.outcome[decided] = np.where(
@@ -213,7 +213,7 @@ def fly_planes(
     wind: PlaneWind,
     *,
     deflection_limit: ArrayLike,
-    stop: LimitShape | str = "round",
+    limit_shape: LimitShape | str = "round",
     saturate: str = "radial",
     rate_limit: float = np.inf,
     actuator: Actuator | None = None,
@@ -233,7 +233,7 @@ def fly_planes(
         One wind that ends.
     deflection_limit : array_like
         Limits [rad], positive, each a flight.
-    stop : LimitShape or str
+    limit_shape : LimitShape or str
         Limit shape of the nozzle, of unit limit; or its name, as in `size`.
     saturate : {"radial", "each plane"}
         Whether the limited demand keeps its direction, or each component is limited by the largest
@@ -272,7 +272,7 @@ def fly_planes(
     ['lost', 'survived']
     """
     planes = _plants(plant, yaw_plant)
-    both = LawInPlanes(law, stop, saturate)
+    both = LawInPlanes(law, limit_shape, saturate)
     _check(wind, actuator)
     rate = check_sample_rate(sample_rate, actuator)
     limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
@@ -299,7 +299,7 @@ def flown_plane_limit(
     law: Law,
     wind: PlaneWind,
     *,
-    stop: LimitShape | str = "round",
+    limit_shape: LimitShape | str = "round",
     saturate: str = "radial",
     sample_rate: float = 200.0,
     lowest: float = 0.02,
@@ -310,7 +310,7 @@ def flown_plane_limit(
 
     Parameters
     ----------
-    plant, law, wind, stop, saturate, sample_rate
+    plant, law, wind, limit_shape, saturate, sample_rate
         Same as in `fly_planes`.
     lowest, highest : float
         Range of the limits, over ``|B|`` times the largest wind vector.
@@ -338,7 +338,7 @@ def flown_plane_limit(
     (0.68, 0.63)
     """
     _plants(plant, None)
-    LawInPlanes(law, stop, saturate)
+    LawInPlanes(law, limit_shape, saturate)
     _check(wind, None)
     low, high = (number(n, v, positive) for n, v in (("lowest", lowest), ("highest", highest)))
     if low >= high:
@@ -346,7 +346,12 @@ def flown_plane_limit(
     scale = abs(float(np.asarray(plant.coefficients.B))) * float(wind.peak)
 
     def status(limits: FloatArray) -> NDArray[np.str_]:
-        options = {"stop": stop, "saturate": saturate, "sample_rate": sample_rate, **flight}
+        options = {
+            "limit_shape": limit_shape,
+            "saturate": saturate,
+            "sample_rate": sample_rate,
+            **flight,
+        }
         return fly_planes(plant, law, wind, deflection_limit=limits * scale, **options).status
 
     limit = limit_above_losses(status, np.linspace(low, high, STEPS + 1))

@@ -283,13 +283,13 @@ def planes_verdict(
     frozen: bool = True,
     drift: bool = True,
     step: float = 0.01,
-    stop: LimitShape | str = "round",
+    limit_shape: LimitShape | str = "round",
     saturate: str = "radial",
 ) -> Callable[[float], bool]:
     """Return the function from a deflection limit [rad] to whether its flight survives.
 
     `vehicle`, `drift`, `step`: same as in `fly_sixdof`; parameters are frozen over a flat planet.
-    `wind`: one wind that ends, from t = 0 on. `control`, `stop`, `saturate`: same as in
+    `wind`: one wind that ends, from t = 0 on. `control`, `limit_shape`, `saturate`: same as in
     `fly_planes`. `InputError` for another type than a law, parameters that are not frozen, and in
     the same cases as `fly_sixdof` and `fly_planes`.
     """
@@ -300,7 +300,7 @@ def planes_verdict(
     _check_sensors(control)
     if not frozen:
         raise InputError("both planes are flown with frozen parameters; leave frozen=True")
-    law = LawInPlanes(control, stop, saturate)
+    law = LawInPlanes(control, limit_shape, saturate)
     cases = {plane: SixDof(vehicle, plane, drift, step) for plane in PLANES}
     pole = float(cases["yaw"].coefficients.pole)
     begin, until = min(0.0, float(wind.onset)), verdict_time(wind, pole)

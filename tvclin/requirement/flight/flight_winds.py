@@ -250,7 +250,7 @@ def concurrent_trim(
     winds: Mapping[str, WindOf],
     placing: Mapping[str, str],
     planes: tuple[str, ...],
-    stop: LimitShape,
+    limit_shape: LimitShape,
     known: BoolArray,
 ) -> ConcurrentTrim:
     """Return the concurrent trim [rad] of winds at flight times [s], ``(n, m)``.
@@ -272,7 +272,7 @@ def concurrent_trim(
             steep = not known[i, j] and first <= times[i] <= last
             if low <= high and not steep:
                 vehicle = schedule.at(float(times[i]))
-                largest[i, j] = _largest(schedule, wind, vehicle, planes, stop, (low, high))
+                largest[i, j] = _largest(schedule, wind, vehicle, planes, limit_shape, (low, high))
     return ConcurrentTrim(largest[..., 0], largest[..., 1])
 
 
@@ -281,7 +281,7 @@ def _largest(
     wind: WindOf,
     vehicle: Vehicle,
     planes: tuple[str, ...],
-    stop: LimitShape,
+    limit_shape: LimitShape,
     interval: tuple[float, float],
 ) -> tuple[float, float]:
     """Return the largest trim [rad] of an interval of the flight, and its time [s]."""
@@ -300,7 +300,9 @@ def _largest(
         slopes[plane] * (0.0 if component is None else component(t)) + np.zeros(t.shape)
         for plane, component in components.items()
     ]
-    trim = np.abs(moments[0]) if len(moments) == 1 else stop.gauge(moments[0] + 1j * moments[1])
+    trim = (
+        np.abs(moments[0]) if len(moments) == 1 else limit_shape.gauge(moments[0] + 1j * moments[1])
+    )
     trim = trim + np.max([np.abs(component) for component in slopes.values()], axis=0) * _gust(
         wind, vehicle
     )

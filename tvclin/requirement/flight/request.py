@@ -403,7 +403,7 @@ class SizingRequest:
             plane=case.planes,
             law=self.law,
             varying=self.varying,
-            stop=case.nozzle.limit_shape or "round",
+            limit_shape=case.nozzle.limit_shape or "round",
             progress=progress,
         )
         if self.soundings and any(requirement.varying for requirement in result.required):

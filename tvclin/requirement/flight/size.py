@@ -58,7 +58,7 @@ def two_plane_sizing(
     parts: dict[str, Sizing],
     vehicles: list[Vehicle],
     placed: list[list[dict[str, PlacedWind]]],
-    stop: LimitShape,
+    limit_shape: LimitShape,
     counted: Callable[[Any], Any],
 ) -> Sizing:
     """Return the sizing of both planes from the sizing of each plane, without notes.
@@ -71,13 +71,13 @@ def two_plane_sizing(
     bands = pitch.dead_bands
     needs = [
         [
-            counted(_vector(vehicle, pitch.model, wind, bool(beyond[i, j]), stop, bands))
+            counted(_vector(vehicle, pitch.model, wind, bool(beyond[i, j]), limit_shape, bands))
             for j, wind in enumerate(row)
         ]
         for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
     ]
     arises = {name: _two_plane_arising(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
-    required, more = _required(pitch, yaw, needs, stop, arises)
+    required, more = _required(pitch, yaw, needs, limit_shape, arises)
     refused = [[bool(vector.notes) and not vector.trim for vector in row] for row in needs]
     vector_notes = [
         vector for i, j in np.argwhere(more | np.array(refused)) for vector in needs[i][j].notes
@@ -99,7 +99,7 @@ def two_plane_sizing(
         notes=(),
         separate=parts,
         arises=arises,
-        stop=stop,
+        limit_shape=limit_shape,
     )
 
 
@@ -118,7 +118,7 @@ def _required(
     pitch: Sizing,
     yaw: Sizing,
     needs: list[list[VectorRequirement]],
-    stop: LimitShape,
+    limit_shape: LimitShape,
     arises: dict[Requirement, FloatArray],
 ) -> tuple[dict[Requirement, FloatArray], BoolArray]:
     """Return the requirements [rad] of both planes, and whether the wind vector requires more.
@@ -127,8 +127,10 @@ def _required(
     bands the corner of both; the requirement of the wind vector counts if it is larger.
     """
     defined = [name for name in pitch.required if name in yaw.required]
-    corners = {name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in defined}
-    supports = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    corners = {
+        name: rectangle(limit_shape, pitch.required[name], yaw.required[name]) for name in defined
+    }
+    supports = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     larger = {  # a stop reaches no further in a plane than its support
         name: np.maximum(pitch.required[name] / supports[0], yaw.required[name] / supports[1])
         for name in defined
@@ -163,7 +165,7 @@ def _vector(
     model: str,
     wind: dict[str, PlacedWind],
     beyond: bool,
-    stop: LimitShape,
+    limit_shape: LimitShape,
     bands: FloatArray,
 ) -> VectorRequirement:
     """Return the requirements of the wind vector; zeros where a plane is without wind."""
@@ -172,11 +174,11 @@ def _vector(
         return VectorRequirement(0.0, nothing, 0.0, 0.0, ())
     pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
     vector = PlaneWind(**{plane: placed.history for plane, placed in wind.items()})
-    requirement = vector_requirements(pitch, yaw, vector, stop, bands)
+    requirement = vector_requirements(pitch, yaw, vector, limit_shape, bands)
     if not (beyond and model in ONE_POLE):
         return requirement
     pitch, yaw = (Plant.from_vehicle(vehicle, "drift-exact", plane) for plane in PLANES)
-    exact = vector_requirements(pitch, yaw, vector, stop, bands)
+    exact = vector_requirements(pitch, yaw, vector, limit_shape, bands)
     required = np.maximum(requirement.required, exact.minimum)
     return VectorRequirement(
         requirement.trim, required, requirement.no_forecast, exact.minimum, requirement.notes
@@ -205,7 +207,7 @@ def size(
     window: float = 20.0,
     law: str = "bound",
     varying: bool | None = None,
-    stop: LimitShape | str = "round",
+    limit_shape: LimitShape | str = "round",
     progress: Callable[[int, int], None] | None = None,
 ) -> Sizing:
     """Return the required deflection [rad] of each wind at each flight time.
@@ -242,7 +244,7 @@ def size(
     varying : bool, optional
         Whether to compute requirements with parameters that vary during the wind as well; by
         default where that is possible.
-    stop : LimitShape or str
+    limit_shape : LimitShape or str
         Limit shape of both planes, or its name: "round", "round-each-plane" (within it each plane
         is limited separately), "square", "square-45" (turned by 45 degrees).
     progress : callable, optional
@@ -281,7 +283,7 @@ def size(
         flag("varying", varying)
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
-    shape = limit_shape_of(stop)
+    shape = limit_shape_of(limit_shape)
     chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
     bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
     if chosen.ndim != 1 or not chosen.size or not bands.size:

@@ -92,7 +92,7 @@ class Sizing(Tabled):
     unsigned : ndarray of bool, or None
         Whether the effect of the sign of a pulse is not known, so that both signs have the nominal
         requirement, ``(n, m)``; None where no signs were computed.
-    stop : LimitShape or None
+    limit_shape : LimitShape or None
         For both planes, the limit shape; deflections are in its measure.
     arises : dict of Requirement to ndarray
         Flight time [s] at which a requirement with varying parameters arises, ``(m,)``, for winds
@@ -122,7 +122,7 @@ class Sizing(Tabled):
     said: tuple[str, ...]
     notes: tuple[str, ...]
     separate: Mapping[str, Sizing] = field(default_factory=dict)
-    stop: LimitShape | None = None
+    limit_shape: LimitShape | None = None
     unsigned: BoolArray | None = None
     arises: Mapping[Requirement, FloatArray] = field(
         default_factory=dict, metadata=spec("time", card=False, document=False)
@@ -147,7 +147,7 @@ class Sizing(Tabled):
         planes: dict[str, Any] = {}
         if self.separate:
             planes = {
-                "stop": repr(self.stop),
+                "limit_shape": repr(self.limit_shape),
                 "separate_deg": {
                     plane: document(sizing, "required")["required_deg"]
                     for plane, sizing in self.separate.items()
