@@ -107,7 +107,7 @@ def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, word
 def test_the_card_is_of_the_flight() -> None:
     """Its peaks are those of `fly_many`, its travel the integral of the rate."""
     options = ("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot", "--json")
-    card = json.loads(run(*options).stdout)["flown"][0]["card"]
+    card = json.loads(run(*options).stdout)["flown"][0]["duty"]
     case = tv.Case(vehicle=tv.load_vehicle("configuration-i"))
     law = tv.control.design_law("autopilot", case.plant, float(case.history.peak))
     limits = {"deflection_limit": np.radians(2.0), "rate_limit": np.radians(5.0)}
@@ -162,7 +162,7 @@ def study_file(folder: Path, hinge: str = HINGE) -> str:
 
 def test_the_torque_of_a_flight_is_that_of_its_motion_and_the_hinge_of_the_file(tmp_path) -> None:
     result = run(study_file(tmp_path), "--law", "trim", "--json")
-    work = json.loads(result.stdout)["flown"][0]["card"]["work"]
+    work = json.loads(result.stdout)["flown"][0]["duty"]["work"]
     plan = tv.load_study(tmp_path / "my.toml")
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
     hinge = {"stiffness": np.degrees(15200.0), "damping": np.degrees(174.0), "friction": 2000.0}
@@ -170,7 +170,7 @@ def test_the_torque_of_a_flight_is_that_of_its_motion_and_the_hinge_of_the_file(
     assert vars(plan.nozzle.data) == pytest.approx(vars(nozzle))
 
     law = tv.control.design_law("trim", plan.plant, float(plan.history.peak))
-    expected = FlownDuty.of(plan, "trim", law).card.work.as_dict()
+    expected = FlownDuty.of(plan, "trim", law).duty.work.as_dict()
     assert work == pytest.approx(expected)
 
 

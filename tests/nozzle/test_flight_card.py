@@ -47,17 +47,17 @@ def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
     for one in card.points:
         case = tv.Case(vehicle=SCHEDULE.at(one.time), nozzle=NOZZLE)
         law = tv.control.design_law("trim", case.plant, float(case.history.peak))
-        alone = FlownDuty.of(case, "trim", law).card
+        alone = FlownDuty.of(case, "trim", law).duty
         least = tv.optimum_deflection(case.plant, case.history, 0.0).peak
         pole = float(np.real(tv.unstable_modes(case.plant).poles[0]))
         assert one.minimum == pytest.approx(least, rel=1e-9)
         assert one.minimum_rate == pytest.approx(pole * least, rel=1e-9)
         assert one.minimum_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
         # the same flight but for its time, and the time of rest before it
-        assert one.card.travel == pytest.approx(alone.travel, rel=1e-6)
-        assert one.card.work.energy == pytest.approx(alone.work.energy, rel=1e-4)
-        assert abs(one.card.rate.value) == pytest.approx(abs(alone.rate.value), rel=1e-6)
-    assert card.duties[0].travel == max(one.card.travel for one in card.points)
+        assert one.duty.travel == pytest.approx(alone.travel, rel=1e-6)
+        assert one.duty.work.energy == pytest.approx(alone.work.energy, rel=1e-4)
+        assert abs(one.duty.rate.value) == pytest.approx(abs(alone.rate.value), rel=1e-6)
+    assert card.duties[0].travel == max(one.duty.travel for one in card.points)
 
 
 def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_of_calm_air():
@@ -65,7 +65,7 @@ def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_o
     calm = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0]
     head, tail = card.points
     assert tail.minimum == calm.minimum
-    assert abs(tail.card.angle.value) == pytest.approx(abs(calm.card.angle.value), rel=1e-9)
+    assert abs(tail.duty.angle.value) == pytest.approx(abs(calm.duty.angle.value), rel=1e-9)
     vehicle = SCHEDULE.at(60.0)
     angle = np.radians(-5.0)  # tan of the angle of the air: the law of sines, backwards
     w = vehicle.velocity * np.sin(angle) / np.sin(vehicle.attitude + angle)
@@ -136,9 +136,9 @@ def test_a_measured_wind_is_counted_once_over_the_flight():
 def test_noise_makes_travel_as_its_rms_rate_says():
     """Of a rate that is normal the mean size is sqrt(2/pi) of its rms; in 15 s within 4 percent."""
     noise = np.radians(0.05)
-    quiet = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0].card
+    quiet = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0].duty
     card = tv.nozzle.flight_duty(plan(), asked(stop=60.0, rate_noise=noise, noise_seed=3))
-    loud = card.points[0].card
+    loud = card.points[0].duty
     span = 7.5 + 15.0 / float(tv.Plant.from_vehicle(SCHEDULE.at(60.0)).coefficients.pole)
     assert loud.travel > 5.0 * quiet.travel
     assert loud.travel == pytest.approx(span * np.sqrt(2.0 / np.pi) * loud.rms_rate, rel=0.04)
@@ -235,7 +235,7 @@ def test_both_planes_have_their_part_of_the_stop():
     pitch, yaw = card.points
     assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)
     assert {pitch.plane, yaw.plane} == {"pitch", "yaw"}
-    turned = np.hypot(abs(pitch.card.angle.value), abs(yaw.card.angle.value))
+    turned = np.hypot(abs(pitch.duty.angle.value), abs(yaw.duty.angle.value))
     limit = next(one for one in card.verdict.lines if one.name == "limit")
     assert np.degrees(turned) == pytest.approx(limit.required, rel=0.05)  # both peak together
 
@@ -319,7 +319,7 @@ stiffness_N_m_per_deg = 15200
 from_s = 66
 to_s = 66
 varying = false
-card = "trim"
+duty_law = "trim"
 """
 
 

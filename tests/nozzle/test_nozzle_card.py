@@ -188,7 +188,7 @@ def test_the_card_of_a_flight_is_that_of_an_integration_by_small_steps(rate):
     v = tv.load_vehicle("configuration-i")
     case = tv.Case(vehicle=v, nozzle=nozzle)
     law = tv.control.design_law("trim", case.plant, float(case.history.peak))
-    card = FlownDuty.of(case, "trim", law).card
+    card = FlownDuty.of(case, "trim", law).duty
     t, delta, turns, bend, alpha, swing = by_small_steps(case, law)
     h = t[1]
 
@@ -290,7 +290,7 @@ def test_between_slow_samples_the_card_follows_a_quick_actuator():
         design=tv.AutopilotDesign(attitude_gain=0.3, rate_gain=0.3, sample_rate=12.5),
     )
     law = specified_law(case, "autopilot", np.inf)
-    card = FlownDuty.of(case, "autopilot", law).card
+    card = FlownDuty.of(case, "autopilot", law).duty
     gains = np.array([0.3, 0.3])
     t, delta, turns, bend, alpha, swing = between_samples(case, gains, 12.5)
     a_x = (v.thrust - v.axial_force) / v.mass

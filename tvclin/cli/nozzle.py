@@ -292,7 +292,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     assert request is not None
     if len(names) > 1:
         raise InputError(f"--law may be given once with --over flight; got {len(names)}")
-    law = names[0] if names else request.card or "trim"
+    law = names[0] if names else request.duty_law or "trim"
     if law != AUTOPILOT:
         FlownLaw().only_with_autopilot(source)
         note_left_out(case, f"{_QUESTION} without the law {AUTOPILOT}")

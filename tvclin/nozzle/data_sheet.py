@@ -46,7 +46,7 @@ class DutyPoint(Shown):
     limit of this plane [rad]. `minimum`: minimum angle [rad] at any rate in a
     known wind. `pole`: the fast unstable pole [1/s]; zero without an unstable pole, NaN for a
     complex pair. `status`: outcome of the flight, see `fly_many`; empty where nothing is flown.
-    `reason`: the reason where the flight cannot be judged. `card`: duty in the flight; None where
+    `reason`: the reason where the flight cannot be judged. `duty`: that of the flight; None where
     it is lost or cannot be judged. `law_notes`: notes on the design of the law. `without_noise`:
     travel [rad] and energy [J] of the flight without the share of noise. `noise_rate`: travel and
     energy of noise per time [rad/s, W]. `direction`: head or tail, for a pulse whose dynamic
@@ -61,7 +61,7 @@ class DutyPoint(Shown):
     pole: float = 0.0
     status: str = field(default="", metadata=spec())
     reason: str = field(default="", metadata=spec())
-    card: NozzleDuty | None = None
+    duty: NozzleDuty | None = None
     law_notes: tuple[str, ...] = ()
     without_noise: FloatArray = field(default_factory=lambda: np.zeros(2))
     noise_rate: FloatArray = field(default_factory=lambda: np.zeros(2))
@@ -88,9 +88,9 @@ class DutyPoint(Shown):
     def numbers(self) -> dict[str, float]:
         """All numbers by keys with their units."""
         numbers = document(self, *_MINIMA)
-        if self.card is not None:
-            numbers |= document(self.card, *_DUTY)
-            numbers |= {} if self.card.work is None else document(self.card.work, *_WORK)
+        if self.duty is not None:
+            numbers |= document(self.duty, *_DUTY)
+            numbers |= {} if self.duty.work is None else document(self.duty.work, *_WORK)
         return {key: abs(float(value)) for key, value in numbers.items()}
 
     def as_dict(self) -> dict[str, Any]:
@@ -194,7 +194,7 @@ class FlightDuty(Shown):
 
         rows: list[tuple[Line, ...]] = []
         for key, point in self._worst().items():
-            value = _FIELDS[key].cell(f"card.{key}", point.numbers[key])
+            value = _FIELDS[key].cell(f"duty.{key}", point.numbers[key])
             label = _FIELDS[key].heading
             rows.append(((label,), value, (f"{point.time:.6g}",), where(point)))
         for key in ("travel_deg", "energy_J"):
@@ -202,7 +202,7 @@ class FlightDuty(Shown):
             if np.isfinite(sums).any():
                 worst = self.duties[k := int(np.nanargmax(sums))]
                 item = _FIELDS[key]
-                value = item.cell(f"card.whole.{key}", sums[k])
+                value = item.cell(f"duty.whole.{key}", sums[k])
                 label = f"{item.title} of the whole flight [{item.unit}]"
                 rows.append(((label,), value, ("",), where(worst)))
         head = ("", "largest", "at [s]", "in the wind")
@@ -225,7 +225,7 @@ class FlightDuty(Shown):
                     key: float(np.fmax.reduce([row.get(key, np.nan) for row in numbers]))
                     for key in available
                 }
-                cells = (_FIELDS[k].cell(f"card.{time:g}.{k}", largest[k]) for k in available)
+                cells = (_FIELDS[k].cell(f"duty.{time:g}.{k}", largest[k]) for k in available)
                 rows.append(((f"{time:.6g}",), *cells))
             heads = [_FIELDS[key].heading for key in available]
             yield Table(caption, ("time [s]", *heads), tuple(rows))

@@ -108,13 +108,13 @@ class NozzleDuty(Shown):
         """Return the table of the duty, names and values."""
         peaks = {"angle": self.angle, "rate": self.rate, "acceleration": self.acceleration}
         shown = [
-            (name, (*line, " at ", *figure(f"card.{name}_s", peaks[name].time, 2), " s"))
-            for name, line in rows(self, "card", *peaks)
+            (name, (*line, " at ", *figure(f"duty.{name}_s", peaks[name].time, 2), " s"))
+            for name, line in rows(self, "duty", *peaks)
         ]
         names = ("rms_rate", "steady_rate", "window", "travel", "reversals", "time_at_stop")
-        shown += rows(self, "card", *names)
+        shown += rows(self, "duty", *names)
         if self.work is not None:
-            shown += rows(self.work, "card", *_WORK)
+            shown += rows(self.work, "duty", *_WORK)
         return (quantities("Duty of the nozzle in the motion", shown),)
 
 
@@ -172,8 +172,8 @@ def nozzle_duty(
     --------
     >>> import numpy as np, tvclin as tv
     >>> times = np.linspace(0.0, 1.0, 2001)
-    >>> card = tv.nozzle.nozzle_duty(times, np.radians(1.0) * np.sin(2 * np.pi * 3 * times))
-    >>> round(float(np.degrees(card.rate.value)), 2), round(float(np.degrees(card.travel)), 2)
+    >>> duty = tv.nozzle.nozzle_duty(times, np.radians(1.0) * np.sin(2 * np.pi * 3 * times))
+    >>> round(float(np.degrees(duty.rate.value)), 2), round(float(np.degrees(duty.travel)), 2)
     (18.85, 12.0)
     """
     t = times_row("times", times)
@@ -196,8 +196,8 @@ def nozzle_duty(
     zero = np.zeros(t.size)
     alpha = zero if angle_of_attack is None else _row("angle_of_attack", angle_of_attack, t)
     theta = zero if attitude is None else _row("attitude", attitude, t)
-    card = duty_of_motion(Motion.of_samples(t, delta, alpha, theta), limit, window, nozzle, vehicle)
-    return card if nozzle is None else replace(card, notes=(*notes, *card.notes))
+    duty = duty_of_motion(Motion.of_samples(t, delta, alpha, theta), limit, window, nozzle, vehicle)
+    return duty if nozzle is None else replace(duty, notes=(*notes, *duty.notes))
 
 
 def duty_of_motion(
@@ -258,21 +258,21 @@ _RELATIVE_TOLERANCE = 1e-12
 
 
 def requirements_on_nozzle(
-    nozzle: Nozzle, cards: Sequence[NozzleDuty], travel: float
+    nozzle: Nozzle, duties: Sequence[NozzleDuty], travel: float
 ) -> dict[str, float]:
     """Return the requirements of motions on a nozzle [SI], by the fields of `SHEET`.
 
     `travel`: travel of the whole flight [rad]. Flights keep to the rate limit, which an actuator of
     second order may exceed by a thousandth.
     """
-    rate = max((abs(card.rate.value) for card in cards), default=0.0)
+    rate = max((abs(duty.rate.value) for duty in duties), default=0.0)
     required = {
-        "limit": max((abs(card.angle.value) for card in cards), default=0.0),
+        "limit": max((abs(duty.angle.value) for duty in duties), default=0.0),
         "rate_limit": min(rate, nozzle.rate_limit or np.inf),
-        "acceleration_limit": max((abs(card.acceleration.value) for card in cards), default=0.0),
+        "acceleration_limit": max((abs(duty.acceleration.value) for duty in duties), default=0.0),
         "travel_limit": travel,
     }
-    work = [card.work for card in cards if card.work is not None]
+    work = [duty.work for duty in duties if duty.work is not None]
     if nozzle.data is not None:
         holding = (w.holding + nozzle.data.friction for w in work)
         required["torque_limit"] = max([0.0, *holding, *(abs(w.torque.value) for w in work)])

@@ -71,14 +71,14 @@ from tvclin.winds.wind_angles import FROZEN, SIGNS, beyond_linear, pressure_rati
 class FlownDuty(Shown):
     """Duty of a nozzle in the flight of a law, and the verdict on its data sheet.
 
-    `status`: outcome of the flight; see `fly_many`. `card`: the duty until 15 time constants of the
+    `status`: outcome of the flight; see `fly_many`. `duty`: the duty until 15 time constants of the
     fast mode after the wind; None for a flight that does not survive, and in a wind beyond linear
     aerodynamics. `notes`: on the design of the law, and on omitted terms.
     """
 
     law: str = field(metadata=spec())
     status: str = field(metadata=spec())
-    card: NozzleDuty | None = field(metadata=spec())
+    duty: NozzleDuty | None = field(metadata=spec())
     notes: tuple[str, ...]
     verdict: NozzleVerdict = field(metadata=spec())
 
@@ -92,18 +92,18 @@ class FlownDuty(Shown):
         if beyond := beyond_linear(float(case.history.peak)):
             return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
-        notes, cards, diverged = tuple(design_notes(law)), [], []
+        notes, duties, diverged = tuple(design_notes(law)), [], []
         reason = flight_reason(case.plant, flight.status)
         if flight.times.size and not reason:
-            cards = [duty_of_motion(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
-            notes = (*notes, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
+            duties = [duty_of_motion(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
+            notes = (*notes, *duties[0].notes, *actuator_notes(case.nozzle.actuator))
         if flight.status != SURVIVED and not reason:
             diverged = [f"{name} {OUTCOME_WORDS[flight.status]}"]
-        travel = cards[0].travel if cards else np.nan
+        travel = duties[0].travel if duties else np.nan
         unknown = [f"the flight of {name}: {reason}"] if reason else []
-        required = requirements_on_nozzle(case.nozzle, cards, travel) if cards or diverged else {}
+        required = requirements_on_nozzle(case.nozzle, duties, travel) if duties or diverged else {}
         verdict = NozzleVerdict.of(case.nozzle, required, diverged, unknown)
-        return cls(name, flight.status, cards[0] if cards else None, notes, verdict)
+        return cls(name, flight.status, duties[0] if duties else None, notes, verdict)
 
     @property
     def survived(self) -> bool:
@@ -117,7 +117,7 @@ class FlownDuty(Shown):
 
     def tables(self) -> tuple[Table, ...]:
         """Return the tables of duty and data sheet; empty for a flight that does not survive."""
-        return () if self.card is None else (*self.card.tables(), *self.verdict.tables())
+        return () if self.duty is None else (*self.duty.tables(), *self.verdict.tables())
 
 
 def actuator_notes(actuator: Actuator | None) -> Iterator[str]:
@@ -174,8 +174,8 @@ def flight_duty(
     >>> plan = tv.studyfile.load_sizing("configuration-i")
     >>> case = tv.Case(vehicle=plan.vehicle, nozzle=tv.Nozzle(limit=np.radians(1.0)))
     >>> request = tv.requirement.SizingRequest(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
-    >>> card = tv.nozzle.flight_duty(case, request)
-    >>> card.verdict.satisfied, round(card.largest["rate_deg_per_s"], 1)
+    >>> duty = tv.nozzle.flight_duty(case, request)
+    >>> duty.verdict.satisfied, round(duty.largest["rate_deg_per_s"], 1)
     (True, 0.3)
     """
     instance("request", request, SizingRequest, "see load_sizing")
@@ -351,7 +351,7 @@ class _Conditions:
             return replace(point, status=flight.status)
         data = nozzle.data
         options = (point.limit, request.steady_window, data, vehicle if data else None)
-        card, noise_rate, end = duty_of_motion(motion, *options), np.zeros(2), float(wind.end)
+        duty, noise_rate, end = duty_of_motion(motion, *options), np.zeros(2), float(wind.end)
         noisy = (
             complete.between(end + _NOISE_START / pole, end + _NOISE_END / pole)
             if request.rate_noise
@@ -362,11 +362,11 @@ class _Conditions:
                 noisy.times[-1] - noisy.times[0]
             )
         span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
-        without_noise = _spent(card) - noise_rate * span
+        without_noise = _spent(duty) - noise_rate * span
         return replace(
             point,
             status=flight.status,
-            card=card,
+            duty=duty,
             law_notes=notes,
             without_noise=without_noise,
             noise_rate=noise_rate,
@@ -379,9 +379,9 @@ def _largest(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> flo
     return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
 
 
-def _spent(card: NozzleDuty) -> FloatArray:
+def _spent(duty: NozzleDuty) -> FloatArray:
     """Return travel [rad] and energy [J], ``(2,)``; the energy is NaN without nozzle data."""
-    return np.array([card.travel, np.nan if card.work is None else card.work.energy])
+    return np.array([duty.travel, np.nan if duty.work is None else duty.work.energy])
 
 
 def _duties(
@@ -394,7 +394,7 @@ def _duties(
     for wind, plane in dict.fromkeys((point.wind, point.plane) for point in points):
         flown = [point for point in points if (point.wind, point.plane) == (wind, plane)]
         spent = np.array(
-            [point.without_noise for point in flown if point.card is not None]
+            [point.without_noise for point in flown if point.duty is not None]
         ).reshape(-1, 2)
         if any(point.diverged or point.reason for point in flown):
             spent = np.full((1, 2), np.nan)
@@ -424,12 +424,12 @@ def _verdict(
         np.array([getattr(point, name) for point in points])
         for name in ("minimum", "pole", "limit")
     )
-    flown = [point.card for point in points if point.card is not None]
+    flown = [point.duty for point in points if point.duty is not None]
     with np.errstate(invalid="ignore"):
         ramped = ramped_deflection(minimum, np.maximum(pole, 1e-9), max_rate)
         theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
         rates = np.nan_to_num(ramp_rate(minimum, pole, limit), nan=0.0, posinf=np.inf)
-    angles = np.array([abs(x.card.angle.value) if x.card else 0.0 for x in points])
+    angles = np.array([abs(x.duty.angle.value) if x.duty else 0.0 for x in points])
     required = requirements_on_nozzle(
         nozzle, flown, float(np.max([duty.travel for duty in duties], initial=0.0))
     )
@@ -472,7 +472,7 @@ def _notes(
         yield f"over the flight a pulse occurs once, at the worst flight time{noise}"
     if conditions.case.planes == BOTH:
         yield "each plane is flown separately, with the limit divided in proportion to trim"
-    yield from dict.fromkeys(chain.from_iterable(x.card.notes for x in points if x.card))
+    yield from dict.fromkeys(chain.from_iterable(x.duty.notes for x in points if x.duty))
     noted = [point for point in points if point.law_notes]
     if noted:
         others = f", and alike at {len(noted) - 1} others" if len(noted) > 1 else ""

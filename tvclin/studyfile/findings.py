@@ -51,7 +51,7 @@ Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 Flying: TypeAlias = "FlexibleAnswer | TrimComparison"
 """Results with a plant and an autopilot."""
 _UNSEALED_IF_NONE = (
-    *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
+    *("availability", "gust_at", "sign", "gust_speed", "data", "duty"),
     *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load", "turbulence"),
     *("schedule", "scheduled_design"),
 )
@@ -81,7 +81,7 @@ class Findings:
     margins; `flexible` the autopilot and margins of a flexible vehicle. `stop` is the minimum limit
     with which the autopilot, flown with it as a stop, survives the wind, `flown` the margins with
     the limit in that wind. `flight` is the sizing of the whole flight, and its worst total;
-    `card` the nozzle duty of a law along it. `availability` is the fraction of the days of an
+    `duty` the nozzle duty of a law along it. `availability` is the fraction of the days of an
     archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
     limit and load; `turbulence` the autopilot in the wind and turbulence. `head` has `stop`,
     `rates` and `turbulence` in a head wind, where that sets the requirement. `reasons` says why a
@@ -97,7 +97,7 @@ class Findings:
     flown: FlownMargins | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
-    card: FlightDuty | None
+    duty: FlightDuty | None
     availability: Availability | None
     rates: RateTradeOff | None
     loads: LoadTradeOff | None
@@ -226,7 +226,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             flown=flying and result("flown", lambda limit, _: _flown(plan, study, flying, limit)),
             dispersed=result("dispersed", lambda request, _: _dispersed(plan, study, request)),
             flight=result("flight", partial(_flight, plan)),
-            card=result("card", partial(_card, plan)),
+            duty=result("duty", partial(_duty, plan)),
             availability=result(
                 "availability", lambda request, progress: request.availability(plan, progress)
             ),
@@ -254,7 +254,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         "flown": loop and plan.nozzle.limit,
         "dispersed": plan.dispersions,
         "flight": plan.sizing,
-        "card": plan.sizing if plan.sizing and plan.sizing.card else None,
+        "duty": plan.sizing if plan.sizing and plan.sizing.duty_law else None,
         "availability": plan.availability,
         "rates": plan.nozzle.rate_limit and plan.nozzle.limit,
         "loads": plan.load,
@@ -390,10 +390,10 @@ def _flight(
     return sizing, request.total(plan, sizing)
 
 
-def _card(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:
+def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:
     from tvclin.nozzle.duty_over_flight import flight_duty
 
-    return flight_duty(plan, request, str(request.card), progress=progress)
+    return flight_duty(plan, request, str(request.duty_law), progress=progress)
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:

@@ -157,7 +157,7 @@ _IN_THE_WIND = (
 
 def loop_notes(findings: Findings) -> Iterator[str]:
     """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
-    if findings.margins is None and findings.card is None:
+    if findings.margins is None and findings.duty is None:
         return
     from tvclin.case.autopilot_assumptions import (  # late: it designs autopilots
         actuator_notes,
@@ -190,7 +190,7 @@ def _answered(findings: Findings) -> Iterator[Question]:
             yield _load(findings)
         if findings.plan.sizing is not None:
             yield _flight(findings)
-            yield from _card(findings)
+            yield from _duty_question(findings)
         request = findings.plan.availability
         if request is not None and request.least_part is not None:
             yield _availability(findings, request.least_part)
@@ -272,19 +272,19 @@ def _flight(findings: Findings) -> Question:
     return Question(name, total.sufficient, line, total.required, whose)
 
 
-def _card(findings: Findings) -> Iterator[Question]:
+def _duty_question(findings: Findings) -> Iterator[Question]:
     """Yield the question whether the nozzle can follow a law along the flight, if it is sized."""
     name = "nozzle card"
-    if findings.card is None:
-        if "card" in findings.reasons:
-            yield Question(name, None, (_reason(findings, "card"),))
+    if findings.duty is None:
+        if "duty" in findings.reasons:
+            yield Question(name, None, (_reason(findings, "duty"),))
         return
-    verdict = findings.card.verdict
+    verdict = findings.duty.verdict
     worst = verdict.lines[0]
     measure = (
         None if worst.available is None else Measure(worst.required, worst.available, worst.unit)
     )
-    line: Line = (f"the {worst.name} that {findings.card.law} takes along the flight",)
+    line: Line = (f"the {worst.name} that {findings.duty.law} takes along the flight",)
     if verdict.diverged or verdict.unknown:
         line = (verdict.reason,)
     yield Question(name, verdict.satisfied, line, measure=measure)

@@ -238,14 +238,14 @@ class SizingRequest:
         Distance of the centre of gravity from the axis [m].
     reserve : float
         Fraction of the limit to keep unused, from 0 to 1.
-    card : str, optional
-        The law that is flown for the card of the nozzle, see `flight_duty`; on the page too.
+    duty_law : str, optional
+        Law that is flown for the duty of the nozzle, see `flight_duty`; on the page too.
     rate_noise : float
-        Noise of the rate gyro [rad/s] for the card, rms by sample: the cause of most travel.
+        Noise of the rate gyro [rad/s] for the duty, rms by sample: the cause of most travel.
     noise_seed : int
         Seed of that noise.
     steady_window : float
-        Length [s] over which the steady rate of the card is a mean.
+        Length [s] over which the steady rate of the duty is a mean.
     scheduled_design : AutopilotDesign, optional
         Specification of the autopilot over the flight, where it varies; that of the case is then
         that of the time of its vehicle.
@@ -286,7 +286,7 @@ class SizingRequest:
     thrust_offset: float = quantity("angle", 0.0, small_angle("an angle"))
     gravity_offset: float = quantity("length", 0.0)
     reserve: float = quantity("percent", 0.0, nonnegative)
-    card: str | None = word(LAWS, None, option=None)
+    duty_law: str | None = word(LAWS, None, option=None)
     rate_noise: float = quantity("angular rate", 0.0, between(0.0, MAX_RATE_NOISE), option=None)
     noise_seed: int = integer(0, option=None)
     steady_window: float = quantity("time", 0.5, positive, option=None)
