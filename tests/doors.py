@@ -504,6 +504,10 @@ def doors(folder: Path) -> dict[str, Door]:
         "Autopilot.wind_response_function": Door(
             lambda plant, wind: autopilot.wind_response_function(plant)(wind), history
         ),
+        "Autopilot.deflection_peaks_function": Door(
+            lambda plant, winds: autopilot.deflection_peaks_function(plant)(winds),
+            {"plant": plant, "winds": [history["wind"]]},
+        ),
         "Autopilot.loop": Door(autopilot.loop, {"plant": plant}),
         "Autopilot.margins": Door(autopilot.margins, {"plant": plant}),
         "Autopilot.rational_loop": Door(autopilot.rational_loop, {"plant": plant}),

@@ -495,3 +495,18 @@ def test_the_chart_draws_what_the_comparison_says(model, peak):
         assert line.get_label().replace("$", "") == key[1]
         np.testing.assert_array_equal(line.get_ydata(), row)
     mpl.pyplot.close(plot.figure)
+
+
+def test_the_peaks_of_many_winds_are_those_of_each_and_the_largest_is_exact():
+    """Winds of two families of rates; those below the largest are never above their peak."""
+    plant, autopilot = plant_of(), Autopilot(**GAINS)
+    winds = [
+        *(tv.TriangularWind(peak=0.1, duration=duration) for duration in (2.0, 12.8, 40.0)),
+        *(tv.RectangularWind(peak=-0.05, duration=duration) for duration in (1.0, 9.0)),
+        tv.OneMinusCosineGust(peak=0.1, duration=5.0),
+    ]
+    peaks = autopilot.deflection_peaks_function(plant)(winds)
+    each = [abs(autopilot.wind_response(plant, wind).peak("deflection")[0]) for wind in winds]
+    assert peaks.max() == pytest.approx(max(each), rel=1e-13)
+    assert np.argmax(peaks) == np.argmax(each)
+    assert np.all(peaks <= np.array(each) * (1.0 + 1e-13))

@@ -171,26 +171,28 @@ def worst_duration(
     warn_of_feedback(autopilot, plant)
     if not margins.stable:
         raise InputError(f"no duration is the worst: {margins.reason}")
-    response = autopilot.wind_response_function(plant)
+    peaks = autopilot.deflection_peaks_function(plant)
 
-    def deflection(duration: float) -> float:
-        return abs(response(shape(peak=peak, duration=duration)).peak("deflection")[0])
+    def deflections(durations: FloatArray) -> FloatArray:
+        return peaks([shape(peak=peak, duration=duration) for duration in durations.tolist()])
 
-    return _worst(deflection, _durations(closed_loop(autopilot, plant).A, low, high))
+    return _worst(deflections, _durations(closed_loop(autopilot, plant).A, low, high))
 
 
-def _worst(deflection: Callable[[float], float], durations: FloatArray) -> WorstDuration:
+def _worst(deflections: Callable[[FloatArray], FloatArray], durations: FloatArray) -> WorstDuration:
     """Return the worst of the durations [s], refined between its neighbours."""
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
-    values = np.array([deflection(duration) for duration in durations.tolist()])
+    values = deflections(durations)
     top = int(np.argmax(values))
     ends = (0, durations.size - 1)
     worst = WorstDuration(float(durations[top]), float(values[top]), top in ends)
     tolerance = {"xatol": _DURATION_TOLERANCE * durations[0]}
     for k in _summits(values):
         bounds = durations[k - 1], durations[k + 1]
-        maximum = minimize_scalar(lambda d: -deflection(d), bounds=bounds, options=tolerance)
+        maximum = minimize_scalar(
+            lambda duration: -deflections(np.array([duration]))[0], bounds=bounds, options=tolerance
+        )
         if -maximum.fun > worst.peak_deflection:
             worst = WorstDuration(float(maximum.x), float(-maximum.fun), False)
     return worst

@@ -9,7 +9,7 @@ so that nothing is discretised, and repeated poles are no special case. `peak_ou
 largest output of such a motion between its samples.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import factorial, hypot, log2
 
@@ -71,15 +71,27 @@ def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
 
     `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `pieces`: the input, not a batch.
     """
-    order, matrix = len(A), piece_matrix(A, B, pieces)
-    inputs = input_states(pieces, pieces.knots)
-    starts = np.zeros((len(inputs), len(matrix)), dtype=np.result_type(matrix, inputs))
-    starts[:, order:] = inputs
-    widths, which = np.unique(np.diff(pieces.knots), return_inverse=True)
-    steps = _finite_exponentials(matrix, widths)
-    for k, step in enumerate(which):
-        starts[k + 1, :order] = (steps[step] @ starts[k])[:order]
-    return Motion(matrix, pieces.knots, starts)
+    return motions(A, B, [pieces])[0]
+
+
+def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Motion]:
+    """Return the motions of x' = A x + B f from zero initial states, one for each input f.
+
+    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree.
+    """
+    order, matrix = len(A), piece_matrix(A, B, inputs[0])
+    widths = [np.diff(pieces.knots) for pieces in inputs]
+    lengths, which = np.unique(np.concatenate(widths), return_inverse=True)
+    steps, ends = _finite_exponentials(matrix, lengths), np.cumsum([0, *map(len, widths)])
+    of_each: list[Motion] = []
+    for pieces, first, last in zip(inputs, ends[:-1], ends[1:], strict=True):
+        states = input_states(pieces, pieces.knots)
+        starts = np.zeros((len(states), len(matrix)), dtype=np.result_type(matrix, states))
+        starts[:, order:] = states
+        for k, step in enumerate(which[first:last]):
+            starts[k + 1, :order] = (steps[step] @ starts[k])[:order]
+        of_each.append(Motion(matrix, pieces.knots, starts))
+    return of_each
 
 
 def piece_matrix(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
@@ -210,42 +222,72 @@ def peak_output(response: Motion, row: AnyArray, horizon: float) -> tuple[float,
 
     `row`: factors on the states of system and input, ``(n,)``. `horizon`: time for which the last
     piece is followed [s].
+    """
+    widths = np.append(np.diff(response.knots), horizon)
+    values, offsets = piece_peaks(response.matrix, response.starts, widths, row)
+    largest = int(np.argmax(np.abs(values)))
+    return float(values[largest]), float(response.knots[largest] + offsets[largest])
+
+
+def peak_outputs(responses: Sequence[Motion], row: AnyArray, horizon: float) -> FloatArray:
+    """Return the largest size of ``row . state`` of each motion of one system, ``(motions,)``.
+
+    That of the motion with the largest is exact, as in `peak_output`; others may be too small.
+
+    `row`: factors on the states of system and input, ``(n,)``. `horizon`: time for which the last
+    piece of each is followed [s].
+    """
+    widths = [np.append(np.diff(response.knots), horizon) for response in responses]
+    starts = np.concatenate([response.starts for response in responses])
+    values, _ = piece_peaks(responses[0].matrix, starts, np.concatenate(widths), row)
+    firsts = np.cumsum([0, *map(len, widths)])[:-1]
+    return np.maximum.reduceat(np.abs(values), firsts)
+
+
+def piece_peaks(
+    matrix: AnyArray, starts: AnyArray, widths: FloatArray, row: AnyArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the value of largest size of ``row . state`` in each piece, and its time in it [s].
+
+    Both ``(k,)``, of the pieces that begin at the states `starts` ``(k, n)`` and last `widths`
+    ``(k,)`` [s]. The largest of all is exact; those that cannot be the largest may be too small.
 
     Each piece is sampled in steps that resolve its fastest mode, both its ends included. Where
     values and slopes at two samples indicate a summit between them that may be the highest, the
     zero of the exact slope is computed. A piece is finished as soon as its modes, were they all in
     phase, could not exceed the highest summit.
     """
-    matrix, widths = response.matrix, np.append(np.diff(response.knots), horizon)
     rows = np.stack([row, row @ matrix, row @ matrix @ matrix])
-    ends = np.real(
-        rows @ matrices_on_states(matrix_exponentials(matrix, widths), response.starts).T
-    )
     modes = _modal_bounds(matrix, row, float(widths.max()))
-    rounding = _RELATIVE_ROUNDING * (np.abs(response.starts) @ np.abs(row)).max()
-    value, time = 0.0, float(response.knots[0])
+    rounding = _RELATIVE_ROUNDING * (np.abs(starts) @ np.abs(row)).max()
+    values, offsets = np.zeros(len(widths)), np.zeros(len(widths))
+    lengths, which = np.unique(widths, return_inverse=True)
+    to_end = matrix_exponentials(matrix, lengths)
     for first in range(0, len(widths), _PIECES_PER_BLOCK):
         remaining = np.arange(first, min(first + _PIECES_PER_BLOCK, len(widths)))
-        states = response.starts[remaining]
+        states = starts[remaining]
+        ends = np.real(rows @ matrices_on_states(to_end[which[remaining]], states).T)
         for start, step, powers in _sample_steps(matrix, float(widths[remaining].max())):
             steps = start + step * np.arange(_STEPS_PER_BLOCK + 1.0)[:, np.newaxis]
             inside = (steps < widths[remaining])[:, np.newaxis]
-            samples = np.where(inside, np.real(rows @ powers @ states.T), ends[:, remaining])
+            samples = np.where(inside, np.real(rows @ powers @ states.T), ends)
             steps = np.minimum(steps, widths[remaining])
-            highest = _highest_sample(rows, matrix, powers, states, steps, samples, abs(value))
-            if abs(highest[0]) > abs(value):
-                value, time = highest[0], float(response.knots[remaining[highest[2]]]) + highest[1]
+            highest = float(np.abs(values).max())
+            block, times = _highest_samples(rows, matrix, powers, states, steps, samples, highest)
+            higher = np.abs(block) > np.abs(values[remaining])
+            values[remaining[higher]], offsets[remaining[higher]] = block[higher], times[higher]
             states = states @ powers[-1].T
             with np.errstate(over="ignore", invalid="ignore"):
                 bound = np.abs(states @ modes.T).sum(axis=1)
-            active = (steps[-1] < widths[remaining]) & ~(bound <= abs(value) + rounding)
-            states, remaining = states[active], remaining[active]
+            highest = float(np.abs(values).max())
+            active = (steps[-1] < widths[remaining]) & ~(bound <= highest + rounding)
+            states, ends, remaining = states[active], ends[:, active], remaining[active]
             if not remaining.size:
                 break
-    return value, time
+    return values, offsets
 
 
-def _highest_sample(
+def _highest_samples(
     rows: AnyArray,
     matrix: AnyArray,
     powers: AnyArray,
@@ -253,26 +295,28 @@ def _highest_sample(
     steps: FloatArray,
     samples: FloatArray,
     bound: float,
-) -> tuple[float, float, int]:
-    """Return the highest sample or summit: value, time after the knot [s], and piece's index."""
+) -> tuple[FloatArray, FloatArray]:
+    """Return the highest sample or summit of each piece, and its time in the piece [s]."""
     sizes = np.abs(samples[:, 0])
-    i, j = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
-    best = float(samples[i, 0, j]), float(steps[i, j]), int(j)
+    pieces = np.arange(sizes.shape[1])
+    highest = np.argmax(sizes, axis=0)
+    values, times = samples[highest, 0, pieces], steps[highest, pieces]
     widths = np.diff(steps, axis=0)
     which, guess = _candidate_summits(
-        samples, widths, (1.0 - _SUMMIT_TOLERANCE) * max(bound, abs(best[0]))
+        samples, widths, (1.0 - _SUMMIT_TOLERANCE) * max(bound, float(sizes.max()))
     )
     if not guess.size:
-        return best
+        return values, times
     starts, sign = (
         matrices_on_states(powers[which[0]], states[which[1]]),
         np.sign(samples[:-1, 1][which]),
     )
-    values, offsets = _refined_summits(rows, matrix, starts, sign, guess, widths[which])
-    k = int(np.argmax(np.abs(values)))
-    i, j = which[0][k], which[1][k]
-    summit = float(values[k]), float(steps[i, j] + offsets[k]), int(j)
-    return max(best, summit, key=lambda candidate: abs(candidate[0]))
+    summits, offsets = _refined_summits(rows, matrix, starts, sign, guess, widths[which])
+    rising = np.argsort(np.abs(summits), kind="stable")  # of two in a piece the higher is last
+    rising = rising[np.abs(summits[rising]) > np.abs(values[which[1][rising]])]
+    i, j = which[0][rising], which[1][rising]
+    values[j], times[j] = summits[rising], steps[i, j] + offsets[rising]
+    return values, times
 
 
 def _candidate_summits(

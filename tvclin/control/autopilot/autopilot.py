@@ -11,7 +11,7 @@ blocks and give python-control's own systems with named signals.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,11 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, times_row
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wind_response import WindResponse, wind_response_of
+from tvclin.control.autopilot.wind_response import (
+    WindResponse,
+    peaks_in_winds,
+    wind_response_of,
+)
 from tvclin.control.autopilot.wiring import (
     COMMAND,
     RETURNED,
@@ -423,11 +427,30 @@ class Autopilot(Feedback):
 
         Same parameters and exceptions as `wind_response`.
         """
+        A, B, C, D, labels = self._wind_system(plant)
+        return partial(wind_response_of, A, B, C, D, labels)
+
+    def deflection_peaks_function(
+        self, plant: AnyPlant
+    ) -> Callable[[Sequence[History]], FloatArray]:
+        """Return the function from winds to the largest deflection [rad] in each, ``(winds,)``.
+
+        Same parameters and exceptions as `wind_response`, and the closed loop is stable. The
+        largest of all winds is exact; in winds that cannot have the largest it may be too small.
+        """
+        A, B, C, D, labels = self._wind_system(plant)
+        row = labels.index("deflection")
+        return partial(peaks_in_winds, A, B, (C[row], float(D[row])))
+
+    def _wind_system(
+        self, plant: AnyPlant
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, tuple[str, ...]]:
+        """Return A, B, C, D from the wind to the outputs, and their names."""
         self._require_single("wind_response", plant)
         A, B, C, D = (loop := closed_loop(self, plant)).matrices()
         if pade_misleads(self, plant, A):
             raise InputError(PADE_WARNING.format(self.pade_order))
-        return partial(wind_response_of, A, B[:, 0], C, D[:, 0], loop.outputs)
+        return A, B[:, 0], C, D[:, 0], loop.outputs
 
     def respond(
         self, plant: AnyPlant, wind: History, timepts: ArrayLike

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,9 @@ from tvclin.numerics.propagation import (
     input_states,
     matrix_exponentials,
     motion,
+    motions,
     peak_output,
+    peak_outputs,
     piece_matrix,
 )
 from tvclin.winds.histories import History
@@ -107,6 +110,34 @@ def wind_response_of(
     before = np.append(0.0, np.real(_ends(trajectory, inputs, len(A))))
     jumps = np.abs(np.real(values) - before) > _RELATIVE_JUMP * np.abs(values).max(initial=0.0)
     return WindResponse(labels, trajectory, rows, settling_time, (D != 0.0) & np.any(jumps))
+
+
+def peaks_in_winds(
+    A: FloatArray,
+    B: FloatArray,
+    row: tuple[FloatArray, float],
+    winds: Sequence[History],
+) -> FloatArray:
+    """Return the largest sizes of an output of x' = A x + B w in winds w, from x = 0, ``(winds,)``.
+
+    The largest of them is exact; in winds that cannot have the largest it may be too small. `A`,
+    `B`: one stable system, ``(n, n)`` and ``(n,)``. `row`: C and D of the output, ``(n,)`` and one
+    number. `winds`: single winds [rad]; those with rates in common are computed together.
+    """
+    groups: dict[tuple[bytes, int], list[int]] = {}
+    for k, wind in enumerate(winds):
+        instance("wind", wind, History, "such as TriangularWind")
+        single("wind", wind.batch)
+        groups.setdefault((wind.pieces.rates.tobytes(), wind.pieces.degree), []).append(k)
+    settling_time = _DECAY_EXPONENT / -np.real(np.linalg.eigvals(A)).max()
+    peaks = np.zeros(len(winds))
+    for (_, degree), group in groups.items():
+        trajectories = motions(A, B, [winds[k].pieces for k in group])
+        inputs = np.zeros(trajectories[0].matrix.shape[0] - len(A))
+        inputs[:: degree + 1] = row[1]
+        outputs = np.concatenate([row[0], inputs])
+        peaks[group] = peak_outputs(trajectories, outputs, settling_time)
+    return peaks
 
 
 def _ends(trajectory: Motion, inputs: FloatArray, order: int) -> AnyArray:
