@@ -8,7 +8,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
-from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirement
+from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirements
 from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(0.01)
@@ -175,7 +175,7 @@ def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     met = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
     mode, vehicle = FlightMode(flight, model, "pitch", flight.span), flight.at(75.0)
     winds = (NominalWind(one(vehicle)) for one in (met, met.of_both_signs))
-    need = flight_requirement(mode, next(winds), np.ones(1), next(winds)).required[0]
+    need = flight_requirements(mode, [next(winds)], np.ones(1), [next(winds)])[0].required[0]
 
     lost = trim_law_is_lost(flight, met.wind, model, need * np.array([0.997, 1.003]))
     assert lost.tolist() == [True, False]
@@ -283,7 +283,8 @@ def test_a_gust_behind_one_from_the_other_side_requires_what_flights_need(before
     part = tv.SampledWind(time=times, angle=np.maximum(wind.angle, 0.0))
     schedule = tv.FlightSchedule(vehicle.replace(time=[0.0, 40.0]))
     mode = FlightMode(schedule, "fixed-path", "pitch", (0.0, 40.0))
-    said = flight_requirement(mode, NominalWind(part), np.ones(1), NominalWind(wind)).required[0]
+    winds = [NominalWind(part)], [NominalWind(wind)]
+    said = flight_requirements(mode, winds[0], np.ones(1), winds[1])[0].required[0]
     bound = plant.coefficients.B * 0.05 * (1.0 - np.exp(-0.5))
     limits = np.array([0.98, 1.02, 1.2, 1.5, 2.0, 2.5]) * said
     flown = tv.fly_many(

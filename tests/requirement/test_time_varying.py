@@ -12,7 +12,11 @@ from tvclin.ensembles.campaign.cases import nominal
 from tvclin.kernels import choice
 from tvclin.requirement import time_varying
 from tvclin.requirement.encountered_requirement import encountered_requirement
-from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirement
+from tvclin.requirement.flight.flight_requirement import (
+    FlightMode,
+    flight_requirements,
+    requirements_along,
+)
 from tvclin.requirement.time_varying import varying_requirement
 from tvclin.requirement.varying_equations import Equations, at_pressure
 from tvclin.winds.wind_angles import NominalWind, along_from_angle, pressure_ratio, wind_triangle
@@ -289,6 +293,22 @@ def test_dead_bands_of_a_wind_of_two_signs_are_not_defined() -> None:
     mode = FlightMode(flight, "drift-exact", "pitch", flight.span)
     time = np.array([60.0, 62.0, 64.0, 66.0])
     wind = tv.SampledWind(time=time, angle=np.array([0.0, 0.02, -0.02, 0.0]))
-    found = flight_requirement(mode, NominalWind(wind), np.array([1.0, 0.5]))
+    (found,) = flight_requirements(mode, [NominalWind(wind)], np.array([1.0, 0.5]))
     assert np.isfinite(found.required[0])
     assert np.isnan(found.required[1])
+
+
+@pytest.mark.parametrize("dead_band", [1.0, 0.5])
+@pytest.mark.parametrize("quick", [False, True])
+def test_a_wind_along_a_flight_requires_the_same_among_others_as_alone(quick, dead_band) -> None:
+    flight = tv.load_schedule("configuration-ii" if quick else "configuration-i")
+    first, last = flight.span
+    mode = FlightMode(flight, "drift-exact", "pitch", flight.span)
+    times = np.linspace(first + 8.0, last - 8.0, 5)
+    winds = [NominalWind(tv.TriangularWind(peak=0.05, duration=7.5).shift(t - 3.75)) for t in times]
+    winds.append(NominalWind(tv.RectangularWind(peak=-0.03, duration=15.0).shift(first)))
+    together = requirements_along(mode, winds, dead_band)
+    alone = np.concatenate([requirements_along(mode, [wind], dead_band) for wind in winds])
+    assert mode.quick_path == quick
+    assert np.all(together[:, 0] > 0.0)
+    assert together.tolist() == alone.tolist()

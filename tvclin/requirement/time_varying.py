@@ -29,6 +29,7 @@ The error of the curves is of fourth order in the steps, below 1e-6 of the large
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -69,7 +70,7 @@ _EVEN_STEP = 0.125
 With the impulse of the wind in each step the largest min(trim, demand) is within a thousandth."""
 _MIN_RATE_PER_S = 0.25
 """Smallest rate [1/s] that sets even steps."""
-_MAX_BATCH_STEPS = 5_000
+MAX_BATCH_STEPS = 5_000
 """Largest number of steps of the winds of a batch: some ten megabytes."""
 _LIMITS_MULTIPLE = 4
 """Multiple to which the number of limits is rounded, so that many winds have the same."""
@@ -125,8 +126,10 @@ def step_counts(wind: History, motion: Motion) -> FloatArray:
 def _breakpoints(wind: History, motion: Motion) -> FloatArray:
     """Return the breakpoints [s] of winds and motion within each wind, ``(n, k + 1)``."""
     knots = wind.knots.reshape(-1, wind.knots.shape[-1])
-    if motion.breakpoints.size:
-        more = np.broadcast_to(motion.breakpoints, (len(knots), motion.breakpoints.size))
+    more = motion.breakpoints
+    if more.size:
+        more = more[(more > np.min(wind.onset)) & (more < np.max(wind.end))]
+        more = np.broadcast_to(more, (len(knots), more.size))
         knots = np.sort(np.concatenate([knots, more], axis=-1), axis=-1)
     return np.clip(knots, np.reshape(wind.onset, (-1, 1)), np.reshape(wind.end, (-1, 1)))
 
@@ -170,12 +173,16 @@ def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> Flo
 
 
 def encountered_at_steps(
-    motion: Motion, encountered: Encounter, parts: int = 1
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    motion: Motion, encountered: Encounter | Sequence[Encounter], parts: int = 1
+) -> tuple[FloatArray, ...]:
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
-    `parts`: see `step_times`.
+    `encountered`: winds, or a sequence of winds with the same number of steps. `parts`: see
+    `step_times`.
     """
+    if isinstance(encountered, Sequence):
+        winds = [encountered_at_steps(motion, wind, parts) for wind in encountered]
+        return tuple(np.concatenate(rows) for rows in zip(*winds, strict=True))
     times = step_times(encountered.history, motion, parts)
     at_end = np.zeros(times.shape, dtype=bool)
     at_end[..., 2] = True
@@ -242,7 +249,7 @@ class VaryingRequirement:
 
 
 def varying_requirement(
-    motion: Motion, encountered: Encounter, dead_band: float = 1.0
+    motion: Motion, encountered: Encounter | Sequence[Encounter], dead_band: float = 1.0
 ) -> VaryingRequirement:
     """Return trim, required deflection at a dead band K and lower bound [rad] of winds, ``(n,)``.
 
@@ -250,12 +257,12 @@ def varying_requirement(
     ----------
     motion : Equations or FlightMode
         Equations of a vehicle, or of a vehicle for each wind.
-    encountered : EncounteredWind, NominalWind or FlightWind
-        A wind or a batch of winds.
+    encountered : EncounteredWind, NominalWind, FlightWind or sequence of these
+        A wind, a batch of winds, or a sequence of winds with the same number of steps.
     dead_band : float
         K in [0, 1]: the fraction of the limit up to which the vehicle is trimmed.
     """
-    if not np.any(np.isfinite(encountered.history.onset)):
+    if not isinstance(encountered, Sequence) and np.all(np.isinf(encountered.history.onset)):
         none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
         return VaryingRequirement(none, none, none, np.full(none.shape, np.nan))
     times, wind, ratio = encountered_at_steps(motion, encountered)
@@ -317,7 +324,7 @@ def batch_requirements(
     groups, group = np.unique(counts[finite], axis=0, return_inverse=True)
     for k in range(len(groups)):
         alike = finite[np.ravel(group) == k]
-        together = int(_MAX_BATCH_STEPS // groups[k].sum()) + 1
+        together = int(MAX_BATCH_STEPS // groups[k].sum()) + 1
         for first in range(0, alike.size, together):
             cases = alike[first : first + together]
             batch = equations.of(cases), encountered.of(cases, count)
@@ -328,7 +335,7 @@ def batch_requirements(
 def _of_flights(
     motion: Motion,
     equations: Equations,
-    encountered: Encounter,
+    encountered: Encounter | Sequence[Encounter],
     trim_and_demand: Curves,
     limit: FloatArray,
     minimum: FloatArray,

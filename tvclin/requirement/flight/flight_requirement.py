@@ -21,7 +21,7 @@ which the moment of a wind has the other sign are separate.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -40,7 +40,7 @@ from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.requirement.nominal_requirement import required_deflection
-from tvclin.requirement.time_varying import varying_requirement
+from tvclin.requirement.time_varying import MAX_BATCH_STEPS, step_times, varying_requirement
 from tvclin.requirement.varying_equations import (
     PRESSURES,
     Equations,
@@ -138,9 +138,9 @@ class FlightMode:
         return self.schedule.times
 
     def at_steps(self, times: FloatArray) -> Equations:
-        """Return the equations at times [s] of the steps of one wind, ``(1, S, 3)``.
+        """Return the equations at times [s] of the steps of winds, ``(n, S, 3)``.
 
-        The costate at the end of the wind includes the remaining flight.
+        The costate at the end of each wind includes the remaining flight.
         """
         inside = np.minimum(times.ravel(), self.last_unstable)
         vehicles = [at_pressure(self.schedule.vehicle, ratio) for ratio in PRESSURES]
@@ -153,16 +153,31 @@ class FlightMode:
             for x, k in zip(of_pressure(plants), (2, 3), strict=True)
         )
         plant, order = plants[0], nominal.shape[-2]
-        costate, reach = self.at(times[0, -1, 2])
-        paired = np.broadcast_to(leading_pole(plant)[1], inside.shape)
+        costate, reach = self.at(times[:, -1, 2])
+        paired, quick = (
+            np.broadcast_to(x, inside.shape).reshape(times.shape)
+            for x in (leading_pole(plant)[1], has_quick_path(plant))
+        )
         return Equations(
             nominal,
             slopes,
-            np.append(costate, reach)[np.newaxis],
-            paired.reshape(times.shape),
-            np.atleast_1d(np.any(has_quick_path(plant))),
+            np.append(costate, reach[np.newaxis], axis=0).T,
+            paired,
+            np.any(quick, axis=(1, 2)),
             unstable_modes_of(nominal[:, -1, 2, :, :order]),
         )
+
+    @cached_property
+    def one_sign_intervals(self) -> tuple[FlightSchedule, ...]:
+        """Intervals of the schedule, in each of which the aerodynamic arm has one sign."""
+        return self.schedule.one_sign_intervals
+
+    @cached_property
+    def quick_path(self) -> bool:
+        """Whether flights of the limited law decide at some time of the flight."""
+        rows = self._rows[self._rows <= self.last_unstable]
+        plants = self.schedule.plants(rows, self.model, self.plane)
+        return bool(np.any(has_quick_path(plants)))
 
     @cached_property
     def _rows(self) -> FloatArray:
@@ -270,61 +285,95 @@ class FlightRequirement:
     times: FloatArray
 
 
-def flight_requirement(
+def flight_requirements(
     mode: FlightMode,
-    wind: NominalWind,
+    winds: Sequence[NominalWind],
     dead_bands: FloatArray,
-    two_sided: NominalWind | None = None,
-) -> FlightRequirement:
-    """Return the deflections that a wind requires of a vehicle along its flight.
+    two_sided: Sequence[NominalWind | None] | None = None,
+) -> list[FlightRequirement]:
+    """Return the deflections that winds require of a vehicle along its flight, by wind.
 
     Parameters
     ----------
     mode : FlightMode
-        The flight, with a span that covers the wind.
-    wind : NominalWind or FlightWind
-        One wind that ends.
+        The flight, with a span that covers the winds.
+    winds : sequence of NominalWind or FlightWind
+        Winds that end, each by itself.
     dead_bands : ndarray
         K, each in [0, 1], ``(k,)``.
-    two_sided : NominalWind or FlightWind, optional
-        The same with what blows to the other side, where `wind` is its part to one: what a law with
-        K = 1 encounters.
+    two_sided : sequence, optional
+        For each wind the same with what blows to the other side, where the wind is its part to one,
+        or None: what a law with K = 1 encounters.
     """
-    times = wind.history.probe_times(_SAMPLES_BETWEEN)
-    trim = np.abs(mode.trim_per_wind(times) * wind.history(times))
-    trimmed = requirement_of_parts(mode, two_sided or wind, 1.0)
-    required, _, exits = np.transpose(
-        [trimmed if K == 1.0 else requirement_of_parts(mode, wind, K) for K in dead_bands.tolist()]
+    times = [wind.history.probe_times(_SAMPLES_BETWEEN) for wind in winds]
+    ends = np.cumsum([t.size for t in times])[:-1]
+    per_wind = np.split(mode.trim_per_wind(np.concatenate(times)), ends) if winds else []
+    complete = [whole or wind for whole, wind in zip(two_sided or winds, winds, strict=True)]
+    trimmed = requirements_along(mode, complete, 1.0)
+    banded = np.array(  # (k, n, 3)
+        [trimmed if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands.tolist()]
     )
-    largest = int(np.argmax(trim))
-    return FlightRequirement(
-        float(trim[largest]), required, trimmed[1], float(times[largest]), exits
-    )
+    requirements = []
+    for i, wind in enumerate(winds):
+        trim = np.abs(per_wind[i] * wind.history(times[i]))
+        largest = int(np.argmax(trim))
+        requirements.append(
+            FlightRequirement(
+                float(trim[largest]),
+                banded[:, i, 0],
+                float(trimmed[i, 1]),
+                float(times[i][largest]),
+                banded[:, i, 2],
+            )
+        )
+    return requirements
 
 
-def requirement_of_parts(
-    mode: FlightMode, wind: NominalWind | EncounteredWind, dead_band: float
-) -> tuple[float, float, float]:
-    """Return required deflection and minimum [rad], and the exit time [s], of parts of a flight.
+def requirements_along(
+    mode: FlightMode, winds: Sequence[NominalWind | EncounteredWind], dead_band: float
+) -> FloatArray:
+    """Return required deflection and minimum [rad], and exit time [s], of winds, ``(n, 3)``.
 
-    The largest of all intervals counts, with its time.
+    A wind over several parts of the flight has the largest of all, with its time. Winds with the
+    same number of steps are marched together, but for flights on a quick path, whose length depends
+    on the others.
     """
-    parts = mode.schedule.one_sign_intervals
+    result = np.tile([0.0, 0.0, np.nan], (len(winds), 1))
+    groups: dict[Any, list[tuple[int, FlightMode, NominalWind | EncounteredWind]]] = {}
+    for i, wind in enumerate(winds):
+        for k, (part, inner) in enumerate(_parts(mode, wind)):
+            alone = i if part is not mode or mode.quick_path else 0
+            steps = step_times(inner.history, part).shape[1]
+            groups.setdefault((k, alone, steps), []).append((i, part, inner))
+    for (_, _, steps), members in sorted(groups.items()):
+        together = int(MAX_BATCH_STEPS // steps) + 1
+        for first in range(0, len(members), together):
+            index, parts, blowing = zip(*members[first : first + together], strict=True)
+            found = varying_requirement(parts[0], blowing, dead_band)
+            which = np.array(index)
+            larger = ~(np.isnan(result[which, 0]) | (found.required <= result[which, 0]))
+            result[which[larger], 0] = found.required[larger]
+            result[which[larger], 2] = found.time[larger]
+            result[which, 1] = np.maximum(result[which, 1], found.minimum)
+    return result
+
+
+def _parts(
+    mode: FlightMode, wind: NominalWind | EncounteredWind
+) -> Iterator[tuple[FlightMode, NominalWind | EncounteredWind]]:
+    """Yield the unstable parts of a flight that a wind blows in, each with the wind in it."""
+    parts = mode.one_sign_intervals
     ends = [mode.span[0], *(interval.span[0] for interval in parts[1:]), mode.span[1]]
     begins, stops = float(wind.history.onset), float(wind.history.end)
-    complete = not any(begins < end < stops for end in ends[1:-1])
-    if complete:
-        parts, ends = (mode.schedule,), list(mode.span)
-    required, minimum, time = 0.0, 0.0, np.nan
+    if not any(begins < end < stops for end in ends[1:-1]):
+        if mode.unstable and not wind.calm:
+            yield mode, wind
+        return
     for interval, (start, stop) in zip(parts, pairwise(ends), strict=True):
-        inside = mode if complete else FlightMode(interval, mode.model, mode.plane, (start, stop))
-        inner = wind if complete else wind.between(start, stop)
-        if inside.unstable and not inner.calm:
-            result = varying_requirement(inside, inner, dead_band)
-            if not (np.isnan(required) or result.required[0] <= required):
-                required, time = float(result.required[0]), float(result.time[0])
-            minimum = max(minimum, float(result.minimum[0]))
-    return required, minimum, time
+        part = FlightMode(interval, mode.model, mode.plane, (start, stop))
+        inner = wind.between(start, stop)
+        if part.unstable and not inner.calm:
+            yield part, inner
 
 
 LAWS = ("bound", "flown")

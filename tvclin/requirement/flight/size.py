@@ -26,7 +26,7 @@ from tvclin.requirement.flight.flight_requirement import (
     FlightMode,
     FlightRequirement,
     FrozenRequirement,
-    flight_requirement,
+    flight_requirements,
     frozen_requirement,
 )
 from tvclin.requirement.flight.flight_winds import (
@@ -448,24 +448,38 @@ def _along(
     count_need: Callable[[FlightRequirement], FlightRequirement],
 ) -> list[list[FlightRequirement]]:
     """Return the requirements with varying parameters, by flight times and winds."""
-    along: dict[bytes, FlightRequirement] = {}  # without a window one wind meets every flight time
+    winds: dict[bytes, list[NominalWind]] = {}  # without a window one wind meets every flight time
 
-    def of_wind(wind: PlacedWind) -> FlightRequirement:
-        """Return the requirement of a wind with varying parameters, once for equal winds."""
-        if wind.calm:
-            none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
-            return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
+    def key_of(wind: PlacedWind) -> bytes:
+        """Return what equal winds have in common, and keep the wind, with both its signs."""
         histories = (wind.in_flight, *([wind.two_sided] if wind.two_sided else []))
         key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)
-        if key not in along:
-            windowed, *complete = (
+        if key not in winds:
+            winds[key] = [
                 FlightWind(h, mode.plane, wind.speeds) if wind.speeds else NominalWind(h)
                 for h in histories
-            )
-            along[key] = flight_requirement(mode, windowed, bands, *complete)
-        return along[key]
+            ]
+        return key
 
-    return [[count_need(of_wind(wind)) for wind in row] for row in placed]
+    keys = [[None if wind.calm else key_of(wind) for wind in row] for row in placed]
+    distinct = list(winds.values())
+    requirements = flight_requirements(
+        mode, [first for first, *_ in distinct], bands, [last for *_, last in distinct]
+    )
+    along = dict(zip(winds, requirements, strict=True))
+    return [
+        [
+            count_need(_calm_requirement(wind, bands) if key is None else along[key])
+            for wind, key in zip(row, row_keys, strict=True)
+        ]
+        for row, row_keys in zip(placed, keys, strict=True)
+    ]
+
+
+def _calm_requirement(wind: PlacedWind, bands: FloatArray) -> FlightRequirement:
+    """Return the requirement of a calm: zero, or NaN where the wind is not known."""
+    none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
+    return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
 
 
 def _arising_times(
