@@ -282,6 +282,8 @@ def doors(folder: Path) -> dict[str, Door]:
         'shape = "normal"\npercent = 1\n'
     )
 
+    turbulence_file = folder / "turbulence.csv"
+    turbulence_file.write_text("altitude_km,intensity_m_per_s,length_m\n0,2,200\n12,5,533\n")
     system_file = folder / "system.npz"
     tv.linear.write_system(gains_in_steps, system_file)
 
@@ -430,6 +432,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "spectrum": "dryden",
                 "component": "along",
                 "sigmas": 2.0,
+                "table": None,
             },
         ),
         "LoopInTurbulence.of": Door(
@@ -1708,6 +1711,10 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "WindGrowth": Door(tv.ensembles.WindGrowth, {"speed": [5.0, 6.0], "height": [0.0, 1e4]}),
         "WindGrowth.at": Door(tv.ensembles.WindGrowth(5.0).at, {"height": [0.0, 1e4]}),
+        "read_turbulence": Door(
+            tv.winds.read_turbulence,
+            {"path": turbulence_file, "spectrum": "dryden", "component": "transverse"},
+        ),
         "read_range_reference": Door(
             tv.winds.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}
         ),

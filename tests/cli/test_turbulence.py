@@ -77,6 +77,21 @@ def test_a_severity_is_that_of_the_specification(
     assert plan.turbulence.at().length == pytest.approx(533.4)
 
 
+def test_turbulence_over_altitude_is_that_of_a_file_or_of_levels(tmp_path: Path) -> None:
+    (tmp_path / "air.csv").write_text("altitude_ft,intensity_kt\n0,4\n40000,12\n")
+    level = "[[turbulence.level]]\naltitude_ft = {}\nintensity_kt = {}\n"
+    tables = ['file = "air.csv"\naltitude_ft = 20000\n', "altitude_ft = 20000\n"]
+    tables[1] += level.format(0, 4) + level.format(40000, 12)
+    for keys in tables:
+        (tmp_path / "study.toml").write_text(f"{STUDY}\n[turbulence]\n{keys}\n")
+        plan = tv.load_study(str(tmp_path / "study.toml"))
+        assert plan.turbulence is not None
+        assert plan.turbulence.at().intensity == pytest.approx(8 * 1852 / 3600)
+        assert plan.turbulence.at(0.0).intensity == pytest.approx(4 * 1852 / 3600)
+        assert plan.turbulence.at().length == pytest.approx(533.4)
+    assert run(tmp_path, tables[0]).exit_code == 0
+
+
 def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
     study = f'{STUDY}[schedule]\nsource = "configuration-i"\n'
     found = json.loads(run(tmp_path, 'severity = "severe"', "--json", study=study).stdout)
@@ -90,7 +105,7 @@ def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("keys", "sentence"),
     [
-        ("", "needs one of intensity, severity and exceedance"),
+        ("", "needs one of intensity, severity, exceedance, file and level"),
         ('severity = "severe"', "needs an altitude with severity"),
         ('severity = "rough"\naltitude_m = 9e3', "must be one of light, moderate, severe"),
         ("intensity_m_per_s = 6\nlenght_m = 500", "did you mean length_m"),

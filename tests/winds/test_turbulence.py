@@ -140,3 +140,38 @@ def test_a_run_has_the_same_wind_whichever_others_are_drawn():
 def test_bad_turbulence_is_refused_in_a_sentence(make, sentence):
     with pytest.raises(InputError, match=sentence):
         make()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "altitude_m,intensity_m_per_s,length_m\n0,3,200\n3048,6,533.4\n",
+        "# of a site\naltitude [ft]; sigma [kt]; scale length [ft]\n"
+        "0; 5,8315335; 656,167979\n10000; 11,663067; 1750\n",
+    ],
+)
+def test_a_table_over_altitude_is_read_in_its_units(tmp_path, text):
+    file = tmp_path / "turbulence.csv"
+    file.write_text(text)
+    air = tv.winds.read_turbulence(file, spectrum="von-karman")
+    assert air.spectrum == "von-karman"
+    assert np.allclose(
+        air.over([0.0, 1524.0, 3048.0, 9e3]), [[3, 4.5, 6, 6], [200, 366.7, 533.4, 533.4]]
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("height_m,speed_kt\n0,3\n1,2\n", "no line of names such as altitude_m"),
+        ("altitude,intensity_m_per_s\n0,3\n9,2\n", "column altitude has no known unit"),
+        ("altitude_m,intensity_m_per_s\n0,3\n9,\n", "line 3: there is no number in intensity"),
+        ("altitude_m,intensity_m_per_s\n5,3\n2,2\n", "turbulence.csv.*rising altitudes"),
+        ("altitude_m,sigma_kt,rms_kt\n0,3,2\n9,2,2\n", "two columns of the intensity"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_refused_in_a_sentence(tmp_path, text, sentence):
+    file = tmp_path / "turbulence.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=sentence):
+        tv.winds.read_turbulence(file)

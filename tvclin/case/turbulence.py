@@ -8,8 +8,10 @@ the loop is no longer linear, and flights in sampled turbulence say the rest.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
@@ -19,10 +21,12 @@ from tvclin.base.errors import (
     instance,
     nonnegative,
     number,
+    one_of,
     positive,
     single,
     small_angle,
 )
+from tvclin.base.errors import text as a_text
 from tvclin.base.fields import checked, file_table, quantity, spec, word
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -33,10 +37,15 @@ from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.turbulence import COMPONENTS, SEVERITIES, SPECTRA, Turbulence
+from tvclin.winds.turbulence_table import read_turbulence, turbulence_of_levels
 
 if TYPE_CHECKING:
     from tvclin.linear.flexible import AnyPlant
 
+LEVELS = "level"
+"""Key of the rows of turbulence over altitude."""
+_FORMS = {"spectrum": SPECTRA, "component": COMPONENTS}
+"""Names of the form of turbulence, the usual one first."""
 _AFTER_WIND_S = 10.0
 """Time after the wind during which the largest deflection is searched [s]."""
 
@@ -62,13 +71,16 @@ class TurbulenceRequest:
         Form of the spectrum: dryden or von-karman.
     component : str
         Component across the path (transverse) or along it.
+    table : Turbulence, optional
+        In place of an intensity, turbulence over altitude with its spectrum and component: of the
+        file in [turbulence], or of its levels.
     sigmas : float
         Standard deviations that count on top of the response to the wind.
 
     Raises
     ------
     InputError
-        For numbers out of range, and other than one of intensity, severity and exceedance.
+        For numbers out of range, and other than one of intensity, severity, exceedance and table.
     """
 
     intensity: float | None = quantity("speed", None, nonnegative)
@@ -79,14 +91,15 @@ class TurbulenceRequest:
     spectrum: str = word(SPECTRA, SPECTRA[0])
     component: str = word(COMPONENTS, COMPONENTS[0])
     sigmas: float = quantity("number", 3.0, between(0.0, 10.0))
+    table: Turbulence | None = None
 
     def __post_init__(self) -> None:
         checked(self)
-        names = ("intensity", "severity", "exceedance")
+        names = ("intensity", "severity", "exceedance", "table")
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) != 1:
             raise InputError(
-                "[turbulence] needs one of intensity, severity and exceedance"
+                "[turbulence] needs one of intensity, severity, exceedance, file and level"
                 f"{'; got ' + ' and '.join(given) if given else ''}"
             )
         _ = self.over_altitude  # refuses numbers out of range
@@ -99,6 +112,9 @@ class TurbulenceRequest:
     @property
     def over_altitude(self) -> Turbulence:
         """Turbulence along a flight: a table over altitude, or of one intensity and length."""
+        if self.table is not None:
+            instance("table", self.table, Turbulence, "see read_turbulence")
+            return self.table if self.length is None else replace(self.table, length=self.length)
         of: dict[str, str] = {"spectrum": self.spectrum, "component": self.component}
         if self.intensity is not None:
             return Turbulence(self.intensity, self.length, **of)  # type: ignore[arg-type]
@@ -117,14 +133,39 @@ class TurbulenceRequest:
         """
         height = self.altitude if altitude is None else altitude
         if self.intensity is None and height is None:
-            given = "severity" if self.exceedance is None else "exceedance"
+            names = ("severity", "exceedance", "table")
+            given = next(name for name in names if getattr(self, name) is not None)
+            given = "levels over altitude" if given == "table" else given
             raise InputError(
                 f"[turbulence] needs an altitude with {given}, on which its intensity depends"
             )
         return self.over_altitude if height is None else self.over_altitude.at(height)
 
 
-TURBULENCE_TABLE = file_table("[turbulence]", TurbulenceRequest)
+TURBULENCE_TABLE = file_table("[turbulence]", TurbulenceRequest, words=("file",), lists=(LEVELS,))
+
+
+def turbulence_of(document: Mapping[str, Any], folder: Path) -> TurbulenceRequest | None:
+    """Return the request of [turbulence] of a document, None without it.
+
+    A file of turbulence over altitude is searched in the folder.
+    """
+
+    def request(keys: dict[str, Any]) -> TurbulenceRequest:
+        values = TURBULENCE_TABLE.read(keys)
+        path, levels = values.pop("file", None), values.pop(LEVELS, None)
+        if path is not None and levels is not None:
+            raise InputError("turbulence over altitude is that of file or of level; keep one")
+        of = {name: values.get(name, names[0]) for name, names in _FORMS.items()}
+        for name, names in _FORMS.items():
+            one_of(name, of[name], names)
+        if path is not None:
+            values["table"] = read_turbulence(folder / a_text("file", path), **of)
+        elif levels is not None:
+            values["table"] = turbulence_of_levels(levels, **of)
+        return TurbulenceRequest(**values)
+
+    return TURBULENCE_TABLE.made(document, request)
 
 
 @dataclass(frozen=True, eq=False)

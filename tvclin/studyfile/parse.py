@@ -12,7 +12,7 @@ from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
 from tvclin.case.load import LOAD_TABLE, LoadBound
-from tvclin.case.turbulence import TURBULENCE_TABLE, TurbulenceRequest
+from tvclin.case.turbulence import turbulence_of
 from tvclin.control.autopilot.flight_autopilot import design_at
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.design.standard_trials import LAWS_TABLE, LawsRequest
@@ -77,9 +77,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         ),
         "nozzle": lambda: nozzle_of(document),
         "load": lambda: LOAD_TABLE.made(document, lambda keys: LoadBound(**LOAD_TABLE.read(keys))),
-        "turbulence": lambda: TURBULENCE_TABLE.made(
-            document, lambda keys: TurbulenceRequest(**TURBULENCE_TABLE.read(keys))
-        ),
+        "turbulence": lambda: turbulence_of(document, folder),
         "design": lambda: design_of(document, folder),
         "plant_system": lambda: system_of(document, PLANT_TABLE, folder),
         "controller": lambda: system_of(document, CONTROLLER_TABLE, folder),

@@ -8,7 +8,8 @@ transform, a sum with others and a shift.
   name with gust and direction `ShapedWind`. `equivalent_triangle` of any pulse.
 - Gusts: `OneMinusCosineGust`, `LayeredGust`.
 - From samples: `SampledWind`; many at once: `WindEnsemble`; in both planes: `PlaneWind`.
-- Random in time: `Turbulence`, by its spectrum, intensity and length.
+- Random in time: `Turbulence`, by its spectrum, intensity and length; over altitude from a file:
+  `read_turbulence`.
 - From a speed: `angle_from_speed`.
 - Measured over height: `read_sounding`, `WindProfile`; archives: `read_soundings`, `Soundings`; of
   a range: `read_range_reference`, `worst_month`.

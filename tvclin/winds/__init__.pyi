@@ -23,4 +23,5 @@ from .soundings.synthetic import add_gust as add_gust
 from .soundings.synthetic import power_law_shear as power_law_shear
 from .soundings.synthetic import synthetic_profile as synthetic_profile
 from .turbulence import Turbulence as Turbulence
+from .turbulence_table import read_turbulence as read_turbulence
 from .wind_angles import angle_from_speed as angle_from_speed

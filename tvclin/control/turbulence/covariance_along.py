@@ -28,6 +28,7 @@ from tvclin.control.turbulence.driven_loop import (
     SensorNoise,
     checked_parts,
     driven_loop,
+    loads_at,
 )
 from tvclin.control.turbulence.varying_loop import VaryingLoop
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
@@ -127,7 +128,7 @@ def turbulence_along(
         V = np.broadcast_to(np.asarray(vehicle.velocity), times.shape)
         advance, angle = (x[:, np.newaxis, np.newaxis] for x in (V / length, sigma / V))
         shape = A * advance, b * np.sqrt(advance), c * angle
-        slopes = given.over(schedule.times, inside)
+        slopes = loads_at(given, schedule.times, inside)
         if own_pressure:
             pressure = flight_variable(flight, "dynamic_pressure", inside)
             slopes = replace(slopes, dynamic_pressure=pressure)
@@ -136,7 +137,7 @@ def turbulence_along(
     loop = VaryingLoop(loop_at, _breakpoints(flight, autopilot, turbulence))
     times = march_times(*flight.span, wind, loop)
     moments = march(loop, times, wind, (A, b))
-    return CovarianceHistory.of(times, loop.signals(times), moments)
+    return CovarianceHistory(times, loop.labels, loop.signals(times), moments)
 
 
 def _constant(name: str, value: float | FloatArray) -> float:

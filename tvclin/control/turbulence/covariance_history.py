@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Self
 
 import numpy as np
 
@@ -61,11 +60,6 @@ class CovarianceHistory(Shown):
     outputs: tuple[str, ...] = field(metadata=spec(card=False))
     _signals: Mapping[str, Signal]
     _moments: Moments
-
-    @classmethod
-    def of(cls, times: FloatArray, signals: Mapping[str, Signal], moments: Moments) -> Self:
-        """Return the history of the outputs of a loop at times, from the moments of its states."""
-        return cls(times, tuple(signals), signals, moments)
 
     def mean(self, output: str = DEFLECTION) -> FloatArray:
         """Return the response to the known wind at the times ``(n,)``, in SI units.
@@ -279,4 +273,4 @@ def turbulence_history(
     start = None if at_rest else stationary(loop)[0][0]
     moments = march(loop, times, wind, shape[:2], start)
     signals = {output: loop.signal(output) for output in loop.labels}
-    return CovarianceHistory.of(times, signals, moments)
+    return CovarianceHistory(times, loop.labels, signals, moments)

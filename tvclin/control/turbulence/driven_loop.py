@@ -156,18 +156,19 @@ class LoadSlopes(Record):
             slopes[BENDING_MOMENT] = self.alpha_moment, self.deflection_moment
         return slopes
 
-    def over(self, times: FloatArray, at: FloatArray) -> LoadSlopes:
-        """Return the slopes at other times, given those ``(n,)`` or ``()`` at `times` [s]."""
-        if self.batch not in {(), times.shape}:
-            raise InputError(
-                "loads along a flight must have one number, or one for each of the"
-                f" {times.size} times of the schedule; got shape {self.batch}"
-            )
-        given = {name: getattr(self, name) for name in _SLOPES}
-        changes = {
-            name: np.interp(at, times, value) for name, value in given.items() if np.ndim(value)
-        }
-        return replace(self, **changes)
+
+def loads_at(loads: LoadSlopes, times: FloatArray, at: FloatArray) -> LoadSlopes:
+    """Return the slopes of loads at other times, given those ``(n,)`` or ``()`` at `times` [s]."""
+    if loads.batch not in {(), times.shape}:
+        raise InputError(
+            f"loads along a flight must have one number, or one for each of the {times.size} times"
+            f" of the schedule; got shape {loads.batch}"
+        )
+    numbers = {name: getattr(loads, name) for name in _SLOPES}
+    changes = {
+        name: np.interp(at, times, value) for name, value in numbers.items() if np.ndim(value)
+    }
+    return replace(loads, **changes)
 
 
 class Signal(NamedTuple):
