@@ -206,7 +206,7 @@ def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, 
         np.degrees(front(one, limit=limit, rate_limit=rate).required_rate)
         for one in (vehicle, denser)
     )
-    if limit == 0.3:  # as in docs/limits.md
+    if limit == 0.3:
         assert (round(calm, 3), round(needed, 3)) == (0.173, 0.314)
     assert f"at the nominal one {calm:.3f} deg/s" in asked["why"]
     assert asked["yes"] is (bool(needed <= rate) or (None if calm <= rate else False))

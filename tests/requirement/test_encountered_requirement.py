@@ -325,7 +325,7 @@ def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
 def test_a_slow_mode_in_the_air_met_needs_the_least_of_all_control(
     configuration_i, duration, calm, head
 ) -> None:
-    """By a linear program over both modes; numbers of docs/limits.md.
+    """By a linear program over both modes.
 
     The program's control is constant in a quarter of a second, its peak about 1e-4 too high, and
     the steps of the ratio are good to 1e-4.
