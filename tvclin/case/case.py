@@ -59,8 +59,8 @@ class Case:
         see `SystemAutopilot`.
     sign : str, optional
         Direction of a wind along the path for the required deflection: head or tail, with the
-        dynamic pressure encountered, or frozen, at nominal dynamic pressure; by default the worse
-        of head and tail. Measured winds and winds with a heading have their own direction.
+        dynamic pressure encountered, or frozen, at nominal dynamic pressure. Measured
+        winds and winds with a heading have their own direction.
 
     Raises
     ------
@@ -80,7 +80,7 @@ class Case:
     design: AutopilotDesign | None = None
     plant_system: LinearSystem | None = None
     controller: LinearSystem | None = None
-    sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
+    sign: str | None = word((*SIGNS, FROZEN), None, shown="the worse of head and tail")
 
     def __post_init__(self) -> None:
         if not isinstance(self.vehicle, LinearVehicle):

@@ -263,4 +263,9 @@ def _default(item: Any, factor: float | None) -> str:
     if item.shown or item.default is None:
         return item.shown
     values = item.default if item.many else (item.default,)
-    return ", ".join(f"{value / factor:g}" if factor else str(value) for value in values)
+    return ", ".join(_text(value, factor) for value in values)
+
+
+def _text(value: Any, factor: float | None) -> str:
+    """Return a default as text, a number in the unit with this factor to SI units."""
+    return f"{value / (factor or 1.0):g}" if factor or isinstance(value, float) else str(value)

@@ -92,7 +92,7 @@ class Vehicle:
         engine). It is needed for aerodynamic surfaces and for reaction control.
     pitch_damping : array_like
         Moment against the attitude rate M_q [N m s/rad], aerodynamic and of the jet, in either
-        plane; zero or positive, by default zero, as in the report.
+        plane; zero, as in the report, or positive.
     numbers_from : str
         Source of the numbers, for the page.
     structure : Structure, optional

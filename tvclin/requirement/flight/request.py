@@ -216,9 +216,9 @@ class SizingRequest:
     window : float, optional
         Length [s] of the interval of a sounding that counts, about each flight time.
     start : float, optional
-        First flight time [s]; by default the first with all pulses within the schedule.
+        First flight time [s].
     stop : float, optional
-        Last flight time [s]; by default the last with all pulses within the schedule.
+        Last flight time [s].
     every : float
         Time between flight times [s]; the last step may be shorter.
     dead_bands : tuple of float
@@ -266,10 +266,10 @@ class SizingRequest:
     soundings: Mapping[str, SoundingRequest] = field(default_factory=dict)
     window: float | None = quantity("time", None, positive, key=None, option=None)
     start: float | None = quantity(
-        "time", None, key="from", option="--from", shown="the earliest possible"
+        "time", None, key="from", option="--from", shown="the first with all pulses in the schedule"
     )
     stop: float | None = quantity(
-        "time", None, key="to", option="--to", shown="the latest possible"
+        "time", None, key="to", option="--to", shown="the last with all pulses in the schedule"
     )
     every: float = quantity("time", 5.0, positive)
     dead_bands: tuple[float, ...] = quantity(
