@@ -14,7 +14,7 @@ from tvclin.ascent.flight_variables import flight_variable
 from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import WindAlong, wind_along
-from tvclin.base.arrays import AnyArray, FloatArray
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.cards import table
 from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.errors import (
@@ -39,7 +39,7 @@ from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
 from tvclin.flights.closed_loop.fly_many import FlownCases, flown_cases, unstable_loops
 from tvclin.flights.closed_loop.sampled import finish
-from tvclin.flights.closed_loop.stages import Loops, stages_of
+from tvclin.flights.closed_loop.stages import Loops, Stages, stages_of
 from tvclin.kernels.flights import Flights
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import DEFAULT_MODEL
@@ -248,7 +248,8 @@ def fly_along(
         if deflection_limit is None:
             raise InputError("deflection_limit must be given for an autopilot with a sample_rate")
         limit = number("deflection_limit", deflection_limit, small_angle("a deflection", positive))
-        made, f = _sampled(along, np.array([limit]), np.array([max_rate]), track=True)
+        limits = np.array([limit]), np.array([max_rate])
+        made, f = _flown(_stages(along), np.zeros(1, np.int64), *limits, track=True)
         times, rows, rates = _tracked(along, f, limit)
         status = str(made.status[0])
     outputs = _outputs(along, times, rows, rates, slopes)
@@ -310,15 +311,13 @@ def fly_many_along(
     limits, rates = (np.array(np.broadcast_to(a, shape)).ravel() for a in (limit, rate))
     flown: dict[str, list[AnyArray]] = {name: [] for name in FlownCases.__dataclass_fields__}
     flights = []
-    if len(winds) == 1:
-        history = winds[0].history.cases(which, batch)
-        winds, which = [replace(winds[0], history=history)], np.zeros_like(which)
     for k, one in enumerate(winds):
-        chosen = np.flatnonzero(which == k)
+        chosen = np.flatnonzero(which == k) if len(winds) > 1 else np.arange(which.size)
         along = _checked(flight, autopilot, one, start, stop, model, plane)
         if along.law.sample_rate is None:
             raise InputError("many flights need samples: give the autopilot a sample_rate")
-        made, _ = _sampled(along, limits[chosen], rates[chosen])
+        inside = which[chosen] if one.history.batch else np.zeros(chosen.size, np.int64)
+        made, _ = _flown(_stages(along), inside, limits[chosen], rates[chosen])
         flights.append(chosen)
         for name, values in flown.items():
             values.append(getattr(made, name))
@@ -376,10 +375,8 @@ def _checked(
     return along
 
 
-def _sampled(
-    along: _Along, limit: FloatArray, rate_limit: FloatArray, *, track: bool = False
-) -> tuple[FlownCases, Flights]:
-    """Return the outcomes of sampled flights ``(m,)``, and their arrays at their ends."""
+def _stages(along: _Along) -> Stages:
+    """Return the stages of a sampled flight; `InputError` as `fly_many`."""
     law = along.law
     actuator = along.loops(np.array([along.start]))[1].actuator
     rate = float(np.asarray(law.sample_rate))
@@ -387,10 +384,24 @@ def _sampled(
     check_delays(np.unique(law.delay)[0], np.array(1.0 / rate))
     check_samples(along.stop - along.start, 1.0 / rate)
     loops: Loops = along.loops
-    stages = stages_of(loops, along.start, along.stop, rate, rate_limit)
     wind = along.wind.history
-    winds = wind if wind.batch else wind.cases(np.zeros(limit.size, np.int64), ())
-    batch = stages.batch(winds, limit)
+    winds = wind if wind.batch else wind.cases(np.zeros(1, np.int64), ())
+    return stages_of(loops, along.start, along.stop, rate, winds)
+
+
+def _flown(
+    stages: Stages,
+    which: IntArray,
+    limit: FloatArray,
+    rate_limit: FloatArray,
+    *,
+    track: bool = False,
+) -> tuple[FlownCases, Flights]:
+    """Return the outcomes of sampled flights ``(m,)``, and their arrays at their ends.
+
+    `which`: indices of their winds. `limit`, `rate_limit`: of the deflection [rad, rad/s].
+    """
+    batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
     finish(f, batch.laws)
     return flown_cases(f, np.ones(limit.size, bool), unstable_loops(batch, f)), f

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -49,11 +50,11 @@ Loops = Callable[[FloatArray], tuple[AnyPlant, Autopilot]]
 
 @dataclass(frozen=True, eq=False)
 class Stages:
-    """Sampled loop over a flight: plants and autopilots at its samples.
+    """Sampled loop over a flight: plants and autopilots at its samples, and winds.
 
     `loops`: plants and autopilots at any times. `times`: times of the samples [s], ``(n + 1,)``,
-    the last that of the end. `plants`, `laws`: at these times. `hardware`: sample period, delay and
-    rate limit; its actuator is that of the laws.
+    the last that of the end. `plants`, `laws`: at these times. `hardware`: sample period and
+    delay; its actuator is that of the laws. `wind`: winds ``(w,)`` over the time of flight.
     """
 
     loops: Loops
@@ -61,6 +62,7 @@ class Stages:
     plants: AnyPlant
     laws: Autopilot
     hardware: Hardware
+    wind: History
 
     @property
     def samples(self) -> int:
@@ -72,8 +74,11 @@ class Stages:
         """Sensors of drift and acceleration of the laws."""
         return self.laws.lateral_sensors
 
-    def batch(self, wind: History, limit: FloatArray) -> Batch:
-        """Return the batch of flights through winds ``(m,)`` with deflection limits [rad]."""
+    def batch(self, which: IntArray, limit: FloatArray, rate_limit: FloatArray) -> Batch:
+        """Return the batch of flights through winds of indices ``(m,)``, with limits [rad, rad/s].
+
+        `limit`, `rate_limit`: limits of deflection and deflection rate, ``(m,)``.
+        """
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
         gains = gain_numbers(self.laws)
         columns = (np.broadcast_to(gain, self.times.shape).tolist() for gain in gains.values())
@@ -84,32 +89,32 @@ class Stages:
         laws = LawBatch((), numbers, [chains], first, self.sensors)
         return Batch(
             self.plants,
-            self.hardware,
-            wind,
+            replace(self.hardware, rate_limit=rate_limit),
+            self.wind,
             laws,
             limit,
             limit.shape,
             until=float(self.times[-1]),
             vehicle=first.copy(),
-            encountered=np.arange(limit.size),
+            encountered=which,
         )
 
     def flights(self, batch: Batch, *, track: bool = False) -> Flights:
         """Return the arrays of the flights of a batch of `batch` at their start, in equilibrium."""
-        knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind.pieces))
-        count, start = self.times.size, float(self.times[0])
-        plant = self.sensors.system(self.plants).cases(np.arange(count), (count,))
-        steps = self._steps(plant, pieces.shape[2])
-        memory, order = self._memory(), steps.joint.shape[2]
-        cases = self._cases(batch, start)
+        steps, (knots, pieces) = self.steps, self._pieces
+        order, memory, cases = steps.joint.shape[2], self._memory, self._cases(batch)
         now = equilibrium(
-            cases.limit.size, len(plant.states), steps, pieces.shape[2], memory.moved.shape[1]
+            cases.limit.size,
+            self.vehicles.A.shape[1],
+            steps,
+            pieces.shape[2],
+            memory.moved.shape[1],
         )
-        now.piece[:] = (knots <= start).sum(axis=1) - 1
+        now.piece[:] = ((knots <= self.times[0]).sum(axis=1) - 1)[cases.wind]
         rows = int(steps.substeps[0].sum()) * self.samples if track else 0
         return Flights(
             steps=steps,
-            vehicles=self._vehicles(knots, int(cases.ends.min()), order),
+            vehicles=self.vehicles,
             winds=Winds(knots, pieces),
             laws=Laws(list(batch.laws.numbers), *memory, np.zeros((1, 0))),
             cases=cases,
@@ -117,9 +122,22 @@ class Stages:
             track=np.full((rows, order + 4), np.nan),
         )
 
-    def _steps(self, plant: LinearSystem, terms: int) -> Steps:
-        """Return the steps of all stages in winds of `terms` polynomial coefficients."""
+    @cached_property
+    def _pieces(self) -> tuple[FloatArray, FloatArray]:
+        """Breakpoints [s] and polynomials of the winds."""
+        knots, pieces = polynomial_pieces(self.wind.pieces)
+        return np.ascontiguousarray(knots), np.ascontiguousarray(pieces)
+
+    @cached_property
+    def _sensed(self) -> LinearSystem:
+        """Plants with the sensors of the laws at the samples."""
         count = self.times.size
+        return self.sensors.system(self.plants).cases(np.arange(count), (count,))
+
+    @cached_property
+    def steps(self) -> Steps:
+        """Steps of all stages."""
+        count, terms = self.times.size, self._pieces[1].shape[2]
         length, delay = (
             np.full(count, float(x)) for x in (self.hardware.length, self.hardware.delay)
         )
@@ -139,11 +157,12 @@ class Stages:
         return steps_of(
             constant_over_steps(driven[0], driven[1], lengths),
             constant_over_steps(ramps[0], ramps[1], lengths),
-            plant,
+            self._sensed,
             timing,
             terms,
         )
 
+    @cached_property
     def _memory(self) -> Memory:
         """Return the steps of the states of laws and filters of all stages."""
         laws, count = self.laws, self.times.size
@@ -156,68 +175,74 @@ class Stages:
             return memory
         return Memory(memory.moved, memory.seen[:0], memory.told[:0])
 
-    def _cases(self, batch: Batch, start: float) -> Cases:
-        """Return the numbers of each flight; outcomes are judged after its wind.
+    @cached_property
+    def _judged(self) -> tuple[IntArray, IntArray]:
+        """Samples after which flights through each wind are judged, and for which they settle.
 
-        In a wind that lasts until the end of the flight they are judged over the settling time
-        before the end.
+        Both are ``(w,)``. In a wind that lasts until the end of the flight they are the settling
+        time before the end.
         """
-        count, wind = batch.shape[0], batch.wind
-        h = np.full(count, float(self.hardware.length))
-        ends = np.minimum(samples_in(wind.end.ravel() - start, h), self.samples)
-        finish = np.full(count, self.samples, np.int64)
+        h = float(self.hardware.length)
+        ends = samples_in(self.wind.end.ravel() - self.times[0], np.array(h))
+        ends = np.minimum(ends, self.samples)
         at_end = outcome_criteria(self._plants_at(np.append(ends, self.samples)))
-        settling = np.ceil(np.where(np.isnan(at_end.reach), 0.0, at_end.settling) / h[0])
+        settling = np.ceil(np.where(np.isnan(at_end.reach), 0.0, at_end.settling) / h)
         settling = settling.astype(np.int64)
         late = ends >= self.samples
         before = self.samples - settling[-1] - 2 * JUDGED_SAMPLES
         ends = np.where(late, max(before, 1), ends)
         settling = np.where(late, settling[-1], settling[:-1])
+        return ends.astype(np.int64), settling
+
+    def _cases(self, batch: Batch) -> Cases:
+        """Return the numbers of each flight; outcomes are judged after its wind."""
+        count, (vehicle, wind) = batch.shape[0], batch.indices
+        ends, settling = self._judged
         zeros = np.zeros(count, np.int64)
         return Cases(
-            vehicle=zeros.copy(),
-            wind=np.arange(count),
+            vehicle=vehicle.copy(),
+            wind=wind.copy(),
             law=zeros.copy(),
             memory=zeros.copy(),
             sequence=zeros.copy(),
             stages=np.full(count, self.times.size, np.int64),
             gain=np.ones(count),
             limit=np.array(batch.limit, float),
-            rate_limit=np.array(np.broadcast_to(self.hardware.rate_limit, (count,)), float),
-            start=np.full(count, start),
-            finish=finish,
-            ends=ends.astype(np.int64),
+            rate_limit=np.array(np.broadcast_to(batch.hardware.rate_limit, (count,)), float),
+            start=np.full(count, float(self.times[0])),
+            finish=np.full(count, self.samples, np.int64),
+            ends=ends[wind],
             waiting=zeros.copy(),
-            settling=settling,
+            settling=settling[wind],
         )
 
     def _plants_at(self, stages: IntArray | IndexArray) -> AnyPlant:
         """Return the plants at indices of samples, ``(k,)``."""
         return self.loops(self.times[stages])[0]
 
-    def _vehicles(self, knots: FloatArray, judged_from: int, order: int) -> Vehicles:
-        """Return the further numbers of all stages.
+    @cached_property
+    def vehicles(self) -> Vehicles:
+        """Further numbers of all stages.
 
         Criteria exist from the sample on from which flights are judged, and the fastest pole where
         a wind has a knot within the sample.
         """
-        count, h = self.times.size, float(self.hardware.length)
-        shown = sensed_rows(self.sensors.system(self.plants).cases(np.arange(count), (count,)))
+        count, h, knots = self.times.size, float(self.hardware.length), self._pieces[0]
         middle = np.minimum(self.times + 0.5 * h, self.times[-1])
         plants = self.loops(middle)[0]
         system = self.sensors.system(plants).cases(np.arange(count), (count,))
-        judged = np.arange(min(judged_from, self.samples), count)
+        judged = np.arange(min(int(self._judged[0].min()), self.samples), count)
         criteria = outcome_criteria(self._plants_at(judged))
-        rows = np.zeros((count, 2, order))
+        rows = np.zeros((count, 2, self.steps.joint.shape[2]))
         reach, ratio, fastest = np.full(count, np.nan), np.zeros(count), np.zeros(count)
-        rows[judged] = widened(criteria.rows, order, self.sensors)
+        rows[judged] = widened(criteria.rows, rows.shape[2], self.sensors)
         reach[judged], ratio[judged] = criteria.reach, criteria.ratio
         inside = np.floor((knots[np.isfinite(knots)] - self.times[0]) / h)
         near = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
         near = near[(near >= 0) & (near < count)].astype(np.int64)
         fastest[near] = np.abs(np.linalg.eigvals(system.A[near])).max(axis=-1)
         return Vehicles(
-            shown=shown,
+            shown=sensed_rows(self._sensed),
             A=np.array(system.A),
             gust=np.ascontiguousarray(system.B[..., 1]),
             fastest=fastest,
@@ -227,10 +252,8 @@ class Stages:
         )
 
 
-def stages_of(
-    loops: Loops, start: float, stop: float, rate: float, rate_limit: FloatArray
-) -> Stages:
-    """Return the stages of a loop between two times [s] at a sample rate [Hz]."""
+def stages_of(loops: Loops, start: float, stop: float, rate: float, wind: History) -> Stages:
+    """Return the stages of a loop between two times [s] at a sample rate [Hz], in winds ``(w,)``."""
     h = 1.0 / rate
     count = int(samples_in(np.array(stop - start), np.array(h)))
     times = np.asarray(start + h * np.arange(count + 1), np.float64)
@@ -241,7 +264,7 @@ def stages_of(
 
     plants, laws = loops(inside)
     delay = float(np.unique(laws.delay)[0])
-    return Stages(until_stop, times, plants, laws, Hardware(h, delay, laws.actuator, rate_limit))
+    return Stages(until_stop, times, plants, laws, Hardware(h, delay, laws.actuator), wind)
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
