@@ -295,3 +295,33 @@ def test_a_small_limit_is_lost_and_a_wind_to_the_end_is_judged_before_it() -> No
 def test_flights_that_cannot_be(laws, options, message) -> None:
     with pytest.raises(InputError, match=message):
         fly_along(flight(), laws, GUST, **options)
+
+
+def test_the_limit_along_a_frozen_flight_is_that_of_the_frozen_vehicle() -> None:
+    """Equal within the last step of both scans, 1.98/60/16^3 of the largest trim."""
+    made = flight(flexible=False)
+    still = tv.FlightSchedule(made.at(60.0).replace(time=np.array([50.0, 120.0])), altitude=1e4)
+    plant = made.plants(60.0, "drift-exact", "pitch")
+    law = autopilot(sample_rate=25.0).along(made, 60.0)
+    gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.5).shift(60.0)
+    options = {"rate_limit": np.radians(8.0), "start": 60.0}
+    along = tv.flights.survival_limit_along(still, law, gust, sign="frozen", **options)
+    boundary = tv.closed_loop_boundary(
+        plant,
+        tv.SaturatedLaw(replace(law, actuator=None, delay=0.0, sample_rate=None)),
+        gust,
+        rate_limit=np.radians(8.0),
+        actuator=law.actuator,
+        sample_rate=25.0,
+        delay=law.delay,
+    )
+    step = abs(boundary.deflection / boundary.limit) * 1.98 / 60 / 16**3
+    assert along.limit == pytest.approx(abs(boundary.deflection), abs=1.01 * step)
+    head = tv.flights.survival_limit_along(still, law, gust, **options)
+    assert head.limit > 1.05 * along.limit
+    flown = fly_many_along(
+        still, law, gust, deflection_limit=head.limit * np.array([0.999, 1.0]), **options
+    )
+    assert flown.status.tolist() == ["lost", "survived"]
+    with pytest.raises(InputError, match="it is calm"):
+        tv.flights.survival_limit_along(still, law, gust * 0.0)

@@ -26,6 +26,34 @@ def test_what_remains_is_the_limit_minus_the_largest_of_what_is_required_and_use
     curves = tv.plots.curves_of(tv.plots.deflection_use_chart(use))
     np.testing.assert_array_equal(curves.column("used")[1:], np.degrees(use.used[1:]))
     assert len(use.to_csv().splitlines()) == 4
+    laws = autopilot(sample_rate=25.0)
+    needed = tv.requirement.autopilot_requirements(sizing, laws, gust, sign="head")
+    with_autopilot = tv.requirement.deflection_use(sizing, flown, 0.05, needed)
+    np.testing.assert_array_equal(with_autopilot.required["autopilot"], needed.at_times)
+    np.testing.assert_array_equal(
+        with_autopilot.remaining, np.minimum(use.remaining, 0.05 - needed.at_times)
+    )
+    assert np.all(needed.at_times > sizing.at_times("K = 1"))
     one = tv.size(made, gust, times=[55.0])
     with pytest.raises(InputError, match="two or more flight times; got 1"):
         tv.requirement.deflection_use(one, flown, 0.05)
+
+
+@pytest.mark.thorough
+def test_the_autopilot_requirement_is_the_larger_of_head_and_tail_wind() -> None:
+    made, laws = flight(flexible=False), autopilot(sample_rate=25.0)
+    gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0)
+    steep = tv.TriangularWind(peak=np.radians(31.0), duration=6.0)
+    sizing = tv.size(made, {"gust": gust, "steep": steep}, times=[65.0])
+    winds = {"gust": gust, "steep": steep}
+    needed = tv.requirement.autopilot_requirements(sizing, laws, winds, rate_limit=0.3)
+    options = {"rate_limit": 0.3, "start": 62.0}
+    head, tail = (
+        tv.flights.survival_limit_along(made, laws, gust.shift(62.0), sign=sign, **options).limit
+        for sign in ("head", "tail")
+    )
+    assert needed.limit[0, 0] == max(head, tail)
+    assert np.isnan(needed.limit[0, 1])
+    assert "linear aerodynamics says nothing" in needed.said[0]
+    with pytest.raises(InputError, match="winds must be those of the sizing"):
+        tv.requirement.autopilot_requirements(sizing, laws, gust)

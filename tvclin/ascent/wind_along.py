@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.ascent.measured_wind import FlightWind, MeasuredWind
+from tvclin.ascent.measured_wind import FlightWind, MeasuredWind, SoundingSpeeds
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, number, one_of
@@ -142,9 +142,29 @@ def _sounding(
     if gust_time is not None:
         time = number("gust_time", gust_time, unit="s")
         history = whole.of_both_signs(flight.at(time).rigid)
-    if wind.speeds is None or sign == FROZEN:
-        return WindAlong(history, known=wind.known)
-    encountered = FlightWind(history, plane, wind.speeds)
+    speeds = None if sign == FROZEN else wind.speeds
+    return sounding_along(history, speeds, plane, wind.known)
+
+
+def sounding_along(
+    history: History, speeds: SoundingSpeeds | None, plane: str, known: tuple[float, float]
+) -> WindAlong:
+    """Return the wind of a sounding along a flight, or an interval of it.
+
+    Parameters
+    ----------
+    history : History
+        Wind angles [rad] at the nominal speed of the flight, eq (B1e).
+    speeds : SoundingSpeeds or None
+        Wind of both planes; None for the nominal dynamic pressure.
+    plane : {"pitch", "yaw"}
+        Plane of the wind angles.
+    known : tuple of float
+        First and last time of flight [s] at which the sounding is known.
+    """
+    if speeds is None:
+        return WindAlong(history, known=known)
+    encountered = FlightWind(history, plane, speeds)
     knots = history.knots
     parts = np.maximum(np.ceil(np.diff(knots) / _MAX_INTERVAL_S), 1.0).astype(int)
     between = [
@@ -154,4 +174,4 @@ def _sounding(
     times = np.unique(np.concatenate([*between, knots[-1:]]))
     inside = np.minimum(times, np.nextafter(knots[-1], -np.inf))
     change = encountered.at(inside[np.newaxis])[0][0] - history(inside)
-    return WindAlong(history + SampledWind(time=times, angle=change), encountered, wind.known)
+    return WindAlong(history + SampledWind(time=times, angle=change), encountered, known)

@@ -3,7 +3,8 @@
 - One wind: `is_sufficient`, `required_deflection`, `survivable_peak`; of a `Case` a `Study`.
 - A flight: its `size` by a `SizingRequest` and `SoundingRequest`, with numbers by `Requirement`;
   the `DeflectionTotal` of `total_deflection` and `worst_total`, and the `ControllabilityRatio` of
-  `controllability_ratio`; beside what an autopilot uses: `deflection_use`.
+  `controllability_ratio`; with the requirement of an autopilot, `autopilot_requirements`, and what
+  it uses: `deflection_use`.
 """
 
 from tvclin.base.public_names import public_names

@@ -1,3 +1,5 @@
+from .flight.autopilot_along import AutopilotRequirements as AutopilotRequirements
+from .flight.autopilot_along import autopilot_requirements as autopilot_requirements
 from .flight.controllability import ControllabilityRatio as ControllabilityRatio
 from .flight.controllability import controllability_ratio as controllability_ratio
 from .flight.deflection_use import DeflectionUse as DeflectionUse

@@ -136,7 +136,7 @@ class FlightAlong(Tabled):
 
 
 @dataclass(frozen=True, eq=False)
-class _Along:
+class FlownFlight:
     """Checked arguments of a flight: the loop at any times, its span [s] and its law."""
 
     flight: FlightSchedule
@@ -234,7 +234,7 @@ def fly_along(
     if getattr(wind, "batch", ()):
         raise InputError("wind must be one wind; see fly_many_along for many")
     wind_of_flight = wind_along(flight, wind, plane, sign, gust_time)
-    along = _checked(flight, autopilot, wind_of_flight, start, stop, model, plane)
+    along = checked_flight(flight, autopilot, wind_of_flight, start, stop, model, plane)
     slopes: dict[str, FloatArray] = {}
     if alpha_moment is not None:
         slopes["alpha_moment"] = _slope(flight, "alpha_moment", alpha_moment)
@@ -249,7 +249,7 @@ def fly_along(
             raise InputError("deflection_limit must be given for an autopilot with a sample_rate")
         limit = number("deflection_limit", deflection_limit, small_angle("a deflection", positive))
         limits = np.array([limit]), np.array([max_rate])
-        made, f = _flown(_stages(along), np.zeros(1, np.int64), *limits, track=True)
+        made, f = flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits, track=True)
         times, rows, rates = _tracked(along, f, limit)
         status = str(made.status[0])
     outputs = _outputs(along, times, rows, rates, slopes)
@@ -313,11 +313,9 @@ def fly_many_along(
     flights = []
     for k, one in enumerate(winds):
         chosen = np.flatnonzero(which == k) if len(winds) > 1 else np.arange(which.size)
-        along = _checked(flight, autopilot, one, start, stop, model, plane)
-        if along.law.sample_rate is None:
-            raise InputError("many flights need samples: give the autopilot a sample_rate")
+        along = checked_flight(flight, autopilot, one, start, stop, model, plane)
         inside = which[chosen] if one.history.batch else np.zeros(chosen.size, np.int64)
-        made, _ = _flown(_stages(along), inside, limits[chosen], rates[chosen])
+        made, _ = flown_in_winds(sampled_stages(along), inside, limits[chosen], rates[chosen])
         flights.append(chosen)
         for name, values in flown.items():
             values.append(getattr(made, name))
@@ -355,7 +353,7 @@ def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
     return np.broadcast_to(array, flight.times.shape)
 
 
-def _checked(
+def checked_flight(
     flight: FlightSchedule,
     autopilot: Autopilot | GainSchedule,
     wind: WindAlong,
@@ -363,9 +361,9 @@ def _checked(
     stop: float | None,
     model: str,
     plane: str,
-) -> _Along:
+) -> FlownFlight:
     """Return the checked arguments of a flight."""
-    along = _Along(flight, autopilot, wind, model, plane, *wind.span(flight, start, stop))
+    along = FlownFlight(flight, autopilot, wind, model, plane, *wind.span(flight, start, stop))
     if not isinstance(autopilot, GainSchedule):
         instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
         if autopilot.batch:
@@ -375,9 +373,14 @@ def _checked(
     return along
 
 
-def _stages(along: _Along) -> Stages:
-    """Return the stages of a sampled flight; `InputError` as `fly_many`."""
+def sampled_stages(along: FlownFlight) -> Stages:
+    """Return the stages of a sampled flight.
+
+    `InputError` for an autopilot without a sample rate, and as `fly_many`.
+    """
     law = along.law
+    if law.sample_rate is None:
+        raise InputError("many flights need samples: give the autopilot a sample_rate")
     actuator = along.loops(np.array([along.start]))[1].actuator
     rate = float(np.asarray(law.sample_rate))
     check_sample_rates(rate, actuator)
@@ -389,7 +392,7 @@ def _stages(along: _Along) -> Stages:
     return stages_of(loops, along.start, along.stop, rate, winds)
 
 
-def _flown(
+def flown_in_winds(
     stages: Stages,
     which: IntArray,
     limit: FloatArray,
@@ -407,7 +410,9 @@ def _flown(
     return flown_cases(f, np.ones(limit.size, bool), unstable_loops(batch, f)), f
 
 
-def _tracked(along: _Along, f: Flights, limit: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _tracked(
+    along: FlownFlight, f: Flights, limit: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times ``(n,)``, states and deflection ``(n, states + 1)``, and deflection rates."""
     per_sample, order = int(f.steps.substeps[0].sum()), f.now.y.shape[1]
     y = np.concatenate([f.track[::per_sample, :order], f.now.y])
@@ -419,7 +424,7 @@ def _tracked(along: _Along, f: Flights, limit: float) -> tuple[FloatArray, Float
     return times, np.column_stack([y[:, :n], deflection]), rates
 
 
-def _continuous(along: _Along) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times, states with the deflection, and deflection rates of a continuous loop.
 
     Steps end at the knots of the wind and at the times of the data.
@@ -480,7 +485,7 @@ def _shifted(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> Floa
 
 
 def _outputs(
-    along: _Along,
+    along: FlownFlight,
     times: FloatArray,
     rows: FloatArray,
     rates: FloatArray,

@@ -253,7 +253,7 @@ class Stages:
 
 
 def stages_of(loops: Loops, start: float, stop: float, rate: float, wind: History) -> Stages:
-    """Return the stages of a loop between two times [s] at a sample rate [Hz], in winds ``(w,)``."""
+    """Return the stages of a loop between two times [s] in winds ``(w,)``; `rate`: samples [Hz]."""
     h = 1.0 / rate
     count = int(samples_in(np.array(stop - start), np.array(h)))
     times = np.asarray(start + h * np.arange(count + 1), np.float64)

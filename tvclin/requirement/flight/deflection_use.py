@@ -13,6 +13,7 @@ from tvclin.base.errors import InputError, instance, number, positive, small_ang
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.flights.closed_loop.fly_along import FlightAlong
+from tvclin.requirement.flight.autopilot_along import AutopilotRequirements
 from tvclin.requirement.flight.sizing import Sizing
 
 
@@ -25,7 +26,8 @@ class DeflectionUse(Tabled):
     times : ndarray
         Flight times of the sizing [s], rising, ``(n,)``.
     required : dict of str to ndarray
-        Requirements and lower bounds [rad] by their labels, the worst wind at each time, ``(n,)``.
+        Requirements and lower bounds [rad] by their labels, the worst wind at each time, ``(n,)``;
+        "autopilot" is that of the autopilot, for every limit above which it survives.
     used : ndarray
         Largest deflection [rad] of the flight from the middle between two times to the next,
         ``(n,)``; NaN where it does not fly.
@@ -65,7 +67,16 @@ class DeflectionUse(Tabled):
         return Columns((Column("time", self.times, "s"),), tuple(columns), {"limit": self.limit})
 
 
-def deflection_use(sizing: Sizing, flown: FlightAlong, limit: float) -> DeflectionUse:
+AUTOPILOT = "autopilot"
+"""Label of the autopilot requirement."""
+
+
+def deflection_use(
+    sizing: Sizing,
+    flown: FlightAlong,
+    limit: float,
+    requirements: AutopilotRequirements | None = None,
+) -> DeflectionUse:
     """Return required, used and remaining deflection by flight time.
 
     Parameters
@@ -76,11 +87,13 @@ def deflection_use(sizing: Sizing, flown: FlightAlong, limit: float) -> Deflecti
         Flight of an autopilot through the wind.
     limit : float
         Available deflection [rad], within 90 degrees.
+    requirements : AutopilotRequirements, optional
+        Autopilot requirements at the times of the sizing, with the label "autopilot".
 
     Raises
     ------
     InputError
-        For a sizing of one flight time, and a limit out of range.
+        For a sizing of one flight time, a limit out of range, and requirements at other times.
     """
     instance("sizing", sizing, Sizing, "see size")
     instance("flown", flown, FlightAlong, "see fly_along")
@@ -90,6 +103,11 @@ def deflection_use(sizing: Sizing, flown: FlightAlong, limit: float) -> Deflecti
     order = np.argsort(sizing.times)
     times = sizing.times[order]
     required = {r.label: sizing.at_times(r)[order] for r in sizing.required}
+    if requirements is not None:
+        instance("requirements", requirements, AutopilotRequirements, "see autopilot_requirements")
+        if not np.array_equal(requirements.times, sizing.times):
+            raise InputError("requirements must be at the flight times of the sizing")
+        required[AUTOPILOT] = requirements.at_times[order]
     edges = np.concatenate([[-np.inf], 0.5 * (times[1:] + times[:-1]), [np.inf]])
     sizes = np.abs(flown.outputs["deflection"])
     inside = np.searchsorted(edges, flown.times, side="right") - 1
