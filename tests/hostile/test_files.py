@@ -67,7 +67,7 @@ def test_a_name_longer_than_the_file_system_takes_is_one_sentence(arguments) -> 
     ],
 )
 def test_where_an_answer_cannot_be_written_is_told_before_the_work(monkeypatch, arguments) -> None:
-    monkeypatch.setattr("tvclin.cli.ascent.flight_asked", pytest.fail)
+    monkeypatch.setattr("tvclin.cli.ascent.case_over_flight", pytest.fail)
     assert "x." in check_refused(run(*arguments))
 
 

@@ -149,7 +149,7 @@ def ascent(
     """
     from tvclin import plots
 
-    case = flight_asked("ascent", source, winds, question, limits, model, planes)
+    case = case_over_flight("ascent", source, winds, question, limits, model, planes)
     request = case.sizing
     assert request is not None
     if plot is not None:
@@ -251,7 +251,7 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
         )
 
 
-def flight_asked(
+def case_over_flight(
     command: str,
     source: str,
     winds: FlightOptions,

@@ -39,7 +39,7 @@ class BoxResult:
     criteria: Criteria
 
     @property
-    def met(self) -> bool:
+    def satisfied(self) -> bool:
         """Whether the worst margins satisfy the criteria, as far as they are known."""
         return self.worst.stable and all(
             self.worst.margins[criterion.margin].value >= criterion.limit
@@ -49,18 +49,18 @@ class BoxResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the worst case and the verdict, for JSON."""
-        return self.worst.as_dict() | {"met": self.met}
+        return self.worst.as_dict() | {"met": self.satisfied}
 
     @property
     def verdict(self) -> str:
         """Verdict on the criteria in the box, with the worst disk margin and its position."""
         disk = self.worst.margins["disk_margin"]
         at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in disk.at.items())
-        word = satisfaction(self.met)
-        lost = "" if self.worst.stable else "; the loop becomes UNSTABLE there"
+        word = satisfaction(self.satisfied)
+        unstable = "" if self.worst.stable else "; the loop becomes UNSTABLE there"
         return (
             f"criteria {self.criteria.name} in the box: {word}; worst disk margin {disk.value:.3f}"
-            f" at {at}{lost}"
+            f" at {at}{unstable}"
         )
 
 

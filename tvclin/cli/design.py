@@ -15,7 +15,7 @@ from tvclin.cli.box import Box, BoxResult, worst_in_box
 from tvclin.cli.gains import GAINS, with_gains
 from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.margin_tables import (
-    MarginsFound,
+    JudgedMargins,
     margin_tables,
     margins_document,
     mode_notes,
@@ -54,7 +54,7 @@ _FREQUENCY_RATIO = 2.0
 
 
 @dataclass(frozen=True)
-class LeastOptions:
+class MinimumGainOptions:
     """Options of the search for gains; `grouped` gives them to a command."""
 
     least: bool = switch(
@@ -76,7 +76,7 @@ class LeastOptions:
         design = with_gains(plan.autopilot_design, design=LEAST_NOZZLE, crossover=crossover)
         return replace(plan, design=design)
 
-    def found(self, case: StudyPlan) -> MinimumGains | None:
+    def minimum(self, case: StudyPlan) -> MinimumGains | None:
         """Return the gains for the minimum deflection; None without --least."""
         design, wind = case.autopilot_design, case.wind_in_plane
         if not self.least:
@@ -103,13 +103,13 @@ class RuleResult:
     """
 
     rule: str
-    margins: MarginsFound
+    margins: JudgedMargins
     peak: float
 
     @classmethod
     def of(cls, rule: str, case: StudyPlan, autopilot: Autopilot) -> "RuleResult":
         """Return the result of an autopilot with the plant and the wind of a case."""
-        margins, peak = MarginsFound.of(autopilot, case.plant, case.held_to), nan
+        margins, peak = JudgedMargins.of(autopilot, case.plant, case.held_to), nan
         if margins.whole.stable:
             with suppress(InputError):  # the approximation of a long delay misleads
                 peak = abs(autopilot.wind_response(case.plant, case.history).peak("deflection")[0])
@@ -127,7 +127,7 @@ class RuleResult:
             "aero_margin_dB": margins.aero_margin_dB,
             "gain_increase_dB": margins.gain_increase_dB,
             "phase_margin_deg": margins.phase_margin_deg,
-            "met": self.margins.met,
+            "met": self.margins.satisfied,
             "peak_deflection_deg": degrees(self.peak),
         }
 
@@ -141,7 +141,7 @@ class RuleResult:
             *(significant(f"{key}.gain.{k}", gain, 3) for k, gain in enumerate(gains)),
             *(number(f"{key}.margin.{k}_dB", value, 1) for k, value in enumerate(values)),
             number(f"{key}.phase_deg", margins.phase_margin_deg, 1),
-            ("yes" if self.margins.met else "no",),
+            ("yes" if self.margins.satisfied else "no",),
             angle(f"{key}.peak", self.peak),
         )
 
@@ -152,7 +152,7 @@ def design(
     winds: WindOptions = GROUP,
     gains: Given = GAINS,
     timing: Given = TIMING,
-    least: LeastOptions = GROUP,
+    least: MinimumGainOptions = GROUP,
     box: Box = None,
     motion: Given = MOTION,
     more: More = False,
@@ -172,10 +172,10 @@ def design(
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
     changes = [*(options.over for options in (timing, motion, least, gains)), _with_gains]
-    told = ("design --box",) if box else ()
-    case = case_of(vehicle, *changes, wind=winds.over, told=("design", *told), time=time)
+    questions = ("design --box",) if box else ()
+    case = case_of(vehicle, *changes, wind=winds.over, questions=("design", *questions), time=time)
     with waiting("seeking gains"):
-        sought = least.found(case)
+        sought = least.minimum(case)
         loop = (
             specified_autopilot(case, case.history, case.held_to)
             if sought is None
@@ -188,7 +188,7 @@ def design(
     result = _Answer(case, wind, results, frequency, sought, in_box)
     with waiting("drawing"):
         draw(shown.plot, result.chart)
-    answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.met)
+    answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.satisfied)
 
 
 def _with_gains(plan: StudyPlan) -> StudyPlan:
@@ -207,13 +207,13 @@ def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Itera
     `frequency`: natural frequency [rad/s] of rules that place poles; None without such rules.
     """
     specified = case.autopilot_design
-    own = specified.design or ("poles" if specified.natural_frequency else "canonical")
+    rule_of_case = specified.design or ("poles" if specified.natural_frequency else "canonical")
     if specified.attitude_gain is not None:
-        own = "given"
-    yield RuleResult.of(own, case, loop)
+        rule_of_case = "given"
+    yield RuleResult.of(rule_of_case, case, loop)
     for rule in DESIGNS:
         placed = rule in POLE_PLACEMENT_RULES
-        if rule in (own, LEAST_NOZZLE) or (placed and frequency is None):
+        if rule in (rule_of_case, LEAST_NOZZLE) or (placed and frequency is None):
             continue
         poles = {"natural_frequency": frequency} if placed else {}
         given = with_gains(replace(specified, crossover=None), design=rule, **poles)
@@ -249,21 +249,21 @@ class _Answer:
     in_box: BoxResult | None
 
     @property
-    def found(self) -> MarginsFound:
+    def margins(self) -> JudgedMargins:
         """The margins of the gains of the case."""
         return self.results[0].margins
 
     @property
-    def met(self) -> bool:
+    def satisfied(self) -> bool:
         """Whether the criteria are satisfied, in the box too."""
-        return self.found.met and (self.in_box is None or self.in_box.met)
+        return self.margins.satisfied and (self.in_box is None or self.in_box.satisfied)
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Notes on the gains, on the search for them and on their margins."""
         sought = () if self.sought is None else self.sought.notes
-        notes = gain_notes(self.case, self.case.held_to, self.found.met)
-        return (*sought, *notes, *self.found.whole.notes, *mode_notes(self.found))
+        notes = gain_notes(self.case, self.case.held_to, self.margins.satisfied)
+        return (*sought, *notes, *self.margins.whole.notes, *mode_notes(self.margins))
 
     def chart(self) -> "ControlPlot":
         """Return the chart of the disk margin, where gains were sought, or the Nichols chart."""
@@ -271,11 +271,11 @@ class _Answer:
 
         if self.sought is not None:
             return plots.gain_trade_off_chart([gain_trade_off(self.sought)])
-        return plots.nichols_chart(self.found.autopilot, self.case.plant, self.case.held_to)
+        return plots.nichols_chart(self.margins.autopilot, self.case.plant, self.case.held_to)
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
-        case, margins = self.case, margins_document(self.found)
+        case, margins = self.case, margins_document(self.margins)
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         further = {"least": self.sought, "box": self.in_box}
         return {
@@ -303,10 +303,10 @@ class _Answer:
         tables = (rules,) if self.in_box is None else (self.in_box.worst.table(),)
 
         def details() -> None:
-            print_autopilot("Autopilot", self.found.autopilot, self.case.plant)
-            print_tables(*margin_tables(self.found))
-            if self.found.whole.stable:
-                print_bounds(self.found.autopilot, self.case.plant)
+            print_autopilot("Autopilot", self.margins.autopilot, self.case.plant)
+            print_tables(*margin_tables(self.margins))
+            if self.margins.whole.stable:
+                print_bounds(self.margins.autopilot, self.case.plant)
             if self.sought is not None:
                 print_tables(self.sought.table())
                 active = ", ".join(self.sought.active) or "no constraint, a flat minimum"
@@ -321,5 +321,5 @@ class _Answer:
         """The gains of the case and the verdict on them, or that in the box."""
         if self.in_box is not None:
             return self.in_box.verdict
-        autopilot, own = self.found.autopilot, self.results[0].rule
-        return f"gains {own}: {autopilot.gains_text}; {self.found.verdict}"
+        autopilot, rule = self.margins.autopilot, self.results[0].rule
+        return f"gains {rule}: {autopilot.gains_text}; {self.margins.verdict}"

@@ -11,7 +11,7 @@ import typer
 
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, exists
-from tvclin.cli.inputs import note_left_out, only_with
+from tvclin.cli.inputs import note_omissions, only_with
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
@@ -79,11 +79,11 @@ class FolderOptions:
         if exists(self.folder / NAME):
             for fault in damaged(self.folder, read_manifest(self.folder)).values():
                 say(f"Warning: {fault}", err=True)
-        with self._told(self.folder) as arguments:
+        with self._run_arguments(self.folder) as arguments:
             return run_campaign(campaign, self.folder, **arguments)
 
     @contextmanager
-    def _told(self, folder: Path) -> Iterator[dict[str, Any]]:
+    def _run_arguments(self, folder: Path) -> Iterator[dict[str, Any]]:
         """Yield the arguments of a run into a folder; on an interrupt print how to continue."""
         try:
             with self._executor() as executor, bar("cases") as progress:
@@ -191,7 +191,7 @@ def _campaign(
         wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
         dispersions = _OF_THE_VEHICLE if assumed else campaign.dispersions
         campaign = replace(campaign, wind=wind, dispersions=dispersions)
-    note_left_out(campaign, "disperse", tables=source_tables(source))
+    note_omissions(campaign, "disperse", tables=source_tables(source))
     return campaign
 
 

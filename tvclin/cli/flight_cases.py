@@ -42,8 +42,8 @@ class Compared:
     """A flight, compared with the linear theory or the rigid vehicle; deflections in rad.
 
     Both boundaries are None where neither was sought, and the first where that was not. `verdict`
-    stands above the table, `title` and `columns` in it, `told` below it, and `heads`, the setting,
-    among the details; `facts` are for JSON alone.
+    stands above the table, `title` and `columns` in it, `flight_notes` below it, and `heads`, the
+    setting, among the details; `facts` are for JSON alone.
     """
 
     case: Any
@@ -54,7 +54,7 @@ class Compared:
     boundary: tuple[float | None, float] | None
     heads: list[str]
     verdict: str
-    told: tuple[str, ...]
+    flight_notes: tuple[str, ...]
     title: str
     facts: dict[str, Any] = field(default_factory=dict)
 
@@ -98,7 +98,7 @@ class Compared:
         """Notes on the wind angle, on the flight, and on the required deflection of the study."""
         required = () if self.required is None else (self.required.see_study,)
         angle = linear_notes(float(self.case.wind.peak))
-        return (*angle, *self.told, *self._ended(), *required)
+        return (*angle, *self.flight_notes, *self._ended(), *required)
 
     def _ended(self) -> Iterator[str]:
         """Yield a note for each flight shown that leaves the range of its model in the wind."""
@@ -317,7 +317,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
             f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg at {case.pressure}"
             f" dynamic pressure; linear theory: {survival(flight.predicted)}"
         ),
-        told=tuple(_told(case, flight)),
+        flight_notes=tuple(_flight_notes(case, flight)),
         title=f"{case.title}; limit {np.degrees(limit):.3f} deg, {ratio_text}".replace("\n", ": "),
         facts={
             "along_trajectory": case.condition is not None,
@@ -329,7 +329,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     )
 
 
-def _told(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
+def _flight_notes(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
     """Yield notes on a limit below the minimum of any control, and on the release of the limit."""
     if case.limit < case.minimum and (flight.survived or flight.predicted):
         yield (

@@ -14,7 +14,7 @@ from tvclin.cli.fly_autopilot import AutopilotFlight, fly_autopilot
 from tvclin.cli.fly_laws import fly_laws
 from tvclin.cli.fly_linear import LINEAR, LinearCase, fly_linear
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, chosen, note_left_out, only_with
+from tvclin.cli.inputs import case_of, chosen, note_omissions, only_with
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
@@ -91,7 +91,7 @@ class WhatFlies:
         aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
         compared = law == AUTOPILOT and engine == LINEAR
         aside.append("fly --law autopilot" if compared else "fly without the autopilot requirement")
-        note_left_out(case, "fly", *aside, *["fly --engine planar"] * (engine != LINEAR))
+        note_omissions(case, "fly", *aside, *["fly --engine planar"] * (engine != LINEAR))
         band = chosen(self.dead_band, case.dead_band if law == REPORT else None)
         return engine, bool(suffix), law, band
 

@@ -15,7 +15,7 @@ from tvclin.case.autopilot_assumptions import gain_notes
 from tvclin.cli.flight_cases import Compared, wind_line
 from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.inputs import note_nominal_pressure
-from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
+from tvclin.cli.margin_tables import JudgedMargins, poles_document, print_autopilot, print_bounds
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_answer, print_json, print_tables, say
 from tvclin.control.comparison import (
@@ -114,9 +114,9 @@ class AutopilotFlight:
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
         gains = gain_notes(self.case, self.case.held_to, self.criteria_satisfied)
-        told = () if self.flight is None else self.flight.told
+        flight_notes = () if self.flight is None else self.flight.flight_notes
         loop = self.compared.notes if self.compared.margins.stable else ()
-        return (*angle, *loop, *told, *gains)
+        return (*angle, *loop, *flight_notes, *gains)
 
     @property
     def sufficient(self) -> bool | None:
@@ -138,7 +138,7 @@ class AutopilotFlight:
     def criteria_satisfied(self) -> bool:
         """Whether the margins satisfy the criteria."""
         compared = self.compared
-        return MarginsFound.of(compared.autopilot, compared.plant, self.case.held_to).met
+        return JudgedMargins.of(compared.autopilot, compared.plant, self.case.held_to).satisfied
 
     @property
     def loads(self) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from tvclin.base.lines import plural
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, note_left_out, only_with
+from tvclin.cli.inputs import case_of, note_omissions, only_with
 from tvclin.cli.margin_tables import parts_line
 from tvclin.cli.options import Given, ShownCurves
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
@@ -60,13 +60,13 @@ def fly_laws(
         _without_actuator,
         partial(_with_gains, flies),
         wind=winds.over,
-        told=("fly --law all",),
+        questions=("fly --law all",),
         time=time,
     )
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
     if case.laws is not None and "sample_rate" not in flies.timing.values:
         hardware["sample_rate"] = case.laws.sample_rate
-        note_left_out(case, "laws with a rate in [laws]")
+        note_omissions(case, "laws with a rate in [laws]")
     peak, duration, histories = _winds(winds, case)
     chosen = _laws(case, plant.rigid, peak)
     cuts = 0 if case.laws is None else case.laws.cuts
@@ -149,7 +149,7 @@ def _without_actuator(plan: StudyPlan) -> StudyPlan:
     """Return the case of laws compared with boundaries: a rigid vehicle has no actuator."""
     if plan.vehicle.structure is not None:
         return plan
-    note_left_out(plan, "laws of a rigid vehicle")
+    note_omissions(plan, "laws of a rigid vehicle")
     design = plan.design and plan.design.without_filters_and_delay
     return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
 

@@ -124,7 +124,7 @@ def _compared(
         else None,
         heads=[case.title],
         verdict=f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL}{rigid}",
-        told=tuple(_told(case, flight, boundaries or ())),
+        flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
         title=(
             f"{wind_line(case)}; {case.plant.model}, limit {np.degrees(limit):.3f} deg{turning}"
         ).replace("\n", ": "),
@@ -140,7 +140,7 @@ def _compared(
     )
 
 
-def _told(
+def _flight_notes(
     case: LinearCase, flight: SampledFlight, boundaries: Iterable[ClosedLoopBoundary]
 ) -> Iterator[str]:
     """Yield notes on an oscillation of the nozzle, and on boundaries."""

@@ -42,24 +42,24 @@ def case_of(
     *changes: "Callable[[StudyPlan], StudyPlan]",
     time: float | None = None,
     wind: Callable[[StudyPlan, str], StudyPlan] | None = None,
-    told: tuple[str, ...] = (),
+    questions: tuple[str, ...] = (),
 ) -> StudyPlan:
     """Return the case of a study file, a vehicle, or a flight at a time [s].
 
     Options count more than the file. Groups of options are changes, as `GainOptions.over`;
-    `PulseOptions.over` has the wind. Notes on stderr name the effects that the questions `told`
+    `PulseOptions.over` has the wind. Notes on stderr name the effects that the `questions`
     neglect, and doubtful numbers of the vehicle; a question of the rigid vehicle alone gets that.
     """
     plan = load_study(source, time)
-    if "study" not in told:  # which has them among its own notes
+    if "study" not in questions:  # which has them among its own notes
         note_vehicle_warnings(plan.vehicle)
     for change in changes:
         plan = change(plan)
     if wind is not None:
         plan = wind(plan, source)
-    if told:
-        note_left_out(plan, *told)
-    return without_structure(plan) if any(map(is_rigid_only, told)) else plan
+    if questions:
+        note_omissions(plan, *questions)
+    return without_structure(plan) if any(map(is_rigid_only, questions)) else plan
 
 
 def keys_set(source: str) -> tuple[str, ...]:
@@ -79,7 +79,7 @@ def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
         say(f"Note: {doubt}.", err=True)
 
 
-def note_left_out(case: Case, *questions: str, tables: Collection[str] = ()) -> None:
+def note_omissions(case: Case, *questions: str, tables: Collection[str] = ()) -> None:
     """Print on stderr the effects of a case that questions neglect, see `omission_notes`."""
     for sentence in omission_notes(case, *questions, tables=tables):
         say(f"Note: {sentence}.", err=True)
@@ -98,7 +98,7 @@ def note_source(source: str, question: str) -> None:
     if is_flight_with_keys(source):
         return
     if {"vehicle", "study", "campaign"} & source_tables(source).keys():
-        case_of(source, told=(question,))
+        case_of(source, questions=(question,))
 
 
 def chosen(option: T | None, otherwise: T) -> T:

@@ -28,50 +28,50 @@ _KEYS = {"gain": "mode_gain_margin_dB", "phase": "mode_phase_margin_deg"}
 
 
 @dataclass(frozen=True, eq=False)
-class MarginsFound:
+class JudgedMargins:
     """The margins of a loop, by band too of a flexible plant, and their criteria."""
 
     autopilot: Autopilot
     plant: AnyPlant
     whole: Margins
     bands: BandMargins | None
-    asked: Criteria
+    criteria: Criteria
 
     @classmethod
-    def of(cls, autopilot: Autopilot, plant: AnyPlant, asked: Criteria) -> "MarginsFound":
+    def of(cls, autopilot: Autopilot, plant: AnyPlant, criteria: Criteria) -> "JudgedMargins":
         """Return the margins of a plant, by band too where it is flexible."""
         if plant.structure is None:
-            return cls(autopilot, plant, autopilot.margins(plant), None, asked)
+            return cls(autopilot, plant, autopilot.margins(plant), None, criteria)
         bands = autopilot.band_margins(plant)
-        return cls(autopilot, plant, bands.margins, bands, asked)
+        return cls(autopilot, plant, bands.margins, bands, criteria)
 
     @property
     def judged(self) -> tuple[Judgement, ...]:
         """Judgement of each criterion, of the whole loop and of each mode."""
-        return self.asked.judge(self.bands or self.whole)
+        return self.criteria.judge(self.bands or self.whole)
 
     @property
     def detuned(self) -> Detuned:
         """The margins of a flexible vehicle's loop with detuned modes."""
         assert isinstance(self.plant, FlexiblePlant)  # `margins` refuses it of all else
-        return detuned(self.autopilot, self.plant, criteria=self.asked)
+        return detuned(self.autopilot, self.plant, criteria=self.criteria)
 
     @property
-    def met(self) -> bool:
+    def satisfied(self) -> bool:
         """Whether all criteria are satisfied."""
-        return bool(self.asked.are_satisfied(self.bands or self.whole))
+        return bool(self.criteria.are_satisfied(self.bands or self.whole))
 
     @property
     def verdict(self) -> str:
         """The verdict on the criteria, with the margins that miss their limits."""
-        head = f"criteria {self.asked.name}: {satisfaction(self.met)}"
+        head = f"criteria {self.criteria.name}: {satisfaction(self.satisfied)}"
         if not self.whole.stable:
             return f"{head}, {self.whole.reason}"
         missed = [judgement for judgement in self.judged if not judgement.satisfied]
         return f"{head} ({listed(text(item.shortfall) for item in missed)})" if missed else head
 
 
-def margin_tables(result: MarginsFound, title: str = "Margins") -> tuple[Table, ...]:
+def margin_tables(result: JudgedMargins, title: str = "Margins") -> tuple[Table, ...]:
     """Return the tables of the margins of a loop and, of a flexible vehicle, of those by band."""
     tables = [margin_table(result.whole, result.judged)] if result.whole.stable else []
     if result.bands is not None:
@@ -81,9 +81,9 @@ def margin_tables(result: MarginsFound, title: str = "Margins") -> tuple[Table, 
     )
 
 
-def mode_notes(result: MarginsFound) -> Iterator[str]:
+def mode_notes(result: JudgedMargins) -> Iterator[str]:
     """Yield notes on modes without a required margin, where others have one."""
-    if result.bands is None or not result.asked.has_mode_limits:
+    if result.bands is None or not result.criteria.has_mode_limits:
         return
     judged = {item.band for item in result.judged if item.band and not isnan(item.value)}
     for word, key in _KEYS.items():
@@ -140,7 +140,7 @@ def _poles(autopilot: Autopilot, plant: Any) -> str:
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
 
 
-def margins_document(result: MarginsFound) -> dict[str, Any]:
+def margins_document(result: JudgedMargins) -> dict[str, Any]:
     """Return gains, poles, margins and criteria for JSON; what does not exist becomes null."""
     loop_margins, autopilot = result.whole, result.autopilot
     return {
@@ -153,7 +153,11 @@ def margins_document(result: MarginsFound) -> dict[str, Any]:
         "margins": loop_margins,
         "bounds": _bounds(autopilot, result.plant),
         **({} if result.bands is None else {"bands": result.bands}),
-        "criteria": {"name": result.asked.name, "met": result.met, "limits": result.judged},
+        "criteria": {
+            "name": result.criteria.name,
+            "met": result.satisfied,
+            "limits": result.judged,
+        },
         "notes": loop_margins.notes,
     }
 

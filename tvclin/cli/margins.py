@@ -11,9 +11,9 @@ from tvclin.base.quantities import NOMINAL
 from tvclin.case.autopilot_assumptions import gain_notes
 from tvclin.cli.flight_margins import FROZEN, flight_loop, is_whole_flight, print_sweep
 from tvclin.cli.gains import GAINS
-from tvclin.cli.inputs import case_of, note_left_out, only_with
+from tvclin.cli.inputs import case_of, note_omissions, only_with
 from tvclin.cli.margin_tables import (
-    MarginsFound,
+    JudgedMargins,
     margin_tables,
     margins_document,
     mode_notes,
@@ -106,15 +106,15 @@ def margins(
     if not flown and case.autopilot_design.design != LEAST_NOZZLE:
         only_with("--limit-deg", **vars(winds))
         aside += ["margins without a wind"]
-    note_left_out(case, "margins", *aside)
+    note_omissions(case, "margins", *aside)
     autopilot = specified_autopilot(case, case.history, case.held_to)
-    found = MarginsFound.of(autopilot, case.plant, case.held_to)
-    in_wind = _flown(case, autopilot) if flown and found.whole.stable else None
-    result = _Answer(case, found, winds.name(case), found.detuned if detuned else None, in_wind)
-    draw(shown.plot, lambda: _chart(chart, found))
+    loop = JudgedMargins.of(autopilot, case.plant, case.held_to)
+    in_wind = _flown(case, autopilot) if flown and loop.whole.stable else None
+    result = _Answer(case, loop, winds.name(case), loop.detuned if detuned else None, in_wind)
+    draw(shown.plot, lambda: _chart(chart, loop))
     if system is not None:
         write_system(autopilot.loop(case.plant), system)
-    answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.met)
+    answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.satisfied)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ class _Answer:
     """Margins of a loop, of its detuned modes, and of its flights in a wind with a limit."""
 
     case: StudyPlan
-    found: MarginsFound
+    margins: JudgedMargins
     wind: str
     detuned: Detuned | None
     in_wind: FlownMargins | None
@@ -130,12 +130,12 @@ class _Answer:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Notes on gains that were not specified, and on gains that satisfy the criteria."""
-        return tuple(gain_notes(self.case, self.case.held_to, self.found.met))
+        return tuple(gain_notes(self.case, self.case.held_to, self.margins.satisfied))
 
     @property
-    def met(self) -> bool:
+    def satisfied(self) -> bool:
         """Whether the criteria are satisfied, with detuned modes too."""
-        return self.found.met and (self.detuned is None or bool(self.detuned.all_satisfied))
+        return self.margins.satisfied and (self.detuned is None or bool(self.detuned.all_satisfied))
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
@@ -148,15 +148,15 @@ class _Answer:
         }
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         more = {name: value for name, value in further.items() if value is not None}
-        margins = margins_document(self.found)
+        margins = margins_document(self.margins)
         return head | margins | more | {"notes": (*margins["notes"], *self.notes)}
 
     def print(self, source: str, more: bool) -> None:
         """Print the verdict, the margins, notes and, with `more`, the autopilot and its bounds."""
-        case, found = self.case, self.found
+        case, loop = self.case, self.margins
         head = f"{case.vehicle.name or source}, {case.plant.model}, {case.plane}"
-        tables = list(margin_tables(found, f"{head}: margins"))
-        verdict, notes = found.verdict, [*self.notes, *mode_notes(found)]
+        tables = list(margin_tables(loop, f"{head}: margins"))
+        verdict, notes = loop.verdict, [*self.notes, *mode_notes(loop)]
         if self.detuned is not None:
             verdict += f"; with detuned modes: {self.detuned.verdict}"
             tables.append(self.detuned.table())
@@ -177,11 +177,11 @@ class _Answer:
         def details() -> None:
             if self.detuned is not None:
                 say_lines(self.detuned.stability_lines)
-            print_autopilot("Autopilot", found.autopilot, case.plant)
-            if found.whole.stable:
-                print_bounds(found.autopilot, case.plant)
+            print_autopilot("Autopilot", loop.autopilot, case.plant)
+            if loop.whole.stable:
+                print_bounds(loop.autopilot, case.plant)
 
-        notes = [*found.whole.notes, *notes]
+        notes = [*loop.whole.notes, *notes]
         print_answer(verdict, *tables, notes=notes, more=more, details=details)
 
 
@@ -192,15 +192,15 @@ def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins:
     return flown_margins(case.plant, law, case.history, limit=limit, **case.hardware)
 
 
-def _chart(name: str, loop_margins: MarginsFound) -> "ControlPlot":
+def _chart(name: str, margins: JudgedMargins) -> "ControlPlot":
     """Return the figure with a name, one of `_CHARTS`."""
     from tvclin import plots
 
     if name == "nichols":
-        return plots.nichols_chart(loop_margins.autopilot, loop_margins.plant, loop_margins.asked)
+        return plots.nichols_chart(margins.autopilot, margins.plant, margins.criteria)
     charts = {
         "bode": plots.bode_chart,
         "nyquist": plots.nyquist_chart,
         "root-locus": plots.root_locus_chart,
     }
-    return charts[name](loop_margins.autopilot, loop_margins.plant)
+    return charts[name](margins.autopilot, margins.plant)

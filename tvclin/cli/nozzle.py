@@ -12,10 +12,10 @@ from tvclin.base.lines import Table, listed
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.case.load import FlownLoad
-from tvclin.cli.ascent import FlightOptions, PlaneOptions, flight_asked
+from tvclin.cli.ascent import FlightOptions, PlaneOptions, case_over_flight
 from tvclin.cli.fly_linear import limited_law
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure, only_with
+from tvclin.cli.inputs import case_of, note_nominal_pressure, note_omissions, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
@@ -166,9 +166,9 @@ def _case_in_a_wind(
         FlownLaw().only_with_autopilot(vehicle)
     groups = (options.limits, options.load, options.model, options.planes, options.dead_band)
     changes = [group.over for group in groups]
-    case = case_of(vehicle, *changes, wind=winds.over, told=(question,), time=time)
+    case = case_of(vehicle, *changes, wind=winds.over, questions=(question,), time=time)
     if not options.names and not options.laws:
-        note_left_out(case, f"{question} without --law")
+        note_omissions(case, f"{question} without --law")
     return case
 
 
@@ -287,7 +287,7 @@ _USED = (
 def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurves) -> None:
     """Print what a law in a whole flight takes of the nozzle, and the verdict on its limits."""
     groups = (options.limits, options.model, options.planes)
-    case = flight_asked(_QUESTION, source, options.winds, options.times, *groups)
+    case = case_over_flight(_QUESTION, source, options.winds, options.times, *groups)
     request, names = case.sizing, options.names
     assert request is not None
     if len(names) > 1:
@@ -295,7 +295,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     law = names[0] if names else request.duty_law or "trim"
     if law != AUTOPILOT:
         FlownLaw().only_with_autopilot(source)
-        note_left_out(case, f"{_QUESTION} without the law {AUTOPILOT}")
+        note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
     with bar("flight times and winds") as progress:
         duty = flight_duty(case, request, law, progress=progress)
     notes = [*request.warnings, *request.notes, *duty.notes]

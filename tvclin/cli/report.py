@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from tvclin.base.files import called, write_whole
-from tvclin.cli.inputs import note_left_out, only_with
+from tvclin.cli.inputs import note_omissions, only_with
 from tvclin.cli.options import At
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
@@ -39,10 +39,10 @@ def report(
     if source is None:
         only_with("a flight schedule", at=time)
     plan = example_plan() if source is None else load_study(source, time)
-    doubts = plan.sizing.warnings if plan.sizing is not None else []
+    warnings = plan.sizing.warnings if plan.sizing is not None else []
     findings: list[Findings] = []
 
-    # The page is made within, so that a place that cannot be written is told before the work.
+    # The page is made within, so that a place that cannot be written is refused before the work.
     def write(target: str) -> None:
         page, result = page_of(plan, progress)
         Path(target).write_text(page, encoding="utf-8", newline="")
@@ -54,8 +54,8 @@ def report(
     if plan.nozzle.limit is not None:
         said[None] = "NOT known to be sufficient"
     say(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
-    for doubt in doubts:
-        say(f"Note: {doubt}.")
-    note_left_out(plan, "report")
+    for warning in warnings:
+        say(f"Note: {warning}.")
+    note_omissions(plan, "report")
     if not all_yes(findings[0]):
         raise typer.Exit(1)

@@ -60,7 +60,7 @@ _MAX_EXPONENT = 700.0
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class BoundedTrim:
     """A case, the deflection in its wind, K, and the limit; at nominal dynamic pressure.
 
     `nominal` is the required deflection [rad] there, governed by `governs`, `required` that of a
@@ -132,7 +132,9 @@ class Held:
         return linear_notes(float(self.wind.peak))
 
 
-def held(case: Case, name: str, dead_band: float, capability: float | None, until: float) -> Held:
+def bounded_trim(
+    case: Case, name: str, dead_band: float, capability: float | None, until: float
+) -> BoundedTrim:
     """Return the deflection of trim up to K times the limit [rad], then the limit, in a wind.
 
     `name`: title of the wind, which begins at t = 0. `capability`: the limit over the
@@ -160,7 +162,9 @@ def held(case: Case, name: str, dead_band: float, capability: float | None, unti
     opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     deflection = trim_then_hold(plant, history, opposing * limit, K, "literal")
     required = study_requirement(case, K)
-    return Held(case, name, history, deflection, K, nominal, limit, str(needed.governs), required)
+    return BoundedTrim(
+        case, name, history, deflection, K, nominal, limit, str(needed.governs), required
+    )
 
 
 def _check_length(plant: Plant, length: float) -> None:
@@ -205,11 +209,13 @@ def respond(
 
     within("--until", until, 1e-3, _MAX_UNTIL)
     within("--points", points, 2, 1_000_000)
-    plan = case_of(vehicle, limit.over, motion.over, wind=winds.over, told=("respond",), time=time)
+    plan = case_of(
+        vehicle, limit.over, motion.over, wind=winds.over, questions=("respond",), time=time
+    )
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
     K = chosen(dead_band, plan.dead_band)
-    case = held(plan, winds.name(plan), K, capability, until)
+    case = bounded_trim(plan, winds.name(plan), K, capability, until)
     largest, shown = case.followed(until * float(case.wind.end))
     files.write(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),
@@ -223,7 +229,7 @@ def respond(
     )
 
 
-def _curves(case: Held, times: FloatArray) -> "Curves":
+def _curves(case: BoundedTrim, times: FloatArray) -> "Curves":
     """Return the curves of the response over times [s]."""
     from tvclin.plots import response_curves
 
@@ -235,11 +241,11 @@ def _curves(case: Held, times: FloatArray) -> "Curves":
     )
 
 
-def _title(case: Held) -> str:
+def _title(case: BoundedTrim) -> str:
     return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
 
 
-def _print(case: Held, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
+def _print(case: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
     """Print the outcome with the limit, and the largest motions."""
     wind_covered = _covers_the_wind(case, shown)
     caption = f"{case.case.vehicle.name}: exact response\n{case.words}"
@@ -252,7 +258,7 @@ def _print(case: Held, largest: Extremes, shown: ResponseEnd, more: bool) -> Non
     )
 
 
-def _end_notes(case: Held, shown: ResponseEnd) -> Iterator[str]:
+def _end_notes(case: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
     """Yield notes on the time at which the shown response ends."""
     if shown.why == RELEASED:
         yield (
@@ -265,7 +271,7 @@ def _end_notes(case: Held, shown: ResponseEnd) -> Iterator[str]:
             yield OVERTURNED_NOTE
 
 
-def _constant_notes(case: Held) -> Iterator[str]:
+def _constant_notes(case: BoundedTrim) -> Iterator[str]:
     """Yield notes on the deflection that stays constant for ever, by condition (4b)."""
     verdict = case.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
@@ -276,11 +282,11 @@ def _constant_notes(case: Held) -> Iterator[str]:
         yield "SURVIVED means with a control that lets go of the limit in time"
 
 
-def _covers_the_wind(case: Held, shown: ResponseEnd) -> bool:
+def _covers_the_wind(case: BoundedTrim, shown: ResponseEnd) -> bool:
     return shown.why == COMPLETE or shown.time >= float(case.wind.end)
 
 
-def _document(case: Held, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
+def _document(case: BoundedTrim, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
     """Return the response, its verdict and the required deflection, for JSON."""
     verdict, wind_covered = case.verdict, _covers_the_wind(case, shown)
     needed = None if case.required is None else np.degrees(case.required.required_deflection)

@@ -95,7 +95,7 @@ def study(
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
     changes = limit.over, partial(_with_limit_shape, limit_shape), question.over
-    plan = case_of(source, *changes, wind=winds.over, told=("study",), time=time)
+    plan = case_of(source, *changes, wind=winds.over, questions=("study",), time=time)
     with bar("answers") as progress:
         findings = find(questioned(plan), progress)
     if plot is not None:
