@@ -95,6 +95,7 @@ INSIDE = {
     "Detuned",
     "FlightComparison",
     "FlightDuty",
+    "FlightTurbulence",
     "Loads",
     "LoopCovariance",
     "LoopInTurbulence",
@@ -219,6 +220,7 @@ def doors(folder: Path) -> dict[str, Door]:
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
     asked = tv.requirement.SizingRequest(schedule=schedule, every=30.0)
+    along = asked.turbulence(study.case, tv.case.TurbulenceRequest(intensity=6.0))
     once = tv.requirement.SizingRequest(schedule=schedule, start=66.0, stop=66.0)
     carded = tv.Case(vehicle=booster, nozzle=tv.Nozzle(limit=0.02))
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
@@ -432,7 +434,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "length": 500.0,
                 "spectrum": "dryden",
                 "component": "along",
-                "sigmas": 2.0,
+                "sigmas": None,
+                "probability": 0.99,
                 "table": None,
             },
         ),
@@ -446,8 +449,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "wind": wind,
                 "limit": 0.02,
                 "altitude": 9000.0,
+                "load": tv.case.LoadBound(load=0.05),
             },
         ),
+        "LoadBound.at_pressure": Door(tv.case.LoadBound(load=0.05).at_pressure, {"ratio": 1.2}),
         "TurbulenceRequest.at": Door(
             tv.case.TurbulenceRequest(severity="light").at, {"altitude": 9000.0}
         ),
@@ -1187,7 +1192,13 @@ def doors(folder: Path) -> dict[str, Door]:
         "SizingRequest.pulses": Door(asked.pulses, {"case": study.case}),
         "SizingRequest.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
         "SizingRequest.times": Door(asked.times, {"case": study.case}),
-        "SizingRequest.total": Door(asked.total, {"case": study.case, "sizing": sizing}),
+        "SizingRequest.total": Door(
+            asked.total, {"case": study.case, "sizing": sizing, "turbulence": None}
+        ),
+        "SizingRequest.turbulence": Door(
+            asked.turbulence,
+            {"case": study.case, "turbulence": tv.case.TurbulenceRequest(intensity=6.0)},
+        ),
         "SizingRequest.winds": Door(asked.winds, {"case": study.case}),
         "Soundings": Door(
             tv.winds.Soundings,
@@ -1905,9 +1916,11 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "worst_month": Door(tv.winds.worst_month, {"months": months, "percentile": 95.0}),
+        "FlightTurbulence.quantile_at": Door(along.quantile_at, {"time": 66.0}),
         "worst_total": Door(
             tv.worst_total,
             {
+                "turbulence": along,
                 "sizing": sizing,
                 "name": "K = 1",
                 "dispersion": 0.1,

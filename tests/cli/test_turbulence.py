@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -164,3 +165,94 @@ def test_a_command_without_turbulence_says_so(tmp_path: Path, command: str) -> N
     left_out = re.search("what the file says of (.*?) is left out here", found.stderr)
     assert left_out, found.stderr
     assert "turbulence" in left_out[1]
+
+
+def flight(path: Path, keys: str, *options: str, study: str = STUDY) -> Any:
+    """Return the document of the whole flight of a study file."""
+    file = path / "flight.toml"
+    file.write_text(f'{study}\n[schedule]\nsource = "configuration-i"\n[turbulence]\n{keys}\n')
+    found = CliRunner().invoke(app, ["ascent", str(file), *options, "--json"])
+    assert found.exit_code in (0, 1), found.output
+    return json.loads(found.stdout)
+
+
+AT_66_S = ("--from", "66", "--to", "66")
+
+
+def test_the_budget_has_turbulence_at_its_own_quantile(tmp_path: Path) -> None:
+    found = flight(tmp_path, 'severity = "severe"\nprobability = 0.95', *AT_66_S)
+    schedule = tv.load_schedule("configuration-i")
+    times = np.linspace(*schedule.span, 31)
+    plants = tv.Plant.from_vehicle(schedule.at(times), "drift-exact")
+    designs = [tv.control.canonical_gains(plants.case(k, (31,))) for k in range(31)]
+    gains = {
+        name: np.array([getattr(design, name) for design in designs])
+        for name in ("attitude_gain", "rate_gain")
+    }
+    actuator = tv.load_study(str(tmp_path / "flight.toml")).nozzle.actuator
+    law = tv.control.GainSchedule(times, tv.Autopilot(**gains, actuator=actuator))
+    severe = tv.winds.Turbulence.mil_f_8785c("severe")
+    along = tv.control.turbulence_along(schedule, law, severe)
+    spread = np.interp(66.0, along.times, along.deviation())
+    lines = {line["name"].partition(",")[0]: line for line in found["total"]["lines"]}
+    assert lines["turbulence"]["kind"] == "random"
+    expected = np.degrees(1.959963984540054 * spread)  # the normal quantile of 0.975
+    assert lines["turbulence"]["deflection_deg"] == pytest.approx(expected, rel=2e-3)  # designs
+    total = sum(line["deflection_deg"] for line in lines.values())  # no other is random
+    assert found["total"]["total_deg"] == pytest.approx(total, rel=1e-12)
+
+
+def test_a_pulse_of_one_flight_time_is_that_of_the_study(tmp_path: Path) -> None:
+    """Without the spread, which a study has of a loop that is frozen throughout."""
+    keys = "intensity_m_per_s = 6\nsigmas = 0"
+    (pulse,) = flight(tmp_path, keys, *AT_66_S)["turbulence"]["winds"]
+    single = json.loads(run(tmp_path, keys, "--json").stdout)["turbulence"]
+    for name in ("deflection_deg", "deflection_rate_deg_per_s", "angle_of_attack_deg"):
+        assert pulse[name] == pytest.approx(single[name], rel=1e-3), name  # of 66 s by its schedule
+
+
+def test_a_head_wind_counts_with_its_dynamic_pressure(tmp_path: Path) -> None:
+    study = STUDY.replace('sign = "frozen"\n', "")
+    keys = "intensity_m_per_s = 6"
+    head, tail = flight(tmp_path, keys, *AT_66_S, study=study)["turbulence"]["winds"]
+    (nominal,) = flight(tmp_path, keys, *AT_66_S)["turbulence"]["winds"]
+    assert tail["deflection_deg"] == pytest.approx(nominal["deflection_deg"], rel=1e-9)
+    assert head["deflection_deg"] > 1.1 * nominal["deflection_deg"]
+
+
+def test_a_sounding_is_flown_along_the_flight() -> None:
+    schedule = tv.load_schedule("configuration-i")
+    profile = tv.WindProfile(
+        height=[0.0, 6e3, 12e3, 40e3], east=[0.0, 10.0, 40.0, 5.0], north=[0.0] * 4
+    )
+    request = tv.requirement.SizingRequest(
+        schedule=schedule,
+        pulse=False,
+        soundings={"west": tv.requirement.SoundingRequest(profile, np.radians(90.0))},
+        start=60.0,
+        stop=70.0,
+    )
+    design = tv.control.AutopilotDesign(attitude_gain=0.8, rate_gain=0.8)
+    asked = tv.case.TurbulenceRequest(intensity=6.0, sigmas=0.0)
+    wind = tv.ascent.fly_through(profile, schedule, azimuth=np.radians(90.0))
+    for sign in ("frozen", None):
+        case = tv.Case(vehicle=schedule.vehicle, design=design, sign=sign)
+        found = request.turbulence(case, asked)
+        assert isinstance(found, tv.requirement.FlightTurbulence)
+        flown = tv.flights.fly_along(schedule, design_of(case), wind, sign=sign)
+        largest = np.abs(flown.outputs["deflection"]).max()
+        assert found.winds[0].deflection == pytest.approx(largest, rel=1e-3)  # of other times
+
+
+def design_of(case: tv.Case) -> tv.Autopilot:
+    """Return the autopilot of a case with given gains, at any time of its flight."""
+    return tv.Autopilot(attitude_gain=0.8, rate_gain=0.8, actuator=case.nozzle.actuator)
+
+
+def test_a_flight_whose_turbulence_is_not_known_is_not_sized(tmp_path: Path) -> None:
+    study = f'{STUDY}limit_shape = "round"\n'.replace(
+        "peak_deg = 5.0", "peak_deg = 5.0\ndirection_deg = 250\nazimuth_deg = 45"
+    )
+    found = flight(tmp_path, "intensity_m_per_s = 6", *AT_66_S, study=study)
+    assert found["verdict"]["sufficient"] is None
+    assert "in turbulence: turbulence is answered in one plane" in found["verdict"]["not_sized"][0]

@@ -67,10 +67,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "nozzle": ("sign that counts", "limit shape", "dispersion", "turbulence"),
     "nozzle --over load": _NOMINAL_PRESSURE,
     "nozzle --over flight": ("dispersion", "turbulence"),
-    "ascent": (
-        *(feature for feature in _LOOP if feature != "rate limit"),
-        *("dispersion", "turbulence", _WORK),
-    ),
+    "ascent": ("dispersion", _WORK),
     "availability": (*_LOOP, "dispersion", "turbulence", _WORK),
     "disperse": ("turbulence", _WORK),
     "explore": ("measured wind", "dispersion", "turbulence", _WORK),
@@ -86,6 +83,7 @@ _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),
     "nozzle --over load without --law": (*_LAW, "sample rate", "gains"),
     "nozzle --over flight without the law autopilot": ("gains",),
+    "ascent without turbulence": tuple(feature for feature in _LOOP if feature != "rate limit"),
 }
 """Features that a question computes, but omits with or without these options."""
 _LIMITS_OF_WORK = ("torque_limit", "power_limit", "travel_limit", "acceleration_limit")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -78,6 +78,21 @@ class LoadBound:
     def ratio(self) -> float:
         """Ratio of moment slopes M_delta/M_alpha."""
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
+
+    def at_pressure(self, ratio: float) -> Self:
+        """Return the load limit at so many times the dynamic pressure; an angle stays as it is.
+
+        Raises
+        ------
+        InputError
+            For a ratio that is not positive.
+        """
+        factor = number("ratio", ratio, positive)
+        if self.q_alpha is not None and self.dynamic_pressure is not None:
+            return replace(self, dynamic_pressure=factor * self.dynamic_pressure)
+        if self.alpha_moment is not None:
+            return replace(self, alpha_moment=factor * self.alpha_moment)
+        return self
 
     def trade_off(self, case: Case, fraction: float = 1.0) -> LoadTradeOff:
         """Return the trade-off curve of limit over load; `fraction`: of the limit that counts."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -18,6 +19,7 @@ from tvclin.base.errors import (
     InputError,
     between,
     ending,
+    fraction,
     instance,
     nonnegative,
     number,
@@ -27,11 +29,17 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.base.errors import text as a_text
-from tvclin.base.fields import checked, file_table, quantity, spec, word
+from tvclin.base.fields import checked, derived, file_table, quantity, spec, word
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
+from tvclin.case.load import LoadBound
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history
-from tvclin.control.turbulence.driven_loop import ANGLE_OF_ATTACK, DEFLECTION_RATE
+from tvclin.control.turbulence.driven_loop import (
+    ANGLE_OF_ATTACK,
+    BENDING_MOMENT,
+    DEFLECTION_RATE,
+    LoadSlopes,
+)
 from tvclin.control.turbulence.loop_covariance import LoopCovariance, turbulence_covariance
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle
@@ -46,7 +54,9 @@ LEVELS = "level"
 """Key of the rows of turbulence over altitude."""
 _FORMS = {"spectrum": SPECTRA, "component": COMPONENTS}
 """Names of the form of turbulence, the usual one first."""
-_AFTER_WIND_S = 10.0
+_USUAL_SIGMAS, _MAX_SIGMAS = 3.0, 10.0
+"""Standard deviations that count if none are specified, and the most that may."""
+AFTER_WIND_S = 10.0
 """Time after the wind during which the largest deflection is searched [s]."""
 
 
@@ -74,13 +84,16 @@ class TurbulenceRequest:
     table : Turbulence, optional
         In place of an intensity, turbulence over altitude with its spectrum and component: of the
         file in [turbulence], or of its levels.
-    sigmas : float
+    sigmas : float, optional
         Standard deviations that count on top of the response to the wind.
+    probability : float, optional
+        In place of these, the probability with which the response stays within them at a time.
 
     Raises
     ------
     InputError
-        For numbers out of range, and other than one of intensity, severity, exceedance and table.
+        For numbers out of range, other than one of intensity, severity, exceedance and table, and
+        both sigmas and a probability.
     """
 
     intensity: float | None = quantity("speed", None, nonnegative)
@@ -90,7 +103,10 @@ class TurbulenceRequest:
     length: float | None = quantity("length", None, positive)
     spectrum: str = word(SPECTRA, SPECTRA[0])
     component: str = word(COMPONENTS, COMPONENTS[0])
-    sigmas: float = quantity("number", 3.0, between(0.0, 10.0))
+    sigmas: float | None = quantity(
+        "number", None, between(0.0, _MAX_SIGMAS), shown=f"{_USUAL_SIGMAS:g}"
+    )
+    probability: float | None = quantity("number", None, fraction)
     table: Turbulence | None = None
 
     def __post_init__(self) -> None:
@@ -102,7 +118,27 @@ class TurbulenceRequest:
                 "[turbulence] needs one of intensity, severity, exceedance, file and level"
                 f"{'; got ' + ' and '.join(given) if given else ''}"
             )
+        if self.sigmas is not None and self.probability is not None:
+            raise InputError("[turbulence] has sigmas and a probability; keep one")
+        if self.factor > _MAX_SIGMAS:
+            raise InputError("probability in [turbulence] is too close to 1")
         _ = self.over_altitude  # refuses numbers out of range
+
+    @property
+    def factor(self) -> float:
+        """Standard deviations that count on top of the response to the wind."""
+        if self.probability is None:
+            return _USUAL_SIGMAS if self.sigmas is None else self.sigmas
+        from scipy.special import ndtri  # late: scipy takes long to import
+
+        return float(ndtri(0.5 + 0.5 * self.probability))
+
+    @property
+    def label(self) -> str:
+        """These standard deviations in words, with the probability where that is specified."""
+        if self.probability is None:
+            return f"{self.factor:g} sigma"
+        return f"{self.factor:.4g} sigma ({100.0 * self.probability:.6g} % of the time)"
 
     @property
     def needs_altitude(self) -> bool:
@@ -178,6 +214,8 @@ class LoopInTurbulence(Shown):
         The turbulence.
     sigmas : float
         Standard deviations that count on top of the mean.
+    label : str
+        These in words, with the probability where that is specified.
     deflection, time : float
         Largest of ``|mean|`` plus those standard deviations of the deflection [rad], and its time
         [s].
@@ -185,11 +223,11 @@ class LoopInTurbulence(Shown):
         The same of the deflection rate [rad/s]; None where it has no variance.
     angle_of_attack : float
         The same of the angle of attack [rad].
+    load, load_bound : float or None
+        The same of the load of the structure, as an angle [rad], and its bound, see
+        `LoadBound.bound`; None without a bound.
     deflection_rms, deflection_rate_rms : float
         Standard deviation of the deflection [rad] and of its rate [rad/s].
-    travel, travel_deviation : float or None
-        Expected travel of the nozzle in the wind and shortly after [rad], and its standard
-        deviation; None where the rate has no variance.
     duration : float
         Time for which the travel counts [s].
     limit : float or None
@@ -205,14 +243,15 @@ class LoopInTurbulence(Shown):
 
     turbulence: Turbulence = field(metadata=spec())
     sigmas: float = field(metadata=spec())
+    label: str = field(metadata=spec(card=False))
     deflection: float = field(metadata=spec("angle"))
     time: float = field(metadata=spec("time"))
     deflection_rate: float | None = field(metadata=spec("angular rate"))
     angle_of_attack: float = field(metadata=spec("angle"))
+    load: float | None = field(metadata=spec("angle"))
+    load_bound: float | None = field(metadata=spec("angle"))
     deflection_rms: float = field(metadata=spec("angle"))
     deflection_rate_rms: float | None = field(metadata=spec("angular rate"))
-    travel: float | None = field(metadata=spec("angle"))
-    travel_deviation: float | None = field(metadata=spec("angle"))
     duration: float = field(metadata=spec("time"))
     limit: float | None = field(metadata=spec("angle"))
     probability_of_none: float | None = field(metadata=spec())
@@ -229,6 +268,7 @@ class LoopInTurbulence(Shown):
         wind: History,
         limit: float | None = None,
         altitude: float | None = None,
+        load: LoadBound | None = None,
     ) -> Self:
         """Return the motion of an autopilot in a wind and turbulence, of one vehicle.
 
@@ -248,6 +288,8 @@ class LoopInTurbulence(Shown):
             Deflection limit [rad].
         altitude : float, optional
             Altitude [m], by default that of the request.
+        load : LoadBound, optional
+            Load limit of the structure.
 
         Raises
         ------
@@ -266,26 +308,31 @@ class LoopInTurbulence(Shown):
         if not isinstance(vehicle, Vehicle):
             raise InputError("turbulence needs the speed of the vehicle, which coefficients lack")
         speed = number("velocity", vehicle.velocity, positive, "m/s")
-        air, k = request.at(altitude), request.sigmas
+        air, k = request.at(altitude), request.factor
         stationary = turbulence_covariance(autopilot, plant, air, speed)
         ended = wind.shift(-float(wind.onset))
-        duration = float(ended.end) + _AFTER_WIND_S
+        duration = float(ended.end) + AFTER_WIND_S
+        slopes = None
+        if load is not None:
+            instance("load", load, LoadBound, "of one bound")
+            slopes = LoadSlopes(alpha_moment=1.0, deflection_moment=load.ratio)
         history = turbulence_history(
-            autopilot, plant, air, speed, duration, wind=ended, settled=True
+            autopilot, plant, air, speed, duration, wind=ended, settled=True, loads=slopes
         )
         deflection, time = history.largest(k)
         smooth = DEFLECTION_RATE in history.outputs
         return cls(
             turbulence=air,
             sigmas=k,
+            label=request.label,
             deflection=deflection,
             time=time,
             deflection_rate=history.largest(k, DEFLECTION_RATE)[0] if smooth else None,
             angle_of_attack=history.largest(k, ANGLE_OF_ATTACK)[0],
+            load=None if load is None else history.largest(k, BENDING_MOMENT)[0],
+            load_bound=None if load is None else load.bound,
             deflection_rms=stationary.deflection_rms,
             deflection_rate_rms=stationary.deflection_rate_rms,
-            travel=history.travel() if smooth else None,
-            travel_deviation=history.travel_deviation() if smooth else None,
             duration=duration,
             limit=limit,
             probability_of_none=(
@@ -295,23 +342,38 @@ class LoopInTurbulence(Shown):
             history=history,
         )
 
+    @cached_property
+    @derived("angle")
+    def travel(self) -> float | None:
+        """Expected travel of the nozzle in `duration` [rad]; None where it has none."""
+        return self.history.travel() if self.deflection_rate is not None else None
+
+    @cached_property
+    @derived("angle")
+    def travel_deviation(self) -> float | None:
+        """Standard deviation of that travel [rad]; None where it has none."""
+        return self.history.travel_deviation() if self.deflection_rate is not None else None
+
     def tables(self) -> list[Table]:
         """Return the table of the motion, and that of the stationary covariance."""
-        k, key = f"{self.sigmas:g}", "turbulence"
+        k, key = self.label, "turbulence"
         rows: list[Row] = [
             ("spectrum", (f"{self.turbulence.spectrum}, {self.turbulence.component}",)),
             ("intensity", significant(f"{key}.intensity", self.turbulence.intensity, 4, "m/s")),
             ("length", significant(f"{key}.length", self.turbulence.length, 4, "m")),
             (
-                f"deflection, wind + {k} sigma",
+                f"deflection, wind + {k}",
                 degrees(f"{key}.deflection", self.deflection, unit="deg"),
             ),
         ]
         if self.deflection_rate is not None:
             rate = degrees(f"{key}.deflection_rate", self.deflection_rate, unit="deg/s")
-            rows.append((f"deflection rate, wind + {k} sigma", rate))
+            rows.append((f"deflection rate, wind + {k}", rate))
         angle = degrees(f"{key}.angle_of_attack", self.angle_of_attack, unit="deg")
-        rows.append((f"angle of attack, wind + {k} sigma", angle))
+        rows.append((f"angle of attack, wind + {k}", angle))
+        if self.load is not None:
+            load = degrees(f"{key}.load", self.load, unit="deg")
+            rows.append((f"load as an angle, wind + {k}", load))
         if self.travel is not None and self.travel_deviation is not None:
             travel = degrees(f"{key}.travel", self.travel, unit="deg")
             spread = degrees(f"{key}.travel_deviation", self.travel_deviation, unit="deg")

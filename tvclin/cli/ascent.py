@@ -12,7 +12,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.files import called
-from tvclin.cli.inputs import changed, chosen, keys_set, note_source
+from tvclin.cli.inputs import changed, chosen, keys_set, note_omissions, note_source
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
@@ -29,6 +29,7 @@ from tvclin.cli.progress import bar
 from tvclin.cli.wind import PulseOptions, WindOptions, azimuth_of, check_reading
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
+from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.request import SizingRequest, SoundingRequest
 from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
@@ -156,23 +157,24 @@ def ascent(
         _check_drawn(request.times(case))
     with bar("flight times and winds") as progress:
         sizing = request.sizing(case, progress)
-    total, ratio = request.total(case, sizing), request.ratio(case, sizing)
+        turbulence = request.turbulence(case, case.turbulence)
+    total, ratio = request.total(case, sizing, turbulence), request.ratio(case, sizing)
     counted = request.counted(sizing, case.sign)
-    said = [*request.warnings, *request.notes, *_hints(request, sizing)]
-    ratio_notes = [*ratio.notes] if ratio else []
+    said = [*request.warnings, *request.notes, *_hints(request, sizing), *_of_loop(turbulence)]
     if csv is not None:
         sizing.to_csv(csv)
     draw(plot, lambda: plots.sizing_chart(sizing, total.limit, source))
     further = {
         "total": total,
         "controllability": ratio,
-        "notes": [*sizing.notes, *said, *ratio_notes],
+        **({"turbulence": turbulence} if isinstance(turbulence, FlightTurbulence) else {}),
+        "notes": [*sizing.notes, *said, *(ratio.notes if ratio else ())],
         "verdict": document(total, "limit", "sufficient", "remaining", "not_sized"),
     }
     answer(
         as_json,
         lambda: sizing.as_dict() | further,
-        lambda: _print(sizing, total, ratio, source, counted, [*said, *ratio_notes * more], more),
+        lambda: _print(sizing, total, ratio, turbulence, source, counted, said, more),
         not total.too_slow and (total.limit is None or bool(total.sufficient)),
     )
 
@@ -190,6 +192,7 @@ def _print(
     sizing: Sizing,
     total: DeflectionTotal,
     ratio: ControllabilityRatio | None,
+    turbulence: FlightTurbulence | str | None,
     source: str,
     counted: Requirement,
     notes: list[str],
@@ -200,6 +203,7 @@ def _print(
     planes = "both planes, one limit" if sizing.separate else sizing.plane
     title = f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}"
     first, further = (all_tables := tables.time_tables(sizing, counted))[:1], all_tables[1:]
+    random = turbulence.tables() if isinstance(turbulence, FlightTurbulence) else []
 
     def details() -> None:
         print_tables(*further)
@@ -210,7 +214,7 @@ def _print(
         if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
             print_tables(*tables.wind_columns_table(sizing, counted))
         say(f"{tables.legend(sizing)}\n")
-        print_tables(total_table(total, counted.label))
+        print_tables(total_table(total, counted.label), *random[1:])
         if ratio is not None:
             print_tables(ratio.table)
             say_lines([ratio.verdict])
@@ -218,10 +222,17 @@ def _print(
     print_answer(
         total.words,
         *(replace(table, caption=f"{title}\n{table.caption}") for table in first),
-        notes=(*sizing.notes, *notes),
+        *random[:1],
+        notes=(*sizing.notes, *notes, *(ratio.notes if ratio and more else ())),
         more=more,
         details=details,
     )
+
+
+def _of_loop(turbulence: FlightTurbulence | str | None) -> Iterator[str]:
+    """Yield notes on the autopilot that turbulence is answered for."""
+    if isinstance(turbulence, FlightTurbulence):
+        yield from turbulence.notes
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
@@ -262,6 +273,8 @@ def case_over_flight(
     soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))
     note_source(source, command)
     case = load_sizing(source, soundings)
+    if command == "ascent" and case.turbulence is None:
+        note_omissions(case, "ascent without turbulence")
     for options in (question, *changes):
         case = options.over(case)
     case = winds.over(case)

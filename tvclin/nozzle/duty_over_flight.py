@@ -55,16 +55,22 @@ from tvclin.nozzle.duty import (
     requirements_on_nozzle,
 )
 from tvclin.nozzle.motion import Motion
-from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, angle_at, placed_in_planes
+from tvclin.requirement.flight.flight_winds import (
+    PlacedWind,
+    WindOf,
+    angle_at,
+    encountered_winds,
+    placed_in_planes,
+)
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import doubtful_winds
 from tvclin.requirement.plane_requirement import rectangle
 from tvclin.requirement.required_quantity import in_wind
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
-from tvclin.vehicle.vehicle import Vehicle, at_pressure
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import FROZEN, SIGNS, beyond_linear, pressure_ratio
+from tvclin.winds.wind_angles import FROZEN, beyond_linear
 
 
 @dataclass(frozen=True)
@@ -266,8 +272,8 @@ class _Conditions:
                 yield DutyPoint(time, name, plane, limits[plane])
                 continue
             interval = self.edges[i : i + 2] if measured else None
-            for direction, at_peak, history in self._encountered(
-                vehicle, in_plane, placed, interval, signed
+            for direction, at_peak, history in encountered_winds(
+                vehicle, in_plane, placed, case.sign, signed=signed, interval=interval
             ):
                 wind = f"{name}{in_wind(direction)}"
                 point = DutyPoint(time, wind, plane, limits[plane], direction=direction)
@@ -287,37 +293,6 @@ class _Conditions:
             rectangle(limit_shape_of(case.nozzle.limit_shape or "round"), *sizes.values())
         )
         return {k: self.limit * size / total for k, size in sizes.items()} if total else sizes
-
-    def _encountered(
-        self,
-        vehicle: Vehicle,
-        placed: PlacedWind,
-        planes: dict[str, PlacedWind],
-        interval: FloatArray | None,
-        signed: bool,
-    ) -> Iterator[tuple[str, Vehicle, History]]:
-        """Yield the direction of a wind, the vehicle at its largest dynamic pressure, and the wind.
-
-        The direction is empty for a wind with a single direction.
-        """
-        wind, sign_of_case = (placed.two_sided or placed.history).shift(placed.zero), self.case.sign
-        along, angle = planes.get("pitch"), np.zeros(())
-        if interval is not None:  # a measured wind, with its own pressure unless that is frozen
-            speeds = placed.speeds
-            ratio = 1.0 if speeds is None else _largest(speeds.time, speeds.pressure, interval)
-            yield "", at_pressure(vehicle, ratio), wind
-            return
-        if along is not None and not along.calm and sign_of_case != FROZEN:
-            angle = np.asarray(along.history.peak)
-        ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))
-        if not angle or np.isnan(ratio):
-            yield "", vehicle, wind
-        elif not signed:  # it has a direction
-            yield "", at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
-        else:
-            for sign in SIGNS if sign_of_case is None else (sign_of_case,):
-                at_peak = at_pressure(vehicle, ratio) if sign == "head" else vehicle
-                yield sign, at_peak, wind * float(SIGNS[sign] * np.sign(angle))
 
     def _flown(self, point: DutyPoint, vehicle: Vehicle, wind: History, interval: Any) -> DutyPoint:
         """Return a point with its flight, and the duty in `interval`, or of the flight if None."""
@@ -371,12 +346,6 @@ class _Conditions:
             without_noise=without_noise,
             noise_rate=noise_rate,
         )
-
-
-def _largest(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> float:
-    """Return the largest ratio in an interval of time [s], interpolated linearly."""
-    within = times[(times > interval[0]) & (times < interval[1])]
-    return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
 
 
 def _spent(duty: NozzleDuty) -> FloatArray:

@@ -4,7 +4,7 @@
 - A flight: its `size` by a `SizingRequest` and `SoundingRequest`, with numbers by `Requirement`;
   the `DeflectionTotal` of `total_deflection` and `worst_total`, and the `ControllabilityRatio` of
   `controllability_ratio`; with the requirement of an autopilot, `autopilot_requirements`, and what
-  it uses: `deflection_use`.
+  it uses: `deflection_use`; in turbulence `FlightTurbulence`.
 """
 
 from tvclin.base.public_names import public_names

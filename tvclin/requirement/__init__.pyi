@@ -4,6 +4,7 @@ from .flight.controllability import ControllabilityRatio as ControllabilityRatio
 from .flight.controllability import controllability_ratio as controllability_ratio
 from .flight.deflection_use import DeflectionUse as DeflectionUse
 from .flight.deflection_use import deflection_use as deflection_use
+from .flight.flight_turbulence import FlightTurbulence as FlightTurbulence
 from .flight.request import SizingRequest as SizingRequest
 from .flight.request import SoundingRequest as SoundingRequest
 from .flight.size import size as size

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from tvclin.linear.flexible import AnyPlant
     from tvclin.nozzle.data_sheet import FlightDuty
     from tvclin.requirement.autopilot_requirement import AutopilotRequirement
+    from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
     from tvclin.requirement.flight.request import SizingRequest
     from tvclin.requirement.flight.sizing import Sizing
     from tvclin.requirement.flight.total import DeflectionTotal
@@ -81,6 +82,7 @@ class Findings:
     margins; `flexible` the autopilot and margins of a flexible vehicle. `stop` is the minimum limit
     with which the autopilot, flown with it as a stop, survives the wind, `flown` the margins with
     the limit in that wind. `flight` is the sizing of the whole flight, and its worst total;
+    `flight_turbulence` the autopilot in turbulence along it, or why that is not known;
     `duty` the nozzle duty of a law along it. `availability` is the fraction of the days of an
     archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
     limit and load; `turbulence` the autopilot in the wind and turbulence. `head` has `stop`,
@@ -97,6 +99,7 @@ class Findings:
     flown: FlownMargins | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
+    flight_turbulence: FlightTurbulence | str | None
     duty: FlightDuty | None
     availability: Availability | None
     rates: RateTradeOff | None
@@ -187,8 +190,11 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
     """Return all results that a plan requests; `progress` is called with results done and in total.
 
     A result that is not defined for this vehicle, such as margins of laws for a stable vehicle,
-    has its reason in place of an answer. `InputError` as `StudyPlan.study`.
+    has its reason in place of an answer. `InputError` as `StudyPlan.study`, and for turbulence of
+    an altitude that is not known.
     """
+    if plan.turbulence is not None and plan.sizing is None:
+        _ = plan.turbulence.at()  # refuses an intensity over altitude without an altitude
     messages: list[str] = []
     with pass_warnings(messages.append):
         study = plan.study()
@@ -216,6 +222,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
         comparison = result("comparison", lambda *_: _comparison(study, loop))
         flexible = result("flexible", lambda *_: _flexible(plan, study, loop))
         flying = flexible or comparison
+        flight = result("flight", partial(_flight, plan))
         return Findings(
             plan=plan,
             study=study,
@@ -225,7 +232,8 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             stop=flying and result("stop", lambda *_: _stop(plan, study, flying)),
             flown=flying and result("flown", lambda limit, _: _flown(plan, study, flying, limit)),
             dispersed=result("dispersed", lambda request, _: _dispersed(plan, study, request)),
-            flight=result("flight", partial(_flight, plan)),
+            flight=flight and flight[:2],
+            flight_turbulence=flight and flight[2],
             duty=result("duty", partial(_duty, plan)),
             availability=result(
                 "availability", lambda request, progress: request.availability(plan, progress)
@@ -346,12 +354,21 @@ def _in_a_head_wind(
     if plan.turbulence is not None:
         with suppress(InputError):
             denser = at_peak_pressure(plan, study)
+            denser = _with_load_of(denser, plan)
 
             def denser_loop() -> tuple[AnyPlant, Autopilot]:
                 return denser.plant, loop()[1]
 
             turbulence = _turbulence(denser, study, denser_loop, plan.turbulence)
     return HeadWind(stop, rates, turbulence)
+
+
+def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:
+    """Return the plan of a higher dynamic pressure with the load limit at that pressure."""
+    if plan.load is None:
+        return denser
+    slopes = [getattr(x.vehicle, "normal_force_slope", 1.0) for x in (denser, plan)]
+    return replace(denser, load=plan.load.at_pressure(float(slopes[0] / slopes[1])))
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
@@ -371,7 +388,9 @@ def _turbulence(
         raise InputError("turbulence is answered in one plane; leave out the stop of both planes")
     wind, limit = study.history, plan.nozzle.limit
     altitude = _altitude(plan) if request.needs_altitude else None
-    return LoopInTurbulence.of(request, plan.vehicle, *loop(), wind, limit, altitude)
+    return LoopInTurbulence.of(
+        request, plan.vehicle, *loop(), wind, limit, altitude, load=plan.load
+    )
 
 
 def _altitude(plan: StudyPlan) -> float | None:
@@ -385,9 +404,11 @@ def _altitude(plan: StudyPlan) -> float | None:
 
 def _flight(
     plan: StudyPlan, request: SizingRequest, progress: Progress
-) -> tuple[Sizing, DeflectionTotal]:
+) -> tuple[Sizing, DeflectionTotal, FlightTurbulence | str | None]:
+    """Return the sizing of the flight, its worst total, and its turbulence."""
     sizing = request.sizing(plan, progress)
-    return sizing, request.total(plan, sizing)
+    turbulence = request.turbulence(plan, plan.turbulence)
+    return sizing, request.total(plan, sizing, turbulence), turbulence
 
 
 def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:

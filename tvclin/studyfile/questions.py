@@ -21,9 +21,10 @@ from tvclin.winds.wind_angles import ATTACK, beyond_linear
 _FLIGHTS = ("flexible flight",)
 """Questions whose answer is the outcome of a flight: survived or not."""
 _TURBULENCE, _TURBULENCE_RATE = "turbulence", "rate in turbulence"
+_TURBULENCE_LOAD = "load in turbulence"
 _CRITERIA = (
     *("nozzle rate", "load", "nozzle card", "availability", "margins"),
-    *(_TURBULENCE, _TURBULENCE_RATE),
+    *(_TURBULENCE, _TURBULENCE_RATE, _TURBULENCE_LOAD),
 )
 """Questions that are answered by a criterion: satisfied or not. Others have a verdict."""
 
@@ -63,11 +64,11 @@ class Question(Record):
     """One question of a study file.
 
     `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
-    "probability", "turbulence", "rate in turbulence", "autopilot", "margins" or "flexible flight";
-    the answer is None where it is not known, and `line` is why. `required_deflection` is the
-    required deflection [rad], NaN for a question without one, and `whose` its subject with the
-    verb, in words. `measure` holds the required and the available value: by default
-    `required_deflection` and the limit.
+    "probability", "turbulence", "rate in turbulence", "load in turbulence", "autopilot", "margins"
+    or "flexible flight"; the answer is None where it is not known, and `line` is why.
+    `required_deflection` is the required deflection [rad], NaN for a question without one, and
+    `whose` its subject with the verb, in words. `measure` holds the required and the available
+    value: by default `required_deflection` and the limit.
     """
 
     name: str = field(metadata=spec())
@@ -150,7 +151,7 @@ _NOT_KNOWN_AT_PEAK = "not known with the dynamic pressure at the peak of a head 
 """Reason where a plant is not known at the pressure of a head wind that sets the requirement."""
 _IN_THE_WIND = (
     *("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight"),
-    *(_TURBULENCE, _TURBULENCE_RATE),
+    *(_TURBULENCE, _TURBULENCE_RATE, _TURBULENCE_LOAD),
 )
 """Questions whose answers rest on the wind of the study."""
 
@@ -356,7 +357,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
 
 
 def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
-    """Yield whether limit and rate limit cover the wind and some standard deviations of turbulence.
+    """Yield whether limit, rate limit and load limit cover the wind and k sigma of turbulence.
 
     It is a criterion on the linear loop: where it is not satisfied, limits are met more often.
     Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
@@ -367,25 +368,27 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
         if findings.plan.turbulence is not None:
             yield Question(_TURBULENCE, None, (_reason(findings, "turbulence"),))
         return
-    nominal, sigmas = t, f"the linear autopilot in the wind and {t.sigmas:g} sigma of turbulence"
+    nominal, sigmas = t, f"the linear autopilot in the wind and {t.label} of turbulence"
     if findings.head is not None:
         if findings.head.turbulence is None:
             yield Question(_TURBULENCE, None, (_NOT_KNOWN_AT_PEAK,))
             return
         sigmas, t = f"{sigmas}{_at_peak(findings)}", findings.head.turbulence
     beyond = beyond_linear(t.angle_of_attack, ATTACK)
-    judged = [(_TURBULENCE, limit, nominal.deflection, t.deflection, "deg")]
+    judged = [(_TURBULENCE, (nominal.deflection, limit), (t.deflection, limit), "deg")]
     if rate_limit is not None and t.deflection_rate is not None:
-        rates = nominal.deflection_rate or np.nan, t.deflection_rate
-        judged.append((_TURBULENCE_RATE, rate_limit, *rates, "deg/s"))
-    for name, available, at_nominal, required, unit in judged:
+        rate = nominal.deflection_rate or np.nan
+        pairs = (rate, rate_limit), (t.deflection_rate, rate_limit)
+        judged.append((_TURBULENCE_RATE, *pairs, "deg/s"))
+    if t.load is not None and t.load_bound is not None:
+        at_nominal = nominal.load or 0.0, nominal.load_bound or np.nan
+        judged.append((_TURBULENCE_LOAD, at_nominal, (t.load, t.load_bound), "deg"))
+    for name, at_nominal, (required, available), unit in judged:
         line: Line = (beyond or sigmas,)
         if t is not nominal and not beyond:
-            line = (
-                *line,
-                *degrees(f"asked.nominal_{name.replace(' ', '_')}", at_nominal, unit=unit),
-            )
-        yes = _also(bool(covers(available, at_nominal)), bool(covers(available, required)))
+            key = f"asked.nominal_{name.replace(' ', '_')}"
+            line = (*line, *degrees(key, at_nominal[0], unit=unit))
+        yes = _also(bool(covers(*at_nominal[::-1])), bool(covers(available, required)))
         measure = _of_angles(required, available, unit)
         yield Question(name, None if beyond else yes, line, measure=measure)
     if rate_limit is not None and t.deflection_rate is None:

@@ -131,8 +131,6 @@ class StudyPlan(Case):
         for name, type_, hint in zip(names, types, hints, strict=True):
             if getattr(self, name) is not None:
                 instance(name, getattr(self, name), type_, hint)
-        if self.turbulence is not None and self.sizing is None:
-            _ = self.turbulence.at()  # refuses an intensity over altitude without an altitude
         if self.criteria is not None and self.criteria.has_mode_limits and not self._modes:
             raise InputError(
                 "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"

@@ -7,7 +7,7 @@ the product of the largest angle of the flight and the B of another time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,11 +19,11 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, NotKnownError, instance, number, one_of, positive
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import Vehicle, at_pressure
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import TriangularWind
-from tvclin.winds.wind_angles import checked_linear
+from tvclin.winds.wind_angles import FROZEN, SIGNS, checked_linear, pressure_ratio
 
 PLACINGS = ("peak", "flight")
 PEAK = PLACINGS[0]
@@ -147,6 +147,47 @@ def placed_in_planes(
     except NotKnownError as error:
         none = TriangularWind(peak=1.0, duration=1.0) * 0.0
         return dict.fromkeys(planes, PlacedWind(none, 0.0, known=False, why=str(error)))
+
+
+def encountered_winds(
+    vehicle: Vehicle,
+    placed: PlacedWind,
+    planes: Mapping[str, PlacedWind],
+    sign: str | None,
+    *,
+    signed: bool,
+    interval: FloatArray | None = None,
+) -> Iterator[tuple[str, Vehicle, History]]:
+    """Yield the direction of a wind, the vehicle at its largest dynamic pressure, and the wind.
+
+    The direction is empty for a wind with a single direction. `planes`: the placed wind of each
+    plane. `sign`: head, tail or frozen, of the case. `signed`: whether the wind may be either head
+    or tail. `interval`: flight times [s] of a measured wind, whose dynamic pressure is its own.
+    """
+    wind = (placed.two_sided or placed.history).shift(placed.zero)
+    along, angle = planes.get("pitch"), np.zeros(())
+    if interval is not None:
+        speeds = placed.speeds
+        ratio = 1.0 if speeds is None else _at_most(speeds.time, speeds.pressure, interval)
+        yield "", at_pressure(vehicle, ratio), wind
+        return
+    if along is not None and not along.calm and sign != FROZEN:
+        angle = np.asarray(along.history.peak)
+    ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))
+    if not angle or np.isnan(ratio):
+        yield "", vehicle, wind
+    elif not signed:  # it has a direction
+        yield "", at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
+    else:
+        for direction in SIGNS if sign is None else (sign,):
+            at_peak = at_pressure(vehicle, ratio) if direction == "head" else vehicle
+            yield direction, at_peak, wind * float(SIGNS[direction] * np.sign(angle))
+
+
+def _at_most(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> float:
+    """Return the largest ratio in an interval of time [s], interpolated linearly."""
+    within = times[(times > interval[0]) & (times < interval[1])]
+    return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
 
 
 def peak_angle(placed: Mapping[str, PlacedWind]) -> float:

@@ -34,11 +34,13 @@ from tvclin.base.fields import count as integer
 from tvclin.base.lines import Line
 from tvclin.base.lines import number as number_line
 from tvclin.case.case import Case
+from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.laws.registry import LAWS
 from tvclin.kernels.choice import repeated
 from tvclin.requirement.flight.controllability import ControllabilityRatio, controllability_ratio
 from tvclin.requirement.flight.flight_requirement import FlightMode
+from tvclin.requirement.flight.flight_turbulence import FlightTurbulence, flight_turbulence
 from tvclin.requirement.flight.flight_winds import WindOf
 from tvclin.requirement.flight.size import WORDS, size
 from tvclin.requirement.flight.sizing import Sizing
@@ -427,8 +429,35 @@ class SizingRequest:
         span = np.nanmin([first, *sizing.begins.flat]), np.nanmax([last, *sizing.ends.flat])
         return FlightMode(self.schedule, case.model, case.plane, (float(span[0]), float(span[1])))
 
-    def total(self, case: Case, sizing: Sizing) -> DeflectionTotal:
-        """Return the worst total of a sizing; same exceptions as `worst_total`."""
+    def turbulence(
+        self, case: Case, turbulence: TurbulenceRequest | None
+    ) -> FlightTurbulence | str | None:
+        """Return the autopilot of a case in turbulence along the flight, and in each wind.
+
+        In its place the reason for which it is not known, in words; None without turbulence.
+        """
+        instance("case", case, Case, "of a wind and a nozzle")
+        if turbulence is None:
+            return None
+        instance("turbulence", turbulence, TurbulenceRequest, "of an intensity or a severity")
+        signed = tuple(pulse.heading is None for pulse in self.pulses(case))
+        winds, times = self.winds(case), self.times(case)
+        try:
+            flown = replace(case, design=self.scheduled_design or case.design)
+            return flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
+        except InputError as error:
+            return str(error)
+
+    def total(
+        self,
+        case: Case,
+        sizing: Sizing,
+        turbulence: FlightTurbulence | str | None = None,
+    ) -> DeflectionTotal:
+        """Return the worst total of a sizing; same exceptions as `worst_total`.
+
+        `turbulence`: result of `turbulence`.
+        """
         instance("case", case, Case, "of a wind and a nozzle")
         return worst_total(
             sizing,
@@ -439,6 +468,7 @@ class SizingRequest:
             reserve=self.reserve,
             limit=case.nozzle.limit,
             rate_limit=case.nozzle.rate_limit,
+            turbulence=turbulence,
         )
 
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:

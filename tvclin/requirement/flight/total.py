@@ -35,6 +35,7 @@ from tvclin.base.lines import text as cell_text
 from tvclin.base.quantities import sufficiency
 from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
 from tvclin.linear.modes import unstable_modes
+from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.required_quantity import Requirement, requirement_among
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -248,7 +249,7 @@ def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...
         (
             (wind if line.name == "wind" else line.name,),
             (line.kind,),
-            degrees(f"{key}.{line.name.replace(' ', '_')}", line.deflection),
+            degrees(f"{key}.{line.name.partition(',')[0].replace(' ', '_')}", line.deflection),
         )
         for line in total.lines
         if line.deflection
@@ -345,6 +346,7 @@ def worst_total(
     *,
     dispersion: float = 0.0,
     rate_limit: float | None = None,
+    turbulence: FlightTurbulence | str | None = None,
     **offsets: float | None,
 ) -> DeflectionTotal:
     """Return the largest total over the flight times of a sizing.
@@ -361,6 +363,9 @@ def worst_total(
     rate_limit : float, optional
         Rate limit of the nozzle [rad/s]; the requirement of the wind is then for a ramp at this
         rate.
+    turbulence : FlightTurbulence or str, optional
+        Turbulence along the flight, whose standard deviations at each flight time are a random
+        contribution; or the reason for which it is not known, in words, and the total neither.
     **offsets
         thrust_offset, gravity_offset, reserve and limit; see `total_deflection`.
 
@@ -373,8 +378,13 @@ def worst_total(
     ratio = number("dispersion", dispersion, nonnegative)
     if rate_limit is not None:
         rate_limit = number("rate_limit", rate_limit, between(*RATES), "rad/s")
+    if turbulence is not None and not isinstance(turbulence, str):
+        instance("turbulence", turbulence, FlightTurbulence, "see SizingRequest.turbulence")
     requirement = requirement_among("name", name, sizing.required)
     winds, not_sized = _needs(sizing, requirement), sizing.not_sized(requirement)
+    if isinstance(turbulence, str):
+        text("reason", turbulence)
+        not_sized = (*not_sized, f"in turbulence: {turbulence}")
     if not winds:
         reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
         return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
@@ -385,6 +395,7 @@ def worst_total(
                 wind,
                 nominal=float(sizing.schedule.nominal_at(t)),
                 dispersion=ratio * wind,
+                others=_turbulence(turbulence, t),
                 **offsets,  # type: ignore[arg-type]
             ),
             wind,
@@ -398,6 +409,15 @@ def worst_total(
     others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
     end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
     return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
+
+
+def _turbulence(turbulence: FlightTurbulence | str | None, time: float) -> tuple[Line, ...]:
+    """Return the contribution of turbulence at a flight time [s]; none where it is not known."""
+    if not isinstance(turbulence, FlightTurbulence):
+        return ()
+    return (
+        Line(f"turbulence, {turbulence.request.label}", turbulence.quantile_at(time), "random"),
+    )
 
 
 def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]]:
