@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.ledger import attempts, companion, flown, loads
 from tests.ledger.claims import claims, compute, equations, records
-from tests.ledger.computed import Computed, Value, shown
+from tests.ledger.computed import Computed, shown
 
 REPRODUCED, NOT_REPRODUCED = "reproduced", "**not reproduced**"
 
@@ -23,10 +23,11 @@ with the package from Table I when the page is made, and a test holds the page t
 
 - I and II are the vehicles of Table I. "as I" says that the vehicle makes no difference, "-" that
   only I is meant. Numbers have at most four significant digits.
-- A printed number is *reproduced* when ours rounds to it in its printed digits; "about" allows one
-  step of the last digit. For words the criterion is an inequality, in the docstring of the function
-  named under "function", in `tests/ledger/claims_*.py`.
-- Numbers of equations are those of the report; "(after B7)" is an unnumbered one near (B7).
+- A printed number is *reproduced* when ours rounds to it in its printed digits; "about" allows
+  one step of the last digit. For words the criterion is an inequality, in the docstring of the
+  function named under "function", in `tests/ledger/claims_*.py`.
+- Numbers of equations are those of the report, (B1) and (C1) those of its appendices; "(after
+  B7)" is an unnumbered one near (B7).
 - A proof is a test of the repository that derives the equation independently of the package. All
   variables in linear equations are deviations from the nominal flight.
 """
@@ -45,44 +46,24 @@ _CLAIMS = """\
 """
 
 _TRIED = """\
-## What was tried for the claims that are not reproduced
+## Other readings of the claims that are not reproduced
 
-### 24 percent by drift at tau beta = 20
-
-Reduction of the boundary limit by drift in percent, K = 1, tau beta = 20 unless said otherwise.
-Claimed are 24. No reading gives it for either vehicle; the nearest explanation is a slip of the
-abscissa, 25 read as 20, for (18) gives 24 percent at tau beta = {first} (I) and {second} (II).
-Neither (18) nor Table I is changed for it. W, I, N, T and F_A of Table I look ten times too small;
-all together that changes nothing, so each of the {subsets} ways to correct only some of them was
-tried. The one that comes nearest is in the last line.
-"""
-
-_DURATION = """\
-### 28 s in appendix C
-
-The duration in s up to which one pole is enough, for poles of 0.01 and 0.5 1/s unless said
-otherwise. The exponential of (C9) taken to first order gives the printed 28; the claim that
-tau beta = 14 is the end is the same number times 0.5 1/s.
-"""
-
-_LEAST = """\
-### 38 percent without dead band, or a reduction by 62
-
-The limit in percent of trim, triangular wind, K = 0. No equation rounds to 38 at tau beta = 4; a
-value read from a curve may, for (12) does below tau beta = {below}.
-"""
-
-_OTHERS = """\
-### The others
-
-{ids}: there is no other reading to try. The table of claims has the numbers that speak against
-them, and the notes say how far they are right.
+- **24 percent by drift at tau beta = 20.** {readings} readings were tried, of the normalisation,
+  the model, the abscissa, misprints, slips of units, and factors of ten in some of W, I, N, T and
+  F_A of Table I. None gives 24 for either vehicle; the nearest explanation is a slip of the
+  abscissa, 25 read as 20, for (18) gives 24 percent at tau beta = {first} (I) and {second} (II).
+  Neither (18) nor Table I is changed for it.
+- **28 s in appendix C.** The exponential of (C9) taken to first order gives the printed 28; the
+  claim that tau beta = 14 is the end is the same number times 0.5 1/s.
+- **38 percent without dead band, or a reduction by 62.** No equation rounds to 38 at tau beta =
+  4; a value read from a curve may, for (12) does below tau beta = {below}.
+- {ids}: there is no other reading to try.
 """
 
 _LOADS = """\
 ## Loads
 
-The report says that control below trim also reduces angle of attack and bending moments. Below is
+The report says that control below trim also reduces angle of attack and bending moments. This is
 the peak angle of attack over the peak of the wind (`wind_loads`, triangular wind, on the boundary,
 while the wind blows); the bending indicator N alpha falls by the same factor.
 """
@@ -97,47 +78,23 @@ the dynamic pressure, so that in pitch its sign and size matter. Of two entries 
 to I, the second to II.
 
 The boundary limit for K = 1. It agrees where (18) is within 5 percent, and the theory is
-conservative where (18) asks for no less.
-"""
-
-_ATTITUDES = """\
-The attitude over the peak of the wind at t = tau, with 0.9 and 1.1 times the boundary of (18), as
-(B9) / flown with the same deflection limit. The theory is conservative where it diverges faster,
-and where it converges more slowly.
+conservative where (18) requires no less. Whether (B9) diverges faster and converges more slowly
+than flights with the same limit is among the claims above.
 """
 
 _COMPANION = """\
-## Beside the companion report
+## The companion report
 
-Teren, Davidson, Borsody and Daniele (NASA TN D-4662, 1968) ask the same of whole vehicles. Of it
-the abstract alone was read. It says that 99 percent winds need 2.4 deg (260-inch booster with an
-S-IVB) and 1.17 deg (a second vehicle), that other effects need about 0.35 deg, and the tail-off of
-the thrust about 1 deg. Configuration I, the 260-inch booster of Table I, trims a wind of {peak:g}
-deg with {trim:.2f} deg: {factor:.1f} times less than 2.4 deg. Below is that vehicle over its
-reconstructed flight: the deflection that trims {peak:g} deg, the wind angle that 2.4 deg trim, and
-the speed of the horizontal wind that makes this angle, along the flight or across it.
-"""
-
-_EXPLAINS = """\
-What can explain the factor, and what of it is computed:
-
-- **The vehicle above the booster.** B is in proportion to the normal force and its arm, and a
-  payload's shape makes both. The abstract names an S-IVB; Table I names no upper stage.
-  A wind of {example:g} m/s across the flight (assumed) is {angle:.1f} deg at 66 s; it needs 2.4 deg
-  where B is {ratio:.1f} times that of Table I. With Table I's own B it takes {across:.0f} m/s
-  across the flight, which no wind has.
-- **The flight condition.** At a lower speed the same wind has a larger angle, and B is larger:
-  {slow:.3f} at {early:g} s where it is {B:.3f} at 66 s. Both together are too little: at
-  {early:g} s 2.4 deg still trim {slow_across:.0f} m/s across the flight.
-- **The autopilot.** Trim is what an ideal control takes. The gains that `tvclin design` has by
-  default turn the nozzle of configuration I {autopilot:.2f} times as far in the usual wind.
-- **Offsets** of thrust and centre of gravity, and nominal turning, are beside the 2.4 deg if they
-  are among the other effects. They are then no part of the factor.
-
-What the abstract does not tell: the winds themselves, their gusts and the season; the altitude, the
-speed and the shape of the second vehicle; whether 2.4 deg are a peak in flight, a static trim, or
-the root of a sum of squares; which autopilot flew. So neither confirms the other, and
-neither speaks against it.
+Teren, Davidson, Borsody and Daniele (NASA TN D-4662, 1968) have the same question for whole
+vehicles. Of it the abstract alone was read. It says that 99 percent winds need 2.4 deg (260-inch
+booster with an S-IVB) and 1.17 deg (a second vehicle), that other effects need about 0.35 deg,
+and the tail-off of the thrust about 1 deg. Configuration I, the 260-inch booster of Table I,
+trims a wind of {peak:g} deg with {trim:.2f} deg at 66 s; 2.4 deg trim {across:.0f} m/s across the
+flight there, and {slow_across:.0f} m/s at {early:g} s. A stage above the booster, which Table I
+does not name, can explain the factor of {factor:.1f}: B is in proportion to the normal force and
+its arm, and {example:g} m/s across the flight need 2.4 deg where B is {ratio:.1f} times that of
+Table I. The abstract tells neither winds nor flight condition nor autopilot, nor whether 2.4 deg
+are a peak or a static trim. So neither confirms the other, and neither speaks against it.
 """
 
 _DEVIATIONS = """\
@@ -156,11 +113,11 @@ def page() -> str:
 
 
 def _equations() -> str:
-    keys = ("id", "page_section", "printed", "corrected", "why", "proof")
+    keys = ("id", "printed", "corrected", "why", "proof")
     found = equations()
     rows = [[*(e[key] for key in keys[:-1]), _code(e["proof"])] for e in found]
     agree = sum(e["corrected"].startswith("agrees") for e in found)
-    headings = ("no.", "section", "as printed", "as it should read", "why", "proof")
+    headings = ("no.", "as printed", "as it should read", "why", "proof")
     return _EQUATIONS.format(count=len(found), agree=agree) + "\n" + _table(headings, rows)
 
 
@@ -204,29 +161,19 @@ def _tried(computed: Sequence[tuple[dict[str, str], Computed]]) -> str:
     by_id = {claim["id"]: found for claim, found in computed}
     _, where, _ = by_id["drift-24-percent-at-20"].values
     first, second = (shown(number) for number in where.numbers)
-    subsets = attempts.reductions_with_factors_of_ten()
-    parts = [
-        _TRIED.format(first=first, second=second, subsets=len(subsets)),
-        _readings("percent", [*attempts.reductions_by_drift(), subsets[0]]),
-        _DURATION,
-        _readings("s", attempts.single_pole_ends()),
-        _LEAST.format(below=shown(attempts.rounds_to_38_below())),
-        _readings("percent", attempts.least_limits()),
-        _OTHERS.format(ids=", ".join(_others(by_id))),
-    ]
-    return "\n".join(parts)
+    readings = [*attempts.reductions_by_drift(), *attempts.reductions_with_factors_of_ten()]
+    return _TRIED.format(
+        readings=len(readings),
+        first=first,
+        second=second,
+        below=shown(attempts.rounds_to_38_below()),
+        ids=", ".join(_others(by_id)),
+    )
 
 
 def _others(by_id: dict[str, Computed]) -> list[str]:
     failed = (name for name, found in by_id.items() if not found.holds)
     return [_code(name) for name in failed if name not in attempts.CLAIMS]
-
-
-def _readings(unit: str, values: Sequence[Value]) -> str:
-    rows = [
-        [v.label, shown(v.first), "as I" if v.second is None else shown(v.second)] for v in values
-    ]
-    return _table(("reading", f"I [{unit}]", f"II [{unit}]"), rows)
 
 
 def _loads() -> str:
@@ -264,20 +211,8 @@ def _flown() -> str:
         ]
         for b in flown.boundaries()
     ]
-    errors = [
-        [
-            _parameters(a.along),
-            a.gust.name,
-            f"{a.dead_band:g}",
-            *(", ".join(f"{x:.2f} / {y:.2f}" for x, y in pairs) for pairs in (a.below, a.above)),
-            _yes(a.diverges_faster),
-            _yes(a.converges_slower),
-        ]
-        for a in flown.attitudes()
-    ]
     first = ("parameters", "wind", "flown", "(18) above it [percent]", "agrees", "conservative")
-    second = ("parameters", "wind", "K", "0.9", "1.1", "diverges faster", "converges more slowly")
-    return f"{_FLOWN}\n{_table(first, limits)}\n{_ATTITUDES}\n{_table(second, errors)}"
+    return f"{_FLOWN}\n{_table(first, limits)}"
 
 
 def _parameters(along: bool) -> str:
@@ -289,26 +224,18 @@ def _yes(verdicts: Iterable[bool]) -> str:
 
 
 def _companion() -> str:
-    headings = ("time [s]", "speed [m/s]", "B", f"trim of {companion.PEAK:g} deg [deg]")
-    headings += ("trimmed by 2.4 deg [deg]", "wind along [m/s]", "wind across [m/s]")
     found = companion.moments()
-    digits = {"time": 0, "velocity": 0, "B": 3, "trim": 3, "angle": 1, "along": 0, "across": 0}
-    rows = [[f"{getattr(m, name):.{n}f}" for name, n in digits.items()] for m in found]
     early, own = found[0], next(m for m in found if m.time == 66.0)
-    angle, ratio = companion.example()
-    head = _COMPANION.format(peak=companion.PEAK, trim=own.trim, factor=companion.WIND / own.trim)
-    explains = _EXPLAINS.format(
-        example=companion.EXAMPLE,
-        angle=angle,
-        ratio=ratio,
+    return _COMPANION.format(
+        peak=companion.PEAK,
+        trim=own.trim,
+        factor=companion.WIND / own.trim,
         across=own.across,
-        slow=early.B,
-        early=early.time,
-        B=own.B,
         slow_across=early.across,
-        autopilot=companion.autopilot(),
+        early=early.time,
+        example=companion.EXAMPLE,
+        ratio=companion.example(),
     )
-    return f"{head}\n{_table(headings, rows)}\n{explains}"
 
 
 def _deviations() -> str:
