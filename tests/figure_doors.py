@@ -198,6 +198,14 @@ def figures(folder: Path) -> dict[str, Door]:
                 "name": "made up",
             },
         ),
+        "flight_along_chart": Door(
+            plots.flight_along_chart,
+            {
+                "flown": tv.flights.fly_along(schedule, lagging, wind.shift(62.0)),
+                "limit": 0.02,
+                "name": "made up",
+            },
+        ),
         "sweep_chart": Door(
             plots.sweep_chart,
             {

@@ -109,7 +109,8 @@ def test_study_and_campaign_files_name_a_schedule_with_its_time(folder):
 
 
 @pytest.mark.parametrize(
-    "command", [*sorted({*COMMANDS} - {"nozzle", "margins"}), "report", "explore", "init --from"]
+    "command",
+    [*sorted({*COMMANDS} - {"nozzle", "margins", "fly"}), "report", "explore", "init --from"],
 )
 def test_a_schedule_without_a_time_is_refused_with_the_option_that_gives_it(folder, command):
     words = command.split()

@@ -118,10 +118,85 @@ def test_a_wrong_table_of_gains_is_refused_in_one_sentence(folder, gains, messag
         (("--limit-deg", "3"), "--limit-deg needs a single flight time: --at TIME"),
         (("--set", "autopilot.attitude_gain", "0.5"), "gains or a rule for them, not both"),
         (("--set", "autopilot.filter.2.mode", "third"), "mode must be one of first, second"),
-        (("--set", "size.from_s", "10"), "start must be between 30 and 110; got 10 s"),
+        (("--set", "size.from_s", "10"), "size.from_s must be between 30 and 110; got 10 s"),
     ],
 )
 def test_what_a_sweep_cannot_take_is_refused(folder, words, message) -> None:
     result = run("margins", folder / "study.toml", *words)
+    assert (result.exit_code, result.stderr.count("Error")) == (2, 1), result.output
+    assert message in " ".join(result.stderr.split())
+
+
+PULSE = ("--wind", "triangular", "--peak-deg", "4", "--duration", "8")
+
+
+def at(time):
+    """Return the options of one flight time [s]."""
+    return ("--set", "size.from_s", time, "--set", "size.to_s", time)
+
+
+def test_a_flight_through_a_pulse_is_that_of_python_with_its_exit_code(folder, tmp_path) -> None:
+    csv = tmp_path / "flown.csv"
+    result = run("fly", folder / "study.toml", *PULSE, *at(50), "--csv", csv, "--json")
+    document = json.loads(result.stdout)
+    wind = tv.TriangularWind(peak=np.radians(4.0), duration=8.0).shift(46.0)
+    flown = tv.flights.fly_along(
+        read(folder),
+        notched(),
+        wind,
+        deflection_limit=np.radians(5.0),
+        rate_limit=np.radians(20.0),
+        start=46.0,
+    )
+    (flight_at_50,) = document["flights"]
+    assert (result.exit_code, document["survived"]) == (0, True)
+    deflection = flown.largest("deflection")
+    assert flight_at_50["peak_deflection_deg"] == pytest.approx(
+        abs(np.degrees(deflection.value)), rel=1e-9
+    )
+    assert flight_at_50["peak_time_s"] == pytest.approx(deflection.time, rel=1e-9)
+    for name, largest in document["worst"].items():
+        assert largest["value"] == pytest.approx(flown.largest(name).value, rel=1e-6), name
+    assert len(csv.read_text(encoding="utf-8").splitlines()) == flown.times.size + 1
+
+
+def test_a_limit_too_small_and_a_flight_too_short_are_no_survival(folder) -> None:
+    lost = run("fly", folder / "study.toml", *PULSE, *at(50), "--limit-deg", "0.15")
+    assert (lost.exit_code, lost.output[:12]) == (1, "NOT SURVIVED")
+    assert "until attitude or angle of attack exceed 30 deg" in " ".join(lost.output.split())
+    late = run("fly", folder / "study.toml", *PULSE, *at(104), "--limit-deg", "5")
+    assert (late.exit_code, late.output[:9]) == (1, "NOT KNOWN")
+
+
+@pytest.mark.thorough
+def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
+    archive = folder / "soundings"
+    archive.mkdir(exist_ok=True)
+    for day, speed in (("01", 55), ("02", 95)):
+        rows = f"0,0,0\n5000,10,0\n9000,35,0\n12000,{speed},0\n16000,20,0\n40000,0,0\n"
+        text = f"height_m,east_m_per_s,north_m_per_s\n{rows}"
+        (archive / f"2024-01-{day}T00.csv").write_text(text, encoding="utf-8")
+    words = ("--winds", archive, "--azimuth-deg", "90", "--limit-deg", "0.4")
+    result = run("fly", folder / "study.toml", *words)
+    assert result.exit_code == 1
+    printed = " ".join(result.output.split())
+    assert printed.startswith("NOT SURVIVED with 0.400 deg in 1 of 2 winds: 2024-01-02T00,")
+    assert "50.00 % (2.53 to 97.47 %) of 2 winds survived" in printed
+    assert max(map(len, result.output.partition("study.toml")[2].splitlines()[1:10])) <= 80
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--set", "nozzle.limit_deg", "none"), "needs the deflection limit: --limit-deg"),
+        (("--law", "trim", "--limit-deg", "1"), "--law needs a single flight time: --at TIME"),
+        (("--engine", "planar"), "--engine needs a single flight time: --at TIME"),
+        (("--dead-band", "1"), "--dead-band needs a single flight time"),
+        (("--winds", "no-such.csv"), "--winds needs --azimuth-deg"),
+        (("--set", "nozzle.limit_shape", "round"), "the loop flies in one plane"),
+    ],
+)
+def test_what_a_flight_of_the_loop_cannot_take_is_refused(folder, words, message) -> None:
+    result = run("fly", folder / "study.toml", *words)
     assert (result.exit_code, result.stderr.count("Error")) == (2, 1), result.output
     assert message in " ".join(result.stderr.split())

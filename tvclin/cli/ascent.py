@@ -11,8 +11,7 @@ import typer
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
-from tvclin.base.files import called
-from tvclin.cli.inputs import changed, chosen, keys_set, note_omissions, note_source
+from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
@@ -26,11 +25,11 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say, say_lines
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import PulseOptions, WindOptions, azimuth_of, check_reading
+from tvclin.cli.wind import FlightOptions, check_reading
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
-from tvclin.requirement.flight.request import SizingRequest, SoundingRequest
+from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
 from tvclin.requirement.required_quantity import Requirement
@@ -50,57 +49,6 @@ SOURCE = (
     " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
     " its nominal flight."
 )
-
-
-@dataclass(frozen=True)
-class FlightOptions(PulseOptions):
-    """Options of a pulse whose peak comes at each flight time, and of soundings."""
-
-    winds: list[Path] | None = asked(
-        "A sounding to fly through, with --azimuth-deg; may be given several times. Its format,"
-        " window, ...: --set sounding.KEY VALUE.",
-        metavar="FILE",
-    )
-
-    def soundings(self, reading: SoundingReading) -> dict[str, SoundingRequest]:
-        """Return the soundings of the files, by name."""
-        files = self.winds or []
-        azimuth = azimuth_of(self.azimuth_deg) if files else 0.0
-        names = [called(file.name) for file in files]
-        requests: dict[str, SoundingRequest] = {}
-        for file, label in zip(files, names, strict=True):
-            name = label if names.count(label) == 1 else called(file)
-            if name in requests:
-                raise InputError(f"--winds gives {name} twice")
-            requests[name] = SoundingRequest(reading.profile(file), azimuth, reading.mean_wind)
-        return requests
-
-    def at_one_time(self, source: str) -> WindOptions:
-        """Return the options of a wind at a single flight time. `source`: file of the case."""
-        files = self.winds or []
-        for key in keys_set(source) if files else ():
-            if key.partition(".")[0] == "wind":
-                raise InputError(f"give --winds or --set {key}, not both")
-        if len(files) > 1:
-            raise InputError(
-                f"--winds may be given several times with --over flight alone; got {len(files)}"
-            )
-        return WindOptions(**(vars(self) | {"winds": files[0] if files else None}))
-
-    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the pulse of these options, at each flight time."""
-        azimuth = None if self.winds else self.azimuth_deg
-        angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
-        plan = PulseOptions.over(angular, plan)
-        request, speed = plan.sizing, self.peak_speed
-        assert request is not None
-        named = (self.wind, self.duration, self.peak_deg, speed)
-        request = replace(
-            request,
-            pulse=request.pulse or any(value is not None for value in named),
-            peak_speed=None if self.peak_deg is not None else chosen(speed, request.peak_speed),
-        )
-        return replace(plan, sizing=request)
 
 
 @dataclass(frozen=True)

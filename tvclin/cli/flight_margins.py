@@ -6,14 +6,13 @@ from dataclasses import replace
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import answer, draw, print_answer, print_tables
 from tvclin.cli.progress import waiting
+from tvclin.requirement.flight.request import SoundingRequest
 from tvclin.studyfile.flight_loop import FlightLoop
-from tvclin.studyfile.read import is_flight, load_sizing
+from tvclin.studyfile.read import load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
 
 _MAX_ROWS = 20
 """Largest number of even flight times in the table without --more."""
-FROZEN = "a single flight time: --at TIME"
-"""What options of a frozen vehicle need."""
 _DETUNED = (
     "detuned: the smallest margin with the frequency of one mode or tank 10 percent off, over its"
     " limit"
@@ -21,14 +20,13 @@ _DETUNED = (
 _FROZEN_NOTE = "margins of frozen flight times do not prove the flight: tvclin fly FLIGHT flies it"
 
 
-def is_whole_flight(source: str, time: float | None) -> bool:
-    """Return whether a source is a whole flight, of which no time [s] is given."""
-    return time is None and is_flight(source)
-
-
-def flight_loop(source: str, *changes: Callable[[StudyPlan], StudyPlan]) -> FlightLoop:
-    """Return the loop of a flight from a file, over which options count."""
-    loop = FlightLoop.of(load_sizing(source))
+def flight_loop(
+    source: str,
+    *changes: Callable[[StudyPlan], StudyPlan],
+    soundings: dict[str, SoundingRequest] | None = None,
+) -> FlightLoop:
+    """Return the loop of a flight from a file with soundings, over which options count."""
+    loop = FlightLoop.of(load_sizing(source, soundings))
     for change in changes:
         loop = replace(loop, plan=change(loop.plan))
     return loop

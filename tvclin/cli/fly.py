@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import typer
 
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.flight_condition import FlightCondition, load_flight_condition
 from tvclin.base.errors import Faults, one_of
 from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear
@@ -14,7 +14,7 @@ from tvclin.cli.fly_autopilot import AutopilotFlight, fly_autopilot
 from tvclin.cli.fly_laws import fly_laws
 from tvclin.cli.fly_linear import LINEAR, LinearCase, fly_linear
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, chosen, note_omissions, only_with
+from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, only_with
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
@@ -27,10 +27,10 @@ from tvclin.cli.options import (
     asked,
 )
 from tvclin.cli.progress import waiting
-from tvclin.cli.wind import WindOptions
+from tvclin.cli.wind import FlightOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.flights.flown_boundary import ENGINES
-from tvclin.studyfile.read import vehicle_source
+from tvclin.studyfile.read import is_flight, vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -70,6 +70,12 @@ class WhatFlies:
             one_of("--engine", self.engine, _ENGINES)
         one_of("--law", self.law or REPORT, [REPORT, *LAWS, ALL])
 
+    def check_along_flight(self) -> None:
+        """Raise `InputError` for a law, an engine or a dead band that flies no whole flight."""
+        law = None if self.law == AUTOPILOT else self.law
+        engine = None if self.engine == LINEAR else self.engine
+        only_with(FROZEN, law=law, engine=engine, dead_band=self.dead_band)
+
     def on(
         self, source: str, case: StudyPlan, flies: FlownLaw, model: Given
     ) -> tuple[str, bool, str, Any]:
@@ -99,7 +105,7 @@ class WhatFlies:
 def fly(
     vehicle: Source = "configuration-i",
     time: At = None,
-    winds: WindOptions = GROUP,
+    winds: FlightOptions = GROUP,
     what: WhatFlies = GROUP,
     limit: Given = replace(LIMIT, shown={"limit": "1.1 times the boundary of the law"}),
     flies: FlownLaw = GROUP,
@@ -108,6 +114,11 @@ def fly(
     shown: ShownCurves = GROUP,
 ) -> None:
     """Fly a vehicle through a wind with a control law, beside the prediction of the linear theory.
+
+    A flight schedule without --at, or a study of one without time_s, is flown from its begin to its
+    end with all that varies: the linear loop of its autopilot, sampled, with the nozzle's limits,
+    at the dynamic pressure encountered, with the peak of a pulse at each flight time (--set
+    size.from_s, to_s, every_s), or through soundings.
 
     --law autopilot also prints the autopilot requirement, the smallest limit from which on every
     limit survives, flown with samples, delay, actuator, filters, bending and rate limit, and
@@ -124,29 +135,41 @@ def fly(
     Exit code 0: SURVIVED, or SUFFICIENT for the autopilot; 1: not so, or NOT KNOWN; 2: bad input.
     """
     changes = [options.over for options in (limit, motion, flies)]
+    if what.law != ALL and time is None and is_flight(vehicle):
+        from tvclin.cli.fly_flight import fly_flight
+
+        what.check_along_flight()
+        fly_flight(vehicle, winds, changes, more, shown)
+        return
+    single = winds.at_one_time(vehicle)
     if what.law == ALL:
         only_with(_SINGLE_LAW, **vars(what) | {"law": None}, csv=shown.csv)
         limit.only_with(_SINGLE_LAW)
-        fly_laws(vehicle, time, motion, winds, flies, more, shown)
+        fly_laws(vehicle, time, motion, single, flies, more, shown)
         return
     case = case_of(vehicle, *changes, time=time)
     engine, varying, *law = what.on(vehicle, case, flies, motion)
-    name, condition, faults = winds.name(case), None, Faults()
+    name, condition, faults = single.name(case), None, Faults()
     with faults.kept():
-        case = (winds.in_flight if varying else winds.over)(case, vehicle)
+        case = (single.in_flight if varying else single.over)(case, vehicle)
     with faults.kept():
         condition = load_flight_condition(vehicle_source(vehicle)) if varying else None
     faults.tell()
-    start, wind_length = float(case.history.onset), float(case.history.end - case.history.onset)
-    length = _DURATIONS_SHOWN * wind_length
-    flying = Flying(case, name, *law)
     with waiting("flying"):
-        if engine != LINEAR:
-            nonlinear = flight_case(flying, engine, condition, length)
-            answer: Compared | AutopilotFlight = fly_nonlinear(nonlinear, more, length, _POINTS)
-        else:
-            times = start + np.linspace(0.0, length, _POINTS)
-            fly_case = fly_autopilot if flying.law == AUTOPILOT else fly_linear
-            answer = fly_case(LinearCase(**vars(flying)), more, times)
+        answer = _flown(Flying(case, name, *law), engine, condition, more)
     if not answer.show(shown, more):
         raise typer.Exit(1)
+
+
+def _flown(
+    flying: Flying, engine: str, condition: FlightCondition | None, more: bool
+) -> Compared | AutopilotFlight:
+    """Return the flight of a law in the wind of its case, over two durations of that."""
+    wind = flying.case.history
+    length = _DURATIONS_SHOWN * float(wind.end - wind.onset)
+    if engine != LINEAR:
+        nonlinear = flight_case(flying, engine, condition, length)
+        return fly_nonlinear(nonlinear, more, length, _POINTS)
+    times = float(wind.onset) + np.linspace(0.0, length, _POINTS)
+    fly_case = fly_autopilot if flying.law == AUTOPILOT else fly_linear
+    return fly_case(LinearCase(**vars(flying)), more, times)

@@ -19,6 +19,8 @@ from tvclin.vehicle.vehicle_file import source_tables
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
+FROZEN = "a single flight time: --at TIME"
+"""Condition of options that a whole flight does not take."""
 T = TypeVar("T")
 R = TypeVar("R", bound="DataclassInstance")
 

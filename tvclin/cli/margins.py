@@ -9,9 +9,8 @@ from tvclin.base.errors import one_of
 from tvclin.base.fields import document
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.autopilot_assumptions import gain_notes
-from tvclin.cli.flight_margins import FROZEN, flight_loop, is_whole_flight, print_sweep
 from tvclin.cli.gains import GAINS
-from tvclin.cli.inputs import case_of, note_omissions, only_with
+from tvclin.cli.inputs import FROZEN, case_of, note_omissions, only_with
 from tvclin.cli.margin_tables import (
     JudgedMargins,
     margin_tables,
@@ -43,6 +42,7 @@ from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.flights.closed_loop.flown_margins import FlownMargins, flown_margins, flown_table
 from tvclin.linear.system_file import write_system
+from tvclin.studyfile.read import is_flight
 from tvclin.studyfile.study_plan import StudyPlan
 
 if TYPE_CHECKING:
@@ -95,7 +95,9 @@ def margins(
     one_of("--chart", chart, _CHARTS)
     flown = bool(limit.values)
     changes = [options.over for options in (limit, timing, motion, gains)]
-    if is_whole_flight(vehicle, time):
+    if time is None and is_flight(vehicle):
+        from tvclin.cli.flight_margins import flight_loop, print_sweep
+
         only_with(FROZEN, system=system, detuned=detuned, limit_deg=flown or None, **vars(winds))
         print_sweep(vehicle, flight_loop(vehicle, *changes), more, shown)
         return

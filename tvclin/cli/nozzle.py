@@ -12,7 +12,7 @@ from tvclin.base.lines import Table, listed
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.case.load import FlownLoad
-from tvclin.cli.ascent import FlightOptions, PlaneOptions, case_over_flight
+from tvclin.cli.ascent import PlaneOptions, case_over_flight
 from tvclin.cli.fly_linear import limited_law
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_nominal_pressure, note_omissions, only_with
@@ -31,7 +31,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, print_answer, print_tables
 from tvclin.cli.progress import bar, waiting
-from tvclin.cli.wind import WindOptions
+from tvclin.cli.wind import FlightOptions, WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_trade_offs

@@ -1,9 +1,10 @@
 """Options of the wind at one flight time, and the wind that they specify."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import degrees, radians
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +17,10 @@ from tvclin.base.errors import (
     one_of,
     positive,
 )
+from tvclin.base.files import called
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.case import DEFAULT_WIND, Case
-from tvclin.cli.inputs import chosen, only_with
+from tvclin.cli.inputs import chosen, keys_set, only_with
 from tvclin.cli.options import SHAPE, asked
 from tvclin.cli.output import say
 from tvclin.requirement.case_requirement import CaseRequirement, pulse_of
@@ -28,6 +30,10 @@ from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import SHAPES, ShapedWind
 from tvclin.winds.soundings.reading import NO_READING, SoundingReading
+
+if TYPE_CHECKING:
+    from tvclin.requirement.flight.request import SoundingRequest
+    from tvclin.winds.soundings.profile import WindProfile
 
 
 @dataclass(frozen=True)
@@ -161,6 +167,75 @@ class WindOptions(PulseOptions):
             gust=getattr(case.wind, "gust", None),
             bias=reading.mean_wind,
         )
+
+
+@dataclass(frozen=True)
+class FlightOptions(PulseOptions):
+    """Options of a pulse whose peak comes at each flight time, and of soundings."""
+
+    winds: list[Path] | None = asked(
+        "A sounding to fly through, with --azimuth-deg, or a folder or a station file of several;"
+        " may be given several times. Its format, window, ...: --set sounding.KEY VALUE.",
+        metavar="FILE",
+    )
+
+    def soundings(self, reading: SoundingReading) -> "dict[str, SoundingRequest]":
+        """Return the soundings of the files, by name."""
+        from tvclin.requirement.flight.request import SoundingRequest
+
+        files = self.winds or []
+        azimuth = azimuth_of(self.azimuth_deg) if files else 0.0
+        names = [called(file.name) for file in files]
+        requests: dict[str, SoundingRequest] = {}
+        for file, label in zip(files, names, strict=True):
+            name = label if names.count(label) == 1 else called(file)
+            if name in requests:
+                raise InputError(f"--winds gives {name} twice")
+            for full_name, profile in _profiles(name, file, reading):
+                requests[full_name] = SoundingRequest(profile, azimuth, reading.mean_wind)
+        return requests
+
+    def at_one_time(self, source: str) -> WindOptions:
+        """Return the options of a wind at a single flight time. `source`: file of the case."""
+        files = self.winds or []
+        for key in keys_set(source) if files else ():
+            if key.partition(".")[0] == "wind":
+                raise InputError(f"give --winds or --set {key}, not both")
+        if len(files) > 1:
+            raise InputError(
+                f"--winds may be given several times for a whole flight alone; got {len(files)}"
+            )
+        return WindOptions(**(vars(self) | {"winds": files[0] if files else None}))
+
+    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
+        """Return a plan with the pulse of these options, at each flight time."""
+        azimuth = None if self.winds else self.azimuth_deg
+        angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
+        plan = PulseOptions.over(angular, plan)
+        request, speed = plan.sizing, self.peak_speed
+        assert request is not None
+        named = (self.wind, self.duration, self.peak_deg, speed)
+        request = replace(
+            request,
+            pulse=request.pulse or any(value is not None for value in named),
+            peak_speed=None if self.peak_deg is not None else chosen(speed, request.peak_speed),
+        )
+        return replace(plan, sizing=request)
+
+
+def _profiles(
+    name: str, file: Path, reading: SoundingReading
+) -> "Iterator[tuple[str, WindProfile]]":
+    """Yield the sounding of a file, or each of a folder or station file with its date, by name."""
+    from tvclin.winds.soundings.igra import is_station
+    from tvclin.winds.soundings.sounding_files import read_soundings
+
+    if reading.time is not None or not (file.is_dir() or is_station(file)):
+        yield name, reading.profile(file)
+        return
+    archive = read_soundings(file, **reading.table)
+    for k in np.flatnonzero(archive.usable).tolist():
+        yield np.datetime_as_string(archive.times[k], "h"), archive[k]
 
 
 def azimuth_of(degrees: float | None) -> float:

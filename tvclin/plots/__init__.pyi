@@ -4,6 +4,7 @@ from .boundaries import figure_2 as figure_2
 from .boundaries import figure_5 as figure_5
 from .boundaries import study_chart as study_chart
 from .closed_loops import comparison_chart as comparison_chart
+from .closed_loops import flight_along_chart as flight_along_chart
 from .closed_loops import step_chart as step_chart
 from .closed_loops import wind_chart as wind_chart
 from .curves import Column as Column

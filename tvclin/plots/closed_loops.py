@@ -1,4 +1,4 @@
-"""Closed loop over time: step of the command, response to a wind, and comparison with trim.
+"""Closed loop over time: step of the command, response to a wind, comparison with trim, a flight.
 
 python-control computes and draws the step (`control.step_response`), but over times from here: its
 own would be 202 s for a loop of configuration I that settles in 25 s, in steps nine times as long
@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, instance
+from tvclin.base.errors import InputError, instance, number, positive, small_angle
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wind_response import WindResponse
 from tvclin.control.comparison import TrimComparison
 from tvclin.control.margins.margins import Margins, loop_margins
+from tvclin.flights.closed_loop.fly_along import FlightAlong
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_single
@@ -33,6 +34,7 @@ from tvclin.plots.style import (
     broken,
     called,
     control_plot,
+    cycle,
     draw,
     draw_marks,
     fine_grid,
@@ -287,6 +289,63 @@ def _wind_horizon(
         return first, first + _rounded(_horizon(system, np.inf))
     longest = max(0.5 * (last - first), _SHORT / margins.crossover_frequency)
     return first, first + _rounded(last - first + _horizon(system, longest))
+
+
+_OUTPUTS = {
+    "wind": ("wind", "angles"),
+    "angle_of_attack": ("angle of attack", "angles"),
+    "attitude": ("attitude", "attitude"),
+    "deflection": ("deflection", "deflection"),
+    "deflection_rate": ("deflection rate", "deflection rate"),
+    "drift": ("drift", "drift"),
+}
+"""Outputs of a flight with their curve and their panel."""
+_MODES = "modes and tanks"
+_MODE_COLOURS = tuple(colour for colour in COLOURS if colour not in (WARM, COLOURS[1]))
+_LIMITS = ("deflection limit", "deflection limit, negative")
+
+
+def flight_along_chart(flown: FlightAlong, limit: float, name: str = "") -> "ControlPlot":
+    """Draw the outputs of a flight of a loop over the flight time.
+
+    Panels of angles of attack, attitude, deflection with its limit, deflection rate, drift, and
+    displacements of modes and tanks, each over its largest.
+
+    Parameters
+    ----------
+    flown : FlightAlong
+        Flight, see `fly_along`.
+    limit : float
+        Deflection limit [rad], positive.
+    name : str
+        Name of the vehicle and the wind.
+    """
+    instance("flown", flown, FlightAlong, "see fly_along")
+    ends = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
+    columns: list[Column] = []
+    ordinates: dict[str, str] = {}
+    styles: dict[str, Style] = {curve: {"color": INK, "lw": 1.5} for curve, _ in _OUTPUTS.values()}
+    styles["wind"] = {"color": COLOURS[1], "lw": 1.2, "ls": "--"}
+    for key, (curve, panel) in _OUTPUTS.items():
+        if key not in flown.outputs:
+            continue
+        values, unit = flown.outputs[key], flown.units[key]
+        if unit.startswith("rad"):
+            values, unit = np.degrees(values), unit.replace("rad", "deg")
+        columns.append(Column(curve, values, unit, panel))
+        ordinates[panel] = f"{panel} [{unit}]"
+    for curve, end in zip(_LIMITS, (ends, -ends), strict=True):
+        columns.append(Column(curve, np.full(flown.times.size, end), "deg", "deflection"))
+        styles[curve] = {"color": WARM, "lw": 1.2, "ls": "--"}
+    for mode, colour in zip(flown.mode_names, cycle(_MODE_COLOURS), strict=False):
+        values = flown.outputs[mode]
+        size = float(np.abs(values).max()) or 1.0
+        columns.append(Column(mode, values / size, "-", _MODES))
+        ordinates[_MODES] = "displacement over its largest"
+        styles[mode] = {"color": colour, "lw": 1.0}
+    words = "linear loop along the flight"
+    curves = Curves("fly", words, "flight time [s]", flown.times, tuple(columns))
+    return draw(curves, Look(called(name, words), ordinates, styles))
 
 
 def _horizon(system: "control.StateSpace", longest: float) -> float:

@@ -1,24 +1,40 @@
-"""The autopilot of a plan along its whole flight: its schedule and the sweep of its margins."""
+"""The autopilot of a plan along its whole flight: the sweep of its margins, and its flights."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError
+from tvclin.base.cards import Record
+from tvclin.base.errors import InputError, between, number
+from tvclin.base.fields import spec
+from tvclin.base.lines import Line, Table, degrees, plural, significant, text
+from tvclin.base.quantities import survival
 from tvclin.case.autopilot_assumptions import actuator_notes
 from tvclin.control.autopilot.flight_autopilot import flight_autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.sweep import Sweep, sweep
+from tvclin.ensembles.statistics import Success, success_probability
+from tvclin.flights.closed_loop.fly_along import FlightAlong, fly_along
 from tvclin.linear.plant import DEFAULT_MODEL
+from tvclin.requirement.flight.flight_winds import PEAK, place
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.vehicle.coefficients import BOTH
+from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import ATTACK, MAX_LINEAR_ANGLE, beyond_linear
+
+Progress = Callable[[float, float], None]
+"""Function called with the number of flights done and in total."""
+_MIN_WINDS = 2
+"""Smallest number of winds of which a fraction is shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +76,14 @@ class FlightLoop:
     def times(self) -> FloatArray:
         """Flight times of the sweep [s], even ones and the last, ``(n,)``."""
         request, (first, last) = self.request, self.flight.span
-        part = self.flight.between(request.start or first, request.stop or last)
-        low, high = part.span
-        count = max(int(np.ceil((high - low) / request.every - 1e-9)), 1)
-        steps = low + request.every * np.arange(count)
-        return np.append(steps, high)
+        low = number("size.from_s", _or(request.start, first), between(first, last), "s")
+        high = number("size.to_s", _or(request.stop, last), between(low, last), "s")
+        return self._even(low, high)
+
+    def _even(self, low: float, high: float) -> FloatArray:
+        """Return even flight times [s] from one to another, which is the last, ``(n,)``."""
+        count = int(np.ceil((high - low) / self.request.every - 1e-9))
+        return np.append(low + self.request.every * np.arange(count), high)
 
     @cached_property
     def autopilot(self) -> GainSchedule:
@@ -72,7 +91,7 @@ class FlightLoop:
         return flight_autopilot(
             self.plan.autopilot_design,
             self.flight,
-            self.times,
+            np.union1d(self._even(*self.flight.span), self.times),
             actuator=self.plan.nozzle.actuator,
             model=self.model,
             plane=self.plan.plane,
@@ -95,3 +114,276 @@ class FlightLoop:
             )
         if self.flight.actuator_frequency is None:
             yield from actuator_notes(self.plan)
+
+    def fly(self, progress: Progress | None = None) -> FlightsOfLoop:
+        """Return the flights of the loop through each wind of the plan, with the nozzle's limits.
+
+        A pulse has its peak at each flight time; a sounding is flown through, with its gust at each
+        flight time. The dynamic pressure is that encountered in the wind.
+
+        Raises
+        ------
+        InputError
+            Without a deflection limit, for both planes, and as `fly_along`.
+        """
+        plan = self.plan
+        if plan.nozzle.limit is None:
+            raise InputError("a flight of the loop needs the deflection limit: --limit-deg")
+        if plan.planes == BOTH:
+            raise InputError("the loop flies in one plane: leave out the limit shape")
+        rate = plan.hardware["sample_rate"]
+        autopilot = self.autopilot
+        sampled = replace(autopilot, autopilot=replace(autopilot.autopilot, sample_rate=rate))
+        cases = list(self._cases())
+        best: FlightAlong | None = None
+        outcomes: list[FlightOutcome] = []
+        for k, case in enumerate(cases):
+            flown = fly_along(
+                self.flight,
+                sampled,
+                case.wind,
+                deflection_limit=plan.nozzle.limit,
+                rate_limit=plan.hardware["rate_limit"],
+                sign=None if isinstance(case.wind, MeasuredWind) else plan.sign,
+                gust_time=case.time if isinstance(case.wind, MeasuredWind) else None,
+                start=case.start,
+                stop=self.request.stop if isinstance(case.wind, MeasuredWind) else None,
+                model=self.model,
+                plane=plan.plane,
+            )
+            flown = within_linear_range(flown)
+            outcomes.append(FlightOutcome.of(case, flown, self._omitted(case.wind)))
+            if outcomes[-1].is_worst_of(outcomes):
+                best = flown
+            if progress is not None:
+                progress(k + 1, len(cases))
+        assert best is not None  # a sizing has a wind
+        return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit)
+
+    @property
+    def sounding_notes(self) -> Iterator[str]:
+        """Notes on the soundings that are flown through, each with its name."""
+        for name, sounding in self.request.soundings.items():
+            yield from (f"{name}: {note}" for note in sounding.profile.notes)
+
+    def _cases(self) -> Iterator[_Wind]:
+        """Yield the winds in flight time."""
+        times = self.request.times(self.plan).tolist()
+        for name, wind in self.request.winds(self.plan).items():
+            if isinstance(wind, MeasuredWind):
+                for time in [None] if wind.gust is None else times:
+                    yield _Wind(name, time, wind, None)
+                continue
+            for time in times:
+                vehicle = self.flight.at(time).rigid
+                placed = place(wind, vehicle, time, PEAK, 1.0).in_flight
+                yield _Wind(name, time, placed, max(float(placed.onset), self.flight.span[0]))
+
+    def _omitted(self, wind: History | MeasuredWind) -> str:
+        """Return why a survived flight is not known to be survived; empty where it is."""
+        if not isinstance(wind, MeasuredWind):
+            return ""
+        (first, last), (low, high) = self.flight.span, wind.known
+        first, last = _or(self.request.start, first), _or(self.request.stop, last)
+        if low <= first and last <= high:
+            return ""
+        return f"the wind is known from {low:.4g} to {high:.4g} s alone"
+
+
+def within_linear_range(flown: FlightAlong) -> FlightAlong:
+    """Return a flight until its attitude or angle of attack leaves the range of linear angles."""
+    angles = [np.abs(flown.outputs[name]) for name in ("attitude", "angle_of_attack")]
+    beyond = np.flatnonzero(np.max(angles, axis=0) > MAX_LINEAR_ANGLE)
+    if not beyond.size or beyond[0] < 1:
+        return flown
+    end = int(beyond[0]) + 1
+    outputs = {name: values[:end] for name, values in flown.outputs.items()}
+    return replace(flown, times=flown.times[:end], outputs=outputs)
+
+
+def _or(value: float | None, otherwise: float) -> float:
+    """Return a value, or another where it is None."""
+    return otherwise if value is None else value
+
+
+class _Wind(NamedTuple):
+    """Wind in flight time, its name, the time of its peak or gust [s], and its onset [s]."""
+
+    name: str
+    time: float | None
+    wind: History | MeasuredWind
+    start: float | None
+
+
+@dataclass(frozen=True)
+class FlightOutcome(Record):
+    """Outcome of a flight of the loop in a wind.
+
+    Attributes
+    ----------
+    wind : str
+        Name of the wind.
+    time : float, optional
+        Flight time of its peak, or of its gust [s].
+    status : str
+        Status, as in `FlownCases`.
+    survived : bool, optional
+        Whether the flight is survived; None if that is not known.
+    reason : str
+        Meaning of the status, or why it is not known.
+    peak_deflection, peak_deflection_rate, peak_angle_of_attack, peak_attitude : float
+        Largest values [rad, rad/s].
+    peak_time : float
+        Time of the largest deflection [s].
+    """
+
+    wind: str = field(metadata=spec())
+    time: float | None = field(metadata=spec("time"))
+    status: str = field(metadata=spec())
+    survived: bool | None = field(metadata=spec())
+    reason: str = field(metadata=spec())
+    peak_deflection: float = field(metadata=spec("angle"))
+    peak_deflection_rate: float = field(metadata=spec("angular rate"))
+    peak_angle_of_attack: float = field(metadata=spec("angle"))
+    peak_attitude: float = field(metadata=spec("angle"))
+    peak_time: float = field(metadata=spec("time"))
+
+    @classmethod
+    def of(cls, case: _Wind, flown: FlightAlong, omitted: str) -> Self:
+        """Return the outcome of a flight; `omitted`: what of its wind is not known."""
+        survived = {"survived": True, "lost": False, "rings": False}.get(flown.status)
+        names = ("deflection", "deflection_rate", "angle_of_attack", "attitude")
+        peaks = {f"peak_{name}": abs(flown.largest(name).value) for name in names}
+        beyond = beyond_linear(float(np.abs(flown.outputs["wind"]).max()))
+        beyond = beyond or beyond_linear(peaks["peak_angle_of_attack"], ATTACK)
+        reason = flown.reason.removeprefix("NOT KNOWN: ")
+        if survived and (omitted or beyond):
+            survived, reason = None, omitted or beyond
+        time = flown.largest("deflection").time
+        return cls(case.name, case.time, flown.status, survived, reason, peak_time=time, **peaks)
+
+    def is_worst_of(self, outcomes: Sequence[FlightOutcome]) -> bool:
+        """Return whether it is the worst outcome: not survived, not known, most deflection."""
+        return max(outcomes, key=_badness) is self
+
+    @property
+    def label(self) -> str:
+        """Name of the wind, and the time of its peak."""
+        return self.wind if self.time is None else f"{self.wind} at {self.time:.4g} s"
+
+
+def _badness(outcome: FlightOutcome) -> tuple[int, float]:
+    """Return the key by which outcomes are ordered, the worst last."""
+    return {True: 0, None: 1, False: 2}[outcome.survived], outcome.peak_deflection
+
+
+@dataclass(frozen=True, eq=False)
+class FlightsOfLoop:
+    """Flights of a loop along a flight, each through a wind.
+
+    `outcomes`: of each wind. `worst`: the flight of the worst outcome, with its outputs over time.
+    `limit`: deflection limit [rad].
+    """
+
+    outcomes: tuple[FlightOutcome, ...]
+    worst: FlightAlong
+    limit: float
+
+    @property
+    def worst_outcome(self) -> FlightOutcome:
+        """The outcome not survived, or else not known, with the largest deflection."""
+        return max(self.outcomes, key=_badness)
+
+    @property
+    def survived(self) -> bool | None:
+        """Whether every flight is survived; None if that is not known."""
+        return self.worst_outcome.survived
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Notes on diverged flights, and on pulses after which the flight is too short."""
+        if self.survived is False and self.worst.status == "lost":
+            yield (
+                "the largest values are until attitude or angle of attack exceed"
+                f" {np.degrees(MAX_LINEAR_ANGLE):.0f} deg"
+            )
+        known = [o.time for o in self.outcomes if o.status != "undecided" and o.time is not None]
+        late = [o.time for o in self.outcomes if o.status == "undecided" and o.time is not None]
+        if known and late and min(late) > max(known):
+            yield (
+                "after the last pulses the flight is too short to settle: --set size.to_s"
+                f" {max(known):.6g} leaves them out"
+            )
+
+    @property
+    def wind_count(self) -> int:
+        """Number of winds, of which a pulse has its peak at several flight times."""
+        return len({outcome.wind for outcome in self.outcomes})
+
+    @property
+    def fraction(self) -> Success | None:
+        """Fraction of the winds that are survived, with its interval; None for one wind."""
+        lost = {outcome.wind for outcome in self.outcomes if not outcome.survived}
+        if self.wind_count < _MIN_WINDS:
+            return None
+        return success_probability(self.wind_count - len(lost), self.wind_count)
+
+    def document(self) -> dict[str, Any]:
+        """Return the flights and the largest outputs of the worst, in SI units, for JSON."""
+        largest = {
+            name: {"value": value, "unit": unit, "time_s": time}
+            for name, unit in self.worst.units.items()
+            for value, time in [self.worst.largest(name)]
+        }
+        return {
+            "survived": self.survived,
+            "verdict": self.verdict,
+            "limit_deg": float(np.degrees(self.limit)),
+            "fraction": self.fraction,
+            "flights": self.outcomes,
+            "worst": largest,
+        }
+
+    @property
+    def verdict(self) -> str:
+        """Verdict on all flights, with the worst."""
+        worst, count = self.worst_outcome, len(self.outcomes)
+        head = f"{survival(self.survived)} with {np.degrees(self.limit):.3f} deg"
+        of_all = f" in {plural(count, 'wind')}"
+        deflection, at = np.degrees(worst.peak_deflection), worst.peak_time
+        why = f", largest deflection {deflection:.3f} deg at {at:.4g} s"
+        if worst.survived is not True:
+            bad = sum(outcome.survived is worst.survived for outcome in self.outcomes)
+            of_all = f" in {bad} of {plural(count, 'wind')}"
+            why = f": {worst.label}, {worst.reason}"
+        if self.fraction is not None:
+            why += f"; {text(self.fraction.line('survived'))} of {self.wind_count} winds survived"
+        return f"{head}{of_all}{why}"
+
+    def table(self, rows: int | None = None) -> Table:
+        """Return the table by wind: outcome and largest values; by default all winds.
+
+        `rows`: largest number of rows, of the worst winds in their order.
+        """
+        shown = list(self.outcomes)
+        if rows is not None and len(shown) > rows:
+            kept = sorted(shown, key=_badness)[-rows:]
+            shown = [outcome for outcome in shown if outcome in kept]
+        several = self.wind_count > 1
+        cells: list[tuple[Line, ...]] = []
+        for k, outcome in enumerate(shown):
+            name = f"flown.{k}"
+            first = (outcome.label,) if several else significant(f"{name}.time", _time(outcome))
+            peaks = (
+                degrees(f"{name}.{value}", getattr(outcome, value))
+                for value in ("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack")
+            )
+            cells.append((first, *peaks, (survival(outcome.survived),)))
+        head = ("wind" if several else "peak at [s]", "deflection", "rate", "angle of attack")
+        caption = "Largest values by wind, in deg and deg/s"
+        return Table(caption, (*head, "outcome"), tuple(cells))
+
+
+def _time(outcome: FlightOutcome) -> float:
+    """Return the flight time of the peak of a wind [s]; NaN of a sounding without a gust."""
+    return np.nan if outcome.time is None else outcome.time

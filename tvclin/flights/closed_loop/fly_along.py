@@ -99,6 +99,11 @@ class FlightAlong(Tabled):
         """Meaning of the status, in words."""
         return _REASONS[self.status]
 
+    @property
+    def mode_names(self) -> tuple[str, ...]:
+        """Names of the modes and tanks among the outputs."""
+        return tuple(name for name in self.outputs if name not in _UNITS)
+
     def largest(self, output: str) -> Largest:
         """Return the value of largest size of an output, at `times`, and its time.
 
