@@ -357,6 +357,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "spectrum": "von-karman",
                 "component": "along",
                 "altitude": [0.0, 9000.0],
+                "cutoff_wavelength": 800.0,
             },
         ),
         "Turbulence.mil_f_8785c": Door(
@@ -434,6 +435,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "length": 500.0,
                 "spectrum": "dryden",
                 "component": "along",
+                "cutoff_wavelength": 600.0,
                 "sigmas": None,
                 "probability": 0.99,
                 "table": None,
@@ -464,6 +466,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Turbulence.power_spectrum": Door(
             severe.power_spectrum, {"omega": [0.5, 2.0], "speed": 540.0, "altitude": 9000.0}
         ),
+        "Turbulence.remaining_variance": Door(severe.remaining_variance, {"altitude": 9000.0}),
         "Turbulence.samples": Door(severe.samples, noise),
         "Turbulence.winds": Door(severe.winds, noise),
         "WindProfile.to_winds": Door(west.to_winds, {"flight": climb, "azimuth": 1.0}),

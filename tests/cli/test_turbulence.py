@@ -93,6 +93,14 @@ def test_turbulence_over_altitude_is_that_of_a_file_or_of_levels(tmp_path: Path)
     assert run(tmp_path, tables[0]).exit_code == 0
 
 
+def test_a_cutoff_leaves_less_turbulence(tmp_path: Path) -> None:
+    rms = []
+    for keys in ("intensity_m_per_s = 6", "intensity_m_per_s = 6\ncutoff_wavelength_m = 3000"):
+        answer = json.loads(run(tmp_path, keys, "--json").stdout)
+        rms.append(answer["turbulence"]["deflection_rms_deg"])
+    assert 0.1 * rms[0] < rms[1] < 0.8 * rms[0]
+
+
 def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
     study = f'{STUDY}[schedule]\nsource = "configuration-i"\n'
     found = json.loads(run(tmp_path, 'severity = "severe"', "--json", study=study).stdout)

@@ -1,5 +1,6 @@
 """Turbulence: its filters have the spectra of the specification, and its samples those filters."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -175,3 +176,42 @@ def test_a_table_that_cannot_be_read_is_refused_in_a_sentence(tmp_path, text, se
     file.write_text(text)
     with pytest.raises(InputError, match=sentence):
         tv.winds.read_turbulence(file)
+
+
+@pytest.mark.parametrize(
+    ("spectrum", "component"), [("dryden", "transverse"), ("von-karman", "along")]
+)
+def test_below_a_cutoff_the_spectrum_is_that_behind_a_high_pass(spectrum, component):
+    whole = tv.winds.Turbulence(6.0, spectrum=spectrum, component=component)
+    air = replace(whole, cutoff_wavelength=800.0)
+    for omega in (0.1, 2.0, 2.0 * np.pi * SPEED / 800.0, 30.0):
+        power = (omega * 800.0 / (2.0 * np.pi * SPEED)) ** 4
+        expected = power / (1.0 + power)
+        assert np.isclose(fitted(air, omega, SPEED) / fitted(whole, omega, SPEED), expected)
+        ratio = air.power_spectrum(omega, SPEED) / whole.power_spectrum(omega, SPEED)
+        assert np.isclose(ratio, expected)
+    left = quad(lambda w: fitted(air, w, SPEED), 0.0, np.inf, limit=400)[0] / 36.0
+    assert np.isclose(air.remaining_variance(), left, rtol=1e-5)
+    assert whole.remaining_variance() == pytest.approx(1.0)
+    long = replace(whole, cutoff_wavelength=1e9)
+    assert np.isclose(long.remaining_variance(), 1.0, rtol=1e-5)
+
+
+def test_a_sounding_resolves_twice_its_widest_gap():
+    profile = tv.winds.WindProfile(
+        height=[0.0, 100.0, 400.0, 600.0], east=[1.0] * 4, north=[0.0] * 4
+    )
+    assert profile.resolved_wavelength == 600.0
+
+
+def test_samples_below_a_cutoff_have_its_covariance_while_speed_and_length_change():
+    air = tv.winds.Turbulence([4.0, 8.0], [300.0, 900.0], altitude=[0.0, 9e3])
+    air = replace(air, cutoff_wavelength=600.0)
+    times = np.linspace(0.0, 20.0, 401)
+    speed, height = 200.0 + 30.0 * times, 450.0 * times
+    wind = air.samples(times, speed, altitude=height, seed=3, runs=4000)
+    for k in (0, 100, 400):
+        sigma = air.over(height[k])[0]
+        expected = sigma * np.sqrt(air.remaining_variance(height[k]))
+        # a filter that changes within its memory is off by the change in it: 600 m of some km
+        assert np.isclose(wind[:, k].std(), expected, rtol=5.0 / np.sqrt(8000.0) + 0.02)

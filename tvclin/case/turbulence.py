@@ -81,6 +81,8 @@ class TurbulenceRequest:
         Form of the spectrum: dryden or von-karman.
     component : str
         Component across the path (transverse) or along it.
+    cutoff_wavelength : float, optional
+        Wavelength along the path [m] above which the turbulence is omitted, as a sounding holds it.
     table : Turbulence, optional
         In place of an intensity, turbulence over altitude with its spectrum and component: of the
         file in [turbulence], or of its levels.
@@ -103,6 +105,7 @@ class TurbulenceRequest:
     length: float | None = quantity("length", None, positive)
     spectrum: str = word(SPECTRA, SPECTRA[0])
     component: str = word(COMPONENTS, COMPONENTS[0])
+    cutoff_wavelength: float | None = quantity("length", None, positive)
     sigmas: float | None = quantity(
         "number", None, between(0.0, _MAX_SIGMAS), shown=f"{_USUAL_SIGMAS:g}"
     )
@@ -148,6 +151,12 @@ class TurbulenceRequest:
     @property
     def over_altitude(self) -> Turbulence:
         """Turbulence along a flight: a table over altitude, or of one intensity and length."""
+        air, cutoff = self._all_wavelengths, self.cutoff_wavelength
+        return air if cutoff is None else replace(air, cutoff_wavelength=cutoff)
+
+    @property
+    def _all_wavelengths(self) -> Turbulence:
+        """Turbulence without the cutoff of the request."""
         if self.table is not None:
             instance("table", self.table, Turbulence, "see read_turbulence")
             return self.table if self.length is None else replace(self.table, length=self.length)

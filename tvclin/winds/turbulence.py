@@ -32,6 +32,7 @@ from tvclin.base.cards import Record
 from tvclin.base.errors import (
     InputError,
     between,
+    broadcast,
     finite,
     fraction,
     nonnegative,
@@ -115,12 +116,23 @@ class Turbulence(Record):
         Component across the path, which turns the vehicle, or along it.
     altitude : array_like, optional
         Altitudes of a table [m], rising, ``(n,)``; straight lines between, constant outside.
+    cutoff_wavelength : float, optional
+        Wavelength along the path [m] above which the turbulence is omitted, because a known wind,
+        such as a sounding, holds it already; see the notes.
 
     Raises
     ------
     InputError
-        For an intensity beyond 0 to 1e4 m/s, a length beyond 1e-3 to 1e9 m, unknown
+        For an intensity beyond 0 to 1e4 m/s, a length or wavelength beyond 1e-3 to 1e9 m, unknown
         names, and altitudes that do not rise or have another shape.
+
+    Notes
+    -----
+    The intensity is that of all wavelengths. A cutoff multiplies the spectrum by x^4/(1 + x^4), x
+    being the cutoff over the wavelength: a high-pass of second order, whose remaining variance is
+    `remaining_variance` times sigma^2. A sounding over height whose levels are d apart resolves
+    vertical wavelengths down to 2 d, which at a flight path angle gamma are 2 d/sin(gamma) along
+    the path; `WindProfile.resolved_wavelength` is that of its widest gap.
 
     Examples
     --------
@@ -135,6 +147,7 @@ class Turbulence(Record):
     spectrum: str = field(default=_DRYDEN, metadata=spec())
     component: str = field(default=_TRANSVERSE, metadata=spec())
     altitude: FloatArray | None = field(default=None, metadata=spec("length", card=False))
+    cutoff_wavelength: float | None = field(default=None, metadata=spec("length"))
 
     def __post_init__(self) -> None:
         one_of("spectrum", self.spectrum, SPECTRA)
@@ -143,6 +156,9 @@ class Turbulence(Record):
         length = LENGTHS[self.spectrum] if self.length is None else self.length
         length = within("length", length, *_LENGTH_RANGE, "m")
         together(intensity=intensity, length=length)
+        if self.cutoff_wavelength is not None:
+            check, given = between(*_LENGTH_RANGE), self.cutoff_wavelength
+            object.__setattr__(self, "cutoff_wavelength", number("cutoff_wavelength", given, check))
         if self.altitude is not None:
             altitude = finite("altitude", self.altitude, "m")
             if altitude.ndim != 1 or altitude.size < 2 or np.any(np.diff(altitude) <= 0.0):
@@ -262,25 +278,59 @@ class Turbulence(Record):
         c[0, : numerator.size] = numerator
         return A, b, c / np.sqrt(c @ stationary_covariance(A, b @ b.T) @ c.T)
 
-    def shaping_filter(self, speed: float, altitude: float | None = None) -> FilterMatrices:
+    def shaping_filter(self, speed: ArrayLike, altitude: ArrayLike | None = None) -> FilterMatrices:
         """Return A [1/s], b and c of the filter in time from unit white noise to the wind [m/s].
+
+        Its first states are those of `normalised_filter`, with a cutoff two more follow.
 
         Parameters
         ----------
-        speed : float
-            Airspeed V [m/s].
-        altitude : float, optional
-            Altitude [m], for a table.
+        speed : array_like
+            Airspeed V [m/s], ``(...)``, which are leading axes of the matrices.
+        altitude : array_like, optional
+            Altitude [m], for a table, which broadcasts with the speed.
 
         Raises
         ------
         InputError
             For a speed beyond 1e-3 to 1e6 m/s, and a table without an altitude.
         """
-        V = number("speed", speed, _SPEEDS, "m/s")
-        sigma, length = self.over(None if altitude is None else number("altitude", altitude))
+        V = _SPEEDS("speed", speed, "m/s")
+        sigma, length = self.over(altitude)
+        shape = broadcast(speed=V.shape, altitude=sigma.shape)
+        rate, size = (
+            np.broadcast_to(x, shape)[..., np.newaxis, np.newaxis] for x in (V / length, sigma)
+        )
+        A, b, c = self._filter(np.broadcast_to(length, shape))
+        return A * rate, b * np.sqrt(rate), c * size
+
+    def _filter(self, length: FloatArray) -> FilterMatrices:
+        """Return the filter over the distance flown, with the cutoff, for lengths [m] ``(...)``.
+
+        With the wind w of `normalised_filter` and k = 2 pi L over the cutoff wavelength the states
+        of the high-pass are v1' = k v2, v2' = k (w - v1 - sqrt(2) v2); w - v1 - sqrt(2) v2 remains.
+        """
         A, b, c = self.normalised_filter
-        return A * (V / length), b * np.sqrt(V / length), c * sigma
+        if self.cutoff_wavelength is None:
+            return A, b, c
+        n = len(A)
+        whole = np.zeros((*length.shape, n + 2, n + 2))
+        passed = np.concatenate([c[0], [-1.0, -np.sqrt(2.0)]])
+        corner = (2.0 * np.pi / self.cutoff_wavelength) * length[..., np.newaxis]
+        whole[..., :n, :n], whole[..., n, n + 1] = A, corner[..., 0]
+        whole[..., n + 1, :] = corner * passed
+        return whole, np.concatenate([b, np.zeros((2, 1))]), passed[np.newaxis]
+
+    def remaining_variance(self, altitude: float | None = None) -> float:
+        """Return the variance below the cutoff wavelength over that of all; one without a cutoff.
+
+        Raises
+        ------
+        InputError
+            For a table without an altitude.
+        """
+        A, b, c = self._filter(self.over(altitude)[1])
+        return float((c @ stationary_covariance(A, b @ b.T) @ c.T).item())
 
     def power_spectrum(
         self, omega: ArrayLike, speed: float, altitude: float | None = None
@@ -303,7 +353,8 @@ class Turbulence(Record):
         """
         V = number("speed", speed, _SPEEDS, "m/s")
         sigma, length = self.over(None if altitude is None else number("altitude", altitude))
-        x = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s") * length / V
+        frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
+        x = frequencies * length / V
         if self.spectrum == _VON_KARMAN:
             square = (_VON_KARMAN_LENGTH_FACTOR * x) ** 2
             if self.component == _ALONG:
@@ -314,6 +365,9 @@ class Turbulence(Record):
             above, below = _FILTERS[self.spectrum, self.component]
             gains = [np.polyval(polynomial[::-1], 1j * x) for polynomial in (above, below)]
             shape = np.abs(gains[0] / gains[1]) ** 2 * (2.0 if self.component == _ALONG else 1.0)
+        if self.cutoff_wavelength is not None:
+            ratio = np.minimum(frequencies / V * self.cutoff_wavelength / (2.0 * np.pi), 1e6)
+            shape = shape * (ratio**4 / (1.0 + ratio**4))
         return np.asarray(sigma**2 * length / (np.pi * V) * shape)
 
     def samples(
@@ -365,8 +419,11 @@ class Turbulence(Record):
                 )
         advance, sigma = (np.broadcast_to(array, when.shape) for array in (V / length, sigma))
         distances = 0.5 * (advance[1:] + advance[:-1]) * np.diff(when)
-        A, b, c = self.normalised_filter
-        count = len(A)
+        length = np.broadcast_to(length, when.shape)
+        lengths = np.append(length[:1], 0.5 * (length[1:] + length[:-1]))
+        A, b, c = self._filter(lengths)
+        A = np.broadcast_to(A, (when.size, *A.shape[-2:]))
+        count = A.shape[-1]
         white = [
             np.random.Generator(
                 np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run,)))
@@ -374,13 +431,14 @@ class Turbulence(Record):
             for run in range(first, first + runs)
         ]
         noise = np.array(white).reshape(runs, when.size, count)
-        unique, which = np.unique(distances, return_inverse=True)
-        transitions, noises = steps(A, b @ b.T, unique)
+        pairs = np.stack([distances, lengths[1:]])
+        _, first_of, which = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
+        transitions, noises = steps(A[1:][first_of], b @ b.T, distances[first_of])
         roots = _square_root(noises)
-        state = noise[:, 0] @ _square_root(stationary_covariance(A, b @ b.T)).T
+        state = noise[:, 0] @ _square_root(stationary_covariance(A[0], b @ b.T)).T
         wind = np.empty((runs, when.size))
         wind[:, 0] = state @ c[0]
-        for k, step in enumerate(which, start=1):
+        for k, step in enumerate(which.ravel(), start=1):
             state = state @ transitions[step].T + noise[:, k] @ roots[step].T
             wind[:, k] = state @ c[0]
         return wind * sigma

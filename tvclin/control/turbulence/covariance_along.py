@@ -112,7 +112,6 @@ def turbulence_along(
         _ = flight.height  # refuses a schedule without altitude
     given = LoadSlopes() if loads is None else loads
     own_pressure = given.dynamic_pressure is None and flight.altitude is not None
-    A, b, c = turbulence.normalised_filter
 
     def loop_at(times: FloatArray) -> DrivenLoop:
         inside = np.clip(times, *flight.span)
@@ -124,10 +123,9 @@ def turbulence_along(
             plant = FlexiblePlant.from_vehicle(vehicle.rigid, frozen, model, plane)
         law = replace(autopilot_along(autopilot, flight, inside), delay=delay, sample_rate=rate)
         height = None if flight.altitude is None else np.interp(inside, flight.times, flight.height)
-        sigma, length = (np.broadcast_to(x, times.shape) for x in turbulence.over(height))
         V = np.broadcast_to(np.asarray(vehicle.velocity), times.shape)
-        advance, angle = (x[:, np.newaxis, np.newaxis] for x in (V / length, sigma / V))
-        shape = A * advance, b * np.sqrt(advance), c * angle
+        a, b, c = turbulence.shaping_filter(V, height)
+        shape = a, b, c / V[:, np.newaxis, np.newaxis]
         slopes = loads_at(given, schedule.times, inside)
         if own_pressure:
             pressure = flight_variable(flight, "dynamic_pressure", inside)
@@ -136,7 +134,7 @@ def turbulence_along(
 
     loop = VaryingLoop(loop_at, _breakpoints(flight, autopilot, turbulence))
     times = march_times(*flight.span, wind, loop)
-    moments = march(loop, times, wind, (A, b))
+    moments = march(loop, times, wind)
     return CovarianceHistory(times, loop.labels, loop.signals(times), moments)
 
 

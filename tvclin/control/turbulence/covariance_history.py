@@ -264,13 +264,13 @@ def turbulence_history(
     checked_parts(autopilot, turbulence, noise, loads)
     check_plant(plant)
     check_single("turbulence_history", autopilot, plant, loads)
-    shape = turbulence.shaping_filter(speed, altitude)
-    V = float(speed)
+    V = number("speed", speed)
+    shape = turbulence.shaping_filter(V, altitude)
     shape = *shape[:2], shape[2] / V
     at_rest = not flag("settled", settled)
     loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, drift=at_rest)
     times = march_times(0.0, number("duration", duration, _DURATIONS, "s"), wind, loop)
     start = None if at_rest else stationary(loop)[0][0]
-    moments = march(loop, times, wind, shape[:2], start)
+    moments = march(loop, times, wind, start)
     signals = {output: loop.signal(output) for output in loop.labels}
     return CovarianceHistory(times, loop.labels, signals, moments)

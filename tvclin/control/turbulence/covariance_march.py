@@ -83,19 +83,21 @@ def march(
     loop: DrivenLoop | VaryingLoop,
     times: FloatArray,
     wind: History | None,
-    shape: tuple[FloatArray, FloatArray],
     start: FloatArray | None = None,
 ) -> Moments:
     """Return the moments of the states at the times.
 
-    `shape`: A and b of the filter, in any measure of its time. `start`: covariance at the first
-    time, behind its sample; by default that of a vehicle at rest and a stationary filter.
+    `start`: covariance at the first time, behind its sample; by default that of a vehicle at rest
+    and a stationary filter.
     """
     known = np.zeros(times.size) if wind is None else np.asarray(wind(times))
-    n = (loop if isinstance(loop, DrivenLoop) else loop.at(times[:1])).A.shape[-1]
+    first_loop = loop if isinstance(loop, DrivenLoop) else loop.at(times[:1]).mapped(np.squeeze)
+    n = first_loop.A.shape[-1]
     P, mean = np.zeros((n, n)), np.zeros(n)
-    filtered = loop.filter_states
-    P[filtered, filtered] = stationary_covariance(shape[0], shape[1] @ shape[1].T)
+    filtered = first_loop.filter_states
+    P[filtered, filtered] = stationary_covariance(
+        *(matrix[filtered, filtered] for matrix in (first_loop.A, first_loop.noise))
+    )
     if loop.jumps:
         mean, P = _jumped(_jumps(loop, len(loop.jumps) - 1, times[:1])[0], mean, P, known[0])
     P = P if start is None else start

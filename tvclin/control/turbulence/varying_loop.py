@@ -43,11 +43,6 @@ class VaryingLoop:
         return self._nodes.jumps
 
     @property
-    def filter_states(self) -> slice:
-        """Positions of the states of the filter."""
-        return self._nodes.filter_states
-
-    @property
     def labels(self) -> tuple[str, ...]:
         """Names of the outputs."""
         return self._nodes.labels

@@ -212,6 +212,11 @@ class WindProfile(Record):
         """Wind speed [m/s] at the levels, shape ``(n,)``."""
         return np.hypot(self.east, self.north)
 
+    @property
+    def resolved_wavelength(self) -> float:
+        """Vertical wavelength [m] that all levels resolve: twice their widest gap."""
+        return 2.0 * float(np.diff(self.height).max())
+
     def in_plane(self, azimuth: float) -> FloatArray:
         """Return the wind component along a direction of flight [m/s], positive a tail wind.
 
