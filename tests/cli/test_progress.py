@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.base.files import tables_of
 from tvclin.base.package_warnings import MachineWarning
-from tvclin.cli import progress
+from tvclin.cli import output
 from tvclin.cli.app import app
 from tvclin.ensembles.campaign import chunk_runner as engine
 from tvclin.kernels import choice
@@ -25,8 +25,8 @@ def test_a_pipe_gets_a_line_now_and_then(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     now = [0.0]
-    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
-    with progress.bar("cases") as tell:
+    monkeypatch.setattr(output, "monotonic", lambda: now[0])
+    with output.bar("cases") as tell:
         for second in range(1, 101):
             now[0] = float(second)
             tell(10.0 * second, 1000.0)
@@ -46,8 +46,8 @@ def test_the_time_left_counts_neither_compiling_nor_what_was_done_before(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], before: int
 ) -> None:
     now = [0.0]
-    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
-    with progress.bar("cases") as tell:
+    monkeypatch.setattr(output, "monotonic", lambda: now[0])
+    with output.bar("cases") as tell:
         for case in range(1, 61):  # the first after half a minute, the others one a second
             now[0] = 34.0 + case
             tell(before + case, before + 60)
@@ -69,8 +69,8 @@ def test_a_page_tells_of_each_part() -> None:
 
 
 def test_a_study_tells_of_its_answers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(progress, "_LINE_INTERVAL_S", 0.0)
-    monkeypatch.setattr(progress, "monotonic", iter(range(100_000)).__next__)
+    monkeypatch.setattr(output, "_LINE_INTERVAL_S", 0.0)
+    monkeypatch.setattr(output, "monotonic", iter(range(100_000)).__next__)
     (tmp_path / "all.toml").write_text(
         '[study]\nvehicle = "configuration-i"\n'
         '[wind]\npeak_deg = 5.0\nduration_s = 7.5\n[criteria]\nname = "classic"\n'

@@ -11,13 +11,13 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.control.autopilot.wind_response import deflection_peaks
 from tvclin.design import minimum_gains as search_of
-from tvclin.design.box_minimum import box_minimum
 from tvclin.design.gain_problem import (
     UNSATISFIED_COST,
     GainProblem,
     required_limits,
     with_sudden_ends,
 )
+from tvclin.numerics.searches import box_minimum
 
 VEHICLE = tv.load_vehicle("configuration-i")
 NOZZLE = {"actuator": tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7), "delay": 0.02}

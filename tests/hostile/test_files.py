@@ -20,7 +20,7 @@ CAMPAIGN = f'[campaign]\nvehicle = "configuration-i"\ncases = 10\n{WIND}'
 @pytest.fixture(autouse=True)
 def _says_not_how_far_it_is(monkeypatch) -> None:
     """A slow machine would tell."""
-    monkeypatch.setattr("tvclin.cli.progress._LINE_INTERVAL_S", float("inf"))
+    monkeypatch.setattr("tvclin.cli.output._LINE_INTERVAL_S", float("inf"))
 
 
 def run(*arguments: object) -> Result:

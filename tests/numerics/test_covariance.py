@@ -7,12 +7,14 @@ from scipy.linalg import expm
 from scipy.stats import foldnorm, multivariate_normal, norm
 
 from tvclin.numerics.covariance import (
+    absolute_covariance,
     constant_over_steps,
+    crossing_rate,
+    mean_absolute,
     periodic_covariance,
     stationary_covariance,
     steps,
 )
-from tvclin.numerics.gaussian import absolute_covariance, crossing_rate, mean_absolute
 from tvclin.numerics.propagation import GAUSS_NODES
 
 

@@ -23,8 +23,7 @@ from tvclin.cli.options import (
     asked,
     to_write,
 )
-from tvclin.cli.output import answer, draw, print_answer, print_tables, say, say_lines
-from tvclin.cli.progress import bar
+from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, say_lines
 from tvclin.cli.wind import FlightOptions, check_reading
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio

@@ -22,8 +22,7 @@ from tvclin.cli.options import (
     asked,
     to_write,
 )
-from tvclin.cli.output import answer, draw, print_answer, print_tables, say
-from tvclin.cli.progress import bar, waiting
+from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, waiting
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today
 from tvclin.studyfile.read import is_flight_with_keys, load_sizing, load_study

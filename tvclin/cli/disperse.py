@@ -25,8 +25,7 @@ from tvclin.cli.options import (
     asked,
     to_write,
 )
-from tvclin.cli.output import answer, print_answer, print_tables, say
-from tvclin.cli.progress import bar
+from tvclin.cli.output import answer, bar, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.chunk_runner import (

@@ -4,8 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from tvclin.cli.options import ShownCurves
-from tvclin.cli.output import answer, draw, print_answer, print_tables
-from tvclin.cli.progress import waiting
+from tvclin.cli.output import answer, draw, print_answer, print_tables, waiting
 from tvclin.requirement.flight.request import SoundingRequest
 from tvclin.studyfile.flight_loop import FlightLoop
 from tvclin.studyfile.read import load_sizing

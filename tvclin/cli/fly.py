@@ -26,7 +26,7 @@ from tvclin.cli.options import (
     Source,
     asked,
 )
-from tvclin.cli.progress import waiting
+from tvclin.cli.output import waiting
 from tvclin.cli.wind import FlightOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.flights.flown_boundary import ENGINES

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from tvclin.cli.flight_margins import flight_loop
 from tvclin.cli.options import ShownCurves
-from tvclin.cli.output import answer, draw, print_answer, print_tables
-from tvclin.cli.progress import bar
+from tvclin.cli.output import answer, bar, draw, print_answer, print_tables
 from tvclin.cli.wind import FlightOptions, check_reading
 from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 from tvclin.studyfile.study_plan import StudyPlan

@@ -13,8 +13,7 @@ from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_omissions, only_with
 from tvclin.cli.margin_tables import parts_line
 from tvclin.cli.options import Given, ShownCurves
-from tvclin.cli.output import answer, draw, print_answer, print_tables, say
-from tvclin.cli.progress import bar
+from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT

@@ -29,8 +29,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import answer, print_answer, print_tables
-from tvclin.cli.progress import bar, waiting
+from tvclin.cli.output import answer, bar, print_answer, print_tables, waiting
 from tvclin.cli.wind import FlightOptions, WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty

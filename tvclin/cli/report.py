@@ -8,8 +8,7 @@ import typer
 from tvclin.base.files import called, write_whole
 from tvclin.cli.inputs import note_omissions, only_with
 from tvclin.cli.options import At
-from tvclin.cli.output import say
-from tvclin.cli.progress import bar
+from tvclin.cli.output import bar, say
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import all_yes, sufficient
 from tvclin.studyfile.read import example_plan, load_study

@@ -5,8 +5,7 @@ from pathlib import Path
 import typer
 
 from tvclin.cli.options import asked
-from tvclin.cli.output import say
-from tvclin.cli.progress import bar
+from tvclin.cli.output import bar, say
 
 
 def reproduce(

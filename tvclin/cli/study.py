@@ -23,8 +23,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import answer, print_answer, print_tables, say
-from tvclin.cli.progress import bar, waiting
+from tvclin.cli.output import answer, bar, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import PulseOptions
 from tvclin.requirement import study_tables as tables
 from tvclin.requirement.case_requirement import pulse_of

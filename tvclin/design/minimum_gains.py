@@ -21,7 +21,6 @@ from tvclin.control.autopilot.wind_response import deflection_peaks
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, unit_factor
-from tvclin.design.box_minimum import box_minimum
 from tvclin.design.gain_problem import (
     CROSSOVER,
     UNSATISFIED_COST,
@@ -33,6 +32,7 @@ from tvclin.design.gain_problem import (
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes
+from tvclin.numerics.searches import box_minimum
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
 

@@ -20,9 +20,9 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, margin, unit_factor
-from tvclin.design.box_minimum import box_minimum
 from tvclin.ensembles.dispersions import KINDS, MODES, WIND
 from tvclin.linear.plant import Plant, default_model
+from tvclin.numerics.searches import box_minimum
 from tvclin.requirement.nominal_requirement import required_deflection
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle

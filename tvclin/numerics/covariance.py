@@ -1,6 +1,7 @@
-"""Covariance of linear systems in white noise, x' = A x + n, E[n(t) n(t')'] = N delta(t - t').
+"""Gaussian processes: covariance of linear systems in white noise, and crossings of a limit.
 
-Stationary, A P + P A' + N = 0, and in exact steps, P(t + h) = F P(t) F' + Q(h) with
+Covariance of x' = A x + n, E[n(t) n(t')'] = N delta(t - t'): stationary, A P + P A' + N = 0, and in
+exact steps, P(t + h) = F P(t) F' + Q(h) with
 
     F = e^(A h),    Q = int_0^h e^(A s) N e^(A' s) ds.
 
@@ -8,6 +9,15 @@ The steps are found by series and doubling, Q(2 h) = Q + F Q F', which adds noth
 matrices: Van Loan's exponential contains e^(-A h), which loses all digits where fast poles decay.
 A system that varies over a step is replaced by the constant one with the same step to order four,
 Magnus' expansion with two Gauss points (Blanes, Casas, Oteo and Ros, 2009).
+
+Processes y(t) with the mean m and the standard deviation s, the mean m' and the standard deviation
+d of the rate y', and the correlation rho of both:
+
+- E|y'| = d sqrt(2/pi) exp(-mu^2/2) + m' erf(mu/sqrt 2), mu = m'/d;
+- the covariance of two absolute values follows from its second derivative over their correlation
+  r, which is four times their joint density at zero (Price's theorem);
+- Rice's rate of upward crossings of a limit a (Cramer and Leadbetter, 1967): with u = (a - m)/s
+  and e = (m'/d + rho u)/sqrt(1 - rho^2) it is (d/s) sqrt(1 - rho^2) phi(u) (phi(e) + e Phi(e)).
 """
 
 from __future__ import annotations
@@ -90,3 +100,81 @@ def constant_over_steps(
         constant_generator(A1, A2, times),
         0.5 * (N1 + N2) + factor * (driven(A2, N1) - driven(A1, N2)),
     )
+
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+"""Gauss-Legendre rule of the covariance of absolute values, over the angle asin(r)."""
+_MAX_CORRELATION = 1.0 - 1e-12
+"""Correlation of a value and its rate above which it counts as this."""
+
+
+def mean_absolute(mean: FloatArray, deviation: FloatArray) -> FloatArray:
+    """Return E|x| of Gaussian values, given their mean and standard deviation, which broadcast."""
+    from scipy.special import erf  # late: scipy takes long to import
+
+    ratio = _ratio(mean, deviation)
+    spread = deviation * np.sqrt(2.0 / np.pi) * np.exp(-0.5 * np.minimum(np.abs(ratio), 40.0) ** 2)
+    return np.asarray(spread + mean * erf(ratio / np.sqrt(2.0)))
+
+
+def absolute_covariance(
+    mean: tuple[FloatArray, FloatArray],
+    deviation: tuple[FloatArray, FloatArray],
+    correlation: FloatArray,
+) -> FloatArray:
+    """Return the covariance of |x| and |y| of Gaussian pairs; all arrays broadcast.
+
+    Without means it is (2/pi) d_x d_y (sqrt(1 - r^2) + r asin r - 1).
+    """
+    from scipy.special import erf  # late, as above
+
+    first, second = (_ratio(m, d) for m, d in zip(mean, deviation, strict=True))
+    r = np.clip(correlation, -1.0, 1.0)
+    half = 0.5 * np.arcsin(r)
+    total = r * erf(first / np.sqrt(2.0)) * erf(second / np.sqrt(2.0))
+    squares, product = first**2 + second**2, 2.0 * first * second
+    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+        angle = half * (1.0 + node)
+        sine = np.sin(angle)
+        room = np.maximum(1.0 - sine**2, 1e-300)
+        exponent = np.minimum((squares - product * sine) / (2.0 * room), 700.0)
+        total = total + weight * half * (r - sine) * np.exp(-exponent) * (2.0 / np.pi)
+    return np.asarray(deviation[0] * deviation[1] * total)
+
+
+def crossing_rate(
+    limit: float,
+    mean: FloatArray,
+    deviation: FloatArray,
+    mean_rate: FloatArray,
+    rate_deviation: FloatArray,
+    correlation: FloatArray,
+) -> FloatArray:
+    """Return the expected crossings of +limit upwards and of -limit downwards [1/s].
+
+    `limit`: positive, in the unit of the values. The arrays broadcast; where a deviation is zero
+    nothing is random, and the rate counts as zero.
+    """
+    from scipy.special import ndtr  # late, as above
+
+    rho = np.clip(correlation, -_MAX_CORRELATION, _MAX_CORRELATION)
+    free = np.sqrt(1.0 - rho**2)
+    total = np.zeros(np.broadcast_shapes(np.shape(mean), np.shape(deviation)))
+    random = (deviation > 0.0) & (rate_deviation > 0.0)
+    s, d = np.where(random, deviation, 1.0), np.where(random, rate_deviation, 1.0)
+    for sign in (1.0, -1.0):  # beyond a thousand deviations nothing crosses
+        u = np.clip(limit - sign * mean, -1e3 * s, 1e3 * s) / s
+        e = (sign * mean_rate / d + rho * u) / free
+        rate = d / s * free * _density(u) * (_density(e) + e * ndtr(e))
+        total = total + np.where(random, rate, 0.0)
+    return total
+
+
+def _ratio(mean: FloatArray, deviation: FloatArray) -> FloatArray:
+    """Return mean over deviation, up to 1e6 in size where the deviation is next to zero."""
+    floor = np.maximum(deviation, np.maximum(1e-6 * np.abs(mean), np.finfo(float).tiny))
+    return np.asarray(mean / floor)
+
+
+def _density(x: FloatArray) -> FloatArray:
+    return np.asarray(np.exp(-0.5 * np.minimum(np.abs(x), 40.0) ** 2) / np.sqrt(2.0 * np.pi))

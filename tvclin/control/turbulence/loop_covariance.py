@@ -45,8 +45,13 @@ from tvclin.control.turbulence.driven_loop import (
 )
 from tvclin.linear import lateral
 from tvclin.linear.flexible import AnyPlant, check_plant
-from tvclin.numerics.covariance import periodic_covariance, stationary_covariance, steps
-from tvclin.numerics.gaussian import crossing_rate, mean_absolute
+from tvclin.numerics.covariance import (
+    crossing_rate,
+    mean_absolute,
+    periodic_covariance,
+    stationary_covariance,
+    steps,
+)
 from tvclin.winds.turbulence import Turbulence
 
 _PHASES = 16
