@@ -162,7 +162,7 @@ class Field:
         return value if convert is None else _converted(value, convert)
 
     def si_value(self, record: Any) -> Any:
-        """Return the value of a record as it is there."""
+        """Return the value of the field of a record, as it is stored."""
         source = self.of or self.name
         return source(record) if callable(source) else attrgetter(source)(record)
 

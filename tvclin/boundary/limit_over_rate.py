@@ -65,7 +65,7 @@ _MAX_RATE_RATIO = 1e4
 
 
 def margin_of(available: float | None, required: float) -> float | None:
-    """Return what remains of an available quantity; None where it is not given."""
+    """Return the available quantity minus the required one; None if none is available."""
     return None if available is None else available - required
 
 

@@ -138,7 +138,7 @@ class TurbulenceRequest:
 
     @property
     def label(self) -> str:
-        """These standard deviations in words, with the probability where that is specified."""
+        """Text of the number of standard deviations, with the probability if specified."""
         if self.probability is None:
             return f"{self.factor:g} sigma"
         return f"{self.factor:.4g} sigma ({100.0 * self.probability:.6g} % of the time)"

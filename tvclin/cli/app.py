@@ -60,7 +60,7 @@ class _Late(Mapping[str, Any]):
 
 
 def _made(name: str, command: Any) -> Any:
-    """Return the command of a function, or those of an app, in the panel of its name."""
+    """Return the command of a function, or the group of an app, in the panel of its name."""
     app = typer.Typer()
     if isinstance(command, typer.Typer):
         app.add_typer(command, name=name, rich_help_panel=NAMES[name])

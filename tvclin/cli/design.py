@@ -240,7 +240,7 @@ class RuleResult:
         return cls(rule, margins, float(peak))
 
     def document(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the document of the answer for JSON."""
         autopilot, margins = self.margins.autopilot, self.margins.whole
         return {
             "rule": self.rule,
@@ -398,7 +398,7 @@ class _Answer:
         return plots.nichols_chart(self.margins.autopilot, self.case.plant, self.case.held_to)
 
     def document(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the document of the answer for JSON."""
         case, margins = self.case, margins_document(self.margins)
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         further = {"least": self.sought, "box": self.in_box}

@@ -90,7 +90,7 @@ class _Answer:
     bounds: dict[str, Bounds]
 
     def document(self, cuts: int) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the document of the answer for JSON."""
         trims = {name: entry.trim_deg for name, entry in self.bounds.items()}
         return {
             "vehicle": self.case.vehicle.name,

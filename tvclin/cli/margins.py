@@ -140,7 +140,7 @@ class _Answer:
         return self.margins.satisfied and (self.detuned is None or bool(self.detuned.all_satisfied))
 
     def document(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the document of the answer for JSON."""
         case = self.case
         wind = {"name": self.wind, **document(case.history, "peak")}
         further = {

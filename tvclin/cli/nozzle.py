@@ -284,7 +284,7 @@ _USED = (
 
 
 def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurves) -> None:
-    """Print what a law in a whole flight takes of the nozzle, and the verdict on its limits."""
+    """Print the duty of the nozzle in a whole flight of a law, and the verdict on its limits."""
     groups = (options.limits, options.model, options.planes)
     case = case_over_flight(_QUESTION, source, options.winds, options.times, *groups)
     request, names = case.sizing, options.names

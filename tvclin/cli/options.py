@@ -146,7 +146,7 @@ class Given:
         return [_option(name, item, self.shown, panel) for name, item in self.fields.items()]
 
     def taken(self, options: dict[str, Any]) -> Self:
-        """Return these options with values, which are removed from `options` of a command."""
+        """Return the options of the group with values, removed from those of the command."""
         given = {name: options.pop(name) for name in self.fields}
         values = {
             item.name: item.from_option(_flag(name), given[name])

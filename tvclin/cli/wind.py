@@ -128,7 +128,7 @@ class WindOptions(PulseOptions):
         )
 
     def name(self, case: Case) -> str:
-        """Return the name of the wind of a case: its shape, or that of the sounding."""
+        """Return the name of the wind of a case: its shape, or the name of the sounding."""
         if self.winds is not None:
             return self.winds.name
         return chosen(self.wind, case.shape)

@@ -82,7 +82,7 @@ def models_of(vehicle: AnyVehicle) -> list[str]:
 
 
 class WithCoefficients(Hinted):
-    """Properties of a plant that are those of its rigid vehicle's `coefficients`."""
+    """Properties of a plant that follow from the coefficients of its rigid vehicle."""
 
     if TYPE_CHECKING:
 

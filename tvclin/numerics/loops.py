@@ -265,7 +265,10 @@ class StateLoop:
         return replace(self, case=self.case[index])
 
     def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
-        """Return L with its delay, and one, at j omega ``(k, m)``; one and zero at a pole."""
+        """Return numerator and denominator of L with its delay at j omega, ``(k, m)``.
+
+        They are L and one, and at a pole one and zero.
+        """
         omega = np.broadcast_to(np.asarray(omega, float), (len(self.case), np.shape(omega)[-1]))
         values = self._modal_sum(1j * omega)
         values = np.where(np.isnan(omega), np.nan, values)
@@ -286,7 +289,7 @@ class StateLoop:
         return (slope - delay * value) * np.exp(-s * delay)
 
     def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
-        """Return L without its delay, and one, at j omega ``(k, m)``, from a linear solve."""
+        """Return numerator and denominator of L without delay at j omega, as `parts`."""
         return self._fraction(self._value_and_slope(1j * omega)[0], omega)
 
     def log_slope(self, omega: FloatArray) -> AnyArray:

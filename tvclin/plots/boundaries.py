@@ -267,7 +267,7 @@ def _draw_boundaries(
 
 
 def drift_words(c: Coefficients) -> str:
-    """Return what eq (18) knows of a vehicle."""
+    """Return the numbers of a vehicle that enter eq (18), as text."""
     return f"{c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
 
 

@@ -431,7 +431,7 @@ def _with_drift(
     engine: str | None = None,
     **options: Any,
 ) -> "ControlPlot":
-    """Return one of the figures 6 to 9."""
+    """Draw figure 6, 7, 8 or 9 of the report."""
     dead_band = _fraction(dead_band)
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
     single("vehicle", loaded.batch)

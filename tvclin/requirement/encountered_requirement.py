@@ -129,7 +129,7 @@ def encountered_requirement(
     dead_band: float,
     size: float = 1.0,
 ) -> VaryingRequirement:
-    """Return what a wind requires of one vehicle frozen at its flight condition.
+    """Return the required deflection of one vehicle frozen at its flight condition, in a wind.
 
     Parameters
     ----------

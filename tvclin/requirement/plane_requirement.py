@@ -202,7 +202,7 @@ def heading_requirement(
 def direction_notes(
     planes: TwoPlaneRequirement | None, plane: str, judged: bool, calm: bool
 ) -> Iterator[str]:
-    """Yield what the direction of a wind changes, in words; nothing without one.
+    """Yield notes on the effect of the direction of a wind; none without a direction.
 
     `calm`: whether the nominal dynamic pressure counts, at which `planes` are.
     """

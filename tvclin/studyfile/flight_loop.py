@@ -263,7 +263,7 @@ class FlightOutcome(Record):
         return cls(case.name, case.time, flown.status, survived, reason, peak_time=time, **peaks)
 
     def is_worst_of(self, outcomes: Sequence[FlightOutcome]) -> bool:
-        """Return whether it is the worst outcome: not survived, not known, most deflection."""
+        """Return whether the outcome is the worst: not survived, not known, most deflection."""
         return max(outcomes, key=_badness) is self
 
     @property

@@ -85,7 +85,7 @@ def quantity_table() -> Table:
 
 
 def symbol_table() -> Table:
-    """Return what the symbols mean."""
+    """Return the table of the symbols with their meanings."""
     return quantities("What the symbols mean", ((k, (words,)) for k, words in SYMBOLS.items()))
 
 

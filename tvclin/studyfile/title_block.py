@@ -36,7 +36,7 @@ class Document:
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Self:
-        """Return what a table [document] says; its date may be one of TOML.
+        """Return the head of a page from a table [document]; its date may be one of TOML.
 
         Raises
         ------

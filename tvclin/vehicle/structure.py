@@ -43,7 +43,7 @@ _inertia = between(0.0, _MAX_NUMBER**2)
 class _Batched:
     @cached_property
     def batch(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one."""
+        """Shape of the batch; ``()`` for one structure."""
         return broadcast(**dict(_shapes(self, "")))
 
 

@@ -413,7 +413,7 @@ def _real_if_real(values: AnyArray, s: AnyArray) -> AnyArray:
 
 
 class VehicleWind(ABC):
-    """A wind of a case, whose angle follows from the vehicle, as that of a measured wind speed."""
+    """Wind of a case whose angle follows from the vehicle, such as a measured wind speed."""
 
     @property
     @abstractmethod

@@ -277,7 +277,7 @@ class ShapedWind:
 
 
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
-    """Return one plane of a wind with peaks [rad] in both, with its component of the gust."""
+    """Return the wind in one plane, of a wind with peaks [rad] in both, and its gust there."""
     peak, size = peaks[plane], math.hypot(*peaks.values())
     if peak == 0.0:
         return wind.history({"wind_peak": size}) * 0.0

@@ -179,7 +179,7 @@ _THRUST_OVER_WEIGHT = (0.2, 500.0)
 _RADIUS_OVER_ARM = (0.1, 3.0)
 """Smallest and largest radius of gyration over the control arm; slender bodies have 0.5 to 1."""
 _MIN_EXHAUST_SPEED = 500.0
-"""Exhaust speed [m/s] below that of any motor: mass that is lost faster has fallen off."""
+"""Exhaust speed [m/s] below the slowest of motors: faster loss of mass is a separation."""
 _MASS_ROUNDING = 2e-3
 """Rounding of a mass with four digits or three decimals, over the mass."""
 _MAX_GIMBAL_OVER_GRAVITY = 5.0

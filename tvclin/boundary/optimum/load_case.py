@@ -159,7 +159,7 @@ class LoadCase:
 
     @cached_property
     def _components(self) -> BoolArray:
-        """Which real and imaginary parts are states, ``(2 k,)``: both for a pair."""
+        """Whether each real and imaginary part is a state, ``(2 k,)``: both for a pair."""
         pairs = self.poles.imag > 0.0
         return np.stack([np.ones_like(pairs), pairs], axis=-1).ravel()
 

@@ -113,7 +113,7 @@ class FlightMode:
 
     @property
     def unstable(self) -> bool:
-        """Whether a real pole is unstable at some time of the flight, and later than its begin."""
+        """Whether a real pole is unstable at some time after the beginning of the flight."""
         return self._last_unstable > self.schedule.times[0]
 
     @property

@@ -451,7 +451,7 @@ def _along(
     winds: dict[bytes, list[NominalWind]] = {}  # without a window one wind meets every flight time
 
     def key_of(wind: PlacedWind) -> bytes:
-        """Return what equal winds have in common, and keep the wind, with both its signs."""
+        """Return the bytes of a wind as its key, and store its histories of both signs."""
         histories = (wind.in_flight, *([wind.two_sided] if wind.two_sided else []))
         key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)
         if key not in winds:
