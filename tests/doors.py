@@ -204,6 +204,8 @@ def doors(folder: Path) -> dict[str, Door]:
     margins = autopilot.margins(plant)
     condition = load_flight_condition("configuration-i")
     schedule = tv.load_schedule("configuration-i", step=5.0)
+    west = tv.WindProfile(height=[0.0, 9e3, 4e4], east=[0, 30, 0], north=[0, 0, 0])
+    encountered = tv.fly_through(west, schedule, azimuth=np.pi / 2)
     study = tv.Study.from_vehicle(booster, duration=7.5, peak=0.09, limit=0.01, model="fixed-path")
     west = tv.WindProfile(height=[0.0, 12e3, 40e3], east=[0.0, 60.0, 0.0], north=[0.0, 0.0, 1.0])
     calm = tv.WindProfile(height=[0.0, 40e3], east=[0.0, 5.0], north=[0.0, 0.0])
@@ -581,6 +583,22 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Case.wind_in_plane_at": Door(
             tv.Case(vehicle=booster, wind=slanting).wind_in_plane_at, {"dead_band": 0.5}
+        ),
+        "FlightPlan": Door(
+            tv.ensembles.FlightPlan,
+            {
+                "flight": schedule,
+                "autopilot": dataclasses.replace(autopilot, sample_rate=20.0),
+                "start": 60.0,
+                "stop": 75.0,
+            },
+        ),
+        "SoundingEnsemble": Door(
+            tv.ensembles.SoundingEnsemble,
+            {"time": [0.0, 1.0], "angle": [[0.0, 0.1]], "soundings": ()},
+        ),
+        "SoundingEnsemble.of": Door(
+            tv.ensembles.SoundingEnsemble.of, {"soundings": (encountered,)}
         ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
         "CampaignResults.answers": Door(results.answers, {"output": results.angles[0]}),

@@ -1,7 +1,8 @@
 """Many cases: dispersed studies, campaigns, archives of winds, with their confidence.
 
 - Dispersions: `Dispersion`, `Dispersions`; of a study `disperse_study`.
-- Campaigns: `Campaign`; `run_campaign`, `open_campaign`, `resume_campaign`.
+- Campaigns: `Campaign`; `run_campaign`, `open_campaign`, `resume_campaign`; along a whole flight by
+  a `FlightPlan`, in a `SoundingEnsemble`.
 - Days of an archive: `tvclin.availability` by an `AvailabilityRequest`; what the wind may become:
   `PairGrowth`, `WindGrowth`.
 """

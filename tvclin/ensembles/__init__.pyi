@@ -7,6 +7,8 @@ from .campaign.campaign_plan import Campaign as Campaign
 from .campaign.chunk_runner import open_campaign as open_campaign
 from .campaign.chunk_runner import resume_campaign as resume_campaign
 from .campaign.chunk_runner import run_campaign as run_campaign
+from .campaign.flight_plan import FlightPlan as FlightPlan
+from .campaign.flight_plan import SoundingEnsemble as SoundingEnsemble
 from .campaign.results import CampaignResults as CampaignResults
 from .dispersed_study import DispersedStudy as DispersedStudy
 from .dispersed_study import disperse_study as disperse_study

@@ -24,7 +24,7 @@ from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins
 from tvclin.linear.flexible import FlexiblePlant, named_modes
 from tvclin.numerics.loop_margins import stability
-from tvclin.vehicle.structure import SloshTank
+from tvclin.vehicle.structure import SloshTank, Structure
 
 _COLUMNS = {"aero_margin_dB": "down", "gain_increase_dB": "up", "phase_margin_deg": "phase"}
 """Margins of the table, and their headings."""
@@ -259,7 +259,17 @@ def with_mode_factors(
     `slope_sign`: factors for bending modes and then tanks, ``(..., modes)``, on slopes and
     displacements at the sensors; those of tanks do not exist, and their factors are ignored.
     """
-    structure = plant.structure
+    structure = structure_with_mode_factors(plant.structure, frequency, damping, slope_sign)
+    return replace(plant, structure=structure)
+
+
+def structure_with_mode_factors(
+    structure: Structure,
+    frequency: FloatArray,
+    damping: FloatArray,
+    slope_sign: FloatArray | None = None,
+) -> Structure:
+    """Return a structure with factors on its modes; same parameters as `with_mode_factors`."""
     signs = np.ones_like(frequency) if slope_sign is None else slope_sign
     columns = list(zip(*(np.moveaxis(a, -1, 0) for a in (frequency, damping, signs)), strict=True))
     bending = tuple(
@@ -279,7 +289,7 @@ def with_mode_factors(
             structure.slosh, columns[len(bending) :], strict=True
         )
     )
-    return replace(plant, structure=replace(structure, bending=bending, slosh=slosh))
+    return replace(structure, bending=bending, slosh=slosh)
 
 
 def _tank(tank: SloshTank, frequency: FloatArray, damping: FloatArray) -> SloshTank:

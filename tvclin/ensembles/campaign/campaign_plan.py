@@ -25,6 +25,7 @@ from tvclin.case.case import Case
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.ensembles.campaign.flight_plan import FlightPlan, nominal_gains
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions, modes_nominal
 from tvclin.ensembles.random_numbers import METHODS
 from tvclin.linear.plant import Plant
@@ -92,6 +93,11 @@ class Campaign(Case):
         Confidence of each bound of that quantile.
     law : str
         The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
+    along : FlightPlan, optional
+        Whole flight and its autopilot, along which "flight" is flown at the dynamic pressure
+        encountered, in place of the frozen vehicle. A shaped wind has its peak at the time of the
+        vehicle, and comes as head and tail wind unless its direction is known: the worse counts.
+        Winds of an ensemble are in flight time.
     until : float, optional
         End the campaign when both bounds of the first output lie within this fraction of its
         quantile.
@@ -115,6 +121,7 @@ class Campaign(Case):
     probability: float = quantity("number", 0.99865, fraction)
     confidence: float = quantity("number", 0.9, fraction)
     law: str = word(LAWS, AUTOPILOT)
+    along: FlightPlan | None = None
     until: float | None = quantity("part", None, positive)
 
     def __post_init__(self) -> None:
@@ -184,12 +191,28 @@ class Campaign(Case):
             raise InputError(
                 'a law is flown by the output "flight"; add that, or leave out the law'
             )
+        if self.along is not None:
+            self._check_along(self.along)
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
         if not isinstance(self.wind, ShapedWind):
             uses_encountered_pressure(self.sign)
         _ = self.gains  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
+
+    def _check_along(self, plan: FlightPlan) -> None:
+        """Raise `InputError` for outputs and a vehicle that do not fit to a whole flight."""
+        instance("along", plan, FlightPlan, "of a flight and its autopilot")
+        if "flight" not in self.outputs or "margins" in self.outputs or self.law != AUTOPILOT:
+            raise InputError(
+                'a campaign along a flight has the output "flight", of its autopilot, and no'
+                ' "margins" (see sweep)'
+            )
+        if self.nozzle.limit_shape is not None:
+            raise InputError("a campaign along a flight is of one plane: leave out the limit shape")
+        if self.vehicle.time is None:
+            raise InputError("a campaign along a flight needs a vehicle with its time")
+        plan.flight.at(self.vehicle.time)
 
     @property
     def nominal(self) -> dict[str, Any]:
@@ -204,6 +227,8 @@ class Campaign(Case):
         flown = "flight" in self.outputs and self.law == AUTOPILOT
         if not flown and "margins" not in self.outputs:
             return {}
+        if self.along is not None:
+            return nominal_gains(self.along, float(np.asarray(self.vehicle.time)))
         return {name: float(getattr(self.autopilot, name)) for name in GAINS}
 
     @property

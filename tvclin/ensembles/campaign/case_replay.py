@@ -14,9 +14,17 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.cases import batch, draw_case, evaluate
-from tvclin.ensembles.campaign.outputs import Batch, columns, law_of, required_name, shares_of
+from tvclin.ensembles.campaign.outputs import (
+    Batch,
+    columns,
+    flights_along,
+    law_of,
+    required_name,
+    shares_of,
+)
 from tvclin.ensembles.dispersions import UNITS_OF
 from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.closed_loop.fly_along import FlightAlong, sampled_outputs
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import MAX_SHOWN_ATTITUDE
@@ -155,8 +163,39 @@ class Replay:
 
     @property
     def extremes_flown(self) -> dict[str, float]:
-        """Largest angles in `flown` [deg], with the deflection, and its end [s], by name."""
+        """Largest angles in `flown` [deg], with the deflection, and its end [s], by name.
+
+        Along a whole flight those in `flown_along`, of the worse direction of the wind.
+        """
+        if self.campaign.along is not None:
+            return self._extremes_along()
         return self._extremes(self.flown, ("attitude", "angle_of_attack", "deflection"))
+
+    def _extremes_along(self) -> dict[str, float]:
+        """Return the largest angles [deg] along a whole flight, and its end [s], by name."""
+        if not self.planes:
+            return {}
+        flown = self.flown_along()
+        peaks = {
+            f"largest_{name}_deg": max(
+                float(np.degrees(abs(one.largest(name).value))) for one in flown
+            )
+            for name in ("attitude", "angle_of_attack", "deflection")
+        }
+        return peaks | {"until_s": float(flown[0].times[-1])}
+
+    def flown_along(self) -> tuple[FlightAlong, ...]:
+        """Return the flights along the whole flight, one for each possible direction of the wind.
+
+        `InputError` when the case is impossible, or the campaign flies a frozen vehicle.
+        """
+        if self.campaign.along is None:
+            raise InputError("the campaign flies no whole flight: give it along")
+        made = self._plane("").made
+        return tuple(
+            sampled_outputs(along, float(limit[0]), float(rate[0]))
+            for along, (limit, rate) in flights_along(self.campaign, made)
+        )
 
     def _extremes(
         self, made: "Callable[[str], TimeResponseData]", names: tuple[str, ...]
@@ -204,6 +243,8 @@ class Replay:
         """
         replayed = self._plane(plane)
         wind = replayed.made.wind
+        if self.campaign.along is not None:
+            raise InputError("flights along a whole flight are those of flown_along")
         if replayed.law is None or self.campaign.nozzle.limit is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
         hardware = self.campaign.hardware
@@ -286,7 +327,7 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
 
 def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
     """Return the first case of a batch by plane."""
-    flies = "flight" in campaign.outputs
+    flies = "flight" in campaign.outputs and campaign.along is None
     shares = shares_of(campaign, made) if made.plane_batches else {}
     return {
         plane: ReplayedPlane(

@@ -14,8 +14,9 @@ from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.flight_plan import mode_factors
 from tvclin.ensembles.campaign.outputs import REGISTRY, Batch, columns, compute
-from tvclin.ensembles.dispersions import WIND, Dispersed, is_mode_factor, mode_names
+from tvclin.ensembles.dispersions import WIND, Dispersed, is_mode_factor
 from tvclin.ensembles.random_numbers import draw
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
@@ -128,21 +129,10 @@ def _flexible(
     plant = FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, campaign.plane)
     if not any(map(is_mode_factor, values)):
         return plant
-
-    ones = np.ones(np.shape(next(v for k, v in values.items() if is_mode_factor(k))))
-
-    def factors(number: str) -> FloatArray:
-        """Return the factors on the frequencies or dampings of the modes, ``(n, modes)``."""
-        return np.stack(
-            [
-                values.get(f"{kind}_{number}", 1.0) * values.get(f"{name}_{number}", ones)
-                for kind, names in mode_names(vehicle.structure).items()
-                for name in names
-            ],
-            axis=-1,
-        )
-
-    return with_mode_factors(plant, factors("frequency"), factors("damping"))
+    factors = (
+        mode_factors(vehicle.structure, values, number) for number in ("frequency", "damping")
+    )
+    return with_mode_factors(plant, *factors)
 
 
 def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:

@@ -12,6 +12,7 @@ included, either changes these, and so the hash, or changes nothing.
 """
 
 import json
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import lru_cache
@@ -24,14 +25,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.ascent.measured_wind import MeasuredWind, SoundingSpeeds
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.structure_schedule import StructureSchedule
 from tvclin.base.arrays import AnyArray
 from tvclin.base.errors import InputError, imported, missing, shown
 from tvclin.base.files import called, exists, make_directory, reason, write_text, write_whole
 from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.control.autopilot.gain_schedule import GainSchedule
+from tvclin.control.autopilot.gain_table import ModeNotch
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.cases import evaluate
+from tvclin.ensembles.campaign.flight_plan import FlightPlan, SoundingEnsemble
 from tvclin.ensembles.dispersions import Dispersion, Dispersions
 from tvclin.kernels.choice import available, pinned, remedy
 from tvclin.numerics.pieces import Pieces
@@ -39,6 +47,7 @@ from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History, Piecewise
+from tvclin.winds.pulses import SampledWind
 from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
 
 if TYPE_CHECKING:
@@ -59,6 +68,8 @@ _KINDS: dict[str, Any] = {
         *(Nozzle, NozzleData, Actuator, AutopilotDesign, Filter),
         *(Vehicle, Structure, BendingMode, SloshTank, Engine),
         *(ShapedWind, FixedWind, WindEnsemble, Piecewise, Pieces),
+        *(FlightPlan, FlightSchedule, StructureSchedule, GainSchedule, ModeNotch, Autopilot),
+        *(SoundingEnsemble, MeasuredWind, SoundingSpeeds, SampledWind, dict),
     )
 }
 """Classes of the values that a manifest holds, by name."""
@@ -166,7 +177,9 @@ def _seal(content: dict[str, Any]) -> str:
 
 def written(value: Any) -> Any:
     """Return a campaign, or a value of it, as JSON holds it; a gust by its exact pieces."""
-    if isinstance(value, History):
+    if isinstance(value, Mapping):
+        return {"kind": "dict"} | {name: written(item) for name, item in value.items()}
+    if isinstance(value, History) and not isinstance(value, SampledWind):
         value = Piecewise(value.pieces)
     if is_dataclass(value):
         members = {field.name: written(getattr(value, field.name)) for field in fields(value)}

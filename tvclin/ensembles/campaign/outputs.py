@@ -5,13 +5,15 @@ A batch is plants, winds and gains of the cases that are computed together, in a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.wind_along import WindAlong, wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
@@ -25,12 +27,24 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.margins import loop_margins
 from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.flight_plan import SoundingEnsemble, dispersed_plan
 from tvclin.ensembles.dispersions import mode_names
-from tvclin.flights.closed_loop.fly_many import fly_many
+from tvclin.flights.closed_loop.fly_along import (
+    FlownFlight,
+    checked_flight,
+    flown_in_winds,
+    sampled_stages,
+)
+from tvclin.flights.closed_loop.fly_many import FlownCases, fly_many
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
-from tvclin.requirement.encountered_requirement import encountered_batch
+from tvclin.requirement.encountered_requirement import (
+    directions_of,
+    encountered_batch,
+    uses_encountered_pressure,
+)
+from tvclin.requirement.flight.flight_winds import PEAK, place
 from tvclin.requirement.nominal_requirement import required_deflection
 from tvclin.requirement.plane_requirement import (
     VectorRequirement,
@@ -43,7 +57,8 @@ from tvclin.vehicle.structure import select_cases
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.wind_angles import within_linear
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import FROZEN, within_linear
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +161,8 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     """Return `COLUMNS` of the flights of a batch, ``(n,)`` each; of both planes, and by plane."""
     limit = campaign.nozzle.limit
     assert limit is not None
+    if campaign.along is not None:
+        return _flown_along(campaign, batch)
     if not batch.plane_batches:
         return _flown(campaign, batch, limit)
     shares = shares_of(campaign, batch)
@@ -191,12 +208,72 @@ def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[
         deflection_limit=limit,
         **campaign.hardware,
     )
+    return _fates(flown)
+
+
+def _fates(flown: FlownCases) -> dict[str, Any]:
+    """Return `COLUMNS` of flights; peaks of lost flights are infinite."""
     diverged = (flown.status == "lost") | (flown.status == "rings")
     fate = np.select([flown.status == "survived", diverged], [1.0, 0.0], np.nan)
     return {"flight_survived": fate} | {
         f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(flown, f"peak_{name}"))
         for name in ("attitude", "angle_of_attack", "deflection")
     }
+
+
+def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    """Return `COLUMNS` of a case along its whole flight, of the worse direction of the wind."""
+    columns = [
+        _fates(flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits)[0])
+        for along, limits in flights_along(campaign, batch)
+    ]
+    return {
+        name: np.min([c[name] for c in columns], axis=0)
+        if name == "flight_survived"
+        else np.max([c[name] for c in columns], axis=0)
+        for name in COLUMNS
+    }
+
+
+def flights_along(
+    campaign: Campaign, batch: Batch
+) -> Iterator[tuple[FlownFlight, tuple[FloatArray, FloatArray]]]:
+    """Yield the flights of a case along its whole flight, with limits [rad, rad/s] ``(1,)``."""
+    plan, case = campaign.along, batch.first
+    assert plan is not None
+    values = {name: float(np.ravel(value)[0]) for name, value in case.values.items()}
+    made = plan
+    if values:
+        made = dispersed_plan(plan, campaign.dispersions, campaign.nominal, values)
+    limits = np.array([campaign.nozzle.limit]), np.array([campaign.hardware["rate_limit"]])
+    for wind in _winds_along(campaign, made.flight, case, values):
+        start = plan.start
+        if start is None:
+            start = max(float(wind.history.onset), made.flight.span[0])
+        along = checked_flight(
+            made.flight, made.autopilot, wind, start, plan.stop, campaign.model, campaign.plane
+        )
+        yield replace(along, scheduled=plan.flight), limits
+
+
+def _winds_along(
+    campaign: Campaign, flight: FlightSchedule, case: Batch, values: Mapping[str, float]
+) -> list[WindAlong]:
+    """Return the wind of a case along its flight, by its possible directions."""
+    plane, sign = campaign.plane, campaign.sign
+    if isinstance(campaign.wind, SoundingEnsemble):
+        sounding = campaign.wind.soundings[int(values.get("wind", 0))]
+        return [wind_along(flight, sounding, plane, sign)]
+    if not isinstance(campaign.wind, ShapedWind):
+        own = FROZEN if not uses_encountered_pressure(sign) else None
+        if own is None and plane == "pitch":
+            own = "tail" if float(case.wind.peak) > 0.0 else "head"
+        return [wind_along(flight, case.wind, plane, own)]
+    time = float(np.asarray(campaign.vehicle.time))
+    placed = place(case.wind, case.vehicle, time, PEAK, 1.0).in_flight
+    directions = directions_of(campaign) or (FROZEN,)
+    signs = [name if name == FROZEN or plane == "pitch" else None for name in directions]
+    return [wind_along(flight, placed, plane, name) for name in signs]
 
 
 _BOUNDARY_TOLERANCE = 5e-4
@@ -404,7 +481,11 @@ REGISTRY = {
         lambda campaign: _slow(campaign) or campaign.planes == BOTH,
     ),
     "margins": Output(_margin_columns, _margins),
-    "flight": Output(lambda campaign: _with_plane_columns(campaign, COLUMNS), flights),
+    "flight": Output(
+        lambda campaign: _with_plane_columns(campaign, COLUMNS),
+        flights,
+        lambda campaign: campaign.along is not None,
+    ),
     "flown": Output(
         lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},
         _flown_limits,

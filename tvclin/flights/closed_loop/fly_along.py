@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import factorial
 from typing import Any, NamedTuple
@@ -142,7 +142,10 @@ class FlightAlong(Tabled):
 
 @dataclass(frozen=True, eq=False)
 class FlownFlight:
-    """Checked arguments of a flight: the loop at any times, its span [s] and its law."""
+    """Checked arguments of a flight: the loop at any times, its span [s] and its law.
+
+    `scheduled`: flight by which gains and notches are scheduled, if another than that of the plant.
+    """
 
     flight: FlightSchedule
     autopilot: Autopilot | GainSchedule
@@ -151,12 +154,13 @@ class FlownFlight:
     plane: str
     start: float
     stop: float
+    scheduled: FlightSchedule | None = None
 
     def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
         """Return plants and autopilots at times [s]."""
         pressure = self.wind.pressure(times)
         plants = plants_along(self.flight, times, self.model, self.plane, pressure)
-        return plants, autopilot_along(self.autopilot, self.flight, times)
+        return plants, autopilot_along(self.autopilot, self.scheduled or self.flight, times)
 
     @property
     def law(self) -> Autopilot:
@@ -248,15 +252,38 @@ def fly_along(
     if along.law.sample_rate is None:
         if deflection_limit is not None or np.isfinite(max_rate):
             raise InputError("limits need samples: give the autopilot a sample_rate")
-        times, rows, rates, status = *_continuous(along), UNLIMITED
-    else:
-        if deflection_limit is None:
-            raise InputError("deflection_limit must be given for an autopilot with a sample_rate")
-        limit = number("deflection_limit", deflection_limit, small_angle("a deflection", positive))
-        limits = np.array([limit]), np.array([max_rate])
-        made, f = flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits, track=True)
-        times, rows, rates = _tracked(along, f, limit)
-        status = str(made.status[0])
+        return _with_outputs(along, *_continuous(along), UNLIMITED, slopes)
+    if deflection_limit is None:
+        raise InputError("deflection_limit must be given for an autopilot with a sample_rate")
+    limit = number("deflection_limit", deflection_limit, small_angle("a deflection", positive))
+    return sampled_outputs(along, limit, max_rate, slopes)
+
+
+def sampled_outputs(
+    along: FlownFlight,
+    limit: float,
+    rate_limit: float,
+    slopes: Mapping[str, FloatArray] | None = None,
+) -> FlightAlong:
+    """Return the outputs of a sampled flight.
+
+    `limit`, `rate_limit`: of the deflection [rad, rad/s]. `slopes`: alpha_moment and
+    deflection_moment [N m/rad] at the times of the schedule, for a bending moment.
+    """
+    limits = np.array([limit]), np.array([rate_limit])
+    made, f = flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits, track=True)
+    return _with_outputs(along, *_tracked(along, f, limit), str(made.status[0]), slopes or {})
+
+
+def _with_outputs(
+    along: FlownFlight,
+    times: FloatArray,
+    rows: FloatArray,
+    rates: FloatArray,
+    status: str,
+    slopes: Mapping[str, FloatArray],
+) -> FlightAlong:
+    """Return a flight with its outputs; see `_outputs`."""
     outputs = _outputs(along, times, rows, rates, slopes)
     units = {name: _UNITS.get(name, "") for name in outputs}
     return FlightAlong(times, outputs, units, status)
@@ -494,7 +521,7 @@ def _outputs(
     times: FloatArray,
     rows: FloatArray,
     rates: FloatArray,
-    slopes: dict[str, FloatArray],
+    slopes: Mapping[str, FloatArray],
 ) -> dict[str, FloatArray]:
     """Return the outputs of a flight by name, ``(n,)``.
 

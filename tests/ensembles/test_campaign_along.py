@@ -1,0 +1,193 @@
+"""Campaigns that fly dispersed vehicles along a whole flight."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tests.whole_flight import autopilot, flight
+from tvclin import InputError
+from tvclin.ensembles import Dispersion, Dispersions, FlightPlan, SoundingEnsemble
+from tvclin.ensembles.campaign.case_replay import replay_case
+from tvclin.ensembles.campaign.cases import evaluate
+from tvclin.ensembles.campaign.folder import read, written
+from tvclin.flights import fly_along, fly_many_along
+from tvclin.winds.shaped import ShapedWind
+
+LIMIT, RATE = np.radians(0.45), 0.3
+SPREAD = Dispersions(
+    (
+        Dispersion("normal_force_slope", "normal", 0.1),
+        Dispersion("attitude", "normal", 0.01, relative=False),
+        Dispersion("attitude_gain", "uniform", 0.2),
+        Dispersion("wind_peak", "normal", 0.2),
+    )
+)
+
+
+def campaign(*, flexible: bool = False, **changes) -> tv.Campaign:
+    """Return a campaign along the made-up flight, in a triangle about 55 s."""
+    made = flight(flexible=flexible)
+    options = {
+        "vehicle": made.at(55.0),
+        "wind": ShapedWind("triangular", np.radians(5.0), 7.0),
+        "dispersions": SPREAD,
+        "cases": 4,
+        "chunk": 2,
+        "outputs": ("flight",),
+        "nozzle": tv.Nozzle(limit=LIMIT, rate_limit=RATE),
+        "along": FlightPlan(made, autopilot(sample_rate=20.0), stop=80.0),
+    }
+    return tv.Campaign(**options | changes)
+
+
+@pytest.fixture(scope="module")
+def columns():
+    return evaluate(campaign(), 0, 4)
+
+
+def test_a_case_is_a_flight_of_its_vehicle_in_the_worse_of_head_and_tail_wind(columns) -> None:
+    made, laws = flight(flexible=False), autopilot(sample_rate=20.0)
+    vehicle, nominal = made.vehicle, made.at(55.0)
+    fates = columns["flight_survived"]
+    assert set(fates.tolist()) == {0.0, 1.0}
+    for k in range(4):
+        values = {name: columns[name][k] for name in SPREAD.parameters}
+        factor = values["normal_force_slope"] / nominal.normal_force_slope
+        heavier = vehicle.replace(
+            normal_force_slope=vehicle.normal_force_slope * factor,
+            attitude=vehicle.attitude + (values["attitude"] - nominal.attitude),
+        )
+        gain = values["attitude_gain"] / laws.along(made, 55.0).attitude_gain
+        gains = replace(laws.autopilot, attitude_gain=laws.autopilot.attitude_gain * gain)
+        gust = tv.TriangularWind(peak=values["wind_peak"], duration=7.0).shift(51.5)
+        head, tail = (
+            fly_many_along(
+                replace(made, vehicle=heavier),
+                replace(laws, autopilot=gains),
+                gust,
+                deflection_limit=LIMIT,
+                rate_limit=RATE,
+                sign=sign,
+                start=51.5,
+                stop=80.0,
+            )
+            for sign in ("head", "tail")
+        )
+        survived = [str(flown.status) == "survived" for flown in (head, tail)]
+        assert fates[k] == float(all(survived))
+        if all(survived):
+            peak = max(float(flown.peak_attitude) for flown in (head, tail))
+            # the head wind of the campaign is that of its own copy of the wind
+            assert columns["flight_peak_attitude"][k] == pytest.approx(peak, rel=1e-12)
+
+
+def test_cases_have_the_same_bits_in_any_chunk_and_from_a_manifest(columns) -> None:
+    plan = read(json.loads(json.dumps(written(campaign()))))
+    assert written(plan) == written(campaign())
+    for k in (1, 3):
+        alone = evaluate(plan, k, 1)
+        for name, values in columns.items():
+            assert alone[name][0] == values[k]
+
+
+def test_a_campaign_along_a_flight_is_resumed_and_replayed(tmp_path, columns) -> None:
+    pytest.importorskip("pyarrow")
+    results = tv.run_campaign(campaign(), tmp_path / "results")
+    file = tmp_path / "results" / "chunks" / "00000001.parquet"
+    before = file.read_bytes()
+    file.unlink()
+    results = tv.run_campaign(campaign(), tmp_path / "results")
+    assert file.read_bytes() == before
+    for name, values in columns.items():
+        assert results.column(name).tolist() == values.tolist()
+    survived = int(np.sum(columns["flight_survived"]))
+    assert results.flights == (survived, 4 - survived)
+    assert results.survival().estimate == survived / 4
+    case = int(np.flatnonzero(columns["flight_survived"] == 1.0)[0])
+    replay = results.replay(case)
+    flown = replay.flown_along()
+    assert [one.status for one in flown] == ["survived", "survived"]
+    peak = max(abs(one.largest("attitude").value) for one in flown)
+    assert peak == columns["flight_peak_attitude"][case]
+    assert replay.extremes_flown["largest_attitude_deg"] == np.degrees(peak)
+
+
+def test_soundings_are_drawn_with_their_own_direction() -> None:
+    made = flight(flexible=False)
+    height = np.array([0.0, 9e3, 2e4, 4e4])
+    soundings = [
+        tv.fly_through(
+            tv.WindProfile(height=height, east=[0, speed, 0, 0], north=[0, 5, 0, 0]),
+            made,
+            azimuth=np.pi / 2,
+        )
+        for speed in (-30.0, 25.0)
+    ]
+    winds = SoundingEnsemble.of(soundings)
+    nozzle = tv.Nozzle(limit=0.2, rate_limit=RATE)
+    plan = FlightPlan(made, autopilot(sample_rate=20.0), start=45.0, stop=70.0)
+    only = Dispersions((Dispersion("thrust", "normal", 0.01),))
+    asked = campaign(wind=winds, dispersions=only, nozzle=nozzle, along=plan)
+    answers = evaluate(read(json.loads(json.dumps(written(asked)))), 0, 4)
+    for k in range(4):
+        factor = answers["thrust"][k] / made.at(55.0).thrust
+        varied = replace(made, vehicle=made.vehicle.replace(thrust=made.vehicle.thrust * factor))
+        flown = fly_along(
+            varied,
+            autopilot(sample_rate=20.0),
+            soundings[answers["wind"][k]],
+            deflection_limit=0.2,
+            rate_limit=RATE,
+            start=45.0,
+            stop=70.0,
+        )
+        largest = abs(flown.largest("attitude").value)
+        assert answers["flight_peak_attitude"][k] == pytest.approx(largest, rel=1e-12)
+    assert set(answers["wind"].tolist()) == {0, 1}
+
+
+@pytest.mark.thorough
+def test_modes_vary_and_notches_stay_at_the_nominal_frequency() -> None:
+    made, laws = flight(), autopilot(sample_rate=50.0)
+    laws = replace(
+        laws, notches=(tv.control.ModeNotch(mode="first", zero_damping=0.1, pole_damping=0.6),)
+    )
+    only = Dispersions((Dispersion("bending_1_frequency", "normal", 0.05),))
+    plan = FlightPlan(made, laws, stop=62.0)
+    asked = campaign(flexible=True, dispersions=only, along=plan, cases=1, chunk=1)
+    factor = evaluate(asked, 0, 1)["bending_1_frequency"][0]
+    structure = made.structure.structure
+    first = replace(structure.bending[0], frequency=structure.bending[0].frequency * factor)
+    bent = replace(structure, bending=(first, structure.bending[1]))
+    varied = replace(made, structure=replace(made.structure, structure=bent))
+    ratio = tv.control.ModeNotch(
+        mode="first", zero_damping=0.1, pole_damping=0.6, ratio=1.0 / factor
+    )
+    gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.0).shift(51.5)
+    options = {"deflection_limit": LIMIT, "rate_limit": RATE, "start": 51.5, "stop": 62.0}
+    head = fly_along(varied, replace(laws, notches=(ratio,)), gust, **options)
+    following = fly_along(varied, laws, gust, **options)
+    replayed = replay_case(asked, 0).flown_along()[0]
+    size = abs(head.largest("attitude").value)
+    for made_by, same in ((head, True), (following, False)):
+        difference = np.abs(replayed.outputs["attitude"] - made_by.outputs["attitude"]).max()
+        assert (difference < 1e-10 * size) == same
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"outputs": ("required",)}, 'has the output "flight"'),
+        ({"outputs": ("flight", "margins")}, 'no "margins"'),
+        ({"vehicle": flight(flexible=False).at(55.0).replace(time=None)}, "with its time"),
+        ({"vehicle": flight(flexible=False).at(55.0).replace(time=5.0)}, "time must be between"),
+    ],
+)
+def test_campaigns_along_a_flight_that_cannot_be(changes, message) -> None:
+    with pytest.raises(InputError, match=message):
+        campaign(**changes)
+    with pytest.raises(InputError, match="give the autopilot a sample_rate"):
+        FlightPlan(flight(flexible=False), autopilot())
