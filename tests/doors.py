@@ -1676,6 +1676,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "case": carded,
                 "request": once,
                 "law": "autopilot",
+                "turbulence": tv.case.TurbulenceRequest(intensity=6.0),
                 "progress": None,
             },
         ),
@@ -1937,7 +1938,9 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "worst_month": Door(tv.winds.worst_month, {"months": months, "percentile": 95.0}),
-        "FlightTurbulence.quantile_at": Door(along.quantile_at, {"time": 66.0}),
+        "FlightTurbulence.quantile_at": Door(
+            along.quantile_at, {"time": 66.0, "output": "deflection"}
+        ),
         "worst_total": Door(
             tv.worst_total,
             {

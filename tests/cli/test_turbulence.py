@@ -11,6 +11,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.control.autopilot.flight_autopilot import flight_autopilot
 
 STUDY = """
 [study]
@@ -264,3 +265,62 @@ def test_a_flight_whose_turbulence_is_not_known_is_not_sized(tmp_path: Path) -> 
     found = flight(tmp_path, "intensity_m_per_s = 6", *AT_66_S, study=study)
     assert found["verdict"]["sufficient"] is None
     assert "in turbulence: turbulence is answered in one plane" in found["verdict"]["not_sized"][0]
+
+
+SHEET = ("--over", "flight", "--limit-deg", "3", "--from", "60", "--to", "70")
+
+
+def sheet(*options: str) -> Any:
+    """Return the document of the data sheet of configuration I, without a head wind."""
+    words = ["nozzle", "configuration-i", *SHEET, "--set", "study.sign=frozen", *options, "--json"]
+    found = CliRunner().invoke(app, words)
+    assert found.exit_code in (0, 1), found.output
+    return json.loads(found.stdout)
+
+
+RANDOM = ("--set", "turbulence.intensity_m_per_s=6", "--set", "turbulence.sigmas=2")
+
+
+def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
+    calm, found = sheet("--law", "autopilot"), sheet("--law", "autopilot", *RANDOM)
+    lines, before = (
+        {line["name"]: line for line in answer["verdict"]["lines"]} for answer in (found, calm)
+    )
+    random = found["turbulence"]
+    largest = max(
+        point["angle_deg"] + 2.0 * random["deflection_rms_deg"][random["times_s"].index(time)]
+        for point in calm["points"]
+        for time in [point["time_s"]]
+    )
+    assert lines["limit"]["required"] == pytest.approx(largest, rel=1e-12)
+    assert lines["rate limit"]["required"] > 1.1 * before["rate limit"]["required"]
+    schedule = tv.load_schedule("configuration-i")
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5).shift(60.0 - 3.75)
+    even = np.union1d(np.linspace(*schedule.span, 17), [60.0, 65.0, 70.0])
+    law = flight_autopilot(
+        tv.control.AutopilotDesign(),
+        schedule,
+        even,
+        actuator=tv.Nozzle().actuator,
+        model="drift-exact",
+        plane="pitch",
+    )
+    flown = tv.control.turbulence_along(schedule, law, tv.winds.Turbulence(6.0), wind=wind)
+    alone = np.trapezoid(np.abs(flown.mean("deflection_rate")), flown.times)
+    more = np.degrees(flown.travel() - alone + 2.0 * flown.travel_deviation())
+    added = lines["travel of a flight"]["required"] - before["travel of a flight"]["required"]
+    assert added == pytest.approx(more, rel=1e-6)
+
+
+def test_the_data_sheet_of_another_law_leaves_turbulence_out_and_says_so() -> None:
+    calm, found = sheet("--law", "trim"), sheet("--law", "trim", *RANDOM)
+    assert found["verdict"] == calm["verdict"]
+    (note,) = set(found["notes"]) - set(calm["notes"])
+    assert note.startswith("turbulence is left out here")
+
+
+def test_torque_in_turbulence_is_not_known() -> None:
+    hinge = ("--set", "nozzle.mass_kg=900", "--set", "nozzle.arm_m=1")
+    limit = ("--set", "nozzle.torque_limit_N_m=1e6")
+    assert sheet("--law", "autopilot", *hinge, *limit)["verdict"]["satisfied"] is True
+    assert sheet("--law", "autopilot", *hinge, *limit, *RANDOM)["verdict"]["satisfied"] is None

@@ -66,7 +66,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "fly --law all": (*_NOMINAL_PRESSURE, "limit"),
     "nozzle": ("sign that counts", "limit shape", "dispersion", "turbulence"),
     "nozzle --over load": _NOMINAL_PRESSURE,
-    "nozzle --over flight": ("dispersion", "turbulence"),
+    "nozzle --over flight": ("dispersion",),
     "ascent": ("dispersion", _WORK),
     "availability": (*_LOOP, "dispersion", "turbulence", _WORK),
     "disperse": ("turbulence", _WORK),

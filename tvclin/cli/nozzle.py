@@ -296,7 +296,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
         FlownLaw().only_with_autopilot(source)
         note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
     with bar("flight times and winds") as progress:
-        duty = flight_duty(case, request, law, progress=progress)
+        duty = flight_duty(case, request, law, turbulence=case.turbulence, progress=progress)
     notes = [*request.warnings, *request.notes, *duty.notes]
     if shown.csv is not None:
         duty.to_csv(shown.csv)

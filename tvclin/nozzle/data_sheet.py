@@ -23,6 +23,7 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import select_unstable
 from tvclin.nozzle.duty import NozzleDuty, NozzleVerdict
 from tvclin.nozzle.motion import Work
+from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.sizing import flight_times, hundredths
 
 _MINIMA = ("minimum_angle", "minimum_rate", "minimum_acceleration")
@@ -134,6 +135,8 @@ class FlightDuty(Shown):
         Requirements, what the data sheet offers, and what remains.
     notes : tuple of str
         Omitted terms, and how the whole flight is counted.
+    turbulence : FlightTurbulence or None
+        The autopilot in turbulence along the flight; None where it is not counted.
     """
 
     vehicle: str = field(metadata=spec())
@@ -144,6 +147,7 @@ class FlightDuty(Shown):
         metadata=specs(Field(card=False), Field(of="verdict.words", document=False))
     )
     notes: tuple[str, ...] = field(metadata=spec(card=False))
+    turbulence: FlightTurbulence | None = field(default=None, metadata=spec(card=False))
 
     def _repr_html_(self) -> str:
         first, *rest = self.tables()
@@ -157,7 +161,8 @@ class FlightDuty(Shown):
 
     def tables(self) -> tuple[Table, ...]:
         """Return the verdict, the largest of each quantity, and the largest at each time."""
-        return (*self.verdict.tables(), self._flight_table(), *self._time_tables())
+        random = [] if self.turbulence is None else self.turbulence.duty_tables()
+        return (*self.verdict.tables(), self._flight_table(), *random, *self._time_tables())
 
     def to_csv(self, path: Path | None = None) -> str:
         """Return a line for each flight as CSV, and write it where a path is given.

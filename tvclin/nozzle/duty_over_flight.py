@@ -30,9 +30,12 @@ from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.case.case import Case
 from tvclin.case.flexible_autopilot import specified_law
+from tvclin.case.nozzle import Nozzle
+from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
-from tvclin.control.laws.registry import LAWS, design_notes
+from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_notes
+from tvclin.control.turbulence.driven_loop import ACCELERATION, DEFLECTION, DEFLECTION_RATE
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED
 from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
@@ -55,6 +58,7 @@ from tvclin.nozzle.duty import (
     requirements_on_nozzle,
 )
 from tvclin.nozzle.motion import Motion
+from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.flight_winds import (
     PlacedWind,
     WindOf,
@@ -145,6 +149,7 @@ def flight_duty(
     request: SizingRequest,
     law: str = "trim",
     *,
+    turbulence: TurbulenceRequest | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> FlightDuty:
     """Return the duty of the nozzle of a case over a flight, with a law flown in each wind.
@@ -158,6 +163,9 @@ def flight_duty(
         over which the steady rate is a mean.
     law : str
         Name of `tvclin.control.LAWS`; the law is designed at each flight time.
+    turbulence : TurbulenceRequest, optional
+        Turbulence on top of each wind, of the law "autopilot": its standard deviations count beside
+        what the flights use.
     progress : callable, optional
         Called with the number of finished and of all pairs of flight time and wind.
 
@@ -186,6 +194,8 @@ def flight_duty(
     """
     instance("request", request, SizingRequest, "see load_sizing")
     one_of("law", law, LAWS)
+    if turbulence is not None:
+        instance("turbulence", turbulence, TurbulenceRequest, "of an intensity or a severity")
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
     winds, times = request.winds(case), request.times(case)
@@ -221,18 +231,26 @@ def flight_duty(
             points += conditions.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
                 progress(done, len(pairs))
+    random = request.turbulence(case, turbulence) if law == AUTOPILOT else None
     unjudged = (
         *unknown_winds(request.schedule, winds, unknown),
         *unjudged_flights(law, points, case.law_model),
+        *([f"turbulence: {random}"] if isinstance(random, str) else []),
     )
+    random = None if isinstance(random, str) else random
     duties = tuple(_duties(points, winds, np.diff(conditions.edges)))
     return FlightDuty(
         vehicle=request.schedule.vehicle.name,
         law=law,
         points=tuple(points),
         duties=duties,
-        verdict=_verdict(conditions, points, duties, unjudged),
-        notes=(*doubtful_winds(angles), *_notes(conditions, points, winds)),
+        verdict=_verdict(conditions, points, duties, unjudged, random),
+        notes=(
+            *doubtful_winds(angles),
+            *_notes(conditions, points, winds),
+            *_turbulence_notes(turbulence, random, law, case.nozzle),
+        ),
+        turbulence=random,
     )
 
 
@@ -383,6 +401,7 @@ def _verdict(
     points: list[DutyPoint],
     duties: tuple[WindDuty, ...],
     unknown: tuple[str, ...],
+    turbulence: FlightTurbulence | None,
 ) -> NozzleVerdict:
     """Return the verdict from the requirements of all flights and of the theory of a known wind."""
     nozzle = conditions.case.nozzle
@@ -406,12 +425,64 @@ def _verdict(
         np.max(np.maximum(theory, angles) / limit, initial=0.0)
     )
     required["rate_limit"] = max(float(rates.max(initial=0.0)), required["rate_limit"])
+    if turbulence is not None:
+        _add_turbulence(required, points, turbulence, nozzle)
     diverged = [
         f"{conditions.law} {OUTCOME_WORDS[point.status]} at {point.time:.6g} s in {point.wind}"
         for point in points
         if point.diverged
     ]
     return NozzleVerdict.of(nozzle, required, diverged, unknown)
+
+
+def _add_turbulence(
+    required: dict[str, float],
+    points: list[DutyPoint],
+    turbulence: FlightTurbulence,
+    nozzle: Nozzle,
+) -> None:
+    """Add k standard deviations of turbulence to the requirements of flights, in place.
+
+    Torque and power in turbulence are not known where those of the wind are within their limits.
+    """
+    flown = [(point.time, point.duty) for point in points if point.duty is not None]
+    for name, peak, output in (
+        ("limit", "angle", DEFLECTION),
+        ("rate_limit", "rate", DEFLECTION_RATE),
+        ("acceleration_limit", "acceleration", ACCELERATION),
+    ):
+        sizes = [
+            abs(getattr(duty, peak).value) + turbulence.quantile_at(time, output)
+            for time, duty in flown
+        ]
+        required[name] = float(np.max([required[name], *sizes]))
+    travels = [wind.travel for wind in turbulence.winds]
+    more = [
+        np.nan if x is None else x.expected - x.of_wind + turbulence.sigmas * x.deviation
+        for x in travels
+    ]
+    required["travel_limit"] += float(np.max(more, initial=0.0))
+    for name in ("torque_limit", "power_limit"):
+        if required.get(name, np.inf) <= (getattr(nozzle, name) or 0.0):
+            required[name] = np.nan
+
+
+def _turbulence_notes(
+    request: TurbulenceRequest | None,
+    turbulence: FlightTurbulence | None,
+    law: str,
+    nozzle: Nozzle,
+) -> Iterator[str]:
+    """Yield notes on what counts of turbulence, and what is left out."""
+    if request is not None and law != AUTOPILOT:
+        yield f"turbulence is left out here: its spread is that of the law {AUTOPILOT}, not {law}"
+    if turbulence is not None:
+        yield (
+            f"{request.label if request else ''} of turbulence count on top of each wind: of travel"
+            " from its variance over flights, of the linear autopilot without limits"
+        )
+        if nozzle.data is not None:
+            yield "torque, power and energy are those of the winds, without turbulence"
 
 
 def _notes(

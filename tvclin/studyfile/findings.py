@@ -414,7 +414,8 @@ def _flight(
 def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:
     from tvclin.nozzle.duty_over_flight import flight_duty
 
-    return flight_duty(plan, request, str(request.duty_law), progress=progress)
+    law, random = str(request.duty_law), plan.turbulence
+    return flight_duty(plan, request, law, turbulence=random, progress=progress)
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:

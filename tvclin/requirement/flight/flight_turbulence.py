@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, NotKnownError
+from tvclin.base.errors import InputError, NotKnownError, number, one_of
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Row, Table, degrees, quantities, significant
 from tvclin.case.case import Case
@@ -31,7 +32,12 @@ from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
 from tvclin.control.autopilot.sweep import plants_along
 from tvclin.control.turbulence.covariance_along import turbulence_along
 from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history
-from tvclin.control.turbulence.driven_loop import ANGLE_OF_ATTACK, DEFLECTION, DEFLECTION_RATE
+from tvclin.control.turbulence.driven_loop import (
+    ACCELERATION,
+    ANGLE_OF_ATTACK,
+    DEFLECTION,
+    DEFLECTION_RATE,
+)
 from tvclin.requirement.flight.flight_winds import WindOf, encountered_winds, placed_in_planes
 from tvclin.requirement.required_quantity import in_wind
 from tvclin.vehicle.coefficients import BOTH
@@ -39,11 +45,25 @@ from tvclin.vehicle.vehicle import at_pressure
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import ATTACK, FROZEN, beyond_linear
 
+_OUTPUTS = (DEFLECTION, DEFLECTION_RATE, ACCELERATION)
+"""Outputs whose spread at the flight times is kept."""
 _DESIGN_STEP_S = 5.0
 """Longest time between two designs of the gains [s]."""
 
 
-@dataclass(frozen=True)
+class Travel(NamedTuple):
+    """Travel of a nozzle in a whole flight [rad].
+
+    `expected`: in a wind and turbulence. `deviation`: standard deviation over flights, from its
+    variance. `of_wind`: in the wind without turbulence.
+    """
+
+    expected: float
+    deviation: float
+    of_wind: float
+
+
+@dataclass(frozen=True, eq=False)
 class LargestInTurbulence(Shown):
     """Largest over a flight of the size of the response to a wind plus k standard deviations.
 
@@ -64,6 +84,28 @@ class LargestInTurbulence(Shown):
     time: float = field(metadata=spec("time"))
     deflection_rate: float | None = field(metadata=spec("angular rate"))
     angle_of_attack: float = field(metadata=spec("angle"))
+    _whole: Callable[[], CovarianceHistory]
+
+    @cached_property
+    def travel(self) -> Travel | None:
+        """Travel of the whole flight, with a pulse where it moves the nozzle most; or None."""
+        flown = self._whole()
+        if DEFLECTION_RATE not in flown.outputs:
+            return None
+        of_wind = float(np.trapezoid(np.abs(flown.mean(DEFLECTION_RATE)), flown.times))
+        return Travel(flown.travel(), flown.travel_deviation(), of_wind)
+
+    @property
+    @derived("angle")
+    def expected_travel(self) -> float | None:
+        """Expected travel of the whole flight [rad]; None where the rate has no variance."""
+        return None if self.travel is None else self.travel.expected
+
+    @property
+    @derived("angle")
+    def travel_deviation(self) -> float | None:
+        """Standard deviation of that travel over flights [rad], from its variance."""
+        return None if self.travel is None else self.travel.deviation
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +118,9 @@ class FlightTurbulence(Shown):
         The turbulence, and the standard deviations that count.
     times : ndarray
         Flight times [s], ``(n,)``.
-    deflection_rms : ndarray
-        Standard deviation of the deflection at the flight times [rad], ``(n,)``.
+    rms : dict of str to ndarray
+        Standard deviation at the flight times of the deflection [rad], and of its rate [rad/s] and
+        acceleration [rad/s2] where they have a variance, ``(n,)``.
     winds : tuple of LargestInTurbulence
         The largest in each wind.
     history : CovarianceHistory
@@ -86,7 +129,7 @@ class FlightTurbulence(Shown):
 
     request: TurbulenceRequest
     times: FloatArray = field(metadata=spec("time", card=False))
-    deflection_rms: FloatArray = field(metadata=spec("angle", card=False))
+    rms: Mapping[str, FloatArray]
     winds: tuple[LargestInTurbulence, ...] = field(metadata=spec(card=False))
     history: CovarianceHistory
 
@@ -95,6 +138,12 @@ class FlightTurbulence(Shown):
     def sigmas(self) -> float:
         """Standard deviations that count on top of the response to a wind."""
         return self.request.factor
+
+    @property
+    @derived("angle", card=False)
+    def deflection_rms(self) -> FloatArray:
+        """Standard deviation of the deflection at the flight times [rad], ``(n,)``."""
+        return self.rms[DEFLECTION]
 
     @property
     @derived("angle")
@@ -114,11 +163,18 @@ class FlightTurbulence(Shown):
         """Standard deviation of that travel over flights [rad], from its variance."""
         return self.history.travel_deviation() if self.travel is not None else None
 
-    def quantile_at(self, time: float) -> float:
-        """Return k standard deviations of the deflection at a flight time [s], in rad."""
-        order = np.argsort(self.times)
-        rms = np.interp(time, self.times[order], self.deflection_rms[order])
-        return self.sigmas * float(rms)
+    def quantile_at(self, time: float, output: str = DEFLECTION) -> float:
+        """Return k standard deviations of an output at a flight time [s]; NaN where it has none.
+
+        Raises
+        ------
+        InputError
+            For an output other than deflection, deflection_rate and deflection_acceleration.
+        """
+        if one_of("output", output, _OUTPUTS) not in self.rms:
+            return float("nan")
+        order, at = np.argsort(self.times), number("time", time, unit="s")
+        return self.sigmas * float(np.interp(at, self.times[order], self.rms[output][order]))
 
     @property
     def notes(self) -> Iterator[str]:
@@ -155,6 +211,21 @@ class FlightTurbulence(Shown):
             span = f"{self.history.times[0]:.5g} to {self.history.times[-1]:.5g} s"
             alone.append((f"expected travel, {span}", (*travel, " +- ", *spread)))
         return [*tables, quantities("Turbulence alone, along the flight", alone)]
+
+    def duty_tables(self) -> list[Table]:
+        """Return the tables of `tables`, and that of the travel of a whole flight in each wind."""
+        rows: list[tuple[Line, ...]] = []
+        for k, wind in enumerate(self.winds):
+            if wind.travel is not None:
+                travel, key = wind.travel, f"flight.turbulence.{k}.travel"
+                high = travel.expected + self.sigmas * travel.deviation
+                sizes = {"wind": travel.of_wind, "expected": travel.expected}
+                sizes |= {"deviation": travel.deviation, "high": high}
+                cells = [degrees(f"{key}.{name}", size) for name, size in sizes.items()]
+                rows.append(((wind.wind,), *cells))
+        heads = ("wind", "wind alone", "expected", "deviation", f"with {self.sigmas:.4g} of these")
+        caption = "Travel of the nozzle in a whole flight, in turbulence, from its variance [deg]"
+        return [*self.tables(), *([Table(caption, heads, tuple(rows))] if rows else [])]
 
 
 def _number(value: float | None) -> float:
@@ -275,25 +346,40 @@ def flight_turbulence(
     """
     loop = LoopOverFlight(case, request, schedule, np.asarray(times, dtype=float))
     history = loop.along()
-    rms = np.interp(loop.times, history.times, history.deviation())
-    largest: list[LargestInTurbulence] = []
+    outputs = [output for output in _OUTPUTS if output in history.outputs]
+    spreads, largest = [history], []
     for j, (name, wind) in enumerate(winds.items()):
         if isinstance(wind, MeasuredWind):
             responses = {"": _measured(loop, wind)}
         else:
             responses = _pulses(loop, wind, signed=j < len(signed) and signed[j])
-        for direction, (spread, means) in responses.items():
+        for direction, found in responses.items():
             label = f"{name}{in_wind(direction)}"
-            rows = [_largest(label, mean, spread, request.factor, start) for start, mean in means]
+            rows = [
+                _largest(label, start, mean, found, request.factor) for start, mean in found.means
+            ]
             largest.append(_worst(rows))
-            rms = np.maximum(rms, np.interp(loop.times, spread.times, spread.deviation()))
+            spreads.append(found.spread)
         if progress is not None:
             progress(j + 1, len(winds))
+    rms = {
+        output: np.max(
+            [np.interp(loop.times, x.times, x.deviation(output)) for x in spreads], axis=0
+        )
+        for output in outputs
+    }
     return FlightTurbulence(request, loop.times, rms, tuple(largest), history)
 
 
-_Responses = tuple[CovarianceHistory, list[tuple[float, CovarianceHistory]]]
-"""Spread along the flight, and responses to a wind, each from a flight time [s] on."""
+class _Responses(NamedTuple):
+    """Spread along the flight, and responses to a wind, each from a flight time [s] on.
+
+    `whole`: function that returns mean and spread of the whole flight with the wind.
+    """
+
+    spread: CovarianceHistory
+    means: list[tuple[float, CovarianceHistory]]
+    whole: Callable[[], CovarianceHistory]
 
 
 def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
@@ -314,13 +400,13 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
             responses.append((0.0, flown(time)))
     if not responses:
         raise InputError("the gust is not known at any flight time")
-    return responses[0][1], responses
+    return _Responses(responses[0][1], responses, lambda: responses[0][1])
 
 
 def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _Responses]:
     """Return the spread along the flight and the responses to a pulse, by its direction."""
     case, schedule = loop.case, loop.schedule
-    rows: dict[str, list[tuple[tuple[float, float, float], CovarianceHistory]]] = {}
+    rows: dict[str, list[tuple[float, float, History, CovarianceHistory]]] = {}
     for time in loop.times.tolist():
         vehicle = schedule.at(time)
         placed = placed_in_planes((case.plane,), wind, vehicle, time, "peak", 1.0)
@@ -331,25 +417,35 @@ def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _R
         for direction, at_peak, pulse in at_peaks:
             slopes = (float(np.asarray(x.normal_force_slope)) for x in (at_peak, vehicle))
             ratio = next(slopes) / next(slopes)
-            row = time, ratio, float(pulse.onset)
-            rows.setdefault(direction, []).append((row, loop.response(time, ratio, pulse)))
-    result = {}
-    for direction, found in rows.items():
-        times, ratios = np.array(sorted(row[:2] for row, _ in found)).T
-        flown = loop.along(None, np.interp(schedule.times, times, ratios))
-        result[direction] = flown, [(row[2], response) for row, response in found]
-    return result
+            row = time, ratio, pulse, loop.response(time, ratio, pulse)
+            rows.setdefault(direction, []).append(row)
+    return {direction: _of_pulse(loop, found) for direction, found in rows.items()}
+
+
+def _of_pulse(
+    loop: LoopOverFlight, rows: list[tuple[float, float, History, CovarianceHistory]]
+) -> _Responses:
+    """Return the responses to a pulse of one direction.
+
+    `rows`: flight time [s], ratio of the dynamic pressure, pulse and response of each time.
+    """
+    order = np.argsort([row[0] for row in rows])
+    times, ratios = (np.array([row[k] for row in rows], dtype=float)[order] for k in (0, 1))
+    pressure = np.interp(loop.schedule.times, times, ratios)
+    means = [(float(pulse.onset), response) for _, _, pulse, response in rows]
+    moved = [np.abs(np.diff(response.mean())).sum() for _, response in means]
+    worst = rows[int(np.argmax(moved))][2]
+    return _Responses(loop.along(None, pressure), means, lambda: loop.along(worst, pressure))
 
 
 def _largest(
-    name: str, mean: CovarianceHistory, spread: CovarianceHistory, k: float, start: float = 0.0
+    name: str, start: float, mean: CovarianceHistory, found: _Responses, k: float
 ) -> LargestInTurbulence:
-    """Return the largest of each quantity, of a mean from a flight time [s] on and a spread."""
-    times = mean.times + start
+    """Return the largest of each quantity, of a response from a flight time [s] on."""
+    times, spread = mean.times + start, found.spread
 
     def sizes(output: str) -> FloatArray:
-        deviation = np.interp(times, spread.times, spread.deviation(output))
-        return np.abs(mean.mean(output)) + k * deviation
+        return np.abs(mean.mean(output)) + k * _deviation(spread, times, output)
 
     deflection, smooth = sizes(DEFLECTION), DEFLECTION_RATE in spread.outputs
     return LargestInTurbulence(
@@ -358,7 +454,13 @@ def _largest(
         float(times[np.argmax(deflection)]),
         float(sizes(DEFLECTION_RATE).max()) if smooth else None,
         float(sizes(ANGLE_OF_ATTACK).max()),
+        found.whole,
     )
+
+
+def _deviation(spread: CovarianceHistory, times: FloatArray, output: str) -> FloatArray:
+    """Return the standard deviation of an output at flight times [s], constant beyond its ends."""
+    return np.asarray(np.interp(times, spread.times, spread.deviation(output)))
 
 
 def _worst(rows: list[LargestInTurbulence]) -> LargestInTurbulence:
