@@ -251,11 +251,11 @@ def callable_for(name: str, value: object, what: str) -> None:
 
 def path(name: str, value: object, what: str = "a path that a file can have") -> Path:
     """Return `value` as a path; `InputError` unless it is a valid path of a file."""
-    given = fspath(value) if isinstance(value, str | PathLike) else None
-    if isinstance(given, str) and given and "\0" not in given:
-        found = Path(given)
-        if all(len(part) <= _MAX_FILE_NAME for part in found.parts):
-            return found
+    written = fspath(value) if isinstance(value, str | PathLike) else None
+    if isinstance(written, str) and written and "\0" not in written:
+        path_of_text = Path(written)
+        if all(len(part) <= _MAX_FILE_NAME for part in path_of_text.parts):
+            return path_of_text
     raise InputError(f"{name} must be {what}; got {shown(value)}")
 
 

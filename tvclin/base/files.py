@@ -91,7 +91,7 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
 
     An existing file is replaced, with its mode; a link is followed.
     """
-    path = place_of(path)
+    path = target_of(path)
     try:
         handle, temporary = tempfile.mkstemp(
             dir=path.parent, prefix=f".{path.name[:_MAX_TEMPORARY_PREFIX]}."
@@ -111,7 +111,7 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
         Path(temporary).unlink(missing_ok=True)
 
 
-def place_of(path: Path) -> Path:
+def target_of(path: Path) -> Path:
     """Return the path to write, behind links; `InputError` where no file can be written."""
     name, path = called(path), _behind_links(path)
     if exists(path) and path.is_dir():

@@ -119,12 +119,12 @@ class FileTable:
             if key in keys
         }
 
-    def need(self, found: Mapping[str, Any], names: Iterable[str]) -> None:
+    def need(self, values: Mapping[str, Any], names: Iterable[str]) -> None:
         """Raise `InputError` for required names that are missing."""
         faults = Faults()
         for name in names:
             with faults.kept():
-                if name not in found:
+                if name not in values:
                     raise InputError(f"a key is missing in {self.heading}: {self.spelled(name)}")
         faults.tell()
 
@@ -153,10 +153,10 @@ class FileTable:
         return f"unknown key in {self.heading}: {shown(key)}; {_hint(similar, legal)}"
 
 
-def known(what: str, given: Iterable[str], names: Iterable[str]) -> None:
+def check_known(what: str, keys: Iterable[str], names: Iterable[str]) -> None:
     """Raise `InputError` for keys that are not among the names, with similar names."""
     legal, faults = list(names), Faults()
-    for key in given:
+    for key in keys:
         with faults.kept():
             if key not in legal:
                 similar = get_close_matches(key, legal, n=2, cutoff=0.5)

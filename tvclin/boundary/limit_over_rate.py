@@ -93,7 +93,7 @@ def point_table(title: str, *quantities: Quantity) -> Table:
 
 
 def ramped_deflection(
-    least: ArrayLike, pole: float, rate: ArrayLike, acceleration: ArrayLike = np.inf
+    minimum: ArrayLike, pole: float, rate: ArrayLike, acceleration: ArrayLike = np.inf
 ) -> FloatArray:
     """Return the minimum deflection [rad] under limits of rate and acceleration, of one pole.
 
@@ -102,7 +102,7 @@ def ramped_deflection(
     `least`; both may be infinite. Returned: infinite where no deflection is sufficient.
     """
     d0, r, c = np.broadcast_arrays(
-        *(np.asarray(x, dtype=float) for x in (least, rate, acceleration))
+        *(np.asarray(x, dtype=float) for x in (minimum, rate, acceleration))
     )
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # full rate: d0 p/(r f(p r/c)) = 1 - e^(-p d/r), with r f(p r/c) = (c/p)(1 - e^(-p r/c))
@@ -114,7 +114,7 @@ def ramped_deflection(
         return np.where(c * short < r**2, short, full_rate)
 
 
-def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
+def ramp_rate(minimum: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
     """Return the minimum deflection rate [rad/s] at a limit `deflection`, d [rad], of one pole.
 
     It is the inverse of `ramped_deflection`: d0 = d f(x) with x = p d/r, which Lambert's W solves.
@@ -122,7 +122,7 @@ def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> Float
     """
     from scipy.special import lambertw
 
-    d0, p, d = np.broadcast_arrays(*(np.asarray(x, float) for x in (least, pole, deflection)))
+    d0, p, d = np.broadcast_arrays(*(np.asarray(x, float) for x in (minimum, pole, deflection)))
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.maximum(d / d0, 1.0)
         x = ratio + np.real(lambertw(-ratio * np.exp(-ratio)))

@@ -76,13 +76,13 @@ def _named(command: Any) -> Any:
     run, options = command.callback, command.params
 
     @wraps(run)
-    def call(*given: Any, **values: Any) -> Any:
+    def call(*arguments: Any, **values: Any) -> Any:
         """Run a command; its `ValueError` names the option that is at fault."""
         from tvclin.cli.settings import check_settings, faulty_key, keys_of_arguments
 
         try:
             check_settings(options, values)
-            return run(*given, **values)
+            return run(*arguments, **values)
         except ValueError as error:
             from tvclin.cli.option_names import named  # late: most runs have no fault
 
@@ -148,10 +148,10 @@ class Commands(TyperGroup):
         name, _, rest = super().resolve_command(ctx, args)
         return name, name and self.commands[name], joined(rest)
 
-    def make_context(self, *given: Any, **options: Any) -> Any:
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the command line; this prints help and version."""
         with _input_errors_as_messages():
-            return super().make_context(*given, **options)
+            return super().make_context(*arguments, **options)
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
@@ -177,13 +177,13 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
     """Return a command in which overflow, division by zero and invalid arithmetic raise."""
 
     @wraps(command)
-    def run(*given: Any, **options: Any) -> None:
+    def run(*arguments: Any, **options: Any) -> None:
         import numpy as np
 
         from tvclin.kernels.choice import in_a_command
 
         with np.errstate(over="raise", divide="raise", invalid="raise"), in_a_command():
-            command(*given, **options)
+            command(*arguments, **options)
 
     return run
 

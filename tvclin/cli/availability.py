@@ -140,13 +140,13 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
 
     `InputError` without an archive or a limit.
     """
-    given = {key: value for key, value in keys.items() if value is not None and value != []}
+    values = {key: value for key, value in keys.items() if value is not None and value != []}
     missing = {"availability.archive": "a STATION", "availability.azimuth_deg": "--azimuth-deg"}
     named = source_tables(source).get("availability", {})
     for key, name in missing.items():
-        if key not in given and not any(k.startswith(key.split(".")[1][:7]) for k in named):
+        if key not in values and not any(k.startswith(key.split(".")[1][:7]) for k in named):
             raise InputError(f"availability needs {name}, or a file with [availability]")
-    edited = with_settings(source, [(key, f"{value}") for key, value in given.items()])
+    edited = with_settings(source, [(key, f"{value}") for key, value in values.items()])
     plan = load_sizing(edited) if is_flight_with_keys(edited) else load_study(edited)
     if plan.nozzle.limit is None:
         raise InputError("availability is judged for a limit: give --limit-deg")

@@ -13,7 +13,7 @@ from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, Table, number, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.base.quantities import satisfaction
-from tvclin.base.tables import known
+from tvclin.base.tables import check_known
 from tvclin.case.autopilot_assumptions import gain_notes, satisfying_rule
 from tvclin.cli.gains import GAINS, with_gains
 from tvclin.cli.inputs import case_of, chosen, only_with
@@ -104,9 +104,9 @@ class BoxResult:
         )
 
 
-def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> BoxResult | None:
+def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) -> BoxResult | None:
     """Return the worst case in the box of the options, of the rigid vehicle; None without one."""
-    if not given:
+    if not intervals:
         return None
     vehicle, wind = complete_vehicle(case.vehicle, "--box"), case.wind_in_plane
     loop = replace(autopilot, sample_rate=None)
@@ -116,7 +116,7 @@ def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> Box
             " --limit-deg goes through a sounding"
         )
     box: dict[str, tuple[float, float]] = {}
-    for text in given:
+    for text in intervals:
         name, ends = _interval(text, vehicle, loop, wind)
         if name in box:
             raise InputError(f"--box gives {name} twice")
@@ -137,7 +137,7 @@ def _interval(
     if not percent:
         ((name, factor),) = BOX_TABLE.read({key: 1.0}).items()
         return name, (factor * low, factor * high)
-    known("number of --box", [key], BOX_TABLE.quantities)
+    check_known("number of --box", [key], BOX_TABLE.quantities)
     centre = _nominal(key, vehicle, autopilot, wind)
     if not centre:
         raise InputError(
@@ -340,9 +340,9 @@ def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Itera
         if rule in (rule_of_case, LEAST_NOZZLE) or (placed and frequency is None):
             continue
         poles = {"natural_frequency": frequency} if placed else {}
-        given = with_gains(replace(specified, crossover=None), design=rule, **poles)
+        placed_design = with_gains(replace(specified, crossover=None), design=rule, **poles)
         with suppress(InputError):  # the rule has no gains for this vehicle
-            ruled = replace(case, design=given)
+            ruled = replace(case, design=placed_design)
             yield RuleResult.of(rule, ruled, ruled.autopilot)
 
 
@@ -351,8 +351,8 @@ def _frequency(case: StudyPlan) -> float | None:
 
     If none does, it is twice the unstable pole; None for a stable vehicle.
     """
-    if (given := case.autopilot_design.natural_frequency) is not None:
-        return given
+    if (frequency := case.autopilot_design.natural_frequency) is not None:
+        return frequency
     rule = satisfying_rule(case, case.held_to)
     if rule is not None and rule.natural_frequency is not None:
         return rule.natural_frequency

@@ -209,7 +209,7 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
         for key in ("time_s", "model", "plane")
     }
     band = values.get("dead_band")
-    given = {
+    values = {
         "--at": (subject["time_s"], values["time"]),
         "--wind": (f"{wind}.shape", values["wind"]),
         "--duration": (f"{wind}.duration_s", values["duration"]),
@@ -222,7 +222,7 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
         "--cases": ("campaign.cases", values.get("cases", campaign.get("cases", CASES))),
     }
     return {
-        option: (key, str(value)) for option, (key, value) in given.items() if value is not None
+        option: (key, str(value)) for option, (key, value) in values.items() if value is not None
     }
 
 

@@ -66,18 +66,18 @@ class FlownLaw:
         return [key for key in keys_set(source) if quantity_name(key) in gains]
 
 
-def with_gains(base: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:
+def with_gains(base: AutopilotDesign, **values: float | str | None) -> AutopilotDesign:
     """Return a design with the gains or the rule of options.
 
     Gains remove a rule and a rule removes gains; a named rule also removes parameters of another.
     """
     out: tuple[str, ...] = ()
-    if given.keys() & {*GIVEN_GAINS, *RULE_KEYS} and base.schedule is not None:
+    if values.keys() & {*GIVEN_GAINS, *RULE_KEYS} and base.schedule is not None:
         base = replace(base, schedule=replace(base.schedule, gains={}))
-    if given.keys() & set(GIVEN_GAINS):
+    if values.keys() & set(GIVEN_GAINS):
         out = RULE_KEYS
-    elif given.keys() & set(RULE_KEYS):
-        rule_changes = "design" in given or base.design not in (None, *POLE_PLACEMENT_RULES)
+    elif values.keys() & set(RULE_KEYS):
+        rule_changes = "design" in values or base.design not in (None, *POLE_PLACEMENT_RULES)
         out = (*GIVEN_GAINS, *(RULE_KEYS if rule_changes else ()))
-    changed: Any = dict.fromkeys(out) | given
+    changed: Any = dict.fromkeys(out) | values
     return replace(base, **changed)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 import typer
 
 from tvclin.base.fields import Field, help_line, parameters
-from tvclin.base.files import place_of, write_text
+from tvclin.base.files import target_of, write_text
 from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def to_write(file: Path | None) -> Path | None:
     """Return the file of an option; raises before the work where it cannot be written."""
     if file is not None:
-        place_of(file)
+        target_of(file)
     return file
 
 
@@ -147,11 +147,11 @@ class Given:
 
     def taken(self, options: dict[str, Any]) -> Self:
         """Return the options of the group with values, removed from those of the command."""
-        given = {name: options.pop(name) for name in self.fields}
+        chosen = {name: options.pop(name) for name in self.fields}
         values = {
-            item.name: item.from_option(_flag(name), given[name])
+            item.name: item.from_option(_flag(name), chosen[name])
             for name, item in self.fields.items()
-            if given[name] is not None and given[name] != []
+            if chosen[name] is not None and chosen[name] != []
         }
         return replace(self, values=values)
 
@@ -196,8 +196,10 @@ def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None)
     default = shown.get(item.name, item.shown)
     if not default and item.default is not None:
         factor = optional_unit(item.kind)[2] if item.numeric else None
-        given = item.default if item.many else (item.default,)
-        default = " and ".join(f"{value / factor:g}" if factor else str(value) for value in given)
+        defaults = item.default if item.many else (item.default,)
+        default = " and ".join(
+            f"{value / factor:g}" if factor else str(value) for value in defaults
+        )
     said = typer.Option(
         *([item.option] if item.option else []),
         help=help_line(item),
@@ -265,8 +267,8 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     shown, call = _expanded(command)
 
     @wraps(command)
-    def run(**given: Any) -> None:
-        call(given)
+    def run(**values: Any) -> None:
+        call(values)
 
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
@@ -291,14 +293,14 @@ def _expanded(
             shown.append(parameter)
             takers[name] = partial(_taken, name)
 
-    def call(given: dict[str, Any]) -> Any:
-        return made(**{name: taker(given) for name, taker in takers.items()})
+    def call(values: dict[str, Any]) -> Any:
+        return made(**{name: taker(values) for name, taker in takers.items()})
 
     return shown, call
 
 
-def _taken(name: str, given: dict[str, Any]) -> Any:
-    return given.pop(name)
+def _taken(name: str, values: dict[str, Any]) -> Any:
+    return values.pop(name)
 
 
 def _in_panel(option: Parameter, panel: str | None) -> Parameter:

@@ -75,11 +75,11 @@ def print_answer(
     """
     say(f"{verdict[0].upper()}{verdict[1:].rstrip('.')}.\n")
     print_tables(*tables)
-    every = list(dict.fromkeys(notes))
-    say_notes(every if more else every[:_MAX_NOTES])
+    unique = list(dict.fromkeys(notes))
+    say_notes(unique if more else unique[:_MAX_NOTES])
     if more and details is not None:
         details()
-    elif not more and (details is not None or len(every) > _MAX_NOTES):
+    elif not more and (details is not None or len(unique) > _MAX_NOTES):
         say("--more prints all tables and notes.")
 
 
@@ -118,7 +118,7 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     console = Console(highlight=False)
     columns = list(zip(headings, *rows, strict=True))
     words = [max((len(cell.split()) for cell in column[1:]), default=0) for column in columns]
-    prose = [most >= _MIN_WORDS_OF_PROSE for most in words]
+    prose = [length >= _MIN_WORDS_OF_PROSE for length in words]
     pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
     minima = [max(map(len, words), default=0) for words in pieces]
     wanted = [max(map(len, cells)) - width for cells, width in zip(columns, minima, strict=True)]

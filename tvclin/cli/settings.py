@@ -195,10 +195,10 @@ def keys_of_arguments(settings: Iterable[str] | None) -> dict[str, str]:
         return {}
     from tvclin.studyfile.keys import all_keys
 
-    given = [key for key, _ in pairs(settings)]
-    homes = {key.partition(".")[0] for key in given}
-    every = [key.name for key in all_keys() if key.name.rpartition(".")[0] in homes]
-    return {_quantity(key): key for key in reversed([*given, *every])}
+    set_keys = [key for key, _ in pairs(settings)]
+    homes = {key.partition(".")[0] for key in set_keys}
+    homes_keys = [key.name for key in all_keys() if key.name.rpartition(".")[0] in homes]
+    return {_quantity(key): key for key in reversed([*set_keys, *homes_keys])}
 
 
 def _quantity(key: str) -> str:

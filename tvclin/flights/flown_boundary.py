@@ -121,9 +121,9 @@ def _check_frozen(frozen: bool, condition: object) -> None:
         )
 
 
-def _sixdof_outputs(*given: Any, **options: Any) -> tuple[FloatArray, FloatArray]:
+def _sixdof_outputs(*arguments: Any, **options: Any) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and outputs of a flight in JSBSim; same parameters as `fly_sixdof`."""
-    flight = fly_sixdof(*given, **options)
+    flight = fly_sixdof(*arguments, **options)
     return np.asarray(flight.time), np.array(flight.outputs)
 
 
@@ -268,10 +268,10 @@ def flown_boundary(
         raise InputError(
             f"wind must be survived with {upper:g} times the largest trim deflection as the limit"
         )
-    lost, saved, flights = 0.0, upper, 1
-    while saved - lost > 2.0 * width:
-        middle = 0.5 * (lost + saved)
-        lost, saved = (lost, middle) if survives(middle * scale) else (middle, saved)
+    diverged, saved, flights = 0.0, upper, 1
+    while saved - diverged > 2.0 * width:
+        middle = 0.5 * (diverged + saved)
+        diverged, saved = (diverged, middle) if survives(middle * scale) else (middle, saved)
         flights += 1
-    limit = 0.5 * (lost + saved)
-    return FlownBoundary(limit, limit * trim, 0.5 * (saved - lost), flights)
+    limit = 0.5 * (diverged + saved)
+    return FlownBoundary(limit, limit * trim, 0.5 * (saved - diverged), flights)

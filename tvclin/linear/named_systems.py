@@ -64,8 +64,8 @@ def named_system(
         count = len(matrices[0])
         states = tuple(system.state_labels) if is_ss else tuple(f"x_{k}" for k in range(count))
     chosen = [
-        names if given is None else _names(f"{kind} of {name}", given, len(names))
-        for kind, given, names in zip(
+        names if signals_given is None else _names(f"{kind} of {name}", signals_given, len(names))
+        for kind, signals_given, names in zip(
             ("inputs", "outputs"), (inputs, outputs), signals, strict=True
         )
     ]

@@ -156,7 +156,7 @@ class LinearSystem:
             input_matrix[..., :1],
         )
         A[..., n:, n:], B[..., n:, 0] = np.eye(count, k=-1), np.eye(1, count)[0]
-        C = state_space.beside(self.C, np.zeros((len(self.outputs), count)))
+        C = state_space.join_columns(self.C, np.zeros((len(self.outputs), count)))
         delayed = tuple(f"{self.inputs[0]}_{k}" for k in range(1, count + 1))
         states = (*self.states, *delayed)
         return replace(self, A=A, B=B, C=C, states=states, period=period)
@@ -195,8 +195,8 @@ def constant_over_steps(
     `first`, `second`: the system at the two `GAUSS_NODES` of each step. `lengths`: lengths of the
     steps [s]; batches of all three broadcast. Outputs are those of `first`.
     """
-    one, other = (augmented_matrix(system.A, system.B) for system in (first, second))
-    matrix, n = constant_generator(one, other, lengths), len(first.states)
+    former, latter = (augmented_matrix(system.A, system.B) for system in (first, second))
+    matrix, n = constant_generator(former, latter, lengths), len(first.states)
     return replace(first, A=matrix[..., :n, :n], B=matrix[..., :n, n:])
 
 

@@ -72,8 +72,8 @@ def read_system(source: str | PathLike[str]) -> LinearSystem:
     sizes["states"] = matrices[0].shape[0]
     signals = {}
     for kind, key in _NAMES.items():
-        given = variables.get(key, variables.get(kind))
-        names = () if given is None else _texts(f"{key} of {name}", given)
+        value = variables.get(key, variables.get(kind))
+        names = () if value is None else _texts(f"{key} of {name}", value)
         if names and any(names):
             signals[kind] = names
         else:

@@ -21,8 +21,8 @@ def series(first: Matrices, second: Matrices) -> Matrices:
     """Return A, B, C and D of the second system in series behind the first."""
     (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
     n = A1.shape[-1], A2.shape[-1]
-    A = stacked(beside(A1, np.zeros(n)), beside(B2 @ C1, A2))
-    return A, stacked(B1, B2 @ D1), beside(D2 @ C1, C2), D2 @ D1
+    A = stacked(join_columns(A1, np.zeros(n)), join_columns(B2 @ C1, A2))
+    return A, stacked(B1, B2 @ D1), join_columns(D2 @ C1, C2), D2 @ D1
 
 
 def to_steps(system: Matrices, c: FloatArray) -> Matrices:
@@ -52,7 +52,7 @@ def from_steps(system: Matrices, half: FloatArray) -> Matrices:
     return inverse @ (A - unit) / half, 2.0 / half * (inverse @ B), C @ inverse, D - C @ inverse @ B
 
 
-def beside(*blocks: FloatArray) -> FloatArray:
+def join_columns(*blocks: FloatArray) -> FloatArray:
     """Return blocks concatenated along columns, their batches broadcast."""
     return np.concatenate(_spread(blocks), axis=-1)
 

@@ -13,7 +13,7 @@ from tvclin.base.errors import Faults, InputError, between, naming, number, one_
 from tvclin.base.errors import path as a_path
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import EditedSource, called, exists, read_text, tables_of
-from tvclin.base.tables import FileTable, known
+from tvclin.base.tables import FileTable, check_known
 from tvclin.case.load import LOAD_TABLE
 from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.case.turbulence import TURBULENCE_TABLE
@@ -182,7 +182,7 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     faults = Faults()
     with faults.kept():
         vehicle = () if {"study", "campaign"} & document.keys() else HEADINGS
-        known("table", document, [*vehicle, *(table.name for table in TABLES)])
+        check_known("table", document, [*vehicle, *(table.name for table in TABLES)])
     for table in _SINGLE_TABLES:
         with faults.kept():
             keys = table.one(document)

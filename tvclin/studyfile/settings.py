@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from tvclin.ascent.flight_condition import FLIGHT_TABLE
 from tvclin.base.errors import InputError, naming, number, shown
 from tvclin.base.files import EditedSource, called
-from tvclin.base.tables import FileTable, known
+from tvclin.base.tables import FileTable, check_known
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.control.autopilot.design_rules import FILTER_TABLE, GIVEN_GAINS, RULE_KEYS
 from tvclin.studyfile.campaign_file import (
@@ -144,7 +144,7 @@ def _setting(key: str, value: str) -> Setting:
         homes = [f"{name}.{key}" for name, table in _ALL_TABLES.items() if key in table.every_key]
         if homes:
             raise InputError(f"--set {key} needs its table: {' or '.join(homes)}")
-    known("table of --set", parts[:1], _ALL_TABLES)
+    check_known("table of --set", parts[:1], _ALL_TABLES)
     return Setting(key, parts, _value(key, value))
 
 
@@ -178,7 +178,9 @@ def _study(
     if not of_vehicle:
         return tables
     if isinstance(vehicle, dict):
-        known("table of --set", [item.parts[0] for item in of_vehicle], ["vehicle", *STUDY_TABLES])
+        check_known(
+            "table of --set", [item.parts[0] for item in of_vehicle], ["vehicle", *STUDY_TABLES]
+        )
         return tables | {"study": home | _changed({"vehicle": vehicle}, of_vehicle)}
     if not isinstance(vehicle, str):
         raise InputError(f"--set {of_vehicle[0].key} needs a vehicle in [study]")
@@ -295,7 +297,7 @@ def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None
     if len(rest) == 1:
         return None
     if name != _ROW_BY_NAME:
-        known(f"row of [[{name}]]", [first], [*filter(None, names), "a number"])
+        check_known(f"row of [[{name}]]", [first], [*filter(None, names), "a number"])
     rows.append({label: first})
     return len(rows) - 1
 

@@ -39,9 +39,9 @@ def _coefficient(name: str, label: str = "") -> Field:
     """Return the field of a coefficient of a vehicle; without value where it is not known."""
 
     def value(vehicle: LinearVehicle) -> Any:
-        known = name in _SLOPES or (vehicle.path_known if name in _PATH_COEFFICIENTS else True)
+        is_known = name in _SLOPES or (vehicle.path_known if name in _PATH_COEFFICIENTS else True)
         number = getattr(vehicle.coefficients, name)
-        return number if known and (number or name != "damping") else None
+        return number if is_known and (number or name != "damping") else None
 
     return Field(name, _NUMBERS[name].kind, of=value, label=label or name)
 

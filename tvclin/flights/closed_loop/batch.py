@@ -51,7 +51,7 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.system import LinearSystem, connect, polynomial_input, split_delay
 from tvclin.numerics.pieces import polynomial_pieces
-from tvclin.numerics.state_space import beside
+from tvclin.numerics.state_space import join_columns
 from tvclin.winds.histories import History
 
 COARSE = 0.5 + 1e-9
@@ -103,7 +103,7 @@ def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: in
     """
     steps = driven.to_steps(parts.T)
     order = len(driven.states) - terms
-    J = beside(steps.A[..., :order], steps.B, steps.A[..., order:])[..., :order, :]
+    J = join_columns(steps.A[..., :order], steps.B, steps.A[..., order:])[..., :order, :]
     if order == vehicle:
         # Without an actuator the deflection is a state too, equal to its command.
         J = np.insert(np.insert(J, order, 0.0, axis=-1), order, 0.0, axis=-2)
@@ -289,8 +289,8 @@ def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: i
     n, wide = len(law.states), size + MEASURED + 1
     columns = [*range(n), *range(size, wide)]
     rows = np.zeros((lengths.size, size + MEASURED + 1, wide))
-    rows[:, :n, columns] = beside(law.A, law.B)
-    rows[:, size:, columns] = beside(law.C, law.D)
+    rows[:, :n, columns] = join_columns(law.A, law.B)
+    rows[:, size:, columns] = join_columns(law.C, law.D)
     return Memory(rows[:, :size], rows[:, size:-1], rows[:, -1])
 
 
@@ -314,7 +314,7 @@ class Hardware:
         actuators = () if self.actuator is None else self.actuator.batch
         return np.broadcast_shapes(actuators, np.shape(self.length), np.shape(self.delay))
 
-    def some(
+    def select(
         self, which: IntArray, shape: tuple[int, ...], flights: IntArray, flown: tuple[int, ...]
     ) -> Hardware:
         """Return the hardware of vehicles `which` of a batch, with the rate limits of `flights`."""
@@ -383,7 +383,7 @@ class Batch:
         return replace(
             self,
             plant=self.plant.cases(fleet, shape),
-            hardware=self.hardware.some(fleet, shape, where, self.shape),
+            hardware=self.hardware.select(fleet, shape, where, self.shape),
             wind=self.wind.cases(winds, self.wind.batch),
             laws=replace(self.laws, which=self.laws.which[where]),
             limit=elements(self.limit, self.shape, where),

@@ -133,8 +133,8 @@ class Slider(NamedTuple):
 
     label: str
     value: float
-    least: float
-    most: float
+    minimum: float
+    maximum: float
     step: float
 
 
@@ -347,13 +347,13 @@ def _fitted(
 
 def _signed(label: str, upper: float, start_value: float | None) -> Slider:
     slider = _fitted(label, 0.0, upper, 0, start_value or 0.0)
-    return slider._replace(least=-slider.most)
+    return slider._replace(minimum=-slider.maximum)
 
 
 def _with_room(slider: Slider) -> Slider:
     """Return a slider whose range includes its start value."""
-    upper = slider.most if slider.value <= slider.most else round_up(slider.value)
-    return slider._replace(least=min(slider.least, slider.value), most=upper)
+    upper = slider.maximum if slider.value <= slider.maximum else round_up(slider.value)
+    return slider._replace(minimum=min(slider.minimum, slider.value), maximum=upper)
 
 
 def _sizes(vehicle: AnyVehicle, plane: str) -> tuple[float, float]:

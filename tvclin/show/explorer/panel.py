@@ -240,8 +240,8 @@ def _controls(widgets: Any, plan: StudyPlan, vehicles: dict[str, AnyVehicle]) ->
         controls[field] = widgets.FloatSlider(
             description=slider.label,
             value=slider.value,
-            min=slider.least,
-            max=slider.most,
+            min=slider.minimum,
+            max=slider.maximum,
             step=slider.step,
             style=_WIDE,
             readout_format=f".{max(0, -round(np.floor(np.log10(slider.step))))}f",

@@ -233,8 +233,8 @@ class Soundings:
     ) -> Self:
         """Return the soundings of profiles and their times [UTC], in the order of the times."""
         iterable = isinstance(profiles, Iterable) and not isinstance(profiles, np.ndarray)
-        given = list(profiles) if iterable else profiles
-        sequence = each("profiles", given, WindProfile, "see read_sounding")
+        entries = list(profiles) if iterable else profiles
+        sequence = each("profiles", entries, WindProfile, "see read_sounding")
         checked_times = to_minutes("times", times)
         if checked_times.shape != (len(sequence),):
             raise InputError(f"times must hold one for each of {len(sequence)} profiles")

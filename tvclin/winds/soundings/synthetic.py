@@ -24,7 +24,7 @@ from tvclin.base.errors import (
 )
 from tvclin.base.files import tables_of
 from tvclin.base.sheet import Text
-from tvclin.base.tables import FileTable, known
+from tvclin.base.tables import FileTable, check_known
 from tvclin.winds.soundings.levels import Levels, SoundingEntry
 from tvclin.winds.soundings.profile import WindProfile
 
@@ -228,7 +228,7 @@ def soundings_in(text: Text) -> list[SoundingEntry]:
 def _synthetic_levels(text: Text) -> Levels:
     """Return the levels of the profile of [synthetic] with each [[gust]]."""
     document = tables_of("\n".join(text.lines), text.source)
-    known(f"table in {text.source}", document, [_SYNTHETIC_TABLE.name, _GUST_TABLE.name])
+    check_known(f"table in {text.source}", document, [_SYNTHETIC_TABLE.name, _GUST_TABLE.name])
     profile = synthetic_profile(
         **_values_with_azimuth(_SYNTHETIC_TABLE, _SYNTHETIC_TABLE.one(document))
     )
@@ -247,7 +247,7 @@ def _synthetic_levels(text: Text) -> Levels:
 
 def _values_with_azimuth(table: FileTable, row: dict[str, Any]) -> dict[str, Any]:
     """Return the values of a table in SI units, with the azimuth towards which it blows."""
-    known(f"key in {table.heading}", row, table.keys)
+    check_known(f"key in {table.heading}", row, table.keys)
     values: dict[str, Any] = {}
     for key, value in row.items():
         name, factor = table.keys[key]
