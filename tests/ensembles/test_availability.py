@@ -89,10 +89,11 @@ def test_the_dynamic_pressure_met_counts_as_in_size(flight, archive, azimuth, pl
         tv.availability(flight, archive, limit=0.01, sign="head", **where)
 
 
-def lost_flown(flight, wind, azimuth, plane, limits):
+def lost_flown(flight, wind, azimuth, plane, limits, feedback=10.0):
     """Fly the ideal trim law with limits, in the wind's own angle and dynamic pressure.
 
-    By Runge and Kutta's rule in steps of 0.02 s between the times of levels and rows.
+    By Runge and Kutta's rule in steps of 0.02 s between the times of levels and rows. `feedback`:
+    that of the unstable component of the attitude, over trim.
     """
     height, time = flight.height, flight.times
     levels = wind.height[(wind.height > height[0]) & (wind.height < height[-1])]
@@ -116,7 +117,7 @@ def lost_flown(flight, wind, azimuth, plane, limits):
         def rates(k, x, A=A, B=B, angle=angle):
             stiff = A[k, 1, 0]
             felt = x @ A[k, 1] + B[k, 1, 1] * angle[k]
-            felt += 10.0 * stiff * (x[:, 0] + x[:, 1] / np.sqrt(stiff))
+            felt += feedback * stiff * (x[:, 0] + x[:, 1] / np.sqrt(stiff))
             delta = np.clip(-felt / B[k, 1, 0], -limits, limits)
             return x @ A[k].T + np.outer(delta, B[k, :, 0]) + angle[k] * B[k, :, 1]
 
@@ -143,6 +144,9 @@ def test_a_wind_that_turns_where_the_path_is_quick_is_lost_as_its_flights_are() 
     limits = np.radians([0.0840, 0.0866, 0.0874, 0.0879, 0.0884, 0.09])
     lost = lost_flown(booster, wind, EAST, "yaw", limits)
     assert lost.tolist() == [True, True, True, True, False, False]
+    # a law with a feedback of a hundred times trim, and not of ten, is lost up to less
+    stiffer = lost_flown(booster, wind, EAST, "yaw", limits, feedback=100.0)
+    assert stiffer.tolist() == [True, True, True, False, False, False]
     for limit, flies in zip(limits[[1, 2, 3, 4]], ~lost[[1, 2, 3, 4]], strict=True):
         asked = {"limit": float(limit), "azimuth": EAST, "plane": "yaw"}
         found = tv.availability(booster, one(wind), **asked)

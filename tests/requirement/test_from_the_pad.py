@@ -131,7 +131,7 @@ PITCH = {"limit": np.radians(4.0), "azimuth": EAST, "plane": "pitch"}
 @pytest.mark.thorough
 def test_each_sounding_is_judged_from_where_its_wind_is_not_too_steep(flight) -> None:
     found = tv.availability(flight, archive(1.0, 0.6, 1.3), **PITCH)
-    assert found.part().flown == 3
+    assert found.fraction().flown == 3
     assert found.judged[1, 0] < found.judged[0, 0] < found.judged[2, 0]
     (note,) = (one for one in found.notes if "30 deg" in one)
     assert "3 of 3 soundings" in note

@@ -51,7 +51,8 @@ STEP = 0.1
 FLIGHT_SUBSTEPS = 4
 """Number of substeps in flights of the limited law, whose feedback is ten times as fast."""
 _FEEDBACK_OVER_TRIM = 10.0
-"""Ratio of attitude feedback to trim of the ideal trim law, same as in `TrimLaw`."""
+"""Ratio of attitude feedback to trim of the ideal trim law, same as in `TrimLaw`. A stiffer law may
+survive with a percent less in a wind that changes sign on a quick path."""
 _CALM_OVER_TIME_CONSTANT = 15.0
 """Length of a flight after its wind times the unstable pole. On a quick path the law may diverge
 with a limit that survives if it is constant."""
