@@ -167,8 +167,9 @@ def _alternating(polynomial: FloatArray) -> FloatArray:
 
 
 def _padded(polynomial: FloatArray, size: int) -> FloatArray:
-    width = [(0, 0)] * (polynomial.ndim - 1) + [(size - polynomial.shape[-1], 0)]
-    return np.pad(polynomial, width)
+    padded = np.zeros((*polynomial.shape[:-1], size), polynomial.dtype)
+    padded[..., size - polynomial.shape[-1] :] = polynomial
+    return padded
 
 
 def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
