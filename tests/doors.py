@@ -912,6 +912,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "flown": tv.flights.fly_along(schedule, autopilot, sampled, start=55.0, stop=75.0),
                 "limit": 0.02,
                 "requirements": None,
+                "labels": None,
             },
         ),
         "equal_values": Door(

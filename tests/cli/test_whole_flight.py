@@ -54,11 +54,11 @@ def test_margins_of_a_flight_are_the_sweep_of_the_schedule_in_its_file(folder, t
     assert document["satisfied"] == swept.satisfied.tolist() == [False, *4 * [True]]
     assert result.exit_code == 1
     assert len(csv.read_text(encoding="utf-8").splitlines()) == 6
-    printed = run("margins", file).output
+    printed = run("margins", file).stdout
     assert printed.startswith("Criteria classic: NOT MET, gain may rise, second x 0.9: 4.41 dB at")
     assert max(map(len, printed.partition("Note")[0].splitlines()[1:])) <= 80
     met = run("margins", file, "--set", "size.from_s", "50")
-    assert (met.exit_code, met.output[:22]) == (0, "Criteria classic: MET ")
+    assert (met.exit_code, met.stdout[:22]) == (0, "Criteria classic: MET ")
 
 
 def test_one_time_of_the_flight_has_the_gains_and_notches_of_that_time(folder) -> None:
@@ -162,10 +162,10 @@ def test_a_flight_through_a_pulse_is_that_of_python_with_its_exit_code(folder, t
 
 def test_a_limit_too_small_and_a_flight_too_short_are_no_survival(folder) -> None:
     lost = run("fly", folder / "study.toml", *PULSE, *at(50), "--limit-deg", "0.15")
-    assert (lost.exit_code, lost.output[:12]) == (1, "NOT SURVIVED")
+    assert (lost.exit_code, lost.stdout[:12]) == (1, "NOT SURVIVED")
     assert "until attitude or angle of attack exceed 30 deg" in " ".join(lost.output.split())
     late = run("fly", folder / "study.toml", *PULSE, *at(104), "--limit-deg", "5")
-    assert (late.exit_code, late.output[:9]) == (1, "NOT KNOWN")
+    assert (late.exit_code, late.stdout[:9]) == (1, "NOT KNOWN")
 
 
 @pytest.mark.thorough
@@ -179,7 +179,7 @@ def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     words = ("--winds", archive, "--azimuth-deg", "90", "--limit-deg", "0.4")
     result = run("fly", folder / "study.toml", *words)
     assert result.exit_code == 1
-    printed = " ".join(result.output.split())
+    printed = " ".join(result.stdout.split())
     assert printed.startswith("NOT SURVIVED with 0.400 deg in 1 of 2 winds: 2024-01-02T00,")
     assert "50.00 % (2.53 to 97.47 %) of 2 winds survived" in printed
     assert max(map(len, result.output.partition("study.toml")[2].splitlines()[1:10])) <= 80
@@ -200,3 +200,30 @@ def test_what_a_flight_of_the_loop_cannot_take_is_refused(folder, words, message
     result = run("fly", folder / "study.toml", *words)
     assert (result.exit_code, result.stderr.count("Error")) == (2, 1), result.output
     assert message in " ".join(result.stderr.split())
+
+
+def test_ascent_lists_required_used_and_remaining_deflection_of_the_flown_autopilot(folder) -> None:
+    words = ("--from", "50", "--to", "70", "--every", "20")
+    result = run("ascent", folder / "study.toml", *PULSE, *words, "--json")
+    document = json.loads(result.stdout)
+    use = document["deflection_use"]
+    wind = tv.TriangularWind(peak=np.radians(4.0), duration=8.0)
+    used = []
+    for time in (50.0, 70.0):
+        flown = tv.flights.fly_along(
+            read(folder),
+            notched(),
+            wind.shift(time - 4.0),
+            deflection_limit=np.radians(5.0),
+            rate_limit=np.radians(20.0),
+            start=time - 4.0,
+        )
+        used.append(abs(np.degrees(flown.largest("deflection").value)))
+    required = np.ravel(document["required_deg"]["K = 1, varying, head wind"])
+    np.testing.assert_allclose(use["used_deg"], used, rtol=1e-9)
+    np.testing.assert_allclose(use["remaining_deg"], 5.0 - np.maximum(required, used), rtol=1e-9)
+    assert result.exit_code == 0
+    lost = run("ascent", folder / "study.toml", *PULSE, *words, "--limit-deg", "0.31")
+    printed = " ".join(lost.output.split())
+    assert (lost.exit_code, "Limit 0.310 deg: SUFFICIENT" in printed) == (1, True), printed
+    assert "flown by the autopilot: NOT SURVIVED" in printed

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -11,6 +11,8 @@ import typer
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
+from tvclin.base.lines import Table
+from tvclin.cli.flight_use import AutopilotUse, autopilot_use, is_scheduled
 from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -38,6 +40,9 @@ from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.soundings.reading import SoundingReading
 from tvclin.winds.wind_angles import FROZEN
+
+if TYPE_CHECKING:
+    from control import ControlPlot
 
 _FIELDS = ("start", "stop", "every", "dead_bands", "varying")
 """Fields of `SizingRequest` that have an option."""
@@ -92,11 +97,14 @@ def ascent(
     --winds there is a pulse only if an option or the study file asks for one. Options count more
     than a study file.
 
-    Exit code 0: the limit is SUFFICIENT, or none was given; 1: NOT SUFFICIENT, or NOT KNOWN, as
-    where a sounding ends below the flight; 2: bad input.
-    """
-    from tvclin import plots
+    A flight with its autopilot, such as a table of gains, and a limit, is flown in these winds too:
+    the table and the figure are of required, used and remaining deflection; --more also finds the
+    autopilot requirement, in some seconds for each flight time.
 
+    Exit code 0: the limit is SUFFICIENT, or none was given, and no flight of its autopilot is lost;
+    1: NOT SUFFICIENT, NOT SURVIVED, or NOT KNOWN, as where a sounding ends below the flight; 2: bad
+    input.
+    """
     case = case_over_flight("ascent", source, winds, question, limits, model, planes)
     request = case.sizing
     assert request is not None
@@ -105,25 +113,21 @@ def ascent(
     with bar("flight times and winds") as progress:
         sizing = request.sizing(case, progress)
         turbulence = request.turbulence(case, case.turbulence)
-    total, ratio = request.total(case, sizing, turbulence), request.ratio(case, sizing)
     counted = request.counted(sizing, case.sign)
-    said = [*request.warnings, *request.notes, *_hints(request, sizing), *_of_loop(turbulence)]
+    result = _Answer(
+        source=source,
+        sizing=sizing,
+        counted=counted,
+        total=request.total(case, sizing, turbulence),
+        ratio=request.ratio(case, sizing),
+        turbulence=turbulence if isinstance(turbulence, FlightTurbulence) else None,
+        use=autopilot_use(case, source, sizing, counted, more),
+        notes_of_request=(*request.warnings, *request.notes, *_hints(request, sizing)),
+    )
     if csv is not None:
         sizing.to_csv(csv)
-    draw(plot, lambda: plots.sizing_chart(sizing, total.limit, source))
-    further = {
-        "total": total,
-        "controllability": ratio,
-        **({"turbulence": turbulence} if isinstance(turbulence, FlightTurbulence) else {}),
-        "notes": [*sizing.notes, *said, *(ratio.notes if ratio else ())],
-        "verdict": document(total, "limit", "sufficient", "remaining", "not_sized"),
-    }
-    answer(
-        as_json,
-        lambda: sizing.as_dict() | further,
-        lambda: _print(sizing, total, ratio, turbulence, source, counted, said, more),
-        not total.too_slow and (total.limit is None or bool(total.sufficient)),
-    )
+    draw(plot, result.chart)
+    answer(as_json, result.document, lambda: result.print(more), result.satisfied)
 
 
 def _check_drawn(times: FloatArray) -> None:
@@ -135,24 +139,76 @@ def _check_drawn(times: FloatArray) -> None:
         )
 
 
-def _print(
-    sizing: Sizing,
-    total: DeflectionTotal,
-    ratio: ControllabilityRatio | None,
-    turbulence: FlightTurbulence | str | None,
-    source: str,
-    counted: Requirement,
-    notes: list[str],
-    more: bool,
-) -> None:
-    """Print the verdict, the required deflections and notes, and the budget with `more`."""
-    name = sizing.schedule.vehicle.name or source
-    planes = "both planes, one limit" if sizing.separate else sizing.plane
-    title = f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}"
-    first, further = (all_tables := tables.time_tables(sizing, counted))[:1], all_tables[1:]
-    random = turbulence.tables() if isinstance(turbulence, FlightTurbulence) else []
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """Sizing of a flight with its budget, and the autopilot flown in its winds where it has one."""
 
-    def details() -> None:
+    source: str
+    sizing: Sizing
+    counted: Requirement
+    total: DeflectionTotal
+    ratio: ControllabilityRatio | None
+    turbulence: FlightTurbulence | None
+    use: AutopilotUse | None
+    notes_of_request: tuple[str, ...]
+
+    @property
+    def notes(self) -> list[str]:
+        """Notes without those of the sizing and of the controllability ratio."""
+        of_use = () if self.use is None else self.use.notes
+        of_turbulence = () if self.turbulence is None else self.turbulence.notes
+        return [*of_use, *self.notes_of_request, *of_turbulence]
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether limits are sufficient, or not given, and no flight of the autopilot is lost."""
+        total = self.total
+        lost = self.use is not None and self.use.flights.survived is False
+        return not lost and not total.too_slow and (total.limit is None or bool(total.sufficient))
+
+    def chart(self) -> "ControlPlot":
+        """Return the figure: of requirements, or of required, used and remaining deflection."""
+        from tvclin import plots
+
+        if self.use is not None:
+            return plots.deflection_use_chart(self.use.use, self.source)
+        return plots.sizing_chart(self.sizing, self.total.limit, self.source)
+
+    def document(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        sizing, total, ratio = self.sizing, self.total, self.ratio
+        return {
+            **sizing.as_dict(),
+            "total": total,
+            "controllability": ratio,
+            **({} if self.turbulence is None else {"turbulence": self.turbulence}),
+            **({} if self.use is None else self.use.document),
+            "notes": [*sizing.notes, *self.notes, *(ratio.notes if ratio else ())],
+            "verdict": document(total, "limit", "sufficient", "remaining", "not_sized"),
+        }
+
+    def print(self, more: bool) -> None:
+        """Print the verdict, the deflections by flight time and notes, and with `more` the rest."""
+        sizing, use, ratio = self.sizing, self.use, self.ratio
+        name = sizing.schedule.vehicle.name or self.source
+        planes = "both planes, one limit" if sizing.separate else sizing.plane
+        title = f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}"
+        first, *further = tables.time_tables(sizing, self.counted)
+        if use is not None:
+            first, further = use.table, [first, *further]
+        random = [] if self.turbulence is None else self.turbulence.tables()
+        print_answer(
+            self.total.words,
+            replace(first, caption=f"{title}\n{first.caption}"),
+            *random[:1],
+            notes=(*sizing.notes, *self.notes, *(ratio.notes if ratio and more else ())),
+            more=more,
+            details=lambda: self._print_details(further, random[1:]),
+        )
+
+    def _print_details(self, further: list[Table], random: list[Table]) -> None:
+        """Print further tables by time and wind, the budget, and those of turbulence."""
+        sizing, counted, ratio = self.sizing, self.counted, self.ratio
         print_tables(*further)
         if marks := tables.marks_line(sizing):
             say(marks)
@@ -161,25 +217,10 @@ def _print(
         if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
             print_tables(*tables.wind_columns_table(sizing, counted))
         say(f"{tables.legend(sizing)}\n")
-        print_tables(total_table(total, counted.label), *random[1:])
+        print_tables(total_table(self.total, counted.label), *random)
         if ratio is not None:
             print_tables(ratio.table)
             say_lines([ratio.verdict])
-
-    print_answer(
-        total.words,
-        *(replace(table, caption=f"{title}\n{table.caption}") for table in first),
-        *random[:1],
-        notes=(*sizing.notes, *notes, *(ratio.notes if ratio and more else ())),
-        more=more,
-        details=details,
-    )
-
-
-def _of_loop(turbulence: FlightTurbulence | str | None) -> Iterator[str]:
-    """Yield notes on the autopilot that turbulence is answered for."""
-    if isinstance(turbulence, FlightTurbulence):
-        yield from turbulence.notes
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
@@ -220,7 +261,7 @@ def case_over_flight(
     soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))
     note_source(source, command)
     case = load_sizing(source, soundings)
-    if command == "ascent" and case.turbulence is None:
+    if command == "ascent" and case.turbulence is None and not is_scheduled(case, source):
         note_omissions(case, "ascent without turbulence")
     for options in (question, *changes):
         case = options.over(case)

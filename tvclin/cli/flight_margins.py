@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+from tvclin.cli.inputs import note_omissions
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import answer, draw, print_answer, print_tables, waiting
 from tvclin.requirement.flight.request import SoundingRequest
@@ -35,6 +36,7 @@ def print_sweep(source: str, loop: FlightLoop, more: bool, shown: ShownCurves) -
     """Print the verdict on the criteria over the flight, and the margins by flight time."""
     from tvclin import plots
 
+    note_omissions(loop.plan, "margins", "margins without --limit-deg", "margins without a wind")
     with waiting("margins"):
         swept = loop.sweep()
     notes = [*loop.notes, *(_DETUNED for _ in swept.changes[:1]), _FROZEN_NOTE]

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from tvclin.cli.flight_margins import flight_loop
+from tvclin.cli.inputs import note_omissions
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables
 from tvclin.cli.wind import FlightOptions, check_reading
@@ -28,6 +29,7 @@ def fly_flight(
     reading = SoundingReading.of(source_tables(source), Path(source).parent)
     loop = flight_loop(source, *changes, winds.over, soundings=winds.soundings(reading))
     check_reading(loop.plan)
+    note_omissions(loop.plan, "fly")
     with bar("flights") as progress:
         flown = loop.fly(progress)
     _show(source, loop, flown, more, shown)

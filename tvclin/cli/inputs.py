@@ -10,7 +10,7 @@ from tvclin.base.lines import listed
 from tvclin.case.case import Case
 from tvclin.case.features import is_rigid_only, omission_notes
 from tvclin.cli.output import say
-from tvclin.studyfile.read import is_flight_with_keys, load_study
+from tvclin.studyfile.read import is_flight, is_flight_with_keys, load_study
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
@@ -97,7 +97,7 @@ def note_nominal_pressure(case: Case) -> None:
 
 def note_source(source: str, question: str) -> None:
     """Print the notes of `case_of` on a study or vehicle file; none on a flight without vehicle."""
-    if is_flight_with_keys(source):
+    if is_flight_with_keys(source) or is_flight(source):
         return
     if {"vehicle", "study", "campaign"} & source_tables(source).keys():
         case_of(source, questions=(question,))

@@ -24,8 +24,12 @@ from tvclin.control.autopilot.sweep import Sweep, sweep
 from tvclin.ensembles.statistics import Success, success_probability
 from tvclin.flights.closed_loop.fly_along import FlightAlong, fly_along
 from tvclin.linear.plant import DEFAULT_MODEL
+from tvclin.requirement.flight.autopilot_along import autopilot_requirements
+from tvclin.requirement.flight.deflection_use import DeflectionUse, deflection_use, used_around
 from tvclin.requirement.flight.flight_winds import PEAK, place
 from tvclin.requirement.flight.request import SizingRequest
+from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, Requirement
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.histories import History
@@ -97,6 +101,13 @@ class FlightLoop:
             plane=self.plan.plane,
         )
 
+    @cached_property
+    def sampled(self) -> GainSchedule:
+        """The autopilot over the flight, sampled as in flights."""
+        rate = self.plan.hardware["sample_rate"]
+        autopilot = replace(self.autopilot.autopilot, sample_rate=rate)
+        return replace(self.autopilot, autopilot=autopilot)
+
     def sweep(self) -> Sweep:
         """Return the margins at the flight times, judged by the criteria of the plan."""
         options: Any = {"model": self.model, "plane": self.plan.plane}
@@ -131,16 +142,15 @@ class FlightLoop:
             raise InputError("a flight of the loop needs the deflection limit: --limit-deg")
         if plan.planes == BOTH:
             raise InputError("the loop flies in one plane: leave out the limit shape")
-        rate = plan.hardware["sample_rate"]
-        autopilot = self.autopilot
-        sampled = replace(autopilot, autopilot=replace(autopilot.autopilot, sample_rate=rate))
         cases = list(self._cases())
+        times = self.request.times(plan)
+        used = np.full(times.shape, np.nan)
         best: FlightAlong | None = None
         outcomes: list[FlightOutcome] = []
         for k, case in enumerate(cases):
             flown = fly_along(
                 self.flight,
-                sampled,
+                self.sampled,
                 case.wind,
                 deflection_limit=plan.nozzle.limit,
                 rate_limit=plan.hardware["rate_limit"],
@@ -151,6 +161,8 @@ class FlightLoop:
                 model=self.model,
                 plane=plan.plane,
             )
+            if flown.status != "lost":
+                used = np.fmax(used, _used(case, flown, times))
             flown = within_linear_range(flown)
             outcomes.append(FlightOutcome.of(case, flown, self._omitted(case.wind)))
             if outcomes[-1].is_worst_of(outcomes):
@@ -158,7 +170,41 @@ class FlightLoop:
             if progress is not None:
                 progress(k + 1, len(cases))
         assert best is not None  # a sizing has a wind
-        return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit)
+        for outcome in outcomes:
+            if outcome.survived is False:
+                used[slice(None) if outcome.time is None else times == outcome.time] = np.nan
+        return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit, used)
+
+    def use(
+        self,
+        sizing: Sizing,
+        counted: Requirement,
+        *,
+        requirements: bool = False,
+        progress: Progress | None = None,
+    ) -> tuple[DeflectionUse, FlightsOfLoop]:
+        """Return required, used and remaining deflection by flight time, and the flights.
+
+        `sizing`: that of the flight and its winds; `counted`: its requirement that counts. The
+        lower bounds stand beside it. `requirements`: whether the autopilot requirement does too.
+        """
+        flown, needed = self.fly(progress), None
+        if requirements:
+            needed = autopilot_requirements(
+                sizing,
+                self.sampled,
+                self.request.winds(self.plan),
+                rate_limit=self.plan.hardware["rate_limit"],
+                sign=self.plan.sign,
+                progress=progress,
+            )
+        bounds = [
+            requirement
+            for requirement in (NO_FORECAST, replace(MINIMUM, varying=True), MINIMUM)
+            if requirement in sizing.required and np.any(np.isfinite(sizing.at_times(requirement)))
+        ]
+        labels = [counted.label, *(bound.label for bound in bounds[:2])]
+        return deflection_use(sizing, flown.used, flown.limit, needed, labels), flown
 
     @property
     def sounding_notes(self) -> Iterator[str]:
@@ -188,6 +234,13 @@ class FlightLoop:
         if low <= first and last <= high:
             return ""
         return f"the wind is known from {low:.4g} to {high:.4g} s alone"
+
+
+def _used(case: _Wind, flown: FlightAlong, times: FloatArray) -> FloatArray:
+    """Return the largest deflection [rad] of a flight by flight time ``(n,)``; NaN elsewhere."""
+    if case.time is None:
+        return used_around(flown, times)
+    return np.where(times == case.time, abs(flown.largest("deflection").value), np.nan)
 
 
 def within_linear_range(flown: FlightAlong) -> FlightAlong:
@@ -282,12 +335,14 @@ class FlightsOfLoop:
     """Flights of a loop along a flight, each through a wind.
 
     `outcomes`: of each wind. `worst`: the flight of the worst outcome, with its outputs over time.
-    `limit`: deflection limit [rad].
+    `limit`: deflection limit [rad]. `used`: largest deflection [rad] in the winds of each flight
+    time of the sizing, ``(n,)``; NaN where one is not survived.
     """
 
     outcomes: tuple[FlightOutcome, ...]
     worst: FlightAlong
     limit: float
+    used: FloatArray
 
     @property
     def worst_outcome(self) -> FlightOutcome:

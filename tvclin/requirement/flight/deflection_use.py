@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import table
 from tvclin.base.columns import Column, Columns, Tabled
-from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.errors import InputError, instance, number, numbers, positive, small_angle
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.flights.closed_loop.fly_along import FlightAlong
@@ -73,9 +75,10 @@ AUTOPILOT = "autopilot"
 
 def deflection_use(
     sizing: Sizing,
-    flown: FlightAlong,
+    flown: FlightAlong | ArrayLike,
     limit: float,
     requirements: AutopilotRequirements | None = None,
+    labels: Sequence[str] | None = None,
 ) -> DeflectionUse:
     """Return required, used and remaining deflection by flight time.
 
@@ -83,36 +86,57 @@ def deflection_use(
     ----------
     sizing : Sizing
         Requirements at two or more flight times.
-    flown : FlightAlong
-        Flight of an autopilot through the wind.
+    flown : FlightAlong or array_like
+        Flight of an autopilot through the wind; or its largest deflection [rad] in the wind of each
+        flight time, ``(n,)``, NaN where not known.
     limit : float
         Available deflection [rad], within 90 degrees.
     requirements : AutopilotRequirements, optional
         Autopilot requirements at the times of the sizing, with the label "autopilot".
+    labels : sequence of str, optional
+        Labels of the requirements and lower bounds of the sizing that count, by default all.
 
     Raises
     ------
     InputError
-        For a sizing of one flight time, a limit out of range, and requirements at other times.
+        For a sizing of one flight time, a limit out of range, unknown labels, and requirements or
+        deflections at other times.
     """
     instance("sizing", sizing, Sizing, "see size")
-    instance("flown", flown, FlightAlong, "see fly_along")
     available = number("limit", limit, small_angle("a deflection", positive), "rad")
     if sizing.times.size < 2:
         raise InputError("deflections over the flight need two or more flight times; got 1")
     order = np.argsort(sizing.times)
     times = sizing.times[order]
-    required = {r.label: sizing.at_times(r)[order] for r in sizing.required}
+    names = [r.label for r in sizing.required] if labels is None else labels
+    required = {str(name): sizing.at_times(name)[order] for name in names}
     if requirements is not None:
         instance("requirements", requirements, AutopilotRequirements, "see autopilot_requirements")
         if not np.array_equal(requirements.times, sizing.times):
             raise InputError("requirements must be at the flight times of the sizing")
         required[AUTOPILOT] = requirements.at_times[order]
+    if isinstance(flown, FlightAlong):
+        used = used_around(flown, times)
+    else:
+        used = numbers("flown", flown)
+        if used.shape != times.shape:
+            raise InputError(
+                f"flown must be a flight, see fly_along, or a deflection for each of the"
+                f" {times.size} flight times; got shape {used.shape}"
+            )
+        used = used[order]
+    largest = np.max([*required.values(), used], axis=0)  # NaN where one is not known
+    return DeflectionUse(times, required, used, available - largest, available)
+
+
+def used_around(flown: FlightAlong, times: FloatArray) -> FloatArray:
+    """Return the largest deflection [rad] of a flight around each of rising flight times ``(n,)``.
+
+    From the middle between two times to the next; NaN where the flight does not fly.
+    """
     edges = np.concatenate([[-np.inf], 0.5 * (times[1:] + times[:-1]), [np.inf]])
     sizes = np.abs(flown.outputs["deflection"])
     inside = np.searchsorted(edges, flown.times, side="right") - 1
     used = np.array([sizes[inside == k].max(initial=-np.inf) for k in range(times.size)])
     within = (times >= flown.times[0]) & (times <= flown.times[-1])
-    used = np.where(within & np.isfinite(used), used, np.nan)
-    largest = np.max([*required.values(), used], axis=0)  # NaN where one is not known
-    return DeflectionUse(times, required, used, available - largest, available)
+    return np.where(within & np.isfinite(used), used, np.nan)
