@@ -9,9 +9,11 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tests.whole_flight import Filter, StructureSchedule, autopilot, flight
 from tvclin import InputError
+from tvclin.ascent.wind_along import wind_along
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.flights import fly_along, fly_many_along
+from tvclin.flights.closed_loop.fly_along import checked_flight, sampled_stages
 
 GUST = tv.TriangularWind(peak=np.radians(4.0), duration=6.0).shift(52.0)
 
@@ -252,7 +254,8 @@ def test_a_single_flight_is_one_of_many() -> None:
     many = fly_many_along(made, laws, wind, **options)
     one = fly_along(made, laws, GUST, **options)
     assert many.peak_attitude[1] == abs(one.largest("attitude").value)
-    assert many.peak_angle_of_attack[1] == abs(one.largest("angle_of_attack").value)
+    largest = abs(one.largest("angle_of_attack").value)
+    assert many.peak_angle_of_attack[1] == pytest.approx(largest, rel=1e-14)
     assert one.status == many.status[1]
     sounding = tv.fly_through(
         tv.WindProfile(height=[0.0, 8e3, 4e4], east=[0, 40, 0], north=[0, 9, 0]),
@@ -325,3 +328,17 @@ def test_the_limit_along_a_frozen_flight_is_that_of_the_frozen_vehicle() -> None
     assert flown.status.tolist() == ["lost", "survived"]
     with pytest.raises(InputError, match="it is calm"):
         tv.flights.survival_limit_along(still, law, gust * 0.0)
+
+
+def test_stages_between_breakpoints_are_those_of_their_own_times() -> None:
+    """To 1e-12 of the largest entry of each array."""
+    made, laws = flight(), autopilot(sample_rate=50.0)
+    along = checked_flight(
+        made, laws, wind_along(made, GUST, "pitch"), 49.0, 66.0, "drift-exact", "pitch"
+    )
+    stages = sampled_stages(along)
+    some = np.arange(3, stages.times.size, 17)
+    exact = stages._arrays_at(stages.times[some])
+    for name, values in stages._arrays.items():
+        largest = np.nanmax(np.abs(exact[name]))
+        np.testing.assert_allclose(values[some], exact[name], rtol=0.0, atol=1e-12 * largest)

@@ -45,6 +45,14 @@ class WindAlong:
         ratio = self.encountered.at(np.reshape(times, (1, -1)))[1]
         return np.reshape(ratio, times.shape)
 
+    @property
+    def breaks(self) -> FloatArray:
+        """Times [s] between which wind and dynamic pressure are smooth."""
+        times = [np.ravel(self.history.knots)]
+        if isinstance(self.encountered, FlightWind):
+            times.append(self.encountered.speeds.time)
+        return np.unique(np.concatenate(times))
+
     def span(
         self, flight: FlightSchedule, start: float | None, stop: float | None
     ) -> tuple[float, float]:

@@ -39,7 +39,8 @@ from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
 from tvclin.flights.closed_loop.fly_many import FlownCases, flown_cases, unstable_loops
 from tvclin.flights.closed_loop.sampled import finish
-from tvclin.flights.closed_loop.stages import Loops, Stages, stages_of
+from tvclin.flights.closed_loop.stages import Stages, stages_of
+from tvclin.kernels.choice import repeated
 from tvclin.kernels.flights import Flights
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import DEFAULT_MODEL
@@ -51,6 +52,8 @@ from tvclin.winds.wind_angles import FROZEN
 
 _CONTINUOUS_STEP = 0.02
 """Longest step of a continuous loop [s]."""
+_SIMILAR_RUNS = 4
+"""Runs of the kernel for a flight with its continuations in still air."""
 UNLIMITED = "not judged"
 """Status of a flight of a continuous loop, which has no limits."""
 _REASONS = {
@@ -156,11 +159,34 @@ class FlownFlight:
     stop: float
     scheduled: FlightSchedule | None = None
 
+    def plants_at(self, times: FloatArray) -> AnyPlant:
+        """Return the plants at times [s]."""
+        pressure = self.wind.pressure(times)
+        return plants_along(self.flight, times, self.model, self.plane, pressure)
+
+    def laws_at(self, times: FloatArray) -> Autopilot:
+        """Return the autopilots at times [s]."""
+        return autopilot_along(self.autopilot, self.scheduled or self.flight, times)
+
     def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
         """Return plants and autopilots at times [s]."""
-        pressure = self.wind.pressure(times)
-        plants = plants_along(self.flight, times, self.model, self.plane, pressure)
-        return plants, autopilot_along(self.autopilot, self.scheduled or self.flight, times)
+        return self.plants_at(times), self.laws_at(times)
+
+    @property
+    def breaks(self) -> FloatArray:
+        """Times [s] within the flight between which plants and autopilots are smooth.
+
+        Those of a schedule on another variable than time are not known, and not among them.
+        """
+        times = [self.flight.times, self.wind.breaks]
+        for flight in (self.flight, self.scheduled):
+            if flight is not None and flight.structure is not None:
+                times.append(flight.structure.times)
+        schedule = self.autopilot
+        if isinstance(schedule, GainSchedule) and schedule.variable == "time":
+            times.append(schedule.breakpoints)
+        inner = np.unique(np.concatenate(times))
+        return inner[(inner > self.start) & (inner < self.stop)]
 
     @property
     def law(self) -> Autopilot:
@@ -413,15 +439,15 @@ def sampled_stages(along: FlownFlight) -> Stages:
     law = along.law
     if law.sample_rate is None:
         raise InputError("many flights need samples: give the autopilot a sample_rate")
-    actuator = along.loops(np.array([along.start]))[1].actuator
+    actuator = along.laws_at(np.array([along.start])).actuator
     rate = float(np.asarray(law.sample_rate))
     check_sample_rates(rate, actuator)
     check_delays(np.unique(law.delay)[0], np.array(1.0 / rate))
     check_samples(along.stop - along.start, 1.0 / rate)
-    loops: Loops = along.loops
     wind = along.wind.history
     winds = wind if wind.batch else wind.cases(np.zeros(1, np.int64), ())
-    return stages_of(loops, along.start, along.stop, rate, winds)
+    span = along.start, along.stop
+    return stages_of(along.plants_at, along.laws_at, along.breaks, span, rate, winds)
 
 
 def flown_in_winds(
@@ -438,8 +464,10 @@ def flown_in_winds(
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
-    finish(f, batch.laws)
-    return flown_cases(f, np.ones(limit.size, bool), unstable_loops(batch, f)), f
+    with repeated(_SIMILAR_RUNS):
+        finish(f, batch.laws)
+        rings = unstable_loops(batch, f)
+    return flown_cases(f, np.ones(limit.size, bool), rings), f
 
 
 def _tracked(
@@ -461,15 +489,9 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
 
     Steps end at the knots of the wind and at the times of the data.
     """
-    flight, schedule, wind = along.flight, along.autopilot, along.wind.history
+    wind = along.wind.history
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
-    breaks = [flight.times, knots]
-    if flight.structure is not None:
-        breaks.append(flight.structure.times)
-    if isinstance(schedule, GainSchedule) and schedule.variable == "time":
-        breaks.append(schedule.breakpoints)
-    inner = np.concatenate(breaks)
-    inner = inner[(inner > along.start) & (inner < along.stop)]
+    inner = along.breaks
     count = int(np.ceil((along.stop - along.start) / _CONTINUOUS_STEP - 1e-9))
     check_samples(along.stop - along.start, _CONTINUOUS_STEP)
     times = np.unique(np.concatenate([np.linspace(along.start, along.stop, count + 1), inner]))

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray, IndexArray, IntArray
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wiring import attitude_integral
@@ -40,25 +40,30 @@ from tvclin.kernels.flights import JUDGED_SAMPLES, Cases, Flights, Laws, Steps, 
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.system import LinearSystem, constant_over_steps
+from tvclin.numerics.chebyshev import smooth_values
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
 
-Loops = Callable[[FloatArray], tuple[AnyPlant, Autopilot]]
-"""A function from times [s] ``(n,)`` to plants and autopilots of that batch."""
+PlantsAt = Callable[[FloatArray], AnyPlant]
+LawsAt = Callable[[FloatArray], Autopilot]
+"""Functions from times [s] ``(n,)`` to plants, and to autopilots, of that batch."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stages:
     """Sampled loop over a flight: plants and autopilots at its samples, and winds.
 
-    `loops`: plants and autopilots at any times. `times`: times of the samples [s], ``(n + 1,)``,
-    the last that of the end. `plants`, `laws`: at these times. `hardware`: sample period and
-    delay; its actuator is that of the laws. `wind`: winds ``(w,)`` over the time of flight.
+    `plants_at`, `laws_at`: plants and autopilots at any times. `times`: times of the samples [s],
+    ``(n + 1,)``, the last that of the end. `breaks`: times [s] between which plants and actuator
+    are smooth, rising. `plants`: at both ends. `laws`: at the samples. `hardware`: sample period
+    and delay; its actuator is that of the laws. `wind`: winds ``(w,)`` over the time of flight.
     """
 
-    loops: Loops
+    plants_at: PlantsAt
+    laws_at: LawsAt
     times: FloatArray
+    breaks: FloatArray
     plants: AnyPlant
     laws: Autopilot
     hardware: Hardware
@@ -129,38 +134,87 @@ class Stages:
         return np.ascontiguousarray(knots), np.ascontiguousarray(pieces)
 
     @cached_property
-    def _sensed(self) -> LinearSystem:
-        """Plants with the sensors of the laws at the samples."""
+    def _timing(self) -> Timing:
+        """Timing of the samples, with the same substeps in each."""
         count = self.times.size
-        return self.sensors.system(self.plants).cases(np.arange(count), (count,))
-
-    @cached_property
-    def steps(self) -> Steps:
-        """Steps of all stages."""
-        count, terms = self.times.size, self._pieces[1].shape[2]
         length, delay = (
             np.full(count, float(x)) for x in (self.hardware.length, self.hardware.delay)
         )
         timing = Timing.of(self.hardware, (count,), length, delay)
-        timing = timing._replace(  # the rows of a track are as many in each sample
+        return timing._replace(  # the rows of a track are as many in each sample
             substeps=np.broadcast_to(timing.substeps.max(axis=0), timing.substeps.shape).copy()
         )
-        lengths = np.ascontiguousarray(timing.lengths[:, 1:].T)  # (parts, n + 1)
-        begins = self.times + np.stack([length - lengths[0], np.zeros(count)])[: len(lengths)]
-        driven, ramps = [], []
-        for node in GAUSS_NODES:
-            at = begins + node * lengths
-            plants, laws = self.loops(np.minimum(at, self.times[-1]).ravel())
-            moving = plant_with_actuator(plants, laws.actuator, self.sensors)
-            driven.append(_in_parts(with_wind(moving, terms), at.shape))
-            ramps.append(_in_parts(with_ramp(self.sensors.system(plants)), at.shape))
-        return steps_of(
-            constant_over_steps(driven[0], driven[1], lengths),
-            constant_over_steps(ramps[0], ramps[1], lengths),
-            self._sensed,
-            timing,
-            terms,
+
+    @cached_property
+    def steps(self) -> Steps:
+        """Steps of all stages."""
+        timing, arrays = self._timing, self._arrays
+        short = timing.lengths[:, 1:] / timing.substeps
+        return Steps(
+            joint=arrays["joint"],
+            fine=arrays.get("fine", arrays["joint"]),
+            substeps=timing.substeps,
+            ramp=arrays["ramp"],
+            lengths=timing.lengths,
+            short=short,
+            quick=np.where(short > 0.0, timing.pace * short, 0.0),
+            late=timing.late,
         )
+
+    @cached_property
+    def _arrays(self) -> dict[str, FloatArray]:
+        """Arrays of all stages by name, as in `Steps` and `Vehicles`.
+
+        Samples within an interval of smooth plants are interpolated.
+        """
+        ends = self.times + float(self.hardware.length)
+        interval = np.searchsorted(self.breaks, self.times, side="right") - 1
+        same = interval == np.searchsorted(self.breaks, ends * (1.0 - 1e-15), side="left") - 1
+        interval = np.where(same, interval, -1)
+        arrays = smooth_values(self._arrays_at, self.times, interval)
+        return {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+
+    def _arrays_at(self, times: FloatArray) -> dict[str, FloatArray]:
+        """Return the arrays of stages that begin at times [s], by name."""
+        count, terms, last = times.size, self._pieces[1].shape[2], self.times[-1]
+        timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
+        lengths = np.ascontiguousarray(timing.lengths[:, 1:].T)  # (parts, m)
+        length = timing.lengths[:, 0]
+        begins = times + np.stack([length - lengths[0], np.zeros(count)])[: len(lengths)]
+        at = [begins + node * lengths for node in GAUSS_NODES]
+        flat = np.concatenate([*(a.ravel() for a in at), times + 0.5 * length, times])
+        flat, whole = np.minimum(flat, last), (flat.size,)
+        plants = self.plants_at(flat)
+        system = self.sensors.system(plants)
+        moving = plant_with_actuator(plants, self.laws_at(flat).actuator, self.sensors)
+
+        def at_nodes(made: LinearSystem) -> LinearSystem:
+            """Return the constant systems of the parts of samples, ``(parts, m)``."""
+            count = lengths.size
+            first, second = (
+                _in_parts(made.cases(np.arange(k * count, (k + 1) * count), whole), lengths.shape)
+                for k in range(2)
+            )
+            return constant_over_steps(first, second, lengths)
+
+        middle, begin = (np.arange(flat.size - k * count, flat.size)[:count] for k in (2, 1))
+        plant = system.cases(begin, whole)
+        steps = steps_of(
+            at_nodes(with_wind(moving, terms)), at_nodes(with_ramp(system)), plant, timing, terms
+        )
+        criteria = outcome_criteria(plants.cases(begin, whole))
+        moving = system.cases(middle, whole)
+        arrays = {"joint": steps.joint, "ramp": steps.ramp}
+        if steps.fine is not steps.joint:
+            arrays["fine"] = steps.fine
+        return arrays | {
+            "shown": sensed_rows(plant),
+            "A": moving.A,
+            "gust": moving.B[..., 1],
+            "judges": widened(criteria.rows, steps.joint.shape[2], self.sensors),
+            "reach": criteria.reach,
+            "ratio": criteria.ratio,
+        }
 
     @cached_property
     def _memory(self) -> Memory:
@@ -185,7 +239,7 @@ class Stages:
         h = float(self.hardware.length)
         ends = samples_in(self.wind.end.ravel() - self.times[0], np.array(h))
         ends = np.minimum(ends, self.samples)
-        at_end = outcome_criteria(self._plants_at(np.append(ends, self.samples)))
+        at_end = outcome_criteria(self.plants_at(self.times[np.append(ends, self.samples)]))
         settling = np.ceil(np.where(np.isnan(at_end.reach), 0.0, at_end.settling) / h)
         settling = settling.astype(np.int64)
         late = ends >= self.samples
@@ -216,55 +270,47 @@ class Stages:
             settling=settling[wind],
         )
 
-    def _plants_at(self, stages: IntArray | IndexArray) -> AnyPlant:
-        """Return the plants at indices of samples, ``(k,)``."""
-        return self.loops(self.times[stages])[0]
-
     @cached_property
     def vehicles(self) -> Vehicles:
-        """Further numbers of all stages.
-
-        Criteria exist from the sample on from which flights are judged, and the fastest pole where
-        a wind has a knot within the sample.
-        """
+        """Further numbers of all stages; the fastest pole where a wind has a knot in the sample."""
         count, h, knots = self.times.size, float(self.hardware.length), self._pieces[0]
-        middle = np.minimum(self.times + 0.5 * h, self.times[-1])
-        plants = self.loops(middle)[0]
-        system = self.sensors.system(plants).cases(np.arange(count), (count,))
-        judged = np.arange(min(int(self._judged[0].min()), self.samples), count)
-        criteria = outcome_criteria(self._plants_at(judged))
-        rows = np.zeros((count, 2, self.steps.joint.shape[2]))
-        reach, ratio, fastest = np.full(count, np.nan), np.zeros(count), np.zeros(count)
-        rows[judged] = widened(criteria.rows, rows.shape[2], self.sensors)
-        reach[judged], ratio[judged] = criteria.reach, criteria.ratio
+        arrays, fastest = self._arrays, np.zeros(count)
         inside = np.floor((knots[np.isfinite(knots)] - self.times[0]) / h)
         near = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
         near = near[(near >= 0) & (near < count)].astype(np.int64)
-        fastest[near] = np.abs(np.linalg.eigvals(system.A[near])).max(axis=-1)
-        return Vehicles(
-            shown=sensed_rows(self._sensed),
-            A=np.array(system.A),
-            gust=np.ascontiguousarray(system.B[..., 1]),
-            fastest=fastest,
-            judges=rows,
-            reach=reach,
-            ratio=ratio,
-        )
+        fastest[near] = np.abs(np.linalg.eigvals(arrays["A"][near])).max(axis=-1)
+        names = "shown", "A", "gust", "judges", "reach", "ratio"
+        return Vehicles(fastest=fastest, **{name: arrays[name] for name in names})
 
 
-def stages_of(loops: Loops, start: float, stop: float, rate: float, wind: History) -> Stages:
-    """Return the stages of a loop between two times [s] in winds ``(w,)``; `rate`: samples [Hz]."""
-    h = 1.0 / rate
+def stages_of(
+    plants_at: PlantsAt,
+    laws_at: LawsAt,
+    breaks: FloatArray,
+    span: tuple[float, float],
+    rate: float,
+    wind: History,
+) -> Stages:
+    """Return the stages of a loop over a span [s] in winds ``(w,)``.
+
+    `rate`: samples [Hz]. Others: see `Stages`.
+    """
+    h, (start, stop) = 1.0 / rate, span
     count = int(samples_in(np.array(stop - start), np.array(h)))
     times = np.asarray(start + h * np.arange(count + 1), np.float64)
-    inside = np.asarray(np.minimum(times, stop), np.float64)
 
-    def until_stop(at: FloatArray) -> tuple[AnyPlant, Autopilot]:
-        return loops(np.minimum(at, stop))
+    def plants_until(at: FloatArray) -> AnyPlant:
+        return plants_at(np.minimum(at, stop))
 
-    plants, laws = loops(inside)
-    delay = float(np.unique(laws.delay)[0])
-    return Stages(until_stop, times, plants, laws, Hardware(h, delay, laws.actuator), wind)
+    def laws_until(at: FloatArray) -> Autopilot:
+        return laws_at(np.minimum(at, stop))
+
+    laws = laws_until(times)
+    hardware = Hardware(h, float(np.unique(laws.delay)[0]), laws.actuator)
+    ends = np.array([start, stop])
+    inside = np.unique(np.concatenate([breaks, ends]))
+    plants = plants_at(ends)
+    return Stages(plants_until, laws_until, times, inside, plants, laws, hardware, wind)
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
