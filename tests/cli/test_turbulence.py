@@ -324,3 +324,30 @@ def test_torque_in_turbulence_is_not_known() -> None:
     limit = ("--set", "nozzle.torque_limit_N_m=1e6")
     assert sheet("--law", "autopilot", *hinge, *limit)["verdict"]["satisfied"] is True
     assert sheet("--law", "autopilot", *hinge, *limit, *RANDOM)["verdict"]["satisfied"] is None
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("margins",),
+        ("ascent", "--from", "66", "--to", "66"),
+        ("nozzle", "--limit-deg", "2", "--from", "66", "--to", "66"),
+        ("study", "--at", "66"),
+    ],
+)
+def test_no_command_of_a_flight_schedule_is_silent_on_it(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    file = tmp_path / "flight.csv"
+    tv.load_schedule("configuration-i").to_csv(file)
+    command, *options = words
+    found = CliRunner().invoke(app, [command, str(file), *options, *RANDOM])
+    assert found.exit_code in (0, 1), found.output
+    assert "turbulence" in found.output
+
+
+def test_a_campaign_refuses_values_out_of_range() -> None:
+    words = ["disperse", "configuration-i", "--set", "turbulence.intensity_m_per_s=-1"]
+    found = CliRunner().invoke(app, words)
+    assert found.exit_code == 2
+    assert "intensity must be zero or positive" in found.output

@@ -118,13 +118,13 @@ class TurbulenceRequest:
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) != 1:
             raise InputError(
-                "[turbulence] needs one of intensity, severity, exceedance, file and level"
+                "turbulence needs one of intensity, severity, exceedance, file and level"
                 f"{'; got ' + ' and '.join(given) if given else ''}"
             )
         if self.sigmas is not None and self.probability is not None:
-            raise InputError("[turbulence] has sigmas and a probability; keep one")
+            raise InputError("turbulence takes sigmas or a probability, not both")
         if self.factor > _MAX_SIGMAS:
-            raise InputError("probability in [turbulence] is too close to 1")
+            raise InputError("probability is too close to 1")
         _ = self.over_altitude  # refuses numbers out of range
 
     @property
@@ -182,7 +182,7 @@ class TurbulenceRequest:
             given = next(name for name in names if getattr(self, name) is not None)
             given = "levels over altitude" if given == "table" else given
             raise InputError(
-                f"[turbulence] needs an altitude with {given}, on which its intensity depends"
+                f"turbulence needs an altitude with {given}, on which its intensity depends"
             )
         return self.over_altitude if height is None else self.over_altitude.at(height)
 

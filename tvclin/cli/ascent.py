@@ -157,7 +157,7 @@ class _Answer:
         """Notes without those of the sizing and of the controllability ratio."""
         of_use = () if self.use is None else self.use.notes
         of_turbulence = () if self.turbulence is None else self.turbulence.notes
-        return [*of_use, *self.notes_of_request, *of_turbulence]
+        return [*of_use, *of_turbulence, *self.notes_of_request]
 
     @property
     def satisfied(self) -> bool:

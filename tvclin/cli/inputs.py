@@ -1,6 +1,7 @@
 """Cases and notes that several commands make of their options."""
 
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -10,7 +11,7 @@ from tvclin.base.lines import listed
 from tvclin.case.case import Case
 from tvclin.case.features import is_rigid_only, omission_notes
 from tvclin.cli.output import say
-from tvclin.studyfile.read import is_flight, is_flight_with_keys, load_study
+from tvclin.studyfile.read import is_flight, is_flight_with_keys, load_sizing, load_study
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
@@ -96,8 +97,10 @@ def note_nominal_pressure(case: Case) -> None:
 
 
 def note_source(source: str, question: str) -> None:
-    """Print the notes of `case_of` on a study or vehicle file; none on a flight without vehicle."""
+    """Print the notes of `case_of` on a study or vehicle file, or on what is set of a flight."""
     if is_flight_with_keys(source) or is_flight(source):
+        with suppress(InputError):  # a file without [schedule], of which availability has its own
+            note_omissions(load_sizing(source), question)
         return
     if {"vehicle", "study", "campaign"} & source_tables(source).keys():
         case_of(source, questions=(question,))

@@ -129,10 +129,13 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     wind = "\n".join([*judged, required])
     days = () if findings.availability is None else findings.availability.notes
     of_all = (*nominal_notes(findings), *loop_notes(findings), *days)
+    random, unknown = findings.turbulence, findings.reasons.get("turbulence")
+    of_all = (*of_all, *([f"turbulence: {unknown}"] if unknown and not several else []))
 
     print_answer(
         f"verdict: {overall(findings)}" if several else wind,
         questions_table(findings) if several else tables.boundaries(s),
+        *([] if several or random is None else random.tables()[:1]),
         notes=(*of_all, *s.notes) if several else (*s.notes, *of_all),
         more=more,
         details=lambda: _print_details(findings, source, wind if several else ""),

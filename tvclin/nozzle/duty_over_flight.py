@@ -247,8 +247,8 @@ def flight_duty(
         verdict=_verdict(conditions, points, duties, unjudged, random),
         notes=(
             *doubtful_winds(angles),
-            *_notes(conditions, points, winds),
             *_turbulence_notes(turbulence, random, law, case.nozzle),
+            *_notes(conditions, points, winds),
         ),
         turbulence=random,
     )

@@ -16,7 +16,7 @@ from tvclin.base.files import EditedSource, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, check_known
 from tvclin.case.load import LOAD_TABLE
 from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
-from tvclin.case.turbulence import TURBULENCE_TABLE
+from tvclin.case.turbulence import TURBULENCE_TABLE, turbulence_of
 from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.design.standard_trials import LAWS_TABLE
@@ -119,6 +119,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     design = design_of(document, folder)
     if design is not None and design.schedule is not None:
         raise InputError("a campaign is of one flight time: no schedule and no filter with a mode")
+    _ = turbulence_of(document, folder)  # refuses values out of range
     head = {"cases": CASES} | CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
     head.pop("time", None)
     study = STUDY_TABLE.one(document)
