@@ -22,7 +22,7 @@ with the package from Table I when the page is made, and a test holds the page t
 ## How to read it
 
 - I and II are the vehicles of Table I. "as I" says that the vehicle makes no difference, "-" that
-  only I is meant. Numbers have at most four significant digits.
+  only I is meant. Numbers have at most four significant digits; those of II are in the order of I.
 - A printed number is *reproduced* when ours rounds to it in its printed digits; "about" allows
   one step of the last digit. For words the criterion is an inequality, in the docstring of the
   function named under "function", in `tests/ledger/claims_*.py`.
@@ -141,13 +141,12 @@ def _claims(computed: Sequence[tuple[dict[str, str], Computed]]) -> str:
 
 
 def _cells(found: Computed) -> tuple[str, str]:
-    """The values for I and for II, each with its label; the unit belongs to the first."""
+    """The values for I, each with its label, the first with its unit, and in their order for II."""
     units = [found.unit, *[""] * (len(found.values) - 1)]
     first = [_one(v.label, v.first, unit) for v, unit in zip(found.values, units, strict=True)]
+    whole = all(v.second is not None for v in found.values)
     second = [
-        _one(v.label, v.second, unit)
-        for v, unit in zip(found.values, units, strict=True)
-        if v.second is not None
+        _one("" if whole else v.label, v.second, "") for v in found.values if v.second is not None
     ]
     return "; ".join(first), "; ".join(second) or "as I"
 
