@@ -227,3 +227,23 @@ def test_ascent_lists_required_used_and_remaining_deflection_of_the_flown_autopi
     printed = " ".join(lost.output.split())
     assert (lost.exit_code, "Limit 0.310 deg: SUFFICIENT" in printed) == (1, True), printed
     assert "flown by the autopilot: NOT SURVIVED" in printed
+
+
+@pytest.mark.thorough
+def test_the_page_of_a_study_has_the_autopilot_over_the_flight(folder, tmp_path) -> None:
+    text = (folder / "study.toml").read_text(encoding="utf-8")
+    text = text.replace("[study]", "[study]\ntime_s = 60").replace(
+        "every_s = 20", "every_s = 20\nfrom_s = 50\nto_s = 70"
+    )
+    wind = '[wind]\nshape = "triangular"\npeak_deg = 4\nduration_s = 8\n'
+    (folder / "at-60.toml").write_text(f"{text}\n{wind}", encoding="utf-8")
+    page = tmp_path / "page.html"
+    result = run("report", folder / "at-60.toml", "-o", page)
+    assert result.exit_code == 0, result.output
+    html = page.read_text(encoding="utf-8")
+    section = html[html.index('<section id="loop"') :].partition("</section>")[0]
+    assert "Criteria classic: MET at 2 flight times." in section
+    assert "SURVIVED with 5.000 deg in 2 winds" in section
+    assert section.count("<figure>") == 2
+    assert "margins over the flight" in html
+    assert "autopilot along the flight" in html

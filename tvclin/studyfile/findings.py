@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tvclin.case.flexible_autopilot import FlexibleAnswer
     from tvclin.case.turbulence import LoopInTurbulence, TurbulenceRequest
     from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.autopilot.sweep import Sweep
     from tvclin.control.comparison import TrimComparison
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
@@ -40,10 +41,12 @@ if TYPE_CHECKING:
     from tvclin.linear.flexible import AnyPlant
     from tvclin.nozzle.data_sheet import FlightDuty
     from tvclin.requirement.autopilot_requirement import AutopilotRequirement
+    from tvclin.requirement.flight.deflection_use import DeflectionUse
     from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
     from tvclin.requirement.flight.request import SizingRequest
     from tvclin.requirement.flight.sizing import Sizing
     from tvclin.requirement.flight.total import DeflectionTotal
+    from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 
 Progress = Callable[[float, float], None]
 """Progress of a result: called with the steps done and the steps in total."""
@@ -86,7 +89,9 @@ class Findings:
     `duty` the nozzle duty of a law along it. `availability` is the fraction of the days of an
     archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
     limit and load; `turbulence` the autopilot in the wind and turbulence. `head` has `stop`,
-    `rates` and `turbulence` in a head wind, where that sets the requirement. `reasons` says why a
+    `rates` and `turbulence` in a head wind, where that sets the requirement. `sweep`: margins of an
+    autopilot that varies over the flight; `use`: deflection that it uses beside the required one,
+    and its flights. `reasons` says why a
     result is missing, by the name of its field; `warnings` are those of the computation.
     """
 
@@ -108,6 +113,8 @@ class Findings:
     head: HeadWind | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
+    sweep: Sweep | None = None
+    use: tuple[DeflectionUse, FlightsOfLoop] | None = None
 
     @property
     def criteria(self) -> Criteria:
@@ -246,6 +253,8 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
                 "turbulence", lambda request, _: _turbulence(plan, study, loop, request)
             ),
             head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, loop, limit)),
+            sweep=result("sweep", lambda *_: _flight_loop(plan).sweep()),
+            use=flight and result("use", partial(_use, plan, flight[0])),
             reasons=reasons,
             warnings=tuple(messages),
         )
@@ -254,6 +263,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
 def _requests(plan: StudyPlan) -> dict[str, Any]:
     """Return the requests of a plan, each an input of its result, by field of `Findings`."""
     loop = plan.design or plan.criteria
+    along = plan.sizing and plan.sizing.scheduled_design
     requests = {
         "trials": plan.laws,
         "comparison": loop,
@@ -270,6 +280,8 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         "head": plan.nozzle.limit
         if loop or plan.nozzle.rate_limit or plan.turbulence is not None
         else None,
+        "sweep": along,
+        "use": along and plan.nozzle.limit,
     }
     return {name: request for name, request in requests.items() if request is not None}
 
@@ -409,6 +421,22 @@ def _flight(
     sizing = request.sizing(plan, progress)
     turbulence = request.turbulence(plan, plan.turbulence)
     return sizing, request.total(plan, sizing, turbulence), turbulence
+
+
+def _flight_loop(plan: StudyPlan) -> FlightLoop:
+    """Return the autopilot of a plan along its flight."""
+    from tvclin.studyfile.flight_loop import FlightLoop
+
+    return FlightLoop.of(plan)
+
+
+def _use(
+    plan: StudyPlan, sizing: Sizing, _: float, progress: Progress
+) -> tuple[DeflectionUse, FlightsOfLoop]:
+    """Return the use of the nozzle by the autopilot along the flight, and its flights."""
+    assert plan.sizing is not None  # by its request
+    counted = plan.sizing.counted(sizing, plan.sign)
+    return _flight_loop(plan).use(sizing, counted, progress=progress)
 
 
 def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:

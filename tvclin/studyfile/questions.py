@@ -18,12 +18,14 @@ from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
 
-_FLIGHTS = ("flexible flight",)
+_OVER_FLIGHT, _ALONG_FLIGHT = "margins over the flight", "autopilot along the flight"
+_FLIGHTS = ("flexible flight", _ALONG_FLIGHT)
 """Questions whose answer is the outcome of a flight: survived or not."""
 _TURBULENCE, _TURBULENCE_RATE = "turbulence", "rate in turbulence"
 _TURBULENCE_LOAD = "load in turbulence"
 _CRITERIA = (
     *("nozzle rate", "load", "nozzle card", "availability", "margins"),
+    _OVER_FLIGHT,
     *(_TURBULENCE, _TURBULENCE_RATE, _TURBULENCE_LOAD),
 )
 """Questions that are answered by a criterion: satisfied or not. Others have a verdict."""
@@ -204,6 +206,7 @@ def _answered(findings: Findings) -> Iterator[Question]:
         yield _margins(findings)
         if limit is not None and findings.plan.vehicle.structure is not None:
             yield _flexible(findings)
+    yield from _along_flight(findings)
 
 
 def _wind(findings: Findings) -> Question:
@@ -430,6 +433,20 @@ def _margins(findings: Findings) -> Question:
     of = f" of {worst.band}" if worst.band else ""
     line += (f"; the {worst.criterion.name}{of} has least to spare",)
     return Question("margins", satisfied, line, measure=_measured(worst))
+
+
+def _along_flight(findings: Findings) -> Iterator[Question]:
+    """Yield whether the autopilot over the flight has its margins, and survives along it."""
+    sweep, use, reasons = findings.sweep, findings.use, findings.reasons
+    if sweep is not None:
+        yield Question(_OVER_FLIGHT, sweep.all_satisfied, (sweep.verdict,))
+    elif "sweep" in reasons:
+        yield Question(_OVER_FLIGHT, None, (reasons["sweep"],))
+    if use is not None:
+        words = use[1].verdict.partition(" with ")[2]
+        yield Question(_ALONG_FLIGHT, use[1].survived, (f"flown with {words}",))
+    elif "use" in reasons:
+        yield Question(_ALONG_FLIGHT, None, (reasons["use"],))
 
 
 def _relative_surplus(judgement: Judgement) -> float:
