@@ -314,12 +314,25 @@ def save_figure(plot: "ControlPlot", path: str | PathLike[str]) -> None:
     try:
         path = a_path("path", path)
         kind = figure_format(path)
-        drawn = BytesIO()  # not the file: on a full disk the writer of PDF fails in its own way
         with plt.rc_context({"svg.hashsalt": "tvclin"}):
-            plot.figure.savefig(drawn, format=kind, dpi=_DPI)
-        write_whole(path, lambda target: Path(target).write_bytes(drawn.getvalue()))
+            drawn = figure_bytes(plot.figure, format=kind, dpi=_DPI)
+        write_whole(path, lambda target: Path(target).write_bytes(drawn))
     finally:
         plt.close(plot.figure)
+
+
+def figure_bytes(figure: Any, **options: Any) -> bytes:
+    """Return the file of a figure in memory; its layout is computed once and stays.
+
+    `savefig` of a figure with a layout engine draws all of it twice. In memory, since on a full
+    disk the writer of PDF fails in its own way. `options`: those of `savefig`.
+    """
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+    drawn = BytesIO()
+    figure.savefig(drawn, **options)
+    return drawn.getvalue()
 
 
 _DPI = 150

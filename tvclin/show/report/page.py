@@ -3,7 +3,6 @@
 Figures are inline SVG: reproducible bytes, and colours that a style can change.
 """
 
-import io
 import platform
 import re
 from dataclasses import asdict
@@ -23,7 +22,7 @@ from tvclin.design import standard_trials as trial_tables
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.flights.closed_loop.flown_margins import flown_table
 from tvclin.linear.flexible import mode_tables, plant_of
-from tvclin.plots.style import place_numbers
+from tvclin.plots.style import figure_bytes, place_numbers
 from tvclin.requirement import study_tables
 from tvclin.requirement.flight import sizing_tables
 from tvclin.requirement.flight.total import total_table
@@ -256,11 +255,10 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> "Markup":
 
     narrow(plot)
     with plt.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
-        target = io.StringIO()
         nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-        plot.figure.savefig(target, format="svg", transparent=True, metadata=nothing)
+        drawn = figure_bytes(plot.figure, format="svg", transparent=True, metadata=nothing)
     plt.close(plot.figure)
-    text = target.getvalue()
+    text = drawn.decode()
     body = text[text.index("<svg") :]
     body = _IDENTIFIER.sub(rf"\1{name}-", body)
     body = _COLOUR.sub(r"var(--c\1, #\1)", body)
@@ -302,3 +300,4 @@ def narrow(plot: "ControlPlot") -> None:
             break
         legend.remove()
     place_numbers(*panels)
+    figure.set_layout_engine(None)  # its layout was computed for this
