@@ -55,8 +55,7 @@ def api() -> str:
 def _api_lines() -> Iterator[str]:
     title = "Reference"
     yield from (title, "=" * len(title), "")
-    yield "Every public name: those of an ordinary week at ``tvclin``, the others at the doors of"
-    yield "their chapters, which have the former too."
+    yield "Public names: those of an ordinary week in ``tvclin``, the others in their chapters."
     for chapter, names in chapters().items():
         heading = chapter.removeprefix("tvclin.")
         yield from ("", heading, "-" * len(heading), "")

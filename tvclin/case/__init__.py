@@ -1,4 +1,4 @@
-"""One case: a vehicle in a wind, with its nozzle, its autopilot and what its structure bears.
+"""A case: a vehicle in a wind, with its nozzle, its autopilot and the load on its structure.
 
 `Case` and `Nozzle`; the bound on a load, `LoadBound` and `FlownLoad`; the numbers of a nozzle's
 data sheet, `NozzleData`; turbulence, `TurbulenceRequest`, and an autopilot in it,

@@ -1,4 +1,4 @@
-"""What commands the deflection: autopilot, margins, laws, and how they compare with trim.
+"""Control of the deflection: autopilots, margins, laws, and their comparison with trim.
 
 - A loop: `Autopilot`, its `Actuator`; over a flight `GainSchedule`, with a `ModeNotch`, and
   the times of `equal_values`; of a state space `SystemAutopilot`.
@@ -6,13 +6,13 @@
   `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`, `drift_gains`; by a rule of a file
   `AutopilotDesign`; the `steady_drift` of any.
 - Margins: `Autopilot.margins`, `loop_margins` of any `Loop`, their `margin_bounds`, with modes
-  `detuned`, over a flight their `sweep`; what is asked of them: `Criteria`, `CRITERIA`.
+  `detuned`, over a flight their `sweep`; requirements on them: `Criteria`, `CRITERIA`.
 - Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, of a state
   space `SystemLaw`, without a vane `AccelerometerLaw`, and around them `FilteredLaw`,
   `EstimatedLaw` with a `WindEstimator`; by name `design_law`; your own: `Law`.
 - In turbulence, by covariance: `turbulence_covariance` of a loop, `turbulence_history` about a
   known wind, `turbulence_along` a flight; with `SensorNoise` and the `LoadSlopes` of a structure.
-- Beside trim: `compare_with_trim`, `worst_duration`.
+- Compared with trim: `compare_with_trim`, `worst_duration`.
 """
 
 from tvclin.base.public_names import public_names

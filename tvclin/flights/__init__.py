@@ -1,7 +1,7 @@
 """Flights of laws with limits, and flights that the linear theory is checked against.
 
 - Linear, by samples: `fly`, `fly_many`; in both planes `fly_planes`; along a flight that varies
-  `fly_along`, `fly_many_along`. What a law needs: `closed_loop_boundary`, along a flight
+  `fly_along`, `fly_many_along`. The requirement of a law: `closed_loop_boundary`, along a flight
   `survival_limit_along`, `flown_plane_limit`, over gains and delays `boundary_map`; the margins
   that its limit leaves: `flown_margins`.
 - With the report's equations: `fly_planar`; in JSBSim: `fly_sixdof` on its `Earth`; the report's

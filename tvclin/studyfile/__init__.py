@@ -1,4 +1,4 @@
-"""The study file: one TOML that asks everything, its findings and verdicts.
+"""The study file, with all questions about a vehicle; its findings and verdicts.
 
 `load_study`, `load_sizing` and `load_campaign` read files; `StudyPlan` is a study file as a record,
 with its `Document`.

@@ -3,8 +3,8 @@
 - A vehicle: `load_vehicle` by name or from a file, `list_vehicles`, or by hand `Vehicle`.
 - Where only coefficients are known: `LinearVehicle`; `load_any_vehicle` takes both kinds of files.
 - Of its motion: `Coefficients`.
-- What bends, sloshes and swings: a `Structure` of `BendingMode`, `SloshTank` and `Engine`.
-- A damping from what tables give: `aerodynamic_damping`, `jet_damping`.
+- Flexible bodies, liquids and engines: a `Structure` of `BendingMode`, `SloshTank` and `Engine`.
+- Damping from tables of coefficients: `aerodynamic_damping`, `jet_damping`.
 - Of sensors and commands: `Filter`.
 """
 

@@ -13,8 +13,8 @@ transform, a sum with others and a shift.
 - From a speed: `angle_from_speed`.
 - Measured over height: `read_sounding`, `WindProfile`; archives: `read_soundings`, `Soundings`; of
   a range: `read_range_reference`, `worst_month`.
-- Made up over height: `synthetic_profile`, `power_law_shear`, `add_gust`.
-- Met in a steady climb: `steady_climb`, `Climb`.
+- Synthetic over height: `synthetic_profile`, `power_law_shear`, `add_gust`.
+- Along a steady climb: `steady_climb`, `Climb`.
 """
 
 from tvclin.base.public_names import public_names
