@@ -1,11 +1,16 @@
 """Study files that name a plant and a controller in state space."""
 
+import json
+
 import control
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.cases import evaluate
+from tvclin.ensembles.campaign.folder import read, written
 from tvclin.requirement.autopilot_requirement import at_peak_pressure
 from tvclin.studyfile.campaign_file import load_campaign
 from tvclin.studyfile.findings import find
@@ -92,17 +97,76 @@ def test_a_bad_system_in_a_study_is_refused_in_one_sentence(folder, text, messag
         margins()
 
 
-def test_a_campaign_refuses_a_system(folder):
-    text = '[campaign]\nvehicle = "configuration-i"\ncases = 8\n' + CONTROLLER
-    (folder / "campaign.toml").write_text(text)
-    with pytest.raises(tv.InputError, match="a campaign has no .controller."):
-        load_campaign(folder / "campaign.toml")
-    with pytest.raises(tv.InputError, match="a campaign takes no controller"):
-        tv.Campaign(
-            vehicle=tv.load_vehicle("configuration-i"),
-            cases=8,
-            controller=tv.linear.read_system(folder / "law.npz"),
-        )
+CAMPAIGN = """
+[campaign]
+vehicle = "VEHICLE"
+cases = 6
+[wind]
+peak_deg = 5
+duration_s = 7.5
+[nozzle]
+limit_deg = 1.5
+[outputs]
+names = ["margins", "flight"]
+[[dispersion]]
+parameter = "aerodynamic_arm"
+percent = 20
+[autopilot]
+delay_ms = 20
+"""
+
+
+def _campaign(folder, text, vehicle="configuration-i"):
+    (folder / "campaign.toml").write_text(CAMPAIGN.replace("VEHICLE", vehicle) + text)
+    return load_campaign(folder / "campaign.toml")
+
+
+@pytest.mark.parametrize(
+    "vehicle", ["configuration-i", pytest.param("made-up-launcher", marks=pytest.mark.thorough)]
+)
+def test_cases_around_a_controller_in_steps_are_those_around_its_gains(folder, vehicle):
+    gains, steps = (
+        evaluate(_campaign(folder, text, vehicle), 0, 6) for text in (GAINS, CONTROLLER)
+    )
+    assert gains.keys() == steps.keys()
+    assert steps["margin_stable"].any()
+    for name in set(gains) - {"status"}:
+        np.testing.assert_allclose(steps[name], gains[name], rtol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("period", [None, 0.02])
+def test_a_manifest_holds_a_controller_to_the_last_bit(folder, period):
+    states = control.StateSpace([[-0.1]], [[1 / 3, 0.1]], [[0.7]], [[0.3, 0.5]], period or 0)
+    static = control.StateSpace([], [], [], [[0.3, 0.5]], period or 0)
+    for system in (states, static):
+        system.input_labels = ["attitude", "attitude_rate"]
+        tv.linear.write_system(system, folder / "law.npz")
+        campaign = _campaign(folder, CONTROLLER)
+        read_again = read(json.loads(json.dumps(written(campaign))))
+        for matrix, other in zip(
+            campaign.controller.matrices(), read_again.controller.matrices(), strict=True
+        ):
+            np.testing.assert_array_equal(matrix, other, strict=True)
+        assert read_again.hardware == campaign.hardware
+        assert read_again.controller.inputs == ("attitude", "attitude_rate")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (PLANT, "whose matrices are one vehicle; leave the table out"),
+        (
+            CONTROLLER + '[[dispersion]]\nparameter = "rate_gain"\npercent = 5\n',
+            "rate_gain is dispersed, but has no nominal value",
+        ),
+        (CONTROLLER.replace("law.npz", "slosh.npz"), "a flight does not measure slosh"),
+    ],
+)
+def test_a_campaign_refuses_what_it_cannot_disperse_or_fly(folder, text, message):
+    law = control.StateSpace([], [], [], [[0.3]], inputs=["slosh"], outputs=["u"])
+    tv.linear.write_system(law, folder / "slosh.npz")
+    with pytest.raises(tv.InputError, match=message):
+        _campaign(folder, text)
 
 
 @pytest.mark.thorough

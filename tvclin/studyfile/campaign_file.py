@@ -113,9 +113,11 @@ def template() -> str:
 def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
     """Return the campaign of a document; see `load_campaign`."""
     subject = subject_of(document, folder)
-    for table in (PLANT_TABLE, CONTROLLER_TABLE):
-        if table.name in document:
-            raise InputError(f"a campaign has no {table.heading}; leave the table out")
+    if PLANT_TABLE.name in document:
+        raise InputError(
+            "a campaign takes no [plant], whose matrices are one vehicle; leave the table out"
+            " (--set plant none)"
+        )
     design = design_of(document, folder)
     if design is not None and design.schedule is not None:
         raise InputError("a campaign is of one flight time: no schedule and no filter with a mode")
@@ -135,6 +137,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     return Campaign(
         nozzle=nozzle,
         design=design,
+        controller=system_of(document, CONTROLLER_TABLE, folder),
         wind=wind,
         dispersions=DEFAULT_DISPERSIONS if assumed else dispersions_of(document),
         **(head | subject),

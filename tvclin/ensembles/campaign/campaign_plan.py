@@ -24,6 +24,7 @@ from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.case.case import Case
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.ensembles.campaign.flight_plan import FlightPlan, nominal_gains
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions, modes_nominal
@@ -54,7 +55,8 @@ class Campaign(Case):
 
     The structure of the vehicle counts for "margins" and "flight"; all other outputs are of the
     rigid vehicle. Autopilot and law are designed on the nominal rigid vehicle; the filters of the
-    autopilot stand in every law, and its gains may be dispersed.
+    autopilot stand in every law, and its gains may be dispersed. A `controller` is the same in all
+    cases.
 
     With a stop of both planes, which needs a wind with a direction, both are judged: autopilot and
     law are designed in each, and there are columns of each plane and of both. "margins" are
@@ -129,9 +131,10 @@ class Campaign(Case):
             "vehicle", complete_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle"
         )
         super().__post_init__()
-        for name in ("plant_system", "controller"):
-            if getattr(self, name) is not None:
-                raise InputError(f"a campaign takes no {name}; leave it out")
+        if self.plant_system is not None:
+            raise InputError(
+                "a campaign takes no plant_system, whose matrices are one vehicle; leave it out"
+            )
         single("vehicle", self.vehicle.batch)
         if not isinstance(self.wind, ShapedWind | FixedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
@@ -197,7 +200,10 @@ class Campaign(Case):
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
         if not isinstance(self.wind, ShapedWind):
             uses_encountered_pressure(self.sign)
-        _ = self.gains  # refuses a rule that cannot be
+        if self.controller is None:
+            _ = self.gains  # refuses a rule that cannot be
+        elif "flight" in self.outputs and self.law == AUTOPILOT:
+            SaturatedLaw.of(self.autopilot)  # refuses an input that flights do not measure
         different("dead_bands", self.dead_bands)
 
     def _check_along(self, plan: FlightPlan) -> None:
@@ -208,6 +214,8 @@ class Campaign(Case):
                 'a campaign along a flight has the output "flight", of its autopilot, and no'
                 ' "margins" (see sweep)'
             )
+        if self.controller is not None:
+            raise InputError("a controller in state space is of a single flight time")
         if self.nozzle.limit_shape is not None:
             raise InputError("a campaign along a flight is of one plane: leave out the limit shape")
         if self.vehicle.time is None:
@@ -223,7 +231,12 @@ class Campaign(Case):
 
     @property
     def gains(self) -> dict[str, float]:
-        """The nominal gains of the autopilot by name; empty where no output depends on them."""
+        """The nominal gains of the autopilot by name; empty where no output depends on them.
+
+        A controller has no gains by name.
+        """
+        if self.controller is not None:
+            return {}
         flown = "flight" in self.outputs and self.law == AUTOPILOT
         if not flown and "margins" not in self.outputs:
             return {}
@@ -238,7 +251,9 @@ class Campaign(Case):
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot, designed on `rigid_plant`."""
+        """The autopilot, designed on `rigid_plant`, or that of the controller."""
+        if self.controller is not None:
+            return super().autopilot
         return self.autopilot_design.autopilot(self.rigid_plant, self.nozzle.actuator)
 
     @property

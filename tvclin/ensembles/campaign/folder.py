@@ -42,6 +42,7 @@ from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.ensembles.campaign.flight_plan import FlightPlan, SoundingEnsemble
 from tvclin.ensembles.dispersions import Dispersion, Dispersions
 from tvclin.kernels.choice import available, pinned, remedy
+from tvclin.linear.system import LinearSystem, Names
 from tvclin.numerics.pieces import Pieces
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
@@ -67,7 +68,7 @@ _KINDS: dict[str, Any] = {
         *(Campaign, Dispersions, Dispersion),
         *(Nozzle, NozzleData, Actuator, AutopilotDesign, Filter),
         *(Vehicle, Structure, BendingMode, SloshTank, Engine),
-        *(ShapedWind, FixedWind, WindEnsemble, Piecewise, Pieces),
+        *(ShapedWind, FixedWind, WindEnsemble, Piecewise, Pieces, LinearSystem),
         *(FlightPlan, FlightSchedule, StructureSchedule, GainSchedule, ModeNotch, Autopilot),
         *(SoundingEnsemble, MeasuredWind, SoundingSpeeds, SampledWind, dict),
     )
@@ -203,9 +204,22 @@ def read(record: Any) -> Any:
             return np.array(members["real"]) + 1j * np.array(members["imag"])
         if record["kind"] == Pieces.__name__:
             members = {name: np.array(item) for name, item in members.items()}
+        if record["kind"] == LinearSystem.__name__:
+            return _system(**members)
         return _KINDS[record["kind"]](**members)
     except (KeyError, TypeError):
         raise InputError("a manifest must hold every number of a campaign, and no others") from None
+
+
+def _system(
+    *, inputs: Names, outputs: Names, states: Names, period: float | None, **matrices: Any
+) -> LinearSystem:
+    """Return a system from the rows of its matrices; without states these have no rows."""
+    n, m, p = len(states), len(inputs), len(outputs)
+    sizes = {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m)}
+    arrays = {k: np.array(matrices[k], float).reshape(size) for k, size in sizes.items()}
+    length = None if period is None else np.asarray(period)
+    return LinearSystem(**arrays, inputs=inputs, outputs=outputs, states=states, period=length)
 
 
 FOLDER = "chunks"

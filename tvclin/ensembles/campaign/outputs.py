@@ -23,6 +23,7 @@ from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.case.flexible_autopilot import with_filters
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.margins import loop_margins
@@ -149,6 +150,8 @@ MOTIONS = (*_MOTIONS, *(column for name in _MOTIONS for column in plane_columns(
 
 def law_of(campaign: Campaign, batch: Batch) -> Law:
     """Return the law that flies the first case: with its gains where they are dispersed."""
+    if campaign.law == AUTOPILOT and campaign.controller is not None:
+        return SaturatedLaw.of(campaign.autopilot)
     options: dict[str, Any] = {}
     if campaign.law == AUTOPILOT:
         options[AUTOPILOT] = Autopilot(**batch.first.gains)
