@@ -119,6 +119,23 @@ def test_success_is_clopper_and_pearson():
     assert success_probability(230, 230, 0.8).lower == pytest.approx(0.1 ** (1 / 230), rel=1e-10)
 
 
+def test_sensitivities_are_spearmans_with_equal_and_infinite_values():
+    random = np.random.default_rng(8)
+    output = np.append(random.integers(0, 9, 300).astype(float), [np.inf] * 5)
+    inputs = {
+        "continuous": output_noise(random, output),
+        "steps": np.append(random.integers(0, 4, 300), np.arange(5)) + 0.0,
+    }
+    found = sensitivities(inputs, output)
+    for name, values in inputs.items():
+        assert found[name] == pytest.approx(stats.spearmanr(values, output).statistic, abs=1e-14)
+
+
+def output_noise(random, output):
+    """Return values that rise with the output, beside noise of a third of its range."""
+    return np.minimum(output, 9.0) + random.normal(size=output.size) * 3.0
+
+
 def test_sensitivities_find_what_drives():
     rng = np.random.default_rng(4)
     inputs = {name: rng.normal(size=5000) for name in ("weak", "none", "strong")}
