@@ -154,14 +154,14 @@ def wind_line(case: Any) -> str:
 
 _BOUNDARY_TOLERANCE_OVER_TRIM = 5e-4
 """Tolerance of a flown boundary, over the largest trim deflection."""
-_MAX_LIMIT_OVER_TRIM = 4.0
-"""Largest limit tried for a flown boundary, over the largest trim deflection."""
+MAX_LIMIT_OVER_TRIM = 4.0
+"""Largest limit tried for a boundary, over the largest trim deflection."""
 REPORT = "report"
 """The report's control, which is no feedback of a sampled law."""
 _LAWS_WITH_DEAD_BAND = (REPORT, "dead-band")
 """Names of the controls that take a dead band."""
-_LIMIT_OVER_BOUNDARY = 1.1
-"""Limit of a flight without --limit-deg, over its linear boundary."""
+LIMIT_OVER_BOUNDARY = 1.1
+"""Limit of a flight without --limit-deg, over its boundary."""
 _MAX_DURATION_OVER_MODE = 1000.0
 """Longest flight over the time of its fastest mode; the solver takes about as many steps."""
 _MIN_PEAK_RAD = 2.5e-7
@@ -254,7 +254,7 @@ def flight_case(
     _check_flight(plant, wind, length)
     control = flying.designed(plant)
     boundary = linear_boundary(plant, control, wind)
-    limit = flying.case.nozzle.limit or _LIMIT_OVER_BOUNDARY * boundary
+    limit = flying.case.nozzle.limit or LIMIT_OVER_BOUNDARY * boundary
     if np.isinf(limit):
         raise InputError("no limit is sufficient with this dead band; give --limit-deg")
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
@@ -353,7 +353,7 @@ def _flown_boundary(case: FlightCase) -> float:
         case.wind,
         frozen=case.condition is None,
         tolerance=_BOUNDARY_TOLERANCE_OVER_TRIM,
-        highest=_MAX_LIMIT_OVER_TRIM,
+        highest=MAX_LIMIT_OVER_TRIM,
         **chosen,
         **case.options,
     )

@@ -10,7 +10,14 @@ import numpy as np
 from tvclin.base.errors import InputError
 from tvclin.base.quantities import NOMINAL, survival
 from tvclin.case.flexible_autopilot import with_filters
-from tvclin.cli.flight_cases import REPORT, Compared, Flying, wind_line
+from tvclin.cli.flight_cases import (
+    LIMIT_OVER_BOUNDARY,
+    MAX_LIMIT_OVER_TRIM,
+    REPORT,
+    Compared,
+    Flying,
+    wind_line,
+)
 from tvclin.cli.margin_tables import parts_line
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
@@ -20,10 +27,6 @@ from tvclin.studyfile.study_plan import StudyPlan
 
 LINEAR = "linear"
 """Name of the engine."""
-_LIMIT_OVER_BOUNDARY = 1.1
-"""Limit of a flight without --limit-deg, over its boundary."""
-_MAX_LIMIT_OVER_TRIM = 4.0
-"""Largest limit tried for a boundary, over the largest trim deflection."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +61,7 @@ class LinearCase(Flying):
         """Return the boundary of the law on a plant."""
         hardware = self.case.hardware
         return closed_loop_boundary(
-            plant, self.control, self.wind, highest=_MAX_LIMIT_OVER_TRIM, **hardware
+            plant, self.control, self.wind, highest=MAX_LIMIT_OVER_TRIM, **hardware
         )
 
     @property
@@ -93,7 +96,7 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
         boundaries = tuple(case.boundary(plant) for plant in plants)
     if limit is None:
         assert boundaries is not None
-        limit = _LIMIT_OVER_BOUNDARY * abs(boundaries[0].deflection)
+        limit = LIMIT_OVER_BOUNDARY * abs(boundaries[0].deflection)
         if not np.isfinite(limit):
             raise InputError(f"{boundaries[0].status}: give --limit-deg, or another law")
     flight = fly_sampled(

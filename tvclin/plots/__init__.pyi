@@ -15,6 +15,8 @@ from .flown_boundaries import figure_11 as figure_11
 from .frequency_response import bode_chart as bode_chart
 from .frequency_response import nichols_chart as nichols_chart
 from .frequency_response import nyquist_chart as nyquist_chart
+from .frequency_response import spectrum_chart as spectrum_chart
+from .frequency_response import spectrum_curves as spectrum_curves
 from .margins import boundary_map_chart as boundary_map_chart
 from .margins import flown_margins_chart as flown_margins_chart
 from .margins import sweep_chart as sweep_chart
@@ -44,8 +46,6 @@ from .trade_offs import plane_chart as plane_chart
 from .trade_offs import rate_chart as rate_chart
 from .trade_offs import rate_curves as rate_curves
 from .trade_offs import study_planes_chart as study_planes_chart
-from .turbulence import spectrum_chart as spectrum_chart
-from .turbulence import spectrum_curves as spectrum_curves
 from .vehicle_drawing import figure_1 as figure_1
 from .vehicle_drawing import sketch_a as sketch_a
 from .vehicle_drawing import sketch_b as sketch_b

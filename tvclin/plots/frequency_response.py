@@ -1,10 +1,14 @@
-"""Frequency response of a loop: Nichols chart, Bode and Nyquist diagram, with its margins.
+"""Frequency response of a loop: Nichols, Bode and Nyquist, with its margins, and its spectra.
+
+The spectra are those in turbulence, of the wind, the nozzle and the vehicle.
 
 python-control draws the curves of Bode and Nyquist from exact samples (`FrequencyResponseData`,
 `NyquistResponseData`); it has no margins by band, no names of modes, no box of criteria and no disk
 to draw. Its `nichols_grid` sets the frame to whole turns and -40 to 50 dB, and importing it takes
 longer than the chart, whose contours are drawn here.
 """
+
+from __future__ import annotations
 
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
@@ -16,6 +20,12 @@ from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.loop import Loop
+from tvclin.control.turbulence.driven_loop import (
+    ANGLE_OF_ATTACK,
+    DEFLECTION,
+    DEFLECTION_RATE,
+)
+from tvclin.control.turbulence.loop_covariance import LoopCovariance
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import (
@@ -31,10 +41,14 @@ from tvclin.plots.loop_samples import (
     unstable_poles,
 )
 from tvclin.plots.style import (
+    COLOURS,
     INK,
     WARM,
+    Look,
     Mark,
+    Style,
     control_plot,
+    draw,
     draw_marks,
     fine_grid,
     literal,
@@ -47,7 +61,6 @@ if TYPE_CHECKING:
     import control
     from control import ControlPlot
     from matplotlib.axes import Axes
-
 
 _CURVE: dict[str, Any] = {"color": INK, "lw": 1.8}
 _LINE: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
@@ -64,7 +77,7 @@ def nichols_chart(
     autopilot: Autopilot | Loop,
     plant: AnyPlant | None = None,
     criteria: Criteria = CRITERIA["classic"],
-) -> "ControlPlot":
+) -> ControlPlot:
     """Draw the Nichols chart of the loop, with its exact delay, and the box of the criteria.
 
     Each mode of a flexible vehicle is marked at its peak by its name, with its gain or phase
@@ -123,7 +136,7 @@ def box_sides(criteria: Criteria) -> tuple[float, float, float]:
     return up, down, half_width
 
 
-def _draw_box(axes: "Axes", box: tuple[float, float, float], name: str) -> None:
+def _draw_box(axes: Axes, box: tuple[float, float, float], name: str) -> None:
     """Draw the criteria box around each point -1 of a Nichols chart."""
     from matplotlib.patches import Rectangle
 
@@ -148,7 +161,7 @@ def _critical(left: float, right: float) -> list[float]:
 
 
 def _frame_nichols(
-    axes: "Axes", samples: LoopSamples, marks: list[Mark], box: tuple[float, float, float]
+    axes: Axes, samples: LoopSamples, marks: list[Mark], box: tuple[float, float, float]
 ) -> None:
     """Set the frame around marks, box and curve, with the contours of |T|."""
     up, down, half_width = box
@@ -171,7 +184,7 @@ def _frame_nichols(
     fine_grid(axes)
 
 
-def _draw_contours(axes: "Axes") -> None:
+def _draw_contours(axes: Axes) -> None:
     """Draw the contours of |T|, T = L/(1 + L), in each turn of the frame."""
     angle = np.radians(np.linspace(-359.75, -0.25, 2000))[:, np.newaxis]
     closed = 10.0 ** (_GRID_DECIBELS / 20.0) * np.exp(1j * angle)
@@ -184,7 +197,7 @@ def _draw_contours(axes: "Axes") -> None:
             lines[0].set_label(_CONTOURS)
 
 
-def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "ControlPlot":
+def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> ControlPlot:
     """Draw magnitude and phase of the loop, with its exact delay, against frequency.
 
     A margin at zero frequency is marked on the left edge, and half the rate of a sampled loop by a
@@ -294,7 +307,7 @@ _ARC = 181
 """Number of points of the contour around a pole on the axis."""
 
 
-def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "ControlPlot":
+def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> ControlPlot:
     """Draw the Nyquist curve of the loop, the whole of it and the surroundings of -1.
 
     The delay is exact. The contour is indented to the right around poles of the loop on the
@@ -350,7 +363,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     return control_plot(lines, panels, _nyquist_curves(response, samples))
 
 
-def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
+def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
     """Return the response along the contour, indented to the right of poles on the axis.
 
     The contour of a sampled loop is in its variable w, at frequencies of the s plane.
@@ -396,7 +409,7 @@ def _max_magnitude(samples: LoopSamples) -> float:
     return 1.25 * largest if largest < 4.0 * scale else 2.0 * scale
 
 
-def _frame_critical_point(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
+def _frame_critical_point(axes: Axes, samples: LoopSamples, marks: list[Mark]) -> None:
     """Set the frame around -1, with the unit circle and the disk of the disk margin."""
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Circle
@@ -425,3 +438,62 @@ def _nyquist_curves(response: Any, samples: LoopSamples) -> Curves:
     omega = np.asarray(response.contour.imag)
     words = f"{samples.words}; {samples.verdict}"
     return Curves("nyquist", words, "frequency [rad/s]", omega, columns)
+
+
+_FREQUENCIES_HZ = np.logspace(-3.0, 2.0, 401)
+"""Frequencies [Hz]; of a sampled autopilot those up to half its rate."""
+_ANGLES, _RATES = "angles [deg/sqrt(Hz)]", "rates [deg/s/sqrt(Hz)]"
+_DRAWN: dict[str, tuple[str, Style]] = {
+    ANGLE_OF_ATTACK: (_ANGLES, {"color": INK, "lw": 1.4, "ls": "--"}),
+    "attitude": (_ANGLES, {"color": COLOURS[0], "lw": 1.6}),
+    DEFLECTION: (_ANGLES, {"color": WARM, "lw": 2.0}),
+    "attitude_rate": (_RATES, {"color": COLOURS[0], "lw": 1.6, "ls": ":"}),
+    DEFLECTION_RATE: (_RATES, {"color": WARM, "lw": 2.0, "ls": ":"}),
+}
+"""Panel and style of each output."""
+_DECADES = 6.0
+"""Decades of the ordinate below the largest value."""
+
+
+def spectrum_curves(covariance: LoopCovariance) -> Curves:
+    """Return the curves of `spectrum_chart`: square roots of one-sided spectra per Hz."""
+    instance("covariance", covariance, LoopCovariance, "see turbulence_covariance")
+    if not covariance.intensity:
+        raise InputError("a spectrum needs turbulence of an intensity above zero")
+    hertz = _FREQUENCIES_HZ[2.0 * np.pi * _FREQUENCIES_HZ <= covariance.max_frequency]
+    columns = []
+    for name, (panel, _) in _DRAWN.items():
+        if name in covariance.outputs:
+            power = 2.0 * np.pi * covariance.spectrum(2.0 * np.pi * hertz, name)
+            unit = "deg/sqrt(Hz)" if panel == _ANGLES else "deg/s/sqrt(Hz)"
+            density = np.degrees(np.sqrt(power))
+            columns.append(Column(name.replace("_", " "), density, unit, panel.split(" [")[0]))
+    words = f"spectra in turbulence of {covariance.intensity:.4g} m/s at {covariance.speed:.6g} m/s"
+    return Curves("turbulence", words, "frequency [Hz]", hertz, tuple(columns))
+
+
+def spectrum_chart(
+    covariance: LoopCovariance, title: str = "Spectra of the loop in turbulence"
+) -> ControlPlot:
+    """Draw the spectra of angles and rates of a loop in turbulence, over frequency.
+
+    Parameters
+    ----------
+    covariance : LoopCovariance
+        Result of `turbulence_covariance`.
+    title : str
+        Title of the figure.
+
+    Raises
+    ------
+    InputError
+        For turbulence without an intensity.
+    """
+    curves = spectrum_curves(covariance)
+    styles = {name.replace("_", " "): style for name, (_, style) in _DRAWN.items()}
+    ordinates = {label.split(" [")[0]: label for label in (_ANGLES, _RATES)}
+    plot = draw(curves, Look(title, ordinates, styles))
+    for axes, columns in zip(plot.axes.flat, curves.panels.values(), strict=False):
+        top = max(float(column.values.max()) for column in columns)
+        axes.set(xscale="log", yscale="log", ylim=(2.0 * top * 10.0**-_DECADES, 2.0 * top))
+    return plot
