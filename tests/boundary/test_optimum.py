@@ -303,6 +303,7 @@ def test_ratios_of_the_approximations_are_checked(call):
         call(0.5, 1.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("start", usual([0.0, -5.0, -10.0], 2))
 def test_what_is_not_reached_is_said_and_never_below_the_proved_bound(start):
     """A fast pair beside a pole with an e-folding time of an hour: the hardest of thousands."""

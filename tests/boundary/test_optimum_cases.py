@@ -50,6 +50,7 @@ def cases(count):
         yield Constraints(poles, rng.normal(size=count) / decays, horizon)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("count", usual([20, 60], 0))
 def test_random_cases_against_a_linear_program(count):
     for constraints in cases(count):

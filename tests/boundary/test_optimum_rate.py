@@ -123,6 +123,7 @@ def test_two_poles_against_another_program(tau_beta, rate):
     assert found <= other * (1.0 + 1e-4)
 
 
+@pytest.mark.thorough
 def test_more_steps_change_little_and_the_answer_settles():
     plant = configuration("drift-exact")
     wind = triangle(plant, 20.0)

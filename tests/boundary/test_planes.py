@@ -211,6 +211,7 @@ def test_where_the_driver_falls_and_returns_every_larger_limit_is_sufficient():
     assert (line.status == "ok") == (not found.notes[:-1])
 
 
+@pytest.mark.thorough
 def test_a_cluster_in_a_turning_wind_is_counted_from_inside():
     places = (1.0, 1.0j, -1.0, -1.0j)
     three = tv.boundary.Cluster(
@@ -266,6 +267,7 @@ def corners_needed(plant, wind, stop, even=60):
     return found.fun * scale
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("azimuth", usual([0.5, 1.0, 4.5], 1))
 def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved(azimuth):
     """In a part of the cells two corners share the deflection."""
@@ -287,6 +289,7 @@ def test_it_is_that_of_a_program_of_all_corners():
     assert needed == pytest.approx(best.peak, rel=1e-4)  # of wider cells
 
 
+@pytest.mark.thorough
 def test_what_is_left_of_a_minimum_is_told(monkeypatch):
     plant, wind, cluster = measured(1.0)
     solved = tv.boundary.plane_optimum(plant, wind, cluster)

@@ -109,6 +109,7 @@ def place(wind: WindOf, vehicle: tv.Vehicle, time: float) -> PlacedWind:
     return placed_in_planes(("pitch",), wind, vehicle, time, "peak", 1.0)["pitch"]
 
 
+@pytest.mark.thorough
 @by_turns("wind, schedule, cut", WINDS, SCHEDULES, CUTS, each=29)
 def test_each_row_of_a_sizing_has_a_number_or_a_reason(
     sources: dict[str, str], schedule: str, cut: str, wind: str

@@ -399,6 +399,7 @@ def test_gains_that_nobody_specified_are_called_textbook_gains_and_those_propose
     assert "gains that satisfy" not in better.stdout
 
 
+@pytest.mark.thorough
 def test_an_actuator_is_called_assumed_until_it_is_specified_even_by_the_same_numbers(tmp_path):
     head = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 2\nduration_s = 7.5\n'
     loop = head + '[criteria]\nname = "classic"\n[autopilot]\ndesign = "lqr"\n'

@@ -33,6 +33,7 @@ def place(tmp_path_factory):
     return folder
 
 
+@pytest.mark.thorough
 def test_show_says_what_the_library_finds(place):
     found = tv.ensembles.open_campaign(place / "results")
     document = json.loads(run(place / "results", "--json").stdout)
@@ -61,6 +62,7 @@ def test_show_answers_other_questions(place):
     assert document["lower_deg"] <= document["estimate_deg"] <= document["upper_deg"]
 
 
+@pytest.mark.thorough
 def test_show_says_which_dead_band_trusts_a_forecast(place):
     said = "trusts a forecast of the wind"
     assert said in run(place / "results", "--output", "required_K0.5").output
@@ -115,6 +117,7 @@ def test_resume_names_what_is_damaged_and_mends_it(place, tmp_path):
     assert run(folder).output == run(place / "results").output
 
 
+@pytest.mark.thorough
 def test_it_stops_when_converged(place, tmp_path):
     keys = ("--set", "question.probability=0.5", "--set", "campaign.until_percent=10")
     for folder in ((), ("-o", tmp_path / "results")):
@@ -126,6 +129,7 @@ def test_a_folder_and_the_memory_hold_the_same(place):
     assert in_memory == json.loads(run(place / "results", "--json").stdout)
 
 
+@pytest.mark.thorough
 def test_a_vehicle_is_dispersed_as_its_study(tmp_path):
     options = ("--peak-deg", 4, "--duration", 6, "--plane", "yaw", "--dead-band", 0.8)
     dispersed = run("configuration-ii", *options, "--limit-deg", 0.4, "--cases", 50, "--json")

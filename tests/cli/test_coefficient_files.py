@@ -74,6 +74,7 @@ def without(keys: set[str], document: Any) -> Any:
     return {key: without(keys, value) for key, value in document.items() if key not in keys}
 
 
+@pytest.mark.thorough
 def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
     study = json.loads(run("study", slopes, "--json").stdout)
     boundary = tv.boundary_limit(

@@ -198,6 +198,7 @@ def test_an_option_changes_the_answer_or_is_refused(count):
     assert not wrong, "\n".join(sorted(wrong))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("command", "start", "option", "value"),
     [("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "delay_ms", "15")],

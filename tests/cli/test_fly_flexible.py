@@ -48,6 +48,7 @@ def law_of(plant, *filters):
     return tv.SaturatedLaw(gains)
 
 
+@pytest.mark.thorough
 def test_the_flexible_vehicle_flies_with_limits_beside_the_rigid_one(mine, tmp_path):
     curves = tmp_path / "flown.csv"
     rate = ("--set", "nozzle.rate_limit_deg_per_s=1.2")

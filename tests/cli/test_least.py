@@ -27,6 +27,7 @@ def run(*arguments):
     return CliRunner().invoke(app, list(arguments))
 
 
+@pytest.mark.thorough
 def test_gains_are_sought_and_their_winds_listed():
     found = run("design", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
     assert found.exit_code == 0

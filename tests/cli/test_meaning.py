@@ -55,6 +55,7 @@ def test_what_has_no_meaning_is_refused(arguments, words):
     assert (result.exit_code, words in result.output) == (2, True), result.output
 
 
+@pytest.mark.thorough
 def test_the_wind_gain_of_a_vehicle_that_bends_is_that_of_a_dense_sweep():
     plant = tv.linear.plant_of(tv.load_vehicle("made-up-launcher"))
     autopilot = tv.design_gains(

@@ -147,6 +147,7 @@ def test_without_numba_a_command_says_so_once_and_its_page_has_the_same_bytes(
     assert b"numba" not in installed
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("_without_numba")
 def test_without_numba_the_work_of_all_cases_of_a_campaign_is_announced_at_its_start(
     tmp_path: Path,

@@ -168,6 +168,7 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
     }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("command", usual(["respond", "boundary", "design", "margins", "fly"], 0))
 def test_a_study_file_and_options_give_the_same_answer(command, file):
     own = {

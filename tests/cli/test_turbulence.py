@@ -127,6 +127,7 @@ def test_bad_keys_are_refused_in_a_sentence(tmp_path: Path, keys: str, sentence:
     assert sentence in " ".join(found.output.replace("│", " ").split())
 
 
+@pytest.mark.thorough
 def test_in_a_head_wind_the_dynamic_pressure_at_its_peak_is_an_upper_bound(tmp_path: Path) -> None:
     study = STUDY.replace('sign = "frozen"\n', "")
     nominal = json.loads(run(tmp_path, "intensity_m_per_s = 6", "--json").stdout)

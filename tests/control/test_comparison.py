@@ -368,6 +368,7 @@ def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
             assert (edge.duration, edge.at_range_end) == (pytest.approx(end, rel=1e-12), True)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("damping", "low"),
     usual([(0.003, 54.0), (0.003, 35.0), (0.01, 20.0), (0.01, 1.0)], 0),

@@ -232,6 +232,7 @@ def test_detuned_modes_of_the_booster():
     assert "bending 1 x 0.8" in found._repr_html_()
 
 
+@pytest.mark.thorough
 def test_detuned_modes_are_held_to_what_is_asked_of_modes():
     """4.861 dB are left of the second mode at 0.9 of its frequency, of 16.816 dB at its place."""
     asked = tv.control.Criteria.custom(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
@@ -401,6 +402,7 @@ def test_the_worst_wind_of_a_loop_with_filters_is_that_of_a_fine_grid():
     assert highest == pytest.approx(found, rel=1e-6)  # the grid's step, squared
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("factor", usual([0.5, 1.0, 3.5], 1))
 def test_the_distance_of_a_mode_is_the_least_of_a_much_finer_look(factor):
     """Polished between frequencies; with a high gain some modes come close to -1."""

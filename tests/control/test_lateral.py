@@ -433,6 +433,7 @@ def test_a_sampled_flight_with_drift_is_the_integral_of_own_equations():
     assert many.peak_attitude == pytest.approx(np.abs(np.array(states)[:, 0]).max(), rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_a_planar_flight_with_drift_is_linear_in_a_small_wind():
     vehicle = tv.load_vehicle("configuration-i")
     gains = replace(

@@ -63,6 +63,7 @@ def hasty(monkeypatch):
     monkeypatch.setitem(search_of._LINEAR_SEARCH, "rounds", 4)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("model", "gains", "crossover", "tau_beta", "peak", "held"),
     usual(

@@ -88,6 +88,7 @@ def test_a_cluster_loses_a_worker_and_nothing_else(plan, whole, tmp_path):
     same(whole, found)
 
 
+@pytest.mark.thorough
 def test_a_scheduler_that_is_not_there(plan, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setattr("tvclin.ensembles.campaign.chunk_runner._TIMEOUT", 0.5)

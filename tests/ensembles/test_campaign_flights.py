@@ -106,6 +106,7 @@ def test_laws_that_lean_survive_where_trim_does_not(trimmed, law):
         assert survived.sum() > (trimmed["flight_survived"] == 1.0).sum()
 
 
+@pytest.mark.thorough
 def test_boundaries_flown_in_six_degrees_go_through_the_same_chunks():
     pytest.importorskip("jsbsim")
     tables = {

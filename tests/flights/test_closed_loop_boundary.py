@@ -159,6 +159,7 @@ def test_no_law_needs_less_than_the_two_minima():
     assert max(bound, known) <= found(drifting, lean(drifting), wind) <= bound + 0.03
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("tau_beta", "B", "peak"), usual([(8.0, 0.8, 1.0), (8.0, 1.0, 0.8), (20.0, 0.9, 1.0)], 2)
 )

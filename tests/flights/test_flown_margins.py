@@ -136,6 +136,7 @@ def test_far_from_the_stop_they_are_the_linear_margins_of_the_sampled_loop(late)
     )
 
 
+@pytest.mark.thorough
 def test_the_course_booster_has_426_ms_in_continuous_time_and_half_a_sample_less_here():
     plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=0.228, mu_delta=1.317))
     gains = tv.Autopilot(attitude_gain=1.88, rate_gain=1.59)
@@ -212,6 +213,7 @@ def flown(change, value, law, limit, rate):
     return tv.fly_many(PLANT, law, WIND, delay=value, **options)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "change"),
     usual([("gain_fall", "gain"), ("effectiveness_fall", "effectiveness"), ("delay", "delay")], 0),
@@ -338,6 +340,7 @@ def test_sudden_stops_and_a_slow_nozzle_leave_no_more():
     assert slow.gain_rise.loss < free.gain_rise.loss == np.inf  # a ringing nozzle is dear
 
 
+@pytest.mark.thorough
 def test_a_switch_may_lose_earlier_than_the_loop_grows_and_survive_again():
     found = margins(LAWS["dead band"], 1.5)
     assert found.delay.value == pytest.approx(0.583, abs=1e-3)

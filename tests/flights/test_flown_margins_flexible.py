@@ -34,6 +34,7 @@ def found(request):
     return plant, tv.flights.flown_margins(plant, law, WIND, limit=LIMIT, **nozzle)
 
 
+@pytest.mark.thorough
 def test_near_rest_they_are_the_margins_of_the_sampled_loop(found):
     """Another engine: the loop in the w plane, its crossings by Newton's method."""
     plant, m = found

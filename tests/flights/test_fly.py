@@ -488,6 +488,7 @@ def test_a_law_that_chatters_is_told_to_be_sampled(monkeypatch):
         tv.fly(plant_of(), Relay(), WIND, [0.0, 20.0], deflection_limit=B * PEAK)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("late", usual([1e6, 1e8], 0))
 def test_a_flight_long_after_the_beginning_of_time_is_that_at_zero(late):
     plant, law = plant_of("fixed-path"), LAWS["lean"](plant_of("fixed-path"))

@@ -76,6 +76,7 @@ def stepped(plant, commands_of, times, *, steps, rate_limit=np.inf, stop=np.inf)
     return np.array(shown).T
 
 
+@pytest.mark.thorough
 def test_without_limits_a_flight_is_the_integral_of_its_equations():
     """One system: vehicle, servo and sensors; the command is held over each sample."""
     A, B, C, _ = PLANT.matrices()

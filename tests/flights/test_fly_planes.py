@@ -99,6 +99,7 @@ def test_each_plane_by_itself_costs_what_the_square_inside_costs() -> None:
     assert np.all(found.peak_deflection <= np.array([0.98, 1.02]) * edge * TRIM * (1 + 1e-12))
 
 
+@pytest.mark.thorough
 def test_the_limit_of_a_law_is_found_as_in_one_plane() -> None:
     """Both scan alike: of a straight wind the edges are the same."""
     short = tv.TriangularWind(peak=0.08, duration=4.0)

@@ -135,6 +135,7 @@ def test_a_gain_is_that_of_many_flights_to_the_last_digit(compiled):
         assert np.abs(one.outputs["attitude"]).max() == many.peak_attitude[0]
 
 
+@pytest.mark.thorough
 def test_without_pause_a_gain_is_that_of_the_gains():
     plant, times, gain = plant_of("drift-exact"), np.linspace(0.0, 15.0, 40), 1.3
     louder = tv.Autopilot(

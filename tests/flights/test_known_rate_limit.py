@@ -147,6 +147,7 @@ def test_with_drift_an_actuator_a_delay_and_sudden_stops():
     assert found.limit < 0.65
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", usual(["trim", "recoverable-attitude"], 0))
 def test_flights_in_jsbsim_need_the_same_within_half_a_percent(name):
     """In a wind of half a degree, where the linear plant is the vehicle."""

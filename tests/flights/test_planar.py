@@ -103,6 +103,7 @@ def test_without_drift_the_boundary_is_equation_12(name, K, limit):
     assert flown.limit == pytest.approx(limit, abs=4e-4)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "K", "limit"),
     usual(
@@ -133,6 +134,7 @@ def test_without_drift_the_attitude_is_equation_13():
     assert expected.max() > 0.16
 
 
+@pytest.mark.thorough
 def test_a_law_flies_as_in_the_linear_theory():
     vehicle, wind = case(NAMES[0], peak=1e-4)
     plant = tv.Plant.from_vehicle(vehicle, "drift-and-speed")

@@ -82,6 +82,7 @@ def test_the_boundary_with_drift_is_that_of_the_cubic_model(
         assert flown.limit == pytest.approx(other, abs=1e-3)
 
 
+@pytest.mark.thorough
 def test_what_is_not_linear_grows_with_the_wind_and_turns_with_its_sign(configuration_i):
     """A tail wind is felt less once the path has turned, a head wind more."""
     exact = tv.boundary_limit(
@@ -327,6 +328,7 @@ def test_over_the_earth_a_flight_is_measured_against_the_one_without_wind(config
     assert np.abs(blown.outputs - flat.outputs).max() > 1e-6
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("plane", usual(["pitch", "yaw"], 1))
 def test_the_turning_earth_moves_the_frozen_boundary_by_less_than_a_part_in_500(
     configuration_i, plane

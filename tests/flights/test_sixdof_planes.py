@@ -38,6 +38,7 @@ def test_a_slanting_wind_has_the_linear_boundary_within_a_percent(drift, stop) -
     assert survives(1.01 * linear.limit * TRIM)
 
 
+@pytest.mark.thorough
 def test_a_turning_wind_asks_for_what_the_linear_flight_says() -> None:
     """More than the boundary of both planes; within a percent of the flight of the linear model."""
     wind = tv.winds.PlaneWind.veering(GUST, angle=0.3, rate=np.radians(180) / GUST.duration)

@@ -39,6 +39,7 @@ def random_inputs(rng: np.random.Generator) -> tuple[tv.winds.History, tv.winds.
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_random_responses_keep_eleven_digits(model: str) -> None:
     rng = np.random.default_rng(MODELS.index(model))

@@ -55,6 +55,7 @@ def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
             assert trade_off.survives[law] == bool(NOZZLE.limit >= trade_off.required[law])
 
 
+@pytest.mark.thorough
 def test_no_law_needs_less_than_its_bound_and_more_rate_is_never_worse(found):
     """The law that knows its rate comes near the bound; a boundary is known to 1e-3 of trim."""
     cases, trade_offs, _ = found

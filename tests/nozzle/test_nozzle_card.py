@@ -177,6 +177,7 @@ def by_small_steps(case, law):
     return np.array(rows).T
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("rate", usual([None, 0.9], 1))
 def test_the_card_of_a_flight_is_that_of_an_integration_by_small_steps(rate):
     """Torque and power by the nozzle's own equation, with friction, offsets and the vehicle."""

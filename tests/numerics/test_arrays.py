@@ -277,6 +277,7 @@ def test_transforms_agree_with_quadrature(s):
     assert np.iscomplexobj(h.laplace(s)) == isinstance(s, complex)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("s", usual([0.2, 1.5, 0.0, 0.7 - 1j], 0))
 def test_the_discounted_future_agrees_with_quadrature(s):
     h, times = mixed(), np.array([-3.0, -1.0, 0.2, 0.5, 1.7, 2.0, 5.0, 7.0, 30.0])

@@ -76,6 +76,7 @@ def test_a_flight_of_trim_alone_is_marked():
     assert not notes["y_BR (boundary), flown"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("draw", "name", "K", "tau_beta"),
     usual(

@@ -96,6 +96,7 @@ def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None
         assert np.all(found.required[name][1:, 0] > 0.0)
 
 
+@pytest.mark.thorough
 def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
     """The trim law is flown by an own integration, at 0.95 and 1.02 of what is said."""
     met = tv.fly_through(sounding(), flight, azimuth=EAST)

@@ -246,6 +246,7 @@ def test_a_stable_vehicle_needs_nothing():
     assert (found.deflection[0], found.limit[0]) == (0.0, 0.0)
 
 
+@pytest.mark.thorough
 def test_a_stable_vehicle_whose_path_grows_needs_what_the_trim_law_does(configuration_i):
     plant = tv.Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=-7.0), "drift-exact")
     law = trim_law(plant)

@@ -40,6 +40,7 @@ def sounding(rng: np.random.Generator) -> tv.WindProfile:
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "soundings"),
     usual([("launcher", 10), *((name, 40) for name in ("launcher", *REPORTED))], 0),

@@ -160,6 +160,7 @@ def test_the_controllability_ratio_is_that_of_its_parts():
     assert asked.ratio(tv.Case(vehicle=booster), asked.sizing(case)) is None
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("window", usual([None, 20.0], 0))
 def test_in_a_sounding_the_controllability_ratio_pairs_each_angle_with_the_vehicle_of_its_time(
     tmp_path, window

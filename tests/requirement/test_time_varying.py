@@ -98,6 +98,7 @@ def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
     np.testing.assert_allclose(ratios, 16.0, rtol=1 / 3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 0))
 def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> None:
     """LSODA with the vehicle of each time, from the onset to the end, and the costate there."""

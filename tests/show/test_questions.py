@@ -104,6 +104,7 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     assert f"without a limit it would turn the nozzle by {asks:.3f} deg" in said.text
 
 
+@pytest.mark.thorough
 def test_an_autopilot_that_its_rate_limit_loses_is_not_enough() -> None:
     """With every limit that is tried, and its peak without stop and rate limit below the limit."""
     design = tv.AutopilotDesign(design="half-relief")

@@ -42,6 +42,7 @@ def everything(names, tmp_path_factory, no_flights):
         return output, run("--output", output)
 
 
+@pytest.mark.thorough
 def test_all_files_are_written_and_told(names, everything):
     output, result = everything
     expected = {f"{name}.{kind}" for name in names for kind in ("png", "csv")}
