@@ -19,6 +19,7 @@ from tests.schedules.samples import MAP
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.public_names import CHAPTERS
 from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.autopilot.gain_table import GainTable
 from tvclin.design import minimum_gains, worst_case
 from tvclin.flights.closed_loop import fly_planes as in_step
 from tvclin.linear.system import LinearSystem
@@ -839,6 +840,9 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plane": "pitch",
             },
         ),
+        "Sweep.time_table": Door(
+            tv.control.sweep(bent, two, times=[60.0, 66.0]).time_table, {"rows": 2}
+        ),
         "fly_along": Door(
             tv.flights.fly_along,
             {
@@ -971,10 +975,15 @@ def doors(folder: Path) -> dict[str, Door]:
                 "attitude_filters": (notch,),
                 "rate_filters": (notch,),
                 "sample_rate": 50.0,
+                "schedule": GainTable(notches=(mode_notch,)),
             },
         ),
+        "AutopilotDesign.options": Door(
+            tv.AutopilotDesign(design="canonical").options, {"actuator": tv.Actuator()}
+        ),
         "AutopilotDesign.from_table": Door(
-            tv.AutopilotDesign.from_table, {"table": {"attitude_gain": 0.2, "rate_gain_s": 0.2}}
+            tv.AutopilotDesign.from_table,
+            {"table": {"attitude_gain": 0.2, "rate_gain_s": 0.2}, "folder": folder},
         ),
         "AutopilotDesign.autopilot": Door(
             tv.AutopilotDesign(design="canonical").autopilot,

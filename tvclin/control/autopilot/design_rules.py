@@ -19,6 +19,7 @@ from tvclin.base.errors import (
     nonnegative,
     number,
     one_of,
+    path,
     positive,
     shown,
     single,
@@ -267,7 +268,7 @@ class AutopilotDesign:
         chains: dict[str, Any] = filter_chains([row for row in rows if row not in following])
         if "schedule" in keys or following:
             name = keys.pop("schedule", None)
-            gains = GainTable() if name is None else load_gains(_file(name, folder))
+            gains = GainTable() if name is None else load_gains(_file(name, path("folder", folder)))
             notches = tuple(_mode_notch(row) for row in following)
             keys["schedule"] = replace(gains, notches=notches)
         return cls(**keys, **chains)

@@ -12,7 +12,15 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, ComplexArray, FloatArray
 from tvclin.base.cards import table
 from tvclin.base.columns import Column, Columns, Tabled
-from tvclin.base.errors import InputError, finite, instance, one_row, positive, times_row
+from tvclin.base.errors import (
+    InputError,
+    finite,
+    instance,
+    one_row,
+    positive,
+    times_row,
+    whole_number,
+)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, number, significant, text
 from tvclin.base.quantities import satisfaction
@@ -184,10 +192,11 @@ class Sweep(Tabled):
         """Return the table of the margins by flight time, and of those with one mode changed.
 
         `rows`: largest number of even flight times, to which those of the worst are added; by
-        default all. "detuned" is the smallest margin with a changed mode over its limit.
+        default all. "detuned" is the smallest margin with a changed mode over its limit. Raises
+        `InputError` for rows that are no whole number.
         """
         shown = np.arange(self.times.size)
-        if rows is not None and shown.size > rows:
+        if rows is not None and shown.size > whole_number("rows", rows):
             worst = [int(np.argmin(np.abs(self.times - w.time))) for w in self.worst]
             shown = np.unique([*np.linspace(0, shown[-1], rows).round().astype(int), *worst])
         columns = self._by_time()
