@@ -526,3 +526,70 @@ def test_a_file_gives_the_gains_of_drift_and_acceleration_in_its_units():
     assert (made.drift_gain, made.acceleration_gain) == (1e-5, 1e-3)
     assert made.acceleration_station == pytest.approx(3.048)
     assert made.accelerometer_bandwidth == pytest.approx(2 * np.pi * 10.0)
+
+
+GAINS_IN_STATE_SPACE = tv.control.SystemAutopilot(
+    control.StateSpace(
+        [],
+        [],
+        [],
+        [[1.25, 0.62, 8e-4, 5e-4, 2e-3]],
+        inputs=["attitude", "attitude_rate", "drift_rate", "drift", "lateral_acceleration"],
+        outputs=["deflection_command"],
+    ),
+    actuator=ALL.actuator,
+    delay=ALL.delay,
+    acceleration_station=ALL.acceleration_station,
+    accelerometer_bandwidth=ALL.accelerometer_bandwidth,
+)
+
+
+@pytest.mark.parametrize("rate", [None, 40.0])
+@pytest.mark.parametrize("own", [False, True], ids=["plant", "plant with lateral outputs"])
+def test_a_controller_that_reads_drift_and_acceleration_is_that_of_gains(rate, own):
+    plant = tv.linear.lateral_plant(PLANT, station=4.0, position=True) if own else PLANT
+    gains, controller = (replace(a, sample_rate=rate) for a in (ALL, GAINS_IN_STATE_SPACE))
+    expected = [getattr(gains.margins(PLANT), name) for name in MARGINS]
+    assert [getattr(controller.margins(plant), name) for name in MARGINS] == pytest.approx(
+        expected, rel=1e-9
+    )
+    if rate is None and own:
+        return  # a plant from matrices is flown by samples
+    times = np.linspace(0.0, 20.0, 21)
+    by_gains, flown = (
+        tv.fly(one, law, WIND, times, **HARDWARE, sample_rate=rate).outputs
+        for one, law in ((PLANT, LAW), (plant, tv.control.SystemLaw(controller)))
+    )
+    for name in (*LABELS[:1], "sensed_drift", "deflection"):
+        error = np.abs(flown[name] - by_gains[name]).max()
+        assert error < 1e-9 * np.abs(by_gains[name]).max(), name
+
+
+def test_flown_margins_and_many_flights_of_a_controller_with_drift_are_those_of_gains():
+    law = tv.control.SystemLaw(GAINS_IN_STATE_SPACE)
+    many, expected = (
+        tv.fly_many(
+            PLANT, one, WIND, **HARDWARE | {"deflection_limit": [0.02, 0.5]}, sample_rate=40
+        )
+        for one in (law, LAW)
+    )
+    assert many.status.tolist() == expected.status.tolist() == ["lost", "survived"]
+    np.testing.assert_allclose(many.peak_attitude, expected.peak_attitude, rtol=1e-9)
+    hardware = Hardware(0.04, 0.01, ALL.actuator)
+    flight, by_gains = (one_flight(PLANT, one, WIND, 0.1, hardware) for one in (law, LAW))
+    pole = float(PLANT.coefficients.pole)
+    assert linear_gain_margins(flight, "gain", pole) == pytest.approx(
+        linear_gain_margins(by_gains, "gain", pole), rel=1e-9
+    )
+    assert linear_delay_margin(flight, pole) == pytest.approx(
+        linear_delay_margin(by_gains, pole), rel=1e-9
+    )
+
+
+def test_a_controller_that_reads_drift_is_refused_where_there_is_none():
+    still = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=2.1, mu_delta=3.9), "fixed-path")
+    with pytest.raises(tv.InputError, match="drift|path|velocity"):
+        GAINS_IN_STATE_SPACE.margins(still)
+    with pytest.raises(tv.InputError, match="steady_drift is of gains"):
+        tv.control.steady_drift(GAINS_IN_STATE_SPACE, PLANT)
+    assert tv.compare_with_trim(PLANT, GAINS_IN_STATE_SPACE, WIND).steady_drift_rate is None

@@ -224,6 +224,8 @@ class Case:
                 actuator=self.nozzle.actuator,
                 delay=design.delay,
                 sample_rate=design.sample_rate,
+                acceleration_station=design.acceleration_station,
+                accelerometer_bandwidth=design.accelerometer_bandwidth,
                 **chains,
             )
         return self.autopilot_design.autopilot(self.plant.rigid, self.nozzle.actuator)

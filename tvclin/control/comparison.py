@@ -337,11 +337,11 @@ class TrimComparison(Shown):
     def steady_drift_rate(self) -> float | None:
         """Steady drift rate [m/s] in a constant wind of this peak, of feedback of lateral motion.
 
-        None for an autopilot without such feedback, an unstable loop, and a plant without a path
+        None for an autopilot without gains on it, an unstable loop, and a plant without a path
         of its own; see `steady_drift`.
         """
         plant, autopilot = self.plant.rigid, self.autopilot
-        if not autopilot.lateral_sensors.signals or not self.margins.stable:
+        if not autopilot.lateral_gains or not self.margins.stable:
             return None
         if not plant.is_rigid or plant.model not in ("drift", "drift-exact"):
             return None

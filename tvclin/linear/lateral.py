@@ -21,6 +21,8 @@ from tvclin.linear.system_plant import SystemPlant
 
 DRIFT_RATE, DRIFT, ACCELERATION = "sensed_drift_rate", "sensed_drift", "sensed_acceleration"
 """Names of the outputs [m/s], [m] and [m/s^2]."""
+SENSOR_OF = {"drift_rate": DRIFT_RATE, "drift": DRIFT, "lateral_acceleration": ACCELERATION}
+"""Output of the sensor by the name of the lateral signal."""
 _FORCE = "acceleration ahead of the lag"
 """Name of the acceleration before the lag."""
 
@@ -48,7 +50,10 @@ class LateralSensors:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states of the sensors: the drift, and the lag of the accelerometer."""
+        """Names of the states of the sensors: the drift, and the lag of the accelerometer.
+
+        Around a plant with an output drift only the lag is a state.
+        """
         return tuple(name.removeprefix("sensed_") for name in self.signals if name != DRIFT_RATE)
 
     def measurements(self, values: FloatArray) -> dict[str, Any]:
@@ -77,8 +82,8 @@ class LateralSensors:
     def system(self, plant: AnyPlant) -> LinearSystem:
         """Return the plant with the sensors; its outputs are the plant's, then `signals`.
 
-        Its states are the plant's, then the drift and the lag of the accelerometer. `InputError`
-        as `Plant.lateral_rows`.
+        Its states are the plant's, then the drift, unless that is an output of the plant, and the
+        lag of the accelerometer. `InputError` as `Plant.lateral_rows`.
         """
         system = plant.system
         if not self.signals:
@@ -88,7 +93,12 @@ class LateralSensors:
         blocks, raw = [], {}
         if self.drift_rate or self.drift:
             raw[DRIFT_RATE] = plant.lateral_rows("drift_rate", self.station)
-        if self.drift:
+        if self.drift and "drift" in system.outputs:
+            k = system.outputs.index("drift")
+            raw[DRIFT] = system.C[..., k, :], system.D[..., k, :]
+            if np.any(raw[DRIFT][1]):
+                raise InputError("drift of the plant must not follow deflection or wind at once")
+        elif self.drift:
             blocks.append(_first_order(0.0, 1.0, DRIFT_RATE, DRIFT))
         if self.acceleration:
             raw[_FORCE] = plant.lateral_rows("acceleration", self.station)

@@ -119,7 +119,7 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
     Raises
     ------
     InputError
-        For another model, and coefficients without velocity.
+        For another model, coefficients without velocity, and a controller in state space.
 
     Notes
     -----
@@ -137,6 +137,8 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
     """
     speed = _speed(plant)
     instance("autopilot", autopilot, Feedback, "see design_gains")
+    if autopilot.controller is not None:
+        raise InputError("steady_drift is of gains; of a controller see its wind_response")
     broadcast(autopilot=autopilot.batch, plant=plant.batch)
     c = plant.coefficients
     b1, difference = np.asarray(c.b1), np.asarray(c.b1 - c.b2)

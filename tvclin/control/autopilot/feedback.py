@@ -198,13 +198,14 @@ class Feedback(Record):
 
     @property
     def lateral_gains(self) -> dict[str, float | FloatArray]:
-        """Gains on the outputs of the lateral sensors, by the name of the output."""
+        """Gains on the outputs of the lateral sensors by name; those of a controller have none."""
         gains = {
             DRIFT_RATE: self.drift_rate_gain,
             DRIFT: self.drift_gain,
             ACCELERATION: self.acceleration_gain,
         }
-        return {name: gains[name] for name in self.lateral_sensors.signals}
+        used = () if self.controller is not None else self.lateral_sensors.signals
+        return {name: gains[name] for name in used}
 
     @property
     def batch(self) -> tuple[int, ...]:

@@ -17,6 +17,7 @@ from tvclin.base.fields import spec
 from tvclin.base.lines import Row, significant
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
+from tvclin.linear.lateral import SENSOR_OF, LateralSensors
 from tvclin.linear.named_systems import check_hidden_modes, eigenvectors, named_system
 from tvclin.linear.system import LinearSystem
 from tvclin.numerics import state_space
@@ -39,9 +40,10 @@ class SystemAutopilot(Autopilot):
     system : control.StateSpace or control.TransferFunction
         From outputs of the plant, by their names, to the deflection command [rad]. Its inputs
         attitude and attitude_rate are what the sensors show, the attitude minus its command;
-        deflection is that of the actuator. A positive output pitches the nose down, as with
-        positive gains of an `Autopilot`. With a sample time it is the difference equations of a
-        flight computer.
+        drift_rate [m/s], drift [m] and lateral_acceleration [m/s^2] are those of lateral sensors,
+        the acceleration behind the lag of its accelerometer; deflection is that of the actuator. A
+        positive output pitches the nose down, as with positive gains of an `Autopilot`. With a
+        sample time it is the difference equations of a flight computer.
     inputs : sequence of str, optional
         Names of the inputs, in place of those of the system.
     actuator : Actuator, optional
@@ -55,6 +57,8 @@ class SystemAutopilot(Autopilot):
     sample_rate : float, optional
         Samples per second [Hz] of a continuous system, with a zero-order hold of its inputs. That
         of a system with a sample time is one over it.
+    acceleration_station, accelerometer_bandwidth : float
+        Position of the accelerometer ahead of the centre of gravity [m], and its bandwidth [rad/s].
 
     Raises
     ------
@@ -114,6 +118,13 @@ class SystemAutopilot(Autopilot):
     def controller(self) -> LinearSystem:
         """State space from outputs of the plant to the deflection command."""
         return self.system
+
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of the lateral motion that the controller reads."""
+        drift_rate, drift, acceleration = (name in self.system.inputs for name in SENSOR_OF)
+        place = self.acceleration_station, self.accelerometer_bandwidth
+        return LateralSensors(drift_rate, drift, acceleration, *place)
 
     @property
     def continuous(self) -> Self:

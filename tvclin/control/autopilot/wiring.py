@@ -26,7 +26,7 @@ from tvclin.control.autopilot.actuator import Matrices, pade_delay, plant_with_a
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop, SampledLoop, w_plane_loop
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.lateral import ACCELERATION, DRIFT, DRIFT_RATE
+from tvclin.linear.lateral import ACCELERATION, DRIFT, DRIFT_RATE, SENSOR_OF
 from tvclin.linear.named_systems import require_signals
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
@@ -175,14 +175,14 @@ def _controller_blocks(
 
 
 def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
-    """Raise `InputError` for an input of a controller that neither plant nor actuator gives."""
-    available = (*plant.outputs, "deflection", _ATTITUDE_COMMAND)
-    require_signals("the plant", "output", controller.inputs, available)
+    """Raise `InputError` for an input that neither plant, lateral sensors nor actuator give."""
+    available = dict.fromkeys((*plant.outputs, *SENSOR_OF, "deflection", _ATTITUDE_COMMAND))
+    require_signals("the plant", "output", controller.inputs, tuple(available))
 
 
 def controller_system(controller: LinearSystem) -> LinearSystem:
-    """Return a controller with its attitude and attitude_rate named as `LAW_INPUTS`."""
-    names = dict(zip(("attitude", "attitude_rate"), LAW_INPUTS[:2], strict=True))
+    """Return a controller with its measured inputs named as `LAW_INPUTS`."""
+    names = dict(zip(("attitude", "attitude_rate"), LAW_INPUTS[:2], strict=True)) | SENSOR_OF
     states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
     return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
 
@@ -192,7 +192,7 @@ def measured_outputs(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
     if autopilot.controller is None:
         return (*plant.sensed, "angle_of_attack", *autopilot.lateral_sensors.signals)
     check_controller(autopilot.controller, plant)
-    names = dict(zip(("attitude", "attitude_rate"), plant.sensed, strict=True))
+    names = dict(zip(("attitude", "attitude_rate"), plant.sensed, strict=True)) | SENSOR_OF
     read = (names.get(name, name) for name in autopilot.controller.inputs)
     return tuple(dict.fromkeys(name for name in read if name != _ATTITUDE_COMMAND))
 

@@ -14,10 +14,11 @@ from tvclin.control.autopilot.system_autopilot import SystemAutopilot
 from tvclin.control.autopilot.wiring import controller_system
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
+from tvclin.linear.lateral import SENSOR_OF, LateralSensors
 from tvclin.linear.system import LinearSystem
 
-_MEASURED = Measurement._fields[:5]
-"""Measurements of a controller in state space: all but those of lateral sensors."""
+_MEASURED = (*Measurement._fields[:5], *SENSOR_OF)
+"""Inputs of a controller in state space, in the order of `Measurement`."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,11 @@ class SystemLaw(Law):
         """Filter chains of the autopilot."""
         a = self.autopilot
         return Chains(a.attitude_filters, a.rate_filters, a.filters)
+
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of the lateral motion that the controller reads."""
+        return self.autopilot.lateral_sensors
 
     @property
     def numbers(self) -> LawNumbers:

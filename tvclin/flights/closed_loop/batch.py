@@ -455,7 +455,9 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
             A=plant.A,
             gust=np.ascontiguousarray(plant.B[..., 1]),
             fastest=np.abs(plant.poles).max(axis=-1),
-            judges=widened(judges.rows[criteria_index], N, batch.laws.sensors),
+            judges=widened(
+                judges.rows[criteria_index], N, len(plant.states) - len(batch.plant.system.states)
+            ),
             reach=judges.reach[criteria_index],
             ratio=judges.ratio[criteria_index],
         ),
@@ -590,12 +592,11 @@ def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Flight
     )
 
 
-def widened(rows: FloatArray, width: int, sensors: LateralSensors) -> FloatArray:
-    """Return the rows cut or padded with zeros to a width, with zeros for the sensors' states.
+def widened(rows: FloatArray, width: int, count: int) -> FloatArray:
+    """Return the rows cut or padded with zeros to a width, with zeros for `count` sensor states.
 
     The last two columns are those of deflection and deflection rate.
     """
-    count = len(sensors.states)
     rows = np.insert(rows, [rows.shape[-1] - 2] * count, 0.0, axis=-1)
     wide = np.zeros((*rows.shape[:-1], width))
     common = min(width, rows.shape[-1])

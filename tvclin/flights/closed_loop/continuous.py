@@ -170,7 +170,8 @@ class Loop:
         F, G = self.memory
         if len(F):
             memory = states[order + self.servo :]
-            rates[order + self.servo :] = F @ memory + G @ np.array([*measured[:4], deflection])
+            inputs = measured._replace(deflection=deflection)[: G.shape[1]]
+            rates[order + self.servo :] = F @ memory + G @ np.array(inputs)
         return rates
 
 

@@ -211,7 +211,7 @@ class Stages:
             "shown": sensed_rows(plant),
             "A": moving.A,
             "gust": moving.B[..., 1],
-            "judges": widened(criteria.rows, steps.joint.shape[2], self.sensors),
+            "judges": widened(criteria.rows, steps.joint.shape[2], len(self.sensors.states)),
             "reach": criteria.reach,
             "ratio": criteria.ratio,
         }
