@@ -27,7 +27,6 @@ def flight_loop(
 ) -> FlightLoop:
     """Return the loop of a flight from a file with soundings, over which options count."""
     loop = FlightLoop.of(load_sizing(source, soundings))
-    note_omissions(loop.plan, "the loop over a flight")
     for change in changes:
         loop = replace(loop, plan=change(loop.plan))
     return loop

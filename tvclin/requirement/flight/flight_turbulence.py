@@ -125,6 +125,8 @@ class FlightTurbulence(Shown):
         The largest in each wind.
     history : CovarianceHistory
         Spread along the flight, without a known wind.
+    is_flexible : bool
+        Whether the loop has the structure of the vehicle.
     """
 
     request: TurbulenceRequest
@@ -132,6 +134,7 @@ class FlightTurbulence(Shown):
     rms: Mapping[str, FloatArray]
     winds: tuple[LargestInTurbulence, ...] = field(metadata=spec(card=False))
     history: CovarianceHistory
+    is_flexible: bool = False
 
     @property
     @derived()
@@ -179,7 +182,8 @@ class FlightTurbulence(Shown):
     @property
     def notes(self) -> Iterator[str]:
         """Notes on the autopilot, and on an angle of attack beyond linear aerodynamics."""
-        yield "turbulence is that of the linear autopilot, without limits"
+        structure = ", with the structure of the vehicle" if self.is_flexible else ""
+        yield f"turbulence is that of the linear autopilot{structure}, without limits"
         angle = max((x.angle_of_attack for x in self.winds), default=0.0)
         if beyond := beyond_linear(angle, ATTACK):
             yield f"in turbulence {beyond}"
@@ -252,8 +256,12 @@ class LoopOverFlight:
     @property
     def model(self) -> str:
         """Model of the motion; with a structure "drift-exact" in place of "drift"."""
-        bends = self.schedule.structure is not None
-        return "drift-exact" if self.case.model == "drift" and bends else self.case.model
+        return "drift-exact" if self.case.model == "drift" and self.is_flexible else self.case.model
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether the vehicle has a structure, constant or over the flight."""
+        return self.schedule.structure is not None or self.schedule.vehicle.structure is not None
 
     @cached_property
     def gains(self) -> Autopilot | GainSchedule:
@@ -368,7 +376,7 @@ def flight_turbulence(
         )
         for output in outputs
     }
-    return FlightTurbulence(request, loop.times, rms, tuple(largest), history)
+    return FlightTurbulence(request, loop.times, rms, tuple(largest), history, loop.is_flexible)
 
 
 class _Responses(NamedTuple):
