@@ -11,6 +11,7 @@ from scipy.linalg import expm
 
 import tvclin as tv
 from tvclin.control import Actuator
+from tvclin.control.autopilot.feedback import GAINS
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.sampled_stability import linear_delay_margin, linear_gain_margins
 from tvclin.vehicle import BendingMode, Structure
@@ -59,6 +60,7 @@ class Case(NamedTuple):
     A: np.ndarray
     B: np.ndarray
     row: np.ndarray
+    vehicle: tv.Vehicle
 
 
 def drawn(seed: int, modes: int) -> Case:
@@ -72,13 +74,12 @@ def drawn(seed: int, modes: int) -> Case:
     names = ("thrust", "normal_force_slope", "moment_of_inertia", "velocity", "axial_force")
     v = v.replace(**{name: getattr(v, name) * rng.uniform(0.6, 1.5) for name in names})
     v = v.replace(attitude=rng.uniform(0.4, 1.5), pitch_damping=rng.uniform(0, 0.1) * 2e7)
-    mass, inertia, speed = v.mass, v.moment_of_inertia, v.velocity
     shapes = rng.uniform(-1.0, 1.0, (modes, 8))
     bending = tuple(
         BendingMode(
             frequency=rng.uniform(8.0, 60.0),
             damping=rng.uniform(0.002, 0.02),
-            modal_mass=mass * rng.uniform(0.2, 3.0),
+            modal_mass=v.mass * rng.uniform(0.2, 3.0),
             gimbal_displacement=s[0],
             gimbal_slope=0.1 * s[1],
             attitude_slope=0.1 * s[2],
@@ -104,6 +105,13 @@ def drawn(seed: int, modes: int) -> Case:
     }
     servo = Actuator(natural_frequency=rng.uniform(20, 80), damping=rng.uniform(0.4, 1.2))
     autopilot = tv.Autopilot(**gains, actuator=servo, delay=rng.uniform(0.0, 0.06))
+    return own_case(v, bending, follows, autopilot)
+
+
+def own_case(v: tv.Vehicle, bending: tuple, follows: bool, autopilot: tv.Autopilot) -> Case:
+    """Return a vehicle with modes and its autopilot, and own equations as `drawn`."""
+    modes, servo = len(bending), autopilot.actuator
+    mass, inertia, speed = v.mass, v.moment_of_inertia, v.velocity
     plant = (
         tv.FlexiblePlant.from_vehicle(v, Structure(bending=bending, thrust_follows=follows))
         if modes
@@ -158,7 +166,7 @@ def drawn(seed: int, modes: int) -> Case:
     row = row + autopilot.rate_gain * (rate + bending_at("rate_slope", eta_rate))
     row = row + autopilot.alpha_gain * alpha + autopilot.drift_rate_gain * drifting
     row = row + autopilot.drift_gain * drift + autopilot.acceleration_gain * felt
-    return Case(plant, autopilot, A, B, row)
+    return Case(plant, autopilot, A, B, row, v)
 
 
 OMEGA = np.geomspace(0.01, 300.0, 40)
@@ -201,6 +209,61 @@ def check_sampled_loop(seed: int, modes: int) -> None:
         expected.append(-case.row @ np.linalg.solve(z * np.eye(n) - F, driven))
     found = sampled.frequency_response(case.plant, omega)
     assert np.abs(found / np.array(expected) - 1.0).max() < 1e-6
+
+
+def over_a_flight(case: Case) -> tuple[tv.FlightSchedule, tv.control.GainSchedule]:
+    """Return a flight of 20 s whose mass, speed and modes change, and gains that fall."""
+    vehicle, structure = case.vehicle, case.plant.structure
+    changes = {"weight": 0.8, "velocity": 1.2, "moment_of_inertia": 0.9}
+    ends = {name: getattr(vehicle, name) * np.array([1.0, x]) for name, x in changes.items()}
+    flown = vehicle.replace(time=np.array([0.0, 20.0]), **ends)
+    bending = tuple(
+        replace(mode, frequency=mode.frequency * np.array([1.0, 1.1])) for mode in structure.bending
+    )
+    bent = tv.ascent.StructureSchedule(
+        [0.0, 20.0], replace(structure, bending=bending), ("first", "second")
+    )
+    names = [name for name in GAINS if getattr(case.autopilot, name)]
+    gains = {name: getattr(case.autopilot, name) * np.array([1.0, 0.8]) for name in names}
+    schedule = tv.control.GainSchedule([0.0, 20.0], replace(case.autopilot, **gains))
+    return tv.FlightSchedule(flown, structure=bent), schedule
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.thorough)])
+def test_scheduled_gains_of_drift_and_their_bands_are_those_of_own_equations(seed):
+    base = drawn(seed, 2)
+    flight, schedule = over_a_flight(base)
+    vehicle = flight.at(8.0)
+    now = {name: getattr(base.autopilot, name) * (1.0 - 0.2 * 8.0 / 20.0) for name in GAINS}
+    case = own_case(
+        vehicle.rigid,
+        vehicle.structure.bending,
+        vehicle.structure.thrust_follows,
+        replace(base.autopilot, **now),
+    )
+
+    def own(omega):
+        s = 1j * np.atleast_1d(omega)[:, np.newaxis, np.newaxis]
+        x = np.linalg.solve(s * np.eye(len(case.A)) - case.A, case.B[:, np.newaxis])[..., 0]
+        return -x @ case.row * np.exp(-1j * np.atleast_1d(omega) * case.autopilot.delay)
+
+    found = schedule.along(flight, 8.0).frequency_response(case.plant, OMEGA)
+    assert np.abs(found / own(OMEGA) - 1.0).max() < 1e-6
+    swept = tv.control.sweep(flight, schedule, [8.0])
+    compared = 0
+    for band in swept.modes:
+        peak, at = float(band.peak[0]), float(band.peak_frequency[0])
+        if np.isfinite(peak):
+            compared += 1
+            assert np.abs(own(at))[0] == pytest.approx(peak, rel=1e-6)
+            # largest near the mode, to the rounding of a summit
+            assert np.all(np.abs(own(at * np.array([0.999, 1.001]))) <= peak * (1 + 1e-9))
+    assert compared  # a mode may own no frequency
+    ideal = replace(schedule, autopilot=replace(schedule.autopilot, delay=0.0))
+    closed = np.linalg.eigvals(case.A + np.outer(case.B, case.row))
+    poles = tv.control.sweep(flight, ideal, [8.0]).poles[0]
+    distance = np.abs(poles[:, np.newaxis] - closed).min(axis=0)
+    assert np.all(distance < 1e-6 * np.maximum(np.abs(closed), 0.1))
 
 
 CASES = [(check, modes) for check in (check_loop, check_sampled_loop) for modes in (0, 2)]
