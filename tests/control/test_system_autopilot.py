@@ -209,6 +209,22 @@ def test_a_loop_in_steps_has_the_margins_of_the_autopilot(plant):
         np.testing.assert_allclose(loop.response(omega), exact.response(omega), rtol=1e-9)
 
 
+def test_whole_samples_of_delay_below_the_margin_of_a_loop_in_steps_keep_it_stable(plant):
+    autopilot = tv.Autopilot(
+        attitude_gain=0.6, rate_gain=0.9, actuator=tv.Actuator(), delay=0.02, sample_rate=50.0
+    )
+    loop = autopilot.loop(plant)
+    margin = loop_margins(tv.Loop.from_system(loop)).delay_margin
+    last = int(margin / 0.02)
+    assert last >= 2
+    for samples in range(last + 2):
+        delayed = loop * control.tf([1.0], [1.0, *[0.0] * samples], 0.02)
+        n = delayed.nstates
+        closed = np.linalg.eigvals(delayed.A - delayed.B @ delayed.C)
+        assert n == loop.nstates + samples
+        assert (np.abs(closed).max() < 1.0) == (samples <= last)
+
+
 def _system(D, period=0, inputs=("attitude", "attitude_rate"), outputs=("u",)):
     return control.StateSpace([], [], [], D, period, inputs=list(inputs), outputs=list(outputs))
 

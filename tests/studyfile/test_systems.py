@@ -15,6 +15,7 @@ from tvclin.requirement.autopilot_requirement import at_peak_pressure
 from tvclin.studyfile.campaign_file import load_campaign
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.questions import questions
+from tvclin.studyfile.settings import with_settings
 
 STUDY = """
 [study]
@@ -95,6 +96,15 @@ def test_a_bad_system_in_a_study_is_refused_in_one_sentence(folder, text, messag
 
     with pytest.raises(tv.InputError, match=message):
         margins()
+
+
+@pytest.mark.parametrize("key", ["plant", "plant.system"])
+def test_a_plant_is_taken_out_of_a_study_by_its_table_or_its_only_key(folder, key):
+    _plan(folder, STUDY + PLANT + CONTROLLER)
+    source = with_settings(str(folder / "study.toml"), [(key, "none")])
+    plan = tv.load_study(source)
+    assert plan.plant_system is None
+    assert plan.controller is not None
 
 
 CAMPAIGN = """

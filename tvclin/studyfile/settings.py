@@ -66,6 +66,8 @@ _ASSUMED = {"criteria": {"name": "classic"}}
 """Keys that a new table begins with, so that one number changes what is assumed without it."""
 _TEXTS = (WIND_TABLE, SOUNDING_TABLE, VEHICLE_TABLE, DOCUMENT_TABLE, PLANT_TABLE, CONTROLLER_TABLE)
 """Tables whose words are texts, also where they look like numbers."""
+_SINGLE_KEY_TABLES = {PLANT_TABLE.name, CONTROLLER_TABLE.name}
+"""Tables that are removed with their only key."""
 _REMOVAL = "none"
 """Value that removes a key."""
 
@@ -208,6 +210,9 @@ def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
     for setting in settings:
         with naming(f"--set {setting.key}"):
             _put(tables, setting)
+    for name in {setting.parts[0] for setting in settings} & _SINGLE_KEY_TABLES:
+        if not tables.get(name):
+            tables.pop(name, None)
     for setting in settings:
         if setting.value is not None and not _exists(tables, setting):
             others = [other.key for other in settings if other.value is not None]

@@ -25,6 +25,7 @@ from tvclin.base.errors import (
 )
 from tvclin.base.fields import spec
 from tvclin.control.laws.law import Chains, Law, Measurement
+from tvclin.control.laws.system_law import SystemLaw
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.plant import Plant
@@ -122,6 +123,8 @@ class EstimatedLaw(Law):
         instance("law", self.law, Law, "such as SaturatedLaw")
         instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
         numbers = self.law.numbers
+        if isinstance(self.law, SystemLaw):
+            raise InputError("a controller in state space takes no estimator; put one into it")
         if isinstance(self.law, EstimatedLaw) or (numbers is not None and numbers.estimates):
             raise InputError("law has an estimator already; give it the angle of attack of one")
         self.estimator.states(self.plant)

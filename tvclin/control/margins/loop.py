@@ -99,7 +99,9 @@ class Loop:
         ----------
         system : control.StateSpace or control.TransferFunction
             The open loop with the sign of 1 + L = 0, in continuous time, or in steps of a sample
-            time: then a `SampledLoop`, whose delay margins are those of the phase alone.
+            time: then a `SampledLoop`. How the plant moves between samples is not known: a delay
+            margin is the phase over the frequency. Whole samples of further delay below it keep
+            the loop stable; at fractions of a sample see `Autopilot.exact_loop`.
         delay : array_like
             A delay [s] in series with it; of a loop in steps a whole number of samples.
 
