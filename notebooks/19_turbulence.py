@@ -11,7 +11,7 @@
 # ---
 
 # %% [markdown]
-# # From a spectrum to the travel of a nozzle
+# # What does turbulence take of a nozzle?
 #
 # Turbulence is a random wind. It moves the nozzle all the time, and so sets much of its rate and
 # travel. The loop is linear: no simulation is needed to say how much. This notebook goes the
@@ -54,8 +54,11 @@ _ = axes.set_title("Severe turbulence across the path, Dryden")
 # ## The loop
 #
 # Loop and wind are one linear system in white noise. Its covariance solves
-# $A P + P A^T + N = 0$, and each output $y = c\,x$ has the variance $c\,P\,c^T$. The deflection
-# follows the wind up to the bandwidth of the loop, the deflection rate up to that of the actuator.
+#
+# $$ A P + P A^T + N = 0, $$
+#
+# and each output $y = c\,x$ has the variance $c\,P\,c^T$. The deflection follows the wind up to the
+# bandwidth of the loop, the deflection rate up to that of the actuator.
 
 # %%
 plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
@@ -179,3 +182,11 @@ duty = tv.nozzle.flight_duty(
     turbulence=tv.case.TurbulenceRequest(severity="severe"),
 )
 duty.verdict
+
+# %% [markdown]
+# **Try:** moderate turbulence, or a loop of half the natural frequency: how much of the travel is
+# left then?
+
+# %%
+answer = f"The data sheet in turbulence: {duty.verdict.words}."
+print(answer)
