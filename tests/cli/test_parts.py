@@ -100,6 +100,7 @@ OTHERWISE = {
         (question, "limit shape"): ("--plane", "both", "--set", "nozzle.limit_shape=square")
         for question in ("nozzle", "nozzle --over load")
     },
+    **{("ascent", part): (*BASE["ascent"], *KEYS[part]) for part in ("delay", "sample rate")},
     ("ascent", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["ascent"]),
     ("nozzle --over load", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("ascent", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
