@@ -105,6 +105,7 @@ INSIDE = {
     "SimulatedFlight",
     "Sizing",
     "Study",
+    "TurbulenceFlights",
 }
 """Answers whose methods are doors, but not their making."""
 
@@ -372,6 +373,36 @@ def doors(folder: Path) -> dict[str, Door]:
                 "wind_at_20_ft": 10.0,
             },
         ),
+        "fly_turbulence": Door(
+            tv.ensembles.fly_turbulence,
+            {
+                **{name: gusty[name] for name in ("plant", "turbulence", "speed", "altitude")},
+                "autopilot": dataclasses.replace(gusty["autopilot"], sample_rate=25.0),
+                "duration": 10.0,
+                "deflection_limit": 0.1,
+                "rate_limit": 1.0,
+                "wind": wind,
+                "runs": 2,
+                "seed": 1,
+            },
+        ),
+        "fly_turbulence_along": Door(
+            tv.ensembles.fly_turbulence_along,
+            {
+                "schedule": schedule,
+                "autopilot": dataclasses.replace(gusty["autopilot"], sample_rate=25.0),
+                "turbulence": severe,
+                "deflection_limit": 0.1,
+                "rate_limit": 1.0,
+                "model": "drift-exact",
+                "plane": "pitch",
+                "start": 60.0,
+                "stop": 64.0,
+                "wind": wind,
+                "runs": 2,
+                "seed": 1,
+            },
+        ),
         "LoadSlopes": Door(
             tv.control.LoadSlopes,
             {
@@ -411,6 +442,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "mean_absolute_rate": of_output,
                 "crossing_rate": {"limit": 0.01, **of_output},
                 "probability_of_none": {"limit": 0.01, "duration": 30.0, **of_output},
+                "exceedance": {"limit": 0.01, **of_output},
                 "spectrum": {"omega": [0.5, 2.0], **of_output},
             }.items()
         },
@@ -422,6 +454,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "largest": {"sigmas": 3.0, **of_output},
                 "travel": of_output,
                 "travel_deviation": of_output,
+                "exceedance": {"limit": 0.01, **of_output},
+                "time_fraction": {"limit": 0.01, **of_output},
                 "crossings": {"limit": 0.01, **of_output},
                 "crossing_rate": {"limit": 0.01, **of_output},
                 "probability_of_none": {"limit": 0.01, **of_output},

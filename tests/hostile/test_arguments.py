@@ -74,6 +74,7 @@ DIRECTIONS = {"attitude", "azimuth", "flight_path_angle", "heading", "latitude",
 """Angles that may be up to a turn; all others are within 90 degrees."""
 BEYOND = {
     ("BangBang", "limit"), ("ConstantDeflection", "limit"), ("compare_flight", "boundary"),
+    ("fly_turbulence", "rate_limit"), ("fly_turbulence_along", "rate_limit"),
     ("fly_along", "rate_limit"), ("fly_many", "rate_limit"), ("fly_many_along", "rate_limit"),
     ("total_deflection", "dispersion"), ("total_deflection", "wind"),
     ("Nozzle", "travel_limit"),

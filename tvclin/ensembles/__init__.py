@@ -3,6 +3,8 @@
 - Dispersions: `Dispersion`, `Dispersions`; of a study `disperse_study`.
 - Campaigns: `Campaign`; `run_campaign`, `open_campaign`, `resume_campaign`; along a whole flight by
   a `FlightPlan`, in a `SoundingEnsemble`.
+- Flights with limits in sampled turbulence, with what the linear loop says of them:
+  `fly_turbulence`, `fly_turbulence_along`, `TurbulenceFlights`.
 - Days of an archive: `tvclin.availability` by an `AvailabilityRequest`; what the wind may become:
   `PairGrowth`, `WindGrowth`.
 """

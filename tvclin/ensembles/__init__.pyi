@@ -15,3 +15,6 @@ from .dispersed_study import disperse_study as disperse_study
 from .dispersions import Dispersion as Dispersion
 from .dispersions import Dispersions as Dispersions
 from .statistics import SurvivalFraction as SurvivalFraction
+from .turbulence_flights import TurbulenceFlights as TurbulenceFlights
+from .turbulence_flights import fly_turbulence as fly_turbulence
+from .turbulence_flights import fly_turbulence_along as fly_turbulence_along

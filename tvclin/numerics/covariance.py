@@ -163,6 +163,15 @@ def absolute_covariance(
     return np.asarray(deviation[0] * deviation[1] * total)
 
 
+def exceedance(limit: float, mean: FloatArray, deviation: FloatArray) -> FloatArray:
+    """Return the probability of ``|x| > limit`` of Gaussian values, whose arrays broadcast."""
+    from scipy.special import ndtr  # late, as above
+
+    spread = np.maximum(deviation, np.finfo(float).tiny)
+    sides = [np.clip((sign * mean - limit) / spread, -40.0, 40.0) for sign in (1.0, -1.0)]
+    return np.asarray(ndtr(sides[0]) + ndtr(sides[1]))
+
+
 def crossing_rate(
     limit: float,
     mean: FloatArray,

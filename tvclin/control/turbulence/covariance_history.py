@@ -34,7 +34,12 @@ from tvclin.control.turbulence.driven_loop import (
 )
 from tvclin.control.turbulence.loop_covariance import stationary
 from tvclin.linear.flexible import AnyPlant, check_plant
-from tvclin.numerics.covariance import absolute_covariance, crossing_rate, mean_absolute
+from tvclin.numerics.covariance import (
+    absolute_covariance,
+    crossing_rate,
+    exceedance,
+    mean_absolute,
+)
 from tvclin.winds.histories import History
 from tvclin.winds.turbulence import Turbulence
 
@@ -162,6 +167,30 @@ class CovarianceHistory(Shown):
         correlation = crossed / np.maximum(spread * motion, np.finfo(float).tiny)
         means = self._value(row, direct), self._value(*rate)
         return crossing_rate(bound, means[0], spread, means[1], motion, correlation)
+
+    def exceedance(self, limit: float, output: str = DEFLECTION) -> FloatArray:
+        """Return the probability of ``|output| > limit`` at the times, ``(n,)``.
+
+        See `LoopCovariance.exceedance` on what it says about a deflection limit.
+
+        Raises
+        ------
+        InputError
+            As `mean`, and for a limit that is not positive.
+        """
+        bound = number("limit", limit, positive)
+        return exceedance(bound, self.mean(output), self.deviation(output))
+
+    def time_fraction(self, limit: float, output: str = DEFLECTION) -> float:
+        """Return the expected fraction of the time in which ``|output|`` is above a limit.
+
+        Raises
+        ------
+        InputError
+            As `exceedance`.
+        """
+        beyond = np.trapezoid(self.exceedance(limit, output), self.times)
+        return float(beyond / (self.times[-1] - self.times[0]))
 
     def probability_of_none(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the probability that the output stays within +-limit: exp(-crossings).

@@ -47,6 +47,7 @@ from tvclin.linear import lateral
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.numerics.covariance import (
     crossing_rate,
+    exceedance,
     mean_absolute,
     periodic_covariance,
     stationary_covariance,
@@ -179,6 +180,22 @@ class LoopCovariance(Shown):
         nothing = np.zeros(len(spread))
         rates = crossing_rate(bound, nothing, spread, nothing, motion, correlation)
         return float(self._weights @ rates)
+
+    def exceedance(self, limit: float, output: str = DEFLECTION) -> float:
+        """Return the fraction of time in which ``|output|`` is above a limit.
+
+        In Gaussian motion a nozzle with this deflection limit has that fraction less gain (the
+        random-input describing function of a saturation): where it is more than a percent or so,
+        the loop is linear no more, see `tvclin.ensembles.fly_turbulence`.
+
+        Raises
+        ------
+        InputError
+            As `rms`, and for a limit that is not positive.
+        """
+        bound = number("limit", limit, positive)
+        spread = np.sqrt(self._variances(self._row(output)))
+        return float(self._weights @ exceedance(bound, np.zeros(1), spread))
 
     def probability_of_none(self, limit: float, duration: float, output: str = DEFLECTION) -> float:
         """Return the probability that an output stays within +-limit for a duration [s].

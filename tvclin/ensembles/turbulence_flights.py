@@ -1,0 +1,345 @@
+"""Flights with limits in sampled turbulence, and what the linear loop says of the same.
+
+The covariance of a loop in turbulence is exact while its nozzle stays within its limits. In
+Gaussian motion a nozzle beyond its limit for a fraction p of the time has p less gain (the
+random-input describing function of a saturation), so that the linear answer is one where p is
+small. Flights by samples, whose winds have exactly the covariance of the turbulence, are right for
+any p.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from tvclin.ascent.flight_variables import flight_variable
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.errors import (
+    InputError,
+    instance,
+    number,
+    positive,
+    shown,
+    small_angle,
+    whole_number,
+)
+from tvclin.base.fields import derived, spec
+from tvclin.base.lines import Row, Table, degrees, quantities, significant
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.gain_schedule import GainSchedule
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.turbulence.covariance_along import turbulence_along
+from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history
+from tvclin.control.turbulence.driven_loop import DEFLECTION_RATE
+from tvclin.ensembles.statistics import Success, success_probability
+from tvclin.flights.closed_loop.fly_along import fly_many_along
+from tvclin.flights.closed_loop.fly_many import FlownCases, fly_many
+from tvclin.linear.flexible import AnyPlant
+from tvclin.winds.histories import History
+from tvclin.winds.turbulence import Turbulence
+
+MAX_LINEAR_EXCEEDANCE = 0.01
+"""Fraction of time beyond the limit, so of lost gain, up to which a loop counts as linear."""
+_STEP_OVER_TIME_SCALE, _MIN_STEP_S, _MAX_STEP_S = 0.01, 0.002, 0.05
+"""Step of the sampled wind over L/V, and its bounds [s]."""
+_RUNS_AT_ONCE, _MAX_RUNS = 200, 100_000
+"""Flights in memory at one time, and of one call."""
+_AT_LIMIT = 1.0 - 1e-9
+"""Deflection over its limit from which the limit counts as met."""
+
+
+@dataclass(frozen=True, eq=False)
+class TurbulenceFlights(Shown):
+    """Sampled flights of an autopilot with limits in turbulence, beside its linear loop.
+
+    Make it with `fly_turbulence` or `fly_turbulence_along`.
+
+    Attributes
+    ----------
+    deflection_limit : float
+        Deflection limit [rad].
+    linear_time, largest_exceedance : float
+        Expected fraction of time in which the linear loop without limits has its deflection beyond
+        the limit, and the probability of that at the worst time.
+    linear_probability_of_none : float or None
+        Probability that it does not reach the limit; None for a deflection that jumps.
+    limited_time, limited_time_error : float
+        Mean fraction of a flight in which the demand is at or above the limit, and the standard
+        error of this mean.
+    unlimited, survived : Success
+        Probability that a flight does not meet its limit at a sample, and that it survives.
+    flown : FlownCases
+        Outcomes of the flights, ``(runs,)``.
+    linear : CovarianceHistory
+        Mean and covariance of the linear loop.
+    """
+
+    deflection_limit: float = field(metadata=spec("angle"))
+    linear_time: float = field(metadata=spec())
+    largest_exceedance: float = field(metadata=spec())
+    linear_probability_of_none: float | None = field(metadata=spec())
+    limited_time: float = field(metadata=spec())
+    limited_time_error: float = field(metadata=spec())
+    unlimited: Success
+    survived: Success
+    flown: FlownCases
+    linear: CovarianceHistory
+
+    @property
+    @derived()
+    def is_linear(self) -> bool:
+        """Whether rms, travel and crossings of the linear loop hold: it loses a percent of gain.
+
+        Survival is that of the flights: a rare excursion may lose an unstable vehicle.
+        """
+        return self.largest_exceedance <= MAX_LINEAR_EXCEEDANCE
+
+    def tables(self) -> list[Table]:
+        """Return the table of flights and linear loop."""
+        key = "turbulence_flights"
+        limit = degrees(f"{key}.deflection_limit", self.deflection_limit, unit="deg")
+        beyond = significant(f"{key}.linear_time", 100.0 * self.linear_time, 3)
+        worst = significant(f"{key}.largest_exceedance", 100.0 * self.largest_exceedance, 3, "%")
+        known = "holds" if self.is_linear else f"is none above {100 * MAX_LINEAR_EXCEEDANCE:g} %"
+        time = significant(f"{key}.limited_time", 100.0 * self.limited_time, 3)
+        error = significant(f"{key}.limited_time_error", 100.0 * self.limited_time_error, 2, "%")
+        rows: list[Row] = [
+            ("deflection limit", limit),
+            (
+                "linear loop beyond the limit",
+                (*beyond, " % of the time, at worst ", *worst, f"; its answer {known}"),
+            ),
+            ("flights at the limit", (*time, " +- ", *error, " of the time")),
+        ]
+        if self.linear_probability_of_none is not None:
+            none = significant(
+                f"{key}.linear_probability_of_none", 100.0 * self.linear_probability_of_none, 4, "%"
+            )
+            rows.append(("linear, limit not met", none))
+        rows += [
+            ("flights, limit not met", self.unlimited.line(f"{key}.unlimited")),
+            ("flights, survived", self.survived.line(f"{key}.survived")),
+        ]
+        return [quantities("Flights with limits in sampled turbulence", rows)]
+
+
+def fly_turbulence(
+    autopilot: Autopilot,
+    plant: AnyPlant,
+    turbulence: Turbulence,
+    speed: float,
+    duration: float,
+    *,
+    deflection_limit: float,
+    rate_limit: float = np.inf,
+    altitude: float | None = None,
+    wind: History | None = None,
+    runs: int = 400,
+    seed: int = 0,
+) -> TurbulenceFlights:
+    """Return sampled flights with limits in turbulence of one vehicle, from rest.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One autopilot with a sample rate.
+    plant : Plant or FlexiblePlant
+        One plant.
+    turbulence : Turbulence
+        The random wind; its angle is w/V.
+    speed : float
+        Airspeed V [m/s].
+    duration : float
+        Time in turbulence [s], after which the air is still until the flight is decided.
+    deflection_limit, rate_limit : float
+        Deflection limit [rad] and rate limit [rad/s].
+    altitude : float, optional
+        Altitude [m], for turbulence that is a table.
+    wind : History, optional
+        The known wind [rad], which ends within the duration; by default none.
+    runs, seed : int
+        Number of flights, and seed of their winds: flight k of a seed has the same wind whichever
+        others are flown.
+
+    Raises
+    ------
+    InputError
+        For an autopilot without a sample rate, and as `turbulence_history` and `fly_many`.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
+    >>> autopilot = tv.Autopilot(
+    ...     attitude_gain=0.2144578, rate_gain=0.486223, sample_rate=25.0,
+    ...     actuator=tv.Actuator(natural_frequency=25.0, damping=0.7))
+    >>> air = tv.winds.Turbulence(intensity=6.0)
+    >>> flights = tv.ensembles.fly_turbulence(
+    ...     autopilot, plant, air, vehicle.velocity, 20.0,
+    ...     deflection_limit=np.radians(0.1), runs=50)
+    >>> flights.is_linear, round(flights.linear_time, 3)
+    (False, 0.115)
+    """
+    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    _check_sampled(autopilot)
+    limit = _limit(deflection_limit)
+    linear = turbulence_history(
+        autopilot, plant, turbulence, speed, duration, wind=wind, altitude=altitude
+    )
+    V, (_, length) = number("speed", speed), turbulence.over(altitude)
+    times = _times(0.0, float(duration), float(np.min(length)) / V)
+    law = SaturatedLaw.of(autopilot)
+    parts = []
+    for first, count in _parts(runs):
+        gusts = turbulence.winds(times, V, altitude=altitude, seed=seed, first=first, runs=count)
+        parts.append(
+            fly_many(
+                plant,
+                law,
+                gusts if wind is None else gusts + wind,
+                deflection_limit=limit,
+                rate_limit=rate_limit,
+                actuator=autopilot.actuator,
+                sample_rate=float(np.asarray(autopilot.sample_rate)),
+                delay=autopilot.delay,
+            )
+        )
+    return _compared(limit, linear, parts)
+
+
+def fly_turbulence_along(
+    schedule: FlightSchedule,
+    autopilot: Autopilot | GainSchedule,
+    turbulence: Turbulence,
+    *,
+    deflection_limit: float,
+    rate_limit: float = np.inf,
+    model: str = "drift-exact",
+    plane: str = "pitch",
+    start: float | None = None,
+    stop: float | None = None,
+    wind: History | None = None,
+    runs: int = 400,
+    seed: int = 0,
+) -> TurbulenceFlights:
+    """Return sampled flights with limits in turbulence along a flight, from rest.
+
+    They are at the nominal dynamic pressure, as the linear loop is.
+
+    Parameters
+    ----------
+    schedule : FlightSchedule
+        The vehicle at its flight times, with its structure and actuator where it has them.
+    autopilot : Autopilot or GainSchedule
+        One autopilot, or its gains over the flight, with a sample rate.
+    turbulence : Turbulence
+        The random wind.
+    deflection_limit, rate_limit : float
+        Deflection limit [rad] and rate limit [rad/s].
+    model, plane, start, stop, wind
+        As in `turbulence_along`.
+    runs, seed : int
+        As in `fly_turbulence`.
+
+    Raises
+    ------
+    InputError
+        For an autopilot without a sample rate, and as `turbulence_along` and `fly_many_along`.
+    """
+    instance("schedule", schedule, FlightSchedule, "see load_schedule")
+    parts_of = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
+    instance("autopilot", parts_of, Autopilot, "or a GainSchedule")
+    _check_sampled(parts_of)
+    limit = _limit(deflection_limit)
+    linear = turbulence_along(
+        schedule,
+        autopilot,
+        turbulence,
+        model=model,
+        plane=plane,
+        wind=wind,
+        start=start,
+        stop=stop,
+    )
+    first_time, last_time = schedule.between(start, stop).span
+    V = schedule.speed
+    lengths = turbulence.over(None if schedule.altitude is None else schedule.height)[1]
+    times = _times(first_time, last_time, float(np.min(lengths / V)))
+    speeds = flight_variable(schedule, "speed", times)
+    heights = None if schedule.altitude is None else flight_variable(schedule, "altitude", times)
+    parts = []
+    for first, count in _parts(runs):
+        gusts = turbulence.winds(
+            times, speeds, altitude=heights, seed=seed, first=first, runs=count
+        )
+        parts.append(
+            fly_many_along(
+                schedule,
+                autopilot,
+                gusts if wind is None else gusts + wind,
+                deflection_limit=limit,
+                rate_limit=rate_limit,
+                sign="frozen",
+                model=model,
+                plane=plane,
+                start=start,
+                stop=stop,
+            )
+        )
+    return _compared(limit, linear, parts)
+
+
+def _check_sampled(autopilot: Autopilot) -> None:
+    """Raise `InputError` for an autopilot without a sample rate."""
+    if autopilot.sample_rate is None:
+        raise InputError("flights with limits need samples: give the autopilot a sample_rate")
+
+
+def _limit(value: float) -> float:
+    """Return a deflection limit [rad]."""
+    return number("deflection_limit", value, small_angle("a deflection", positive), "rad")
+
+
+def _times(start: float, stop: float, time_scale: float) -> FloatArray:
+    """Return the even times of a sampled wind, for a time scale L/V [s]."""
+    step = float(np.clip(_STEP_OVER_TIME_SCALE * time_scale, _MIN_STEP_S, _MAX_STEP_S))
+    return np.linspace(start, stop, int(np.ceil((stop - start) / step)) + 1)
+
+
+def _parts(runs: int) -> list[tuple[int, int]]:
+    """Return the number of the first flight and the count of each part of the flights."""
+    total = whole_number("runs", runs)
+    if not 2 <= total <= _MAX_RUNS:
+        raise InputError(f"runs must be 2 to {_MAX_RUNS}; got {shown(runs)}")
+    return [(k, min(_RUNS_AT_ONCE, total - k)) for k in range(0, total, _RUNS_AT_ONCE)]
+
+
+def _compared(
+    limit: float, linear: CovarianceHistory, parts: list[FlownCases]
+) -> TurbulenceFlights:
+    """Return the comparison of flights in several parts with the linear loop."""
+    arrays = {
+        item.name: np.concatenate([getattr(part, item.name) for part in parts])
+        for item in fields(FlownCases)
+    }
+    flown = FlownCases(**arrays)
+    runs = flown.status.size
+    limited = flown.saturated_time_fraction
+    below = int(np.sum(flown.peak_deflection < _AT_LIMIT * limit))
+    smooth = DEFLECTION_RATE in linear.outputs
+    return TurbulenceFlights(
+        deflection_limit=limit,
+        linear_time=linear.time_fraction(limit),
+        largest_exceedance=float(linear.exceedance(limit).max()),
+        linear_probability_of_none=linear.probability_of_none(limit) if smooth else None,
+        limited_time=float(limited.mean()),
+        limited_time_error=float(limited.std(ddof=1) / np.sqrt(runs)),
+        unlimited=success_probability(below, runs),
+        survived=success_probability(int(np.sum(flown.status == "survived")), runs),
+        flown=flown,
+        linear=linear,
+    )
