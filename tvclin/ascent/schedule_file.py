@@ -193,7 +193,7 @@ def _from_rows(
 
 
 def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
-    """Return the rows from the first with a speed on, as wind angles need one, and a note."""
+    """Return the rows without those at rest before the flight, and a note on these."""
     speeds = [key for key, (name, _) in VEHICLE_TABLE.keys.items() if name == "velocity"]
     still = 0
     while still < len(rows) and any(rows[still][1].get(key) == 0.0 for key in speeds):

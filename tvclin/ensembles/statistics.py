@@ -58,7 +58,7 @@ class Quantile(Shown):
 
     @property
     def few_cases(self) -> str:
-        """Number of cases for an upper bound, in words; empty where there are as many."""
+        """Text of the number of cases that an upper bound requires; empty where it is reached."""
         words = f": cases must be at least {self.min_cases}"
         return words if self.cases < self.min_cases else ""
 

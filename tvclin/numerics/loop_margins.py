@@ -126,9 +126,9 @@ def last_frequency(loop: AnyLoop, size: float) -> FloatArray:
 
 
 def _polished_gain_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """Return gain crossovers [rad/s] after Newton's steps on ln |L| itself.
+    """Return gain crossovers [rad/s] after Newton's steps on ln |L|.
 
-    Its squares have half the digits near undamped poles.
+    Crossovers of the squared magnitude have half the digits near undamped poles.
     """
     with np.errstate(all="ignore"):
         for _ in range(_POLISHING_ITERATIONS):

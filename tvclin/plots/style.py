@@ -403,7 +403,7 @@ def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
 
 
 def place_numbers(*panels: "Axes") -> None:
-    """Place the numbers of a figure's panels at the least cost for its present size."""
+    """Place the numbers in the panels of a figure by their cost: overlaps and distance."""
     from matplotlib.text import Annotation
 
     _lay_out(panels)

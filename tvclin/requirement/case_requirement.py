@@ -104,7 +104,7 @@ class CaseRequirement:
 
     @property
     def slanting(self) -> ShapedWind | None:
-        """The wind with its direction, where that is known, its gust at its time."""
+        """The wind with its heading and its gust placed in time; None without a heading."""
         return None if self.case.heading is None else self.placed
 
     @property

@@ -269,7 +269,7 @@ class LoadProgram:
     def _proof(
         self, weights: FloatArray, prices: FloatArray, rate_prices: FloatArray | None
     ) -> tuple[float, float]:
-        """Return the lower bound [rad] of every peak at zero load, and its fall with the load."""
+        """Return the lower bound [rad] of the peak at zero load, and its decrease per load."""
         case, n = self.case, self.widths.size
         if case.ratio == 0.0:
             _, high, low = self._loads

@@ -267,7 +267,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
 
 
 def _angles(batch: Batch, pole: float, samples: float) -> FloatArray:
-    """Return rising angles theta [rad] that resolve l, up to pi."""
+    """Return rising angles theta [rad] up to pi that resolve l(z) at z = e^(j theta)."""
     logarithmic = np.geomspace(
         _MIN_FREQUENCY_OVER_POLE * pole * float(batch.hardware.length), np.pi, _LOGARITHMIC_ANGLES
     )

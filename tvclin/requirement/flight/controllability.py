@@ -83,7 +83,7 @@ class ControllabilityRatio(Shown):
 
     @property
     def verdict(self) -> Line:
-        """The ratio with its number, and against its goal and limit."""
+        """Text of the controllability ratio, and its comparison with its goal and limit."""
         return (
             "Controllability ratio ",
             *significant("ratio.ratio", self.ratio),
