@@ -96,6 +96,8 @@ _HELP = {
     "nozzle.arm": "Distance of its centre of mass aft of the hinge.",
     "nozzle.inertia": "Moment of inertia about that centre.",
     "nozzle.limit_shape": "Limit in both planes: round, round-each-plane, square or square-45.",
+    "turbulence.file": "A file of intensity and scale length over altitude, beside this one.",
+    "turbulence.level": "Intensity and scale length at an altitude; a table for each level.",
     "load.q_alpha": "Largest product of dynamic pressure and angle of attack.",
     "load.alpha_moment": "Bending moment per angle of attack at the station.",
     "load.deflection_moment": "Bending moment per deflection at the station.",
