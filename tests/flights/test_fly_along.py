@@ -224,10 +224,21 @@ def frozen(made, time) -> tuple[tv.FlightSchedule, tv.FlexiblePlant]:
     return still, tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
 
 
-def test_a_frozen_flight_is_that_of_fly_many_to_the_last_digit() -> None:
+DRIFT = {
+    "drift_rate_gain": 2e-4,
+    "drift_gain": 1e-5,
+    "acceleration_gain": 1e-3,
+    "acceleration_station": 4.0,
+    "accelerometer_bandwidth": 80.0,
+}
+
+
+@pytest.mark.parametrize("gains", [{}, DRIFT], ids=["attitude", "drift"])
+def test_a_frozen_flight_is_that_of_fly_many_to_the_last_digit(gains) -> None:
     still, plant = frozen(flight(), 60.0)
     filters = (Filter.low_pass(40.0, 0.7), Filter.notch(15.0, 0.1, 0.6))
     law = autopilot(filters=filters, sample_rate=50.0).along(flight(), 60.0)
+    law = replace(law, **gains)
     wind = tv.TriangularWind(peak=np.radians([3.0, 5.0, 8.0]), duration=7.5).shift(60.003)
     limits = {"deflection_limit": np.radians([1.0, 0.5, 0.5]), "rate_limit": np.radians(3.0)}
     span = {"start": 60.003, "stop": 95.003}

@@ -139,10 +139,8 @@ def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     reach = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
     small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]
     slopes = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
-    for index, numbers in enumerate(batch.laws.numbers):
-        flights = np.flatnonzero(f.cases.law[cases] == index)
-        if not flights.size:
-            continue
+    for index in np.unique(f.cases.law[cases]).tolist():
+        numbers, flights = batch.laws.numbers[index], np.flatnonzero(f.cases.law[cases] == index)
         if numbers is None:
             slopes[flights] = _of_law(
                 batch.laws.laws[index], small[flights], limit[flights], slopes.shape[1]

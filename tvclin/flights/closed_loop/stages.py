@@ -223,11 +223,11 @@ class Stages:
         integral = attitude_integral(bool(np.any(laws.integral_gain)))
         chains = Chains(laws.attitude_filters, laws.rate_filters, laws.filters)
         size = len(integral.states) + sum(f.order for chain in chains for f in chain)
-        lengths = np.full(count, float(self.hardware.length))
+        varies = any(filter_.batch for chain in chains for filter_ in chain)
+        lengths = np.full(count if varies else 1, float(self.hardware.length))
         memory = memory_of(integral, chains, lengths, size)
-        if any(chains):
-            return memory
-        return Memory(memory.moved, memory.seen[:0], memory.told[:0])
+        moved, seen, told = (np.repeat(rows, count // lengths.size, axis=0) for rows in memory)
+        return Memory(moved, seen, told) if any(chains) else Memory(moved, seen[:0], told[:0])
 
     @cached_property
     def _judged(self) -> tuple[IntArray, IntArray]:
