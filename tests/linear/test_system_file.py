@@ -1,5 +1,9 @@
 """Files of systems: the same bits after a round trip, and what MATLAB and Octave write."""
 
+import shutil
+import subprocess
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -127,3 +131,27 @@ def test_damaged_and_newer_files_are_refused_in_one_sentence(tmp_path):
         tv.linear.read_system(tmp_path / "cut.mat")
     with pytest.raises(tv.InputError, match="must end in"):
         tv.linear.write_system(PLANT.ss(), tmp_path / "plant.txt")
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(shutil.which("octave-cli") is None, reason="needs Octave")
+@pytest.mark.parametrize("rate", [None, 50.0])
+def test_octave_reads_and_writes_the_same_system(tmp_path, rate):
+    loop = replace(AUTOPILOT, sample_rate=rate).loop(PLANT)
+    tv.linear.write_system(loop, tmp_path / "loop.mat")
+    script = """
+        s = load("loop.mat");
+        assert(iscellstr(s.InputName) && iscellstr(s.OutputName) && iscellstr(s.StateName));
+        A = s.A; B = s.B; C = s.C; D = s.D; Ts = s.Ts;
+        InputName = s.InputName; OutputName = s.OutputName'; StateName = s.StateName;
+        save("-v7", "loose.mat", "A", "B", "C", "D", "Ts", "InputName", "OutputName", "StateName");
+        save("-v6", "struct.mat", "s");
+    """
+    run = subprocess.run(
+        ["octave-cli", "--no-gui", "--eval", script], cwd=tmp_path, capture_output=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    for name in ("loose.mat", "struct.mat"):
+        read = tv.linear.read_system(tmp_path / name)
+        _same_bits(read, loop)
+        assert (0.0 if read.period is None else read.period) == loop.dt
