@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.control.autopilot.flight_autopilot import flight_autopilot
+from tvclin.show.explorer.choices import Choices, study_text
 
 STUDY = """
 [study]
@@ -352,3 +354,27 @@ def test_a_campaign_refuses_values_out_of_range() -> None:
     found = CliRunner().invoke(app, words)
     assert found.exit_code == 2
     assert "intensity must be zero or positive" in found.output
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        tv.case.TurbulenceRequest(intensity=6.0, spectrum="von-karman", probability=0.99),
+        tv.case.TurbulenceRequest(severity="light", altitude=9e3, sigmas=2.0),
+        tv.case.TurbulenceRequest(
+            table=tv.winds.Turbulence([3.0, 5.0], length=[400.0, 500.0], altitude=[0.0, 9e3]),
+            altitude=3e3,
+        ),
+    ],
+)
+def test_a_study_that_the_panel_writes_keeps_turbulence(
+    tmp_path: Path, request_: tv.case.TurbulenceRequest
+) -> None:
+    plan = replace(tv.load_study("configuration-i"), turbulence=request_)
+    file = tmp_path / "written.toml"
+    file.write_text(study_text(Choices(plan=plan, law="trim")))
+    read = tv.load_study(str(file)).turbulence
+    assert read is not None
+    assert read.factor == pytest.approx(request_.factor, rel=1e-12)
+    for mine, other in zip(read.at().over(None), request_.at().over(None), strict=True):
+        assert mine == pytest.approx(other, rel=1e-12)

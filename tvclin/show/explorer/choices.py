@@ -19,6 +19,7 @@ from tvclin.base.fields import parameters
 from tvclin.base.files import exists, write_new
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.case.nozzle import USUAL_ACTUATOR, Nozzle
+from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import (
     ADDED_GAINS,
     CHAIN_OF_POSITION,
@@ -394,6 +395,7 @@ def study_text(choices: Choices, source: str | None = None) -> str:
         *_wind(plan.wind),
         ("[nozzle]", _nozzle(choices)),
         *_autopilot(choices),
+        *_turbulence(plan.turbulence),
     ]
     return f"# Written by tvclin explore, where the law {choices.law} was flown.\n" + "".join(
         f"\n{heading}\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
@@ -487,6 +489,27 @@ def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
     ]
     named = [("[[autopilot.filter]]", filter_table) for filter_table in filters]
     return [("[autopilot]", _without_none(table)), *named]
+
+
+def _turbulence(request: TurbulenceRequest | None) -> list[tuple[str, Table]]:
+    """Return the tables of a study file for turbulence, with its levels over altitude."""
+    if request is None:
+        return []
+    items = [item for item in parameters(TurbulenceRequest).values() if item.name != "table"]
+    values = {item.document_key: (getattr(request, item.name), item.default) for item in items}
+    keys = {key: value for key, (value, usual) in values.items() if value not in (None, usual)}
+    air = request.table
+    if air is None or air.altitude is None:
+        return [("[turbulence]", keys)]
+    columns = {"altitude_m": air.altitude, "intensity_m_per_s": air.intensity}
+    columns |= {} if air.length is None else {"length_m": air.length}
+    rows = [np.broadcast_to(column, air.altitude.shape).tolist() for column in columns.values()]
+    levels = [dict(zip(columns, level, strict=True)) for level in zip(*rows, strict=True)]
+    form = {"spectrum": air.spectrum, "component": air.component}
+    return [
+        ("[turbulence]", keys | form),
+        *(("[[turbulence.level]]", level) for level in levels),
+    ]
 
 
 def _without_none(table: Table) -> Table:
