@@ -118,6 +118,10 @@ def test_a_wrong_table_of_gains_is_refused_in_one_sentence(folder, gains, messag
         (("--limit-deg", "3"), "--limit-deg needs a single flight time: --at TIME"),
         (("--set", "autopilot.attitude_gain", "0.5"), "gains or a rule for them, not both"),
         (("--set", "autopilot.filter.2.mode", "third"), "mode must be one of first, second"),
+        (
+            ("--set", "autopilot.schedule", "none", "--design", "least-nozzle"),
+            "design least-nozzle is of one flight time",
+        ),
         (("--set", "size.from_s", "10"), "size.from_s must be between 30 and 110; got 10 s"),
     ],
 )

@@ -42,7 +42,7 @@ def _show(
     from tvclin import plots
 
     name, worst = loop.flight.vehicle.name or source, flown.worst_outcome
-    notes = [*flown.notes, *loop.notes, *loop.sounding_notes]
+    notes = [*flown.notes, *loop.notes, *loop.wind_notes]
     if shown.csv is not None:
         flown.worst.to_csv(shown.csv)
     draw(

@@ -207,8 +207,14 @@ class FlightLoop:
         return deflection_use(sizing, flown.used, flown.limit, needed, labels), flown
 
     @property
-    def sounding_notes(self) -> Iterator[str]:
-        """Notes on the soundings that are flown through, each with its name."""
+    def wind_notes(self) -> Iterator[str]:
+        """Notes on the direction of pulses, and on the soundings, each with its name."""
+        pulses = self.request.pulse or self.request.others
+        if pulses and self.plan.sign is None and self.plan.plane == "pitch":
+            yield (
+                "pulses are head winds, which raise the dynamic pressure (--set study.sign tail, or"
+                " frozen: the nominal one)"
+            )
         for name, sounding in self.request.soundings.items():
             yield from (f"{name}: {note}" for note in sounding.profile.notes)
 

@@ -13,7 +13,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.gain_table import GainTable
@@ -57,6 +57,11 @@ def flight_autopilot(
             raise InputError("give a schedule of gains, or gains or a rule for them, not both")
         autopilot = Autopilot(**constant.options(actuator) | table.gains)
         return GainSchedule(table.breakpoints, autopilot, table.variable, table.notches)
+    if design.design == LEAST_NOZZLE:
+        raise InputError(
+            f"design {LEAST_NOZZLE} is of one flight time: give --at, or a table of its gains, see"
+            " minimum_gain_schedule in Python"
+        )
     plants = flight.plants(times, model, plane)
     laws = [constant.autopilot(plants.case(k, plants.batch), actuator) for k in range(len(times))]
     gains: dict[str, Any] = {name: np.array([getattr(a, name) for a in laws]) for name in GAINS}
