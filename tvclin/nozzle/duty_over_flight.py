@@ -481,6 +481,8 @@ def _turbulence_notes(
             f"{request.label if request else ''} of turbulence count on top of each wind: of travel"
             " from its variance over flights, of the linear autopilot without limits"
         )
+        if DEFLECTION_RATE not in turbulence.rms:
+            yield "rate and travel in turbulence are not known without an actuator"
         if nozzle.data is not None:
             yield "torque, power and energy are those of the winds, without turbulence"
 
