@@ -1,5 +1,7 @@
 """Required, used and remaining deflection by flight time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -57,3 +59,13 @@ def test_the_autopilot_requirement_is_the_larger_of_head_and_tail_wind() -> None
     assert "linear aerodynamics says nothing" in needed.said[0]
     with pytest.raises(InputError, match="winds must be those of the sizing"):
         tv.requirement.autopilot_requirements(sizing, laws, gust)
+
+
+def test_a_head_wind_that_cannot_be_is_not_known_and_the_reason_is_said() -> None:
+    made, laws = flight(flexible=False), autopilot(sample_rate=25.0)
+    level = replace(made, vehicle=made.vehicle.replace(attitude=np.radians(3.0)))
+    gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0)
+    sizing = tv.size(level, gust, times=[65.0])
+    needed = tv.requirement.autopilot_requirements(sizing, laws, gust)
+    assert np.isnan(needed.limit[0, 0])
+    assert "no horizontal wind turns it so far" in needed.said[0]

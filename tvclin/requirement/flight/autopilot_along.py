@@ -154,4 +154,7 @@ def _encountered(
         history = placed.two_sided or placed.history
         speeds = None if signs == (FROZEN,) else placed.speeds
         return [sounding_along(history, speeds, plane, sizing.schedule.span)]
-    return [wind_along(sizing.schedule, placed.in_flight, plane, sign) for sign in signs]
+    try:
+        return [wind_along(sizing.schedule, placed.in_flight, plane, sign) for sign in signs]
+    except InputError as error:  # no horizontal wind has the angle on this path
+        raise NotKnownError(str(error)) from None
