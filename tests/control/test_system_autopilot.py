@@ -330,3 +330,18 @@ def test_a_sampled_controller_in_turbulence_reads_each_output_that_it_names():
         for a in (autopilot, replace(autopilot, sample_rate=400.0))
     ]
     assert rms[1] == pytest.approx(rms[0], rel=5e-3)  # half a sample is 1.25 ms of lag
+
+
+def test_a_controller_takes_no_estimator_of_a_law(plant):
+    law = SystemLaw(tv.control.SystemAutopilot(_controller()))
+    with pytest.raises(tv.InputError, match="takes no estimator"):
+        tv.control.EstimatedLaw(law, tv.control.WindEstimator(bandwidth=10.0), plant)
+
+
+def test_six_degrees_of_freedom_refuse_a_controller_that_reads_drift():
+    pytest.importorskip("jsbsim")
+    reads = _system([[0.3, 0.5, 1e-4]], inputs=("attitude", "attitude_rate", "drift_rate"))
+    law = SystemLaw(tv.control.SystemAutopilot(reads))
+    vehicle = tv.load_vehicle("configuration-i")
+    with pytest.raises(tv.InputError, match="not flown in six degrees of freedom"):
+        tv.fly_sixdof(vehicle, law, WIND, [0.0, 1.0], deflection_limit=0.02)
