@@ -189,9 +189,9 @@ class FlightOptions(PulseOptions):
         requests: dict[str, SoundingRequest] = {}
         for file, label in zip(files, names, strict=True):
             name = label if names.count(label) == 1 else called(file)
-            if name in requests:
-                raise InputError(f"--winds gives {name} twice")
             for full_name, profile in _profiles(name, file, reading):
+                if full_name in requests:
+                    raise InputError(f"--winds gives {full_name} twice")
                 requests[full_name] = SoundingRequest(profile, azimuth, reading.mean_wind)
         return requests
 
