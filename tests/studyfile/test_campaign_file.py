@@ -434,7 +434,6 @@ def test_both_templates_name_the_model_that_counts_without_one(tmp_path):
 def test_a_manifest_holds_every_kind_of_value_that_a_campaign_can_hold():
     """Every dataclass that annotations name, from the fields of a campaign down to the last."""
     import_module("tvclin.control.autopilot.gain_table")  # whichever tests were run before
-    import_module("tvclin.linear.system")
     modules = [module for name, module in sys.modules.items() if name.startswith("tvclin.")]
     kinds = [one for module in modules for one in vars(module).values() if isinstance(one, type)]
     known = {kind.__name__: kind for kind in kinds if is_dataclass(kind)}
@@ -445,8 +444,8 @@ def test_a_manifest_holds_every_kind_of_value_that_a_campaign_can_hold():
         words = " ".join(str(one.type) for one in fields(known[name]))
         left |= (set(re.findall(r"\w+", words)) & known.keys()) - reached
     assert {"NozzleData", "Engine", "Filter", "BendingMode", "WindEnsemble"} <= reached
-    # of a structure: the name of a union; and a system and a schedule, which a campaign refuses
-    assert reached - _KINDS.keys() == {"Number", "LinearSystem", "GainTable", "ModeNotch"}
+    # the name of a union, and a table of gains, which a campaign refuses
+    assert reached - _KINDS.keys() == {"Number", "GainTable"}
 
 
 def test_a_nozzle_with_its_hinge_is_no_obstacle_to_a_campaign(tmp_path):
