@@ -390,13 +390,30 @@ def test_gains_that_nobody_specified_are_called_textbook_gains_and_those_propose
     vehicle,
 ):
     shown = CliRunner().invoke(app, ["margins", vehicle])
-    told = re.search(r"gains that satisfy the criteria classic: (--\S+ \S+),", shown.stdout)
+    told = re.search(r"gains that satisfy the criteria classic: (--.+?), or", shown.stdout)
     better = CliRunner().invoke(app, ["margins", vehicle, *told[1].split()])
 
     assert (shown.exit_code, better.exit_code) == (1, 0)
     assert "textbook gains" in shown.stdout
     assert "textbook gains" not in better.stdout
     assert "gains that satisfy" not in better.stdout
+
+
+@pytest.mark.parametrize("command", ["--", "file"])
+def test_proposed_gains_replace_the_design_of_a_study_file(tmp_path, command):
+    head = '[study]\nvehicle = "made-up-launcher"\n[wind]\npeak_deg = 2\nduration_s = 7.5\n'
+    (tmp_path / "s.toml").write_text(f'{head}[autopilot]\ndesign = "canonical"\n')
+    shown = CliRunner().invoke(app, ["margins", f"{tmp_path}/s.toml"])
+    said = " ".join(shown.stdout.split())
+    options = re.search(r"classic: (--.+?), or", said)[1].split()
+    if command == "file":
+        design, frequency = re.search(
+            r'in \[autopilot\] design = "(\w+)" and natural_frequency_rad_per_s = (\S+),', said
+        ).groups()
+        options = ["--set", f"autopilot.design={design}"]
+        options += ["--set", f"autopilot.natural_frequency_rad_per_s={frequency}"]
+    better = CliRunner().invoke(app, ["margins", f"{tmp_path}/s.toml", *options])
+    assert (shown.exit_code, better.exit_code) == (1, 0)
 
 
 @pytest.mark.thorough

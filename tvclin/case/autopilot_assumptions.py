@@ -59,8 +59,8 @@ def _better(case: Case, criteria: Criteria) -> str:
     else:
         frequency = f"{rule.natural_frequency:g}"
         words = (
-            f"--natural-frequency {frequency}, or natural_frequency_rad_per_s = {frequency} in"
-            " [autopilot]"
+            f"--design poles --natural-frequency {frequency}, or in [autopilot] design ="
+            f' "poles" and natural_frequency_rad_per_s = {frequency}'
         )
     return f"gains that satisfy the criteria {criteria.name}: {words}, in place of other gains"
 
