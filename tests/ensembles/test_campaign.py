@@ -203,6 +203,27 @@ def test_what_cannot_be_is_told(parameter, nominal, possible):
     np.testing.assert_array_equal(found.possible, possible(found.values[parameter]))
 
 
+@pytest.mark.parametrize(("limit", "word"), [("0.4", "NOT SUFFICIENT"), ("0.9", "NOT KNOWN")])
+def test_few_cases_refuse_a_limit_whose_probability_has_too_low_an_interval(limit, word):
+    arguments = ["disperse", "--cases", "200", "--limit-deg", limit, "--model", "fixed-path"]
+    arguments += ["--set", "study.sign=frozen"]
+    text = CliRunner().invoke(app, arguments)
+    document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)
+    assert document["upper_deg"] is None
+    assert (document["success"]["upper"] < 0.99865) == (word == "NOT SUFFICIENT")
+    assert f"{float(limit):.3f} deg {word}: " in text.output
+    assert text.exit_code == 1
+
+
+def test_the_convergence_is_that_of_the_specified_probability():
+    arguments = ["disperse", "--cases", "300", "--probability", "0.9", "--model", "fixed-path"]
+    arguments += ["--set", "study.sign=frozen", "--confidence", "0.8", "--json"]
+    document = json.loads(CliRunner().invoke(app, arguments).stdout)
+    last = document["convergence"][-1]
+    for key in ("estimate_deg", "lower_deg", "upper_deg"):
+        assert last[key] == document[key]
+
+
 @pytest.mark.thorough
 def test_the_command_line_says_the_same(nominal):
     arguments = ["disperse", "--cases", "1800", "--limit-deg", "0.42", "--model", "fixed-path"]

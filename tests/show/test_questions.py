@@ -78,6 +78,16 @@ def test_too_few_cases_are_no_yes() -> None:
     assert "99.865 % of flights: cases must be at least 1705" in headline(found)
 
 
+def test_few_cases_suffice_to_refuse_a_limit_that_covers_a_part_of_them() -> None:
+    found = found_for(0.36, dispersions=SPREAD, model="fixed-path")
+    success = found.dispersed.success
+    assert 0.0 < success.estimate < success.upper < 0.99865
+    assert np.isinf(found.dispersed.required.upper)
+    assert answers(found)["probability"] is False
+    shown = f"sufficient in at most {100 * success.upper:.2f} %, not in 99.865 % of flights"
+    assert {one.name: one.text for one in questions(found)}["probability"] == shown
+
+
 @pytest.mark.thorough
 def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> None:
     """A linear peak above the limit is no loss where the flight survives, and is told."""

@@ -62,6 +62,17 @@ class Quantile(Shown):
         words = f": cases must be at least {self.min_cases}"
         return words if self.cases < self.min_cases else ""
 
+    def covered(self, above: bool, success: Success) -> bool | None:
+        """Return whether a limit covers the quantile with its confidence; None where not known.
+
+        `above`: whether the limit is at or above the upper bound. `success`: the probability that
+        the limit is sufficient. A sample too small for an upper bound leaves it unknown, unless the
+        interval of that probability lies below the probability of the quantile.
+        """
+        if np.isfinite(self.estimate) and np.isinf(self.upper):
+            return False if success.upper < self.probability else None
+        return above
+
     @property
     def converged(self) -> bool:
         """Whether both bounds lie within one percent of the estimate: more cases change little."""

@@ -315,11 +315,18 @@ def _probability(findings: Findings, limit: float) -> Question:
     flights = significant("asked.probability", 100.0 * r.probability, 5, "% of flights")
     if np.isinf(r.estimate):
         return Question("probability", False, (*flights, " require more than any limit"))
-    if np.isinf(r.upper):
+    above, success = bool(covers(limit, r.upper)), d.success
+    yes = above if success is None else r.covered(above, success)
+    if yes is None:
         return Question("probability", None, ("too few cases to judge ", *flights, r.few_cases))
+    if np.isinf(r.upper) and success is not None:
+        most = number("asked.success", 100.0 * success.upper, 2)
+        return Question(
+            "probability", False, ("sufficient in at most ", *most, " %, not in ", *flights)
+        )
     line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
     whose = f"{text(flights)} require"
-    return Question("probability", bool(covers(limit, r.upper)), line, float(r.upper), whose)
+    return Question("probability", yes, line, float(r.upper), whose)
 
 
 def _autopilot(findings: Findings, limit: float) -> Question:

@@ -273,11 +273,20 @@ class CampaignResults(Tabled):
         values = {name: column[good] for name, column in columns.items()}
         return values, values.pop(output)
 
-    def convergence(self, output: str | None = None) -> tuple[Quantile, ...]:
-        """Return the quantiles of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all cases."""
+    def convergence(
+        self,
+        output: str | None = None,
+        probability: float | None = None,
+        confidence: float | None = None,
+    ) -> tuple[Quantile, ...]:
+        """Return the quantiles of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all cases.
+
+        Parameters as in `quantile`.
+        """
         answers = self.answers(output)
         sizes = sorted({max(answers.size >> k, 1) for k in range(5)}) if answers.size else []
-        return tuple(quantile_bound(answers[:n], *self._level(None, None)) for n in sizes)
+        level = self._level(probability, confidence)
+        return tuple(quantile_bound(answers[:n], *level) for n in sizes)
 
     def worst(self, count: int = 5, output: str | None = None) -> IntArray:
         """Return the indices of the cases that require most, ``(count,)``, the worst first."""

@@ -68,14 +68,9 @@ class CampaignSummary(Shown):
     @property
     def sufficient(self) -> bool | None:
         """Whether the limit covers the quantile with its confidence; None where not known."""
-        r = self.required
-        if (
-            self.limit is None
-            or self.success is None
-            or np.isfinite(r.estimate) > np.isfinite(r.upper)
-        ):
+        if self.limit is None or self.success is None:
             return None
-        return bool(covers(self.limit, r.upper))
+        return self.required.covered(bool(covers(self.limit, self.required.upper)), self.success)
 
     @property
     def verdict(self) -> str:
@@ -86,6 +81,9 @@ class CampaignSummary(Shown):
         words = f"{angle} ({of}) covers {share}" if np.isfinite(r.upper) else f"{share}: {angle}"
         if self.limit is None or self.success is None:
             return words
+        if self.sufficient is False and np.isfinite(r.estimate) > np.isfinite(r.upper):
+            most = f"{100 * self.success.upper:.4g} %"
+            words = f"sufficient in at most {most} of flights, not in {100 * r.probability:g} %"
         return f"limit {np.degrees(self.limit):.3f} deg {sufficiency(self.sufficient)}: {words}"
 
     @property
@@ -133,6 +131,12 @@ class CampaignSummary(Shown):
         cases = self.results.worst(_MAX_SHOWN, self.output).tolist()
         return dict(zip(cases, np.sort(self.answers)[::-1].tolist(), strict=False))
 
+    @property
+    def convergence(self) -> tuple[Quantile, ...]:
+        """The quantiles of the first parts of the cases, at the probability of `required`."""
+        r = self.required
+        return self.results.convergence(self.output, r.probability, r.confidence)
+
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
         results, flights = self.results, self.results.flights
@@ -153,8 +157,7 @@ class CampaignSummary(Shown):
             "drivers": results.drivers(self.output),
             "worst": [{"case": k, "deg": np.degrees(v)} for k, v in self.worst.items()],
             "convergence": [
-                {"cases": quantile.cases, **quantile.angles}
-                for quantile in results.convergence(self.output)
+                {"cases": quantile.cases, **quantile.angles} for quantile in self.convergence
             ],
         }
 
@@ -168,7 +171,7 @@ class CampaignSummary(Shown):
                 significant(f"convergence.{q.cases}", q.cases, 9),
                 *(self._bound(f"convergence.{q.cases}.{k}", getattr(q, k)) for k in _BOUNDS),
             )
-            for q in self.results.convergence(self.output)
+            for q in self.convergence
         )
         converges = (
             f"Convergence of {100 * r.probability:g} %, each bound {100 * r.confidence:g} % sure"
