@@ -1,5 +1,6 @@
 """Sampled autopilots: check cases, sums over aliases, small steps, a simulation at the edge."""
 
+import tracemalloc
 import warnings
 from dataclasses import replace
 
@@ -314,6 +315,28 @@ def test_a_mode_beside_half_the_sample_rate_grows_with_less_delay_than_phase_say
         late = autopilot.delay + part * margins.delay_margin
         loop = replace(autopilot, delay=late).exact_loop(plant)
         assert (np.abs(loop.closed_loop_poles).max() < 1.0) == (part < 1.0)
+
+
+@pytest.mark.parametrize("rate", [50.0, 5000.0])
+def test_a_delay_margin_of_thousands_of_samples_takes_little_memory(rate):
+    """Half-relief gains also have a slow crossover, which only 1400 s of delay take to -1."""
+    plant = tv.Plant.from_vehicle(tv.load_schedule("configuration-i").at(41.0), "drift-exact")
+    continuous = replace(
+        tv.control.half_relief_gains(plant), actuator=tv.Actuator(natural_frequency=25.1)
+    )
+    sampled = replace(continuous, sample_rate=rate)
+    tracemalloc.start()
+    margin = sampled.margins(plant).delay_margin
+    assert tracemalloc.get_traced_memory()[1] < 3e8
+    tracemalloc.stop()
+    # A held command is half a sample late.
+    expected = continuous.margins(plant).delay_margin - 0.5 / rate
+    assert margin == pytest.approx(expected, rel=1.0 / rate**2)
+    if rate == 50.0:
+        poles = sampled.exact_loop(plant).delayed_closed_poles
+        radii = np.abs(poles(margin * np.array([0.999, 1.0, 1.001]), np.zeros(3, int))).max(-1)
+        assert radii[0] < 1.0 < radii[2]
+        assert radii[1] == pytest.approx(1.0, abs=1e-10)
 
 
 def test_the_loop_in_steps_of_python_control_is_the_exact_one():

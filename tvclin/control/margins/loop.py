@@ -333,6 +333,10 @@ _DELAYS_PER_PERIOD = 48.0
 """Number of trial delays in a sample period in the search for the first instability."""
 _TRIAL_DELAYS = (8, 192)
 """Smallest and largest number of trial delays in a round of that search."""
+_MAX_SEARCHED_PERIODS = 100
+"""Longest further delay, in sample periods, with which closed-loop poles are computed: each period
+is a state. An instability that depends on the fraction of a sample lies near half the sample rate,
+where the phase turns within a few samples."""
 _ROUNDS = 14
 """Number of rounds of that search: its resolution is 8^-13 of the first spacing."""
 _BEYOND_MARGIN = 1.0 + 1e-6
@@ -442,7 +446,8 @@ class SampledLoop(Loop):
         margins[case[converged], column[converged]] = margin[converged]
         for k in np.flatnonzero(stable & np.any(np.isfinite(margins), axis=1)):
             candidates = np.sort(margins[k, np.isfinite(margins[k])])
-            unstable = self._is_unstable(int(k), _BEYOND_MARGIN * candidates)
+            unstable = candidates > _MAX_SEARCHED_PERIODS * self.period.ravel()[k]
+            unstable[~unstable] = self._is_unstable(int(k), _BEYOND_MARGIN * candidates[~unstable])
             smallest = self._first_unstable_delay(int(k), float(candidates[np.argmax(unstable)]))
             first = int(np.nanargmin(margins[k]))
             margins[k] = np.maximum(margins[k], smallest)
@@ -462,14 +467,15 @@ class SampledLoop(Loop):
         Near half the sample rate |L| depends on the delay's fraction of a sample, so that it may
         reach one at a frequency at which the present |L| is smaller.
         """
-        trials = np.ceil(_DELAYS_PER_PERIOD * maximum / self.period.ravel()[case])
-        count = int(np.clip(trials, *_TRIAL_DELAYS))
-        low, high = 0.0, maximum
+        h = float(self.period.ravel()[case])
+        last = min(maximum, _MAX_SEARCHED_PERIODS * h)
+        count = int(np.clip(np.ceil(_DELAYS_PER_PERIOD * last / h), *_TRIAL_DELAYS))
+        low, high = 0.0, last
         for _ in range(_ROUNDS):
             fractions = np.append(np.arange(1, count) / count, 2.0 - _BEYOND_MARGIN)
             delays = low + (high - low) * fractions
             unstable = self._is_unstable(case, delays)
-            if high == maximum and not np.any(unstable):
+            if high == last and not np.any(unstable):
                 return maximum
             first = int(np.argmax(unstable)) if np.any(unstable) else delays.size
             bounds = np.concatenate([[low], delays, [high]])
