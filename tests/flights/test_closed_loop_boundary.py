@@ -22,7 +22,7 @@ from tvclin import (
 from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control import WindEstimator
 from tvclin.control.laws.law import Measurement
-from tvclin.flights.closed_loop.survival_limit import OPEN
+from tvclin.flights.closed_loop.survival_limit import NEVER, OPEN, limit_above_losses
 
 PEAK = np.radians(5.0)
 NAME = "configuration-i"
@@ -431,3 +431,15 @@ def test_what_cannot_be_asked(arguments, message):
     usual = {"plant": plant_of(), "law": TrimLaw(plant_of()), "wind": triangle(plant_of(), 4.0)}
     with pytest.raises(InputError, match=message):
         closed_loop_boundary(**usual | arguments)
+
+
+def test_no_limit_above_a_lost_top_is_flown() -> None:
+    flown = []
+
+    def survives(limits):
+        flown.append(limits.size)
+        return np.full(limits.shape, "lost")
+
+    found = limit_above_losses(survives, np.linspace(1.0, 2.0, 61))
+    assert flown == [61]
+    assert (found.limit, found.lost, found.status) == (np.inf, 2.0, NEVER)

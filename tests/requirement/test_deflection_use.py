@@ -69,3 +69,16 @@ def test_a_head_wind_that_cannot_be_is_not_known_and_the_reason_is_said() -> Non
     needed = tv.requirement.autopilot_requirements(sizing, laws, gust)
     assert np.isnan(needed.limit[0, 0])
     assert "no horizontal wind turns it so far" in needed.said[0]
+
+
+def test_the_requirement_of_a_flight_too_short_to_settle_is_not_known() -> None:
+    made, laws = flight(flexible=False), autopilot(sample_rate=25.0)
+    gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0)
+    sizing = tv.size(made, gust, times=[105.0, 106.0])
+    needed = tv.requirement.autopilot_requirements(sizing, laws, gust, sign="head")
+    assert np.isnan(needed.limit).all()
+    (reason,) = needed.said
+    assert reason.startswith("wind at 105 s and 106 s: no limit in the range survives; undecided")
+    use = tv.requirement.deflection_use(sizing, [0.01, 0.01], 0.05, needed)
+    assert np.isnan(use.remaining).all()
+    assert use.said == needed.said

@@ -34,6 +34,7 @@ class AutopilotUse:
         """The verdict on the flights of the autopilot, and notes on them."""
         yield f"flown by the autopilot: {self.flights.verdict}"
         yield from self.flights.notes
+        yield from (f"autopilot requirement NOT KNOWN: {reason}" for reason in self.use.said)
 
     @property
     def document(self) -> dict[str, Any]:

@@ -60,7 +60,7 @@ _REASONS = {
     "survived": "after the wind, or over the last seconds in it, the unstable modes stay settled",
     "lost": "the unstable modes leave the set from which the deflection limit can return them",
     "rings": "the vehicle returns, and the loop keeps oscillating at the end of the flight",
-    "undecided": "NOT KNOWN: the unstable modes are not settled at the end, or there are none",
+    "undecided": "NOT KNOWN: the unstable modes are not settled at the end, or no mode is unstable",
     UNLIMITED: "NOT KNOWN: a continuous loop is flown without limits",
 }
 

@@ -107,9 +107,10 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
         """Return whether flights with limits ``(n, 1)`` diverge; each limit is flown once."""
         column, diverged = values[:, 0], np.zeros(values.shape, np.bool_)
         new = column < top if tried else column <= top  # the first scan includes the top
-        tried.append(column[new])
-        status.append(survives(column[new]))
-        diverged[new, 0] = status[-1] != SURVIVED
+        if np.any(new):  # none above a top that does not survive
+            tried.append(column[new])
+            status.append(survives(column[new]))
+            diverged[new, 0] = status[-1] != SURVIVED
         return diverged
 
     steps = (step / float(PARTS) ** np.arange(1, LEVELS + 1)).tolist()

@@ -38,7 +38,7 @@ from tvclin.requirement.flight.flight_winds import (
     place,
     placings,
 )
-from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.flight.sizing import Sizing, flight_times
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.wind_angles import FROZEN, SIGNS
 
@@ -120,7 +120,8 @@ def autopilot_requirements(
     width = number("window", window, positive, "s")
     max_rate = unlimited("rate_limit", rate_limit, unit="rad/s")
     flight, placed_as = sizing.schedule, placings(by_name, placing)
-    limit, said = np.full((sizing.times.size, len(by_name)), np.nan), []
+    limit = np.full((sizing.times.size, len(by_name)), np.nan)
+    unknown_at: dict[tuple[str, str], list[float]] = {}
     pairs = [(i, j) for i in range(sizing.times.size) for j in range(len(by_name))]
     for done, (i, j) in enumerate(pairs, start=1):
         name, time = sizing.winds[j], float(sizing.times[i])
@@ -136,9 +137,10 @@ def autopilot_requirements(
                     raise NotKnownError(scan.status)
         except NotKnownError as error:
             limit[i, j] = np.nan
-            said.append(f"{name} at {time:g} s: {error}")
+            unknown_at.setdefault((name, str(error)), []).append(time)
         if progress is not None:
             progress(done, len(pairs))
+    said = (f"{wind} at {flight_times(at)}: {why}" for (wind, why), at in unknown_at.items())
     return AutopilotRequirements(sizing.times, sizing.winds, limit, tuple(said))
 
 

@@ -37,6 +37,8 @@ class DeflectionUse(Tabled):
         Available deflection [rad] minus the largest of these, ``(n,)``; NaN where one is not known.
     limit : float
         Available deflection [rad].
+    said : tuple of str
+        Reasons why autopilot requirements are not known; often none.
     """
 
     times: FloatArray = field(metadata=spec("time"))
@@ -44,6 +46,7 @@ class DeflectionUse(Tabled):
     used: FloatArray = field(metadata=spec("angle"))
     remaining: FloatArray = field(metadata=spec("angle"))
     limit: float = field(metadata=spec("angle"))
+    said: tuple[str, ...] = field(default=(), metadata=spec())
 
     def table(self) -> Table:
         """Return the table of all times, in degrees."""
@@ -110,11 +113,12 @@ def deflection_use(
     times = sizing.times[order]
     names = [r.label for r in sizing.required] if labels is None else labels
     required = {str(name): sizing.at_times(name)[order] for name in names}
+    said: tuple[str, ...] = ()
     if requirements is not None:
         instance("requirements", requirements, AutopilotRequirements, "see autopilot_requirements")
         if not np.array_equal(requirements.times, sizing.times):
             raise InputError("requirements must be at the flight times of the sizing")
-        required[AUTOPILOT] = requirements.at_times[order]
+        required[AUTOPILOT], said = requirements.at_times[order], requirements.said
     if isinstance(flown, FlightAlong):
         used = used_around(flown, times)
     else:
@@ -126,7 +130,7 @@ def deflection_use(
             )
         used = used[order]
     largest = np.max([*required.values(), used], axis=0)  # NaN where one is not known
-    return DeflectionUse(times, required, used, available - largest, available)
+    return DeflectionUse(times, required, used, available - largest, available, said)
 
 
 def used_around(flown: FlightAlong, times: FloatArray) -> FloatArray:
