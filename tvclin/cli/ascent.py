@@ -101,9 +101,9 @@ def ascent(
     the table and the figure are of required, used and remaining deflection; --more also finds the
     autopilot requirement, in some seconds for each flight time.
 
-    Exit code 0: the limit is SUFFICIENT, or none was given, and no flight of its autopilot is lost;
-    1: NOT SUFFICIENT, NOT SURVIVED, or NOT KNOWN, as where a sounding ends below the flight; 2: bad
-    input.
+    Exit code 0: the limit is SUFFICIENT and every flight of its autopilot SURVIVED, or no limit was
+    given; 1: NOT SUFFICIENT, NOT SURVIVED, or NOT KNOWN, as where a sounding ends below the flight;
+    2: bad input.
     """
     case = case_over_flight("ascent", source, winds, question, limits, model, planes)
     request = case.sizing
@@ -161,10 +161,18 @@ class _Answer:
 
     @property
     def satisfied(self) -> bool:
-        """Whether limits are sufficient, or not given, and no flight of the autopilot is lost."""
+        """Whether limits are sufficient, or not given, and each flight of the autopilot survives.
+
+        False where one of these is not known.
+        """
         total = self.total
-        lost = self.use is not None and self.use.flights.survived is False
-        return not lost and not total.too_slow and (total.limit is None or bool(total.sufficient))
+        survived = self.use is None or bool(self.use.flights.survived)
+        return survived and not total.too_slow and (total.limit is None or bool(total.sufficient))
+
+    @property
+    def verdict(self) -> str:
+        """Verdict on the limit, with the outcome of the autopilot."""
+        return self.total.words_with("" if self.use is None else self.use.flights.outcome)
 
     def chart(self) -> "ControlPlot":
         """Return the figure: of requirements, or of required, used and remaining deflection."""
@@ -184,7 +192,12 @@ class _Answer:
             **({} if self.turbulence is None else {"turbulence": self.turbulence}),
             **({} if self.use is None else self.use.document),
             "notes": [*sizing.notes, *self.notes, *(ratio.notes if ratio else ())],
-            "verdict": document(total, "limit", "sufficient", "remaining", "not_sized"),
+            "verdict": {
+                **document(total, "limit", "sufficient", "remaining", "not_sized"),
+                **({} if self.use is None else {"autopilot": self.use.flights.outcome}),
+                "words": self.verdict,
+                "satisfied": self.satisfied,
+            },
         }
 
     def print(self, more: bool) -> None:
@@ -198,7 +211,7 @@ class _Answer:
             first, further = use.table, [first, *further]
         random = [] if self.turbulence is None else self.turbulence.tables()
         print_answer(
-            self.total.words,
+            self.verdict,
             replace(first, caption=f"{title}\n{first.caption}"),
             *random[:1],
             notes=(*sizing.notes, *self.notes, *(ratio.notes if ratio and more else ())),

@@ -406,20 +406,29 @@ class FlightsOfLoop:
         }
 
     @property
+    def _in_winds(self) -> str:
+        """Number of winds with the worst outcome, in words."""
+        outcomes, of_all = self.outcomes, plural(len(self.outcomes), "wind")
+        bad = sum(outcome.survived is self.survived for outcome in outcomes)
+        return f"in {of_all}" if self.survived else f"in {bad} of {of_all}"
+
+    @property
+    def outcome(self) -> str:
+        """The worst outcome, and in how many winds, in words."""
+        return f"{survival(self.survived)} {self._in_winds}"
+
+    @property
     def verdict(self) -> str:
         """Verdict on all flights, with the worst."""
-        worst, count = self.worst_outcome, len(self.outcomes)
-        head = f"{survival(self.survived)} with {np.degrees(self.limit):.3f} deg"
-        of_all = f" in {plural(count, 'wind')}"
+        worst = self.worst_outcome
+        limit = f"{np.degrees(self.limit):.3f} deg"
         deflection, at = np.degrees(worst.peak_deflection), worst.peak_time
         why = f", largest deflection {deflection:.3f} deg at {at:.4g} s"
         if worst.survived is not True:
-            bad = sum(outcome.survived is worst.survived for outcome in self.outcomes)
-            of_all = f" in {bad} of {plural(count, 'wind')}"
             why = f": {worst.label}, {worst.reason}"
         if self.fraction is not None:
             why += f"; {text(self.fraction.line('survived'))} of {self.wind_count} winds survived"
-        return f"{head}{of_all}{why}"
+        return f"{survival(self.survived)} with {limit} {self._in_winds}{why}"
 
     def table(self, rows: int | None = None) -> Table:
         """Return the table by wind: outcome and largest values; by default all winds.

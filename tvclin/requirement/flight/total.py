@@ -164,7 +164,14 @@ class DeflectionTotal(Shown):
     @property
     def words(self) -> str:
         """The verdict in words, with the required deflection and its flight time."""
+        return self.words_with()
+
+    def words_with(self, autopilot: str = "") -> str:
+        """Return the verdict in words, with the outcome of the autopilot's flights if given."""
         words = [cell_text(line) for line in self.verdict]
+        if autopilot:
+            words[0] = words[0].replace(": ", ": required deflection ", 1)
+            words.insert(1, f"autopilot {autopilot}")
         if self.lines:
             where = at_time(self, "the", " of those that are known" * bool(self.not_sized))
             words.append(
