@@ -229,8 +229,29 @@ def test_ascent_lists_required_used_and_remaining_deflection_of_the_flown_autopi
     assert result.exit_code == 0
     lost = run("ascent", folder / "study.toml", *PULSE, *words, "--limit-deg", "0.31")
     printed = " ".join(lost.output.split())
-    assert (lost.exit_code, "Limit 0.310 deg: SUFFICIENT" in printed) == (1, True), printed
+    assert lost.exit_code == 1
+    assert printed.startswith("Limit 0.310 deg: required deflection SUFFICIENT, 0.015 deg"), printed
+    assert "remaining; autopilot NOT SURVIVED in 1 of 2 winds; " in printed
     assert "flown by the autopilot: NOT SURVIVED" in printed
+
+
+def test_ascent_is_not_satisfied_where_the_autopilot_is_not_known(folder) -> None:
+    words = ("--from", "50", "--to", "104", "--every", "54")
+    result = run("ascent", folder / "study.toml", *PULSE, *words, "--json")
+    document = json.loads(result.stdout)
+    verdict = document["verdict"]
+    assert result.exit_code == 1
+    assert verdict["words"].startswith("Limit 5.000 deg: required deflection SUFFICIENT, ")
+    assert "deg remaining; autopilot NOT KNOWN in 1 of 2 winds; " in verdict["words"]
+    assert (verdict["sufficient"], verdict["satisfied"]) == (True, False)
+    assert verdict["autopilot"] == "NOT KNOWN in 1 of 2 winds"
+    assert document["autopilot"]["survived"] is None
+
+
+def test_the_duty_of_a_flight_without_a_name_has_that_of_its_file(folder) -> None:
+    words = ("--from", "60", "--to", "60", "--limit-deg", "5")
+    result = run("nozzle", folder / "plain.csv", *PULSE, *words)
+    assert "plain.csv, trim flown" in result.stdout
 
 
 @pytest.mark.thorough

@@ -301,7 +301,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     if shown.csv is not None:
         duty.to_csv(shown.csv)
     sheet, *further = duty.tables()
-    sheet = replace(sheet, caption=f"{duty.vehicle}, {law} flown\n{sheet.caption}")
+    sheet = replace(sheet, caption=f"{duty.vehicle or source}, {law} flown\n{sheet.caption}")
     answer(
         shown.as_json,
         lambda: duty.as_dict() | {"notes": notes},
