@@ -52,6 +52,15 @@ def test_a_help_names_what_there_is_to_choose() -> None:
         assert shape in helps("study")
 
 
+def test_the_help_of_margins_limits_its_csv_to_a_whole_flight_as_its_message_does() -> None:
+    assert "Of a whole flight, also write the margins by flight time into this CSV" in helps(
+        "margins"
+    )
+    refused = run("margins", "configuration-i", "--chart", "root-locus", "--csv", "no.csv")
+    assert refused.exit_code == 2
+    assert "--csv needs a whole flight" in refused.output
+
+
 def test_a_shipped_vehicle_can_be_copied(tmp_path: Path) -> None:
     mine = tmp_path / "mine.toml"
     assert run("init", str(mine), "--vehicle", "made-up-booster").exit_code == 0

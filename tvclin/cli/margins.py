@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from tvclin.base.errors import one_of
 from tvclin.base.fields import document
@@ -32,6 +35,7 @@ from tvclin.cli.options import (
     System,
     asked,
     switch,
+    to_write,
 )
 from tvclin.cli.output import answer, draw, print_answer, say_lines
 from tvclin.cli.wind import WindOptions, wind_words
@@ -54,6 +58,19 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 _MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no rigid = true in [study]"
 
 
+@dataclass(frozen=True)
+class _ShownMargins(ShownCurves):
+    """Options for showing margins: the CSV file is that of a whole flight."""
+
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            help="Of a whole flight, also write the margins by flight time into this CSV file.",
+            callback=to_write,
+        ),
+    ] = None
+
+
 def margins(
     vehicle: Source = "configuration-i",
     time: At = None,
@@ -68,10 +85,12 @@ def margins(
     ),
     limit: Given = LIMIT,
     winds: WindOptions = GROUP,
-    chart: str = asked("What --plot draws: nichols, bode, nyquist or root-locus.", "nichols"),
+    chart: str = asked(
+        "What --plot draws of a single time: nichols, bode, nyquist or root-locus.", "nichols"
+    ),
     system: System = None,
     more: More = False,
-    shown: ShownCurves = GROUP,
+    shown: _ShownMargins = GROUP,
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
