@@ -223,6 +223,24 @@ def test_a_pair_is_never_limited_in_the_air_that_it_meets(configuration_i) -> No
     assert found.required_deflection == found.encountered["head"]
 
 
+@pytest.mark.parametrize(("plane", "attitude"), [("pitch", None), ("yaw", None), ("pitch", 4.0)])
+def test_a_limit_is_not_sufficient_where_the_pressure_encountered_is_not_known(
+    configuration_i, plane, attitude
+) -> None:
+    """A wind too long to be followed, and one of 5 deg that no head wind has at this path."""
+    duration, vehicle = (6000.0 if attitude is None else 7.5), configuration_i
+    if attitude is not None:
+        vehicle = vehicle.replace(attitude=np.radians(attitude))
+    options = {"duration": duration, "peak": np.radians(5), "plane": plane}
+    nominal = tv.Study.from_vehicle(vehicle, **options, sign="frozen").required_deflection
+    for factor, sufficient in ((1.02, None), (0.98, False)):
+        found = tv.Study.from_vehicle(vehicle, limit=factor * nominal, **options)
+        assert found.sufficient is sufficient
+        assert found.survivable_peak is None
+        calm = tv.Study.from_vehicle(vehicle, limit=factor * nominal, **options, sign="frozen")
+        assert calm.sufficient is (factor > 1.0)
+
+
 def test_what_lasts_too_long_to_be_followed_is_told(configuration_i) -> None:
     for duration in (1e4, 1e8):
         found = tv.Study.from_vehicle(

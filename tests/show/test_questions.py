@@ -78,6 +78,19 @@ def test_too_few_cases_are_no_yes() -> None:
     assert "99.865 % of flights: cases must be at least 1705" in headline(found)
 
 
+def test_every_answer_in_a_wind_whose_pressure_is_not_known_is_not_known() -> None:
+    """On a path of 4 deg, which no head wind turns by 5 deg."""
+    vehicle = tv.load_vehicle("configuration-i").replace(attitude=np.radians(4.0))
+    changes = {"vehicle": vehicle, "design": DESIGN, "criteria": LOOSE}
+    found = found_for(0.9, **changes, sign=None)
+    assert found.study.required_deflection < found.study.limit
+    shown = answers(found)
+    assert shown["margins"] is True
+    assert {shown.pop("wind"), shown.pop("autopilot")} == {None}
+    assert headline(found).startswith("NOT KNOWN: the dynamic pressure encountered is not known")
+    assert answers(found_for(0.9, **changes))["wind"] is True  # at nominal dynamic pressure
+
+
 def test_few_cases_suffice_to_refuse_a_limit_that_covers_a_part_of_them() -> None:
     found = found_for(0.36, dispersions=SPREAD, model="fixed-path")
     success = found.dispersed.success

@@ -83,8 +83,8 @@ def autopilot_requirement(
 
 
 def counts_head(need: CaseRequirement | None) -> bool:
-    """Return whether the wind raises the required deflection above that at nominal pressure."""
-    return need is not None and need.ratio_to_nominal > 1.0
+    """Return whether the wind raises the required deflection above the nominal one, or may."""
+    return need is not None and (need.ratio_to_nominal > 1.0 or bool(need.unknown))
 
 
 def head_wind_boundary(
@@ -111,12 +111,14 @@ def autopilot_boundary(
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
     """Return a case at the dynamic pressure at the peak of so many times its wind.
 
-    `InputError` for a plant in state space, which is not known there.
+    `InputError` for a plant in state space, which is not known there, and for an unknown pressure.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 
     if case.plant_system is not None:
         raise InputError("a plant in state space is known at nominal dynamic pressure alone")
+    if need.unknown:
+        raise InputError(need.unknown)
     complete = complete_vehicle(case.vehicle, "a head wind")
     ratio = largest_pressure(need.placed, complete.rigid, need.plane, need.direction, size)
     return replace(case, vehicle=at_pressure(complete, ratio))

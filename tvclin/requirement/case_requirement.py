@@ -19,7 +19,12 @@ from tvclin.linear.plant import Plant
 from tvclin.requirement.nominal_requirement import RequiredDeflection, covers, required_deflection
 from tvclin.requirement.plane_requirement import TwoPlaneRequirement, heading_requirement, rectangle
 from tvclin.vehicle.coefficients import PLANES
-from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
+from tvclin.vehicle.linear_vehicle import (
+    AnyVehicle,
+    LinearVehicle,
+    coefficients_of,
+    complete_vehicle,
+)
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import FROZEN, MAX_LINEAR_ANGLE, beyond_linear
@@ -166,6 +171,18 @@ class CaseRequirement:
         return self.direction == FROZEN
 
     @property
+    def unknown(self) -> str:
+        """Reason why the required deflection may be larger in the wind's worst direction, or empty.
+
+        A vehicle without speed and attitude is judged at nominal dynamic pressure.
+        """
+        if not self.encountered_unknown or isinstance(self.vehicle, LinearVehicle):
+            return ""
+        if not self.nominal_deflection:
+            return ""
+        return f"the dynamic pressure encountered is not known: {self.encountered_unknown}"
+
+    @property
     def ratio_to_nominal(self) -> float:
         """The required deflection over that at nominal dynamic pressure; one where that is zero."""
         nominal = self.nominal_deflection
@@ -213,7 +230,10 @@ class CaseRequirement:
 
     @property
     def judged(self) -> dict[str, Any]:
-        """Fields `sufficient` and `survivable_peak` [rad] of the limit; None without a limit."""
+        """Fields `sufficient` and `survivable_peak` [rad]; None without a limit or where `unknown`.
+
+        A limit below the requirement at nominal dynamic pressure is not sufficient in any case.
+        """
         limit, needed = self.limit, self.required_deflection
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
@@ -222,6 +242,9 @@ class CaseRequirement:
             linear = replace(self.case, wind=self.placed.scaled(size))
             judged = case_requirement(linear, self.dead_band).judged
             return judged | {"sufficient": None}
+        if self.unknown:
+            sufficient = None if covers(limit, needed) else False
+            return {"sufficient": sufficient, "survivable_peak": None}
         size = limit / needed if needed else np.inf
         if not self.at_nominal_pressure and 0.0 < size < np.inf:
             size = survived_size(limit, self.required_at)

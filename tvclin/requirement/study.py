@@ -203,11 +203,13 @@ class Study(CaseRequirement, Shown):
     dead_bands : ndarray
         K, falling; the dead band of the verdict is among them.
     sufficient : bool or None
-        Whether the limit is at or above what is required; None without a limit, and in a wind
-        `beyond` 30 deg, of which linear aerodynamics says nothing.
+        Whether the limit is at or above what is required; None without a limit, in a wind
+        `beyond` 30 deg, of which linear aerodynamics says nothing, and where it covers the
+        requirement at nominal dynamic pressure and that encountered is `unknown`.
     survivable_peak : float or None
         The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`. Up
         to `peak_bound`, at which the wind angle is 30 deg: what survives that may survive more.
+        None without a limit, and where the dynamic pressure encountered is `unknown`.
     forecast_free : dict of str to ForecastFreeLimit
         For the models of `boundaries` that have one, the least deflection of any law that does
         not know when the wind will stop.
@@ -403,12 +405,12 @@ class Study(CaseRequirement, Shown):
 
     @property
     def survivable_size(self) -> float | None:
-        """Size of the survivable peak [rad]; None without a limit."""
+        """Size of the survivable peak [rad]; None where that is not known."""
         return None if self.survivable_peak is None else abs(self.survivable_peak)
 
     @property
     def survives_bound(self) -> bool | None:
-        """Whether the survivable peak is a lower bound, `peak_bound`; None without a limit."""
+        """Whether the survivable peak is a lower bound, `peak_bound`; None without one."""
         if self.survivable_peak is None:
             return None
         return abs(self.survivable_peak) >= abs(self.peak_bound) * (1.0 - ROUNDING)

@@ -17,7 +17,14 @@ from tvclin.base.lines import (
     significant,
     upper_pole,
 )
-from tvclin.base.quantities import NO_FORECAST, QUANTITIES, STATIC_TRIM, WIND_KNOWN, sufficiency
+from tvclin.base.quantities import (
+    NO_FORECAST,
+    NOMINAL,
+    QUANTITIES,
+    STATIC_TRIM,
+    WIND_KNOWN,
+    sufficiency,
+)
 from tvclin.base.units import written
 from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.case.case import Case
@@ -231,15 +238,20 @@ def verdict(s: Study) -> Iterator[Line]:
     needed = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
     switch = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
     air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
+    if s.unknown:
+        air = f", {NOMINAL}"
     basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
     yield (
         "Required deflection: ",
         *((f"NOT KNOWN: {s.beyond}",) if s.beyond else (*needed, basis)),
     )
-    if s.limit is None or s.survivable_peak is None:
+    if s.limit is None:
         return
     have = degrees("verdict.limit", s.limit, unit="deg")
     line: Line = ("Limit ", *have, f": {sufficiency(s.sufficient)}; ")
+    if s.survivable_peak is None:
+        yield (*line, s.unknown if s.sufficient is None else f"not even {NOMINAL}")
+        return
     survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
     line = (*line, "it survives peaks up to ", *survived)
     of = f", {s.peak_of}" if s.peak_of else ""

@@ -176,10 +176,17 @@ def loop_notes(findings: Findings) -> Iterator[str]:
 
 
 def _in_linear_range(findings: Findings) -> Iterator[Question]:
-    """Yield the questions; the answer is None where the wind is beyond linear aerodynamics."""
+    """Yield the questions; the answer is None where the wind is beyond linear aerodynamics.
+
+    It is None in place of yes where the dynamic pressure encountered is not known.
+    """
     for question in _answered(findings):
-        beyond = findings.study.beyond if question.name in _IN_THE_WIND else ""
-        yield Question(question.name, None, (beyond,)) if beyond else question
+        study, in_wind = findings.study, question.name in _IN_THE_WIND
+        reason = study.beyond or (study.unknown if question.yes is not False else "")
+        if in_wind and reason:
+            yield Question(question.name, None, (reason,))
+        else:
+            yield question
 
 
 def _answered(findings: Findings) -> Iterator[Question]:

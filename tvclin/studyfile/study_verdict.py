@@ -59,8 +59,8 @@ def sentence(findings: Findings) -> Line:
 def _needed(study: Study) -> Line:
     """Return the verdict without a limit: the required deflection of the wind."""
     need = study.required_deflection
-    if study.beyond:
-        return (f"{sufficiency(None)}: {study.beyond}.",)
+    if reason := study.beyond or study.unknown:
+        return (f"{sufficiency(None)}: {reason}.",)
     if not need:
         return (_NOTHING,)
     if np.isinf(need):

@@ -267,16 +267,19 @@ class Sizing(Tabled):
         InputError
             For an unknown name.
         """
-        values = self.required[requirement_among("name", name, self.required)]
+        requirement = requirement_among("name", name, self.required)
+        values = self.required[requirement]
         first, last = self.known_times[:, 0].max(), self.known_times[:, 1].min()
         early, late = self.times < first, self.times > last
         rest = self.times[np.isnan(values).any(axis=1) & ~early & ~late]
         words = {
             f"above {self.schedule.altitude_text(last)}": np.any(late),
             f"below {self.schedule.altitude_text(first)}": np.any(early),
-            f"from {rest.min(initial=np.inf):.6g} to {rest.max(initial=0):.6g} s": rest.size > 1,
-            f"at {rest.max(initial=0):.6g} s": rest.size == 1,
+            _interval(rest): rest.size > 0,
         }
+        if self.unsigned is not None and requirement.dead_band == self.dead_bands[0]:
+            times = self.times[self.unsigned.any(axis=1)]
+            words[f"at the dynamic pressure encountered {_interval(times)}"] = times.size > 0
         return tuple(word for word, unknown in words.items() if unknown)
 
     def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
@@ -313,6 +316,12 @@ _MAX_LISTED_TIMES = 2
 """Largest number of flight times that are listed one by one."""
 _RELATIVE_TOLERANCE = 1e-9
 """Relative difference up to which two deflections count as equal."""
+
+
+def _interval(times: FloatArray) -> str:
+    """Return the interval of flight times [s], in words; "at" the time of a single one."""
+    first, last = (f"{time:.6g}" for time in (times.min(initial=np.inf), times.max(initial=0.0)))
+    return f"from {first} to {last} s" if times.size > 1 else f"at {last} s"
 
 
 def notes_of(sizing: Sizing) -> tuple[str, ...]:

@@ -70,7 +70,7 @@ def with_directions(
                 column[i, j] *= factor
                 if direction in winds:
                     along.append((column, i, j, winds[direction]))
-        except InputError as error:  # no such wind at this path, no real pole: as it stands
+        except InputError as error:  # no such wind at this path, too long a wind: as it stands
             unknown[i, j], why = True, why or f"{sizing.times[i]:g} s: {error}"
     if along and mode is not None:
         required = requirements_along(mode, [wind for *_, wind in along], K)[:, 0]
@@ -80,7 +80,8 @@ def with_directions(
     if base in arises:
         arises |= dict.fromkeys(columns, arises[base])
     sizing = replace(sizing, required=sizing.required | columns, arises=arises)
-    if not (why and columns):
+    unknown &= sizing.required[base] != 0.0
+    if not unknown.any():
         return sizing
     note = f"the dynamic pressure encountered in a pulse is not known at {why}"
     return replace(sizing, unsigned=unknown, notes=(*sizing.notes, note))

@@ -305,7 +305,10 @@ def _verdict(
     have, required = float(np.degrees(c.limit)), requirement.required_deflection
     if not required:
         return f"No deflection is needed: no unstable pole that a wind could excite.{flown}"
-    word = sufficiency(bool(covers(c.limit, required)))
+    covered = bool(covers(c.limit, required))
+    if covered and requirement.unknown:
+        return f"{sufficiency(None)}: {requirement.unknown}.{flown}"
+    word = sufficiency(covered)
     return (
         f"{word}: with K = {requirement.dead_band:g} this wind requires"
         f" {np.degrees(required):.3f} deg ({requirement.governs}), and the limit is"
