@@ -215,6 +215,15 @@ def test_few_cases_refuse_a_limit_whose_probability_has_too_low_an_interval(limi
     assert text.exit_code == 1
 
 
+def test_a_wind_whose_pressure_is_not_known_has_no_probability() -> None:
+    arguments = ["disperse", "--cases", "30", "--probability", "0.9", "--duration", "6000"]
+    arguments += ["--model", "fixed-path", "--limit-deg"]
+    for limit, words in (("2", "NOT KNOWN: the dynamic pressure enc"), ("0.3", "NOT SUFFICIENT")):
+        text = CliRunner().invoke(app, [*arguments, limit])
+        assert f"{float(limit):.3f} deg {words}" in text.output
+        assert text.exit_code == 1
+
+
 def test_the_convergence_is_that_of_the_specified_probability():
     arguments = ["disperse", "--cases", "300", "--probability", "0.9", "--model", "fixed-path"]
     arguments += ["--set", "study.sign=frozen", "--confidence", "0.8", "--json"]

@@ -14,6 +14,7 @@ from tvclin.base.quantities import sufficiency, survival
 from tvclin.ensembles.campaign.outputs import plane_columns, required_name
 from tvclin.ensembles.campaign.results import CampaignResults
 from tvclin.ensembles.statistics import Quantile, Success, shares
+from tvclin.requirement.case_requirement import study_requirement
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.shaped import ShapedWind
@@ -70,7 +71,20 @@ class CampaignSummary(Shown):
         """Whether the limit covers the quantile with its confidence; None where not known."""
         if self.limit is None or self.success is None:
             return None
-        return self.required.covered(bool(covers(self.limit, self.required.upper)), self.success)
+        above = bool(covers(self.limit, self.required.upper))
+        covered = self.required.covered(above, self.success)
+        return None if covered and self.unknown else covered
+
+    @property
+    def unknown(self) -> str:
+        """Reason why the output is not known in the worst direction of the nominal wind, or empty.
+
+        The output is then that at nominal dynamic pressure.
+        """
+        if not self.output.startswith("required_"):
+            return ""
+        need = study_requirement(self.results.campaign)
+        return "" if need is None else need.unknown
 
     @property
     def verdict(self) -> str:
@@ -81,6 +95,8 @@ class CampaignSummary(Shown):
         words = f"{angle} ({of}) covers {share}" if np.isfinite(r.upper) else f"{share}: {angle}"
         if self.limit is None or self.success is None:
             return words
+        if self.sufficient is None and covers(self.limit, r.upper):
+            words = self.unknown
         if self.sufficient is False and np.isfinite(r.estimate) > np.isfinite(r.upper):
             most = f"{100 * self.success.upper:.4g} %"
             words = f"sufficient in at most {most} of flights, not in {100 * r.probability:g} %"
