@@ -238,6 +238,12 @@ def test_an_option_and_its_key_answer_the_same():
     assert json.loads(by_key[1])["wind"]["peak_deg"] == pytest.approx(-3.0)
 
 
+def test_a_key_of_the_wind_is_taken_where_no_sounding_is_given():
+    wind = ("--plane", "yaw", "--set", "wind.direction_deg", "250", "--azimuth-deg", "45")
+    code, out, error = ran("fly", V, *wind, "--limit-deg", "2", "--json")
+    assert (code, json.loads(out)["plane"]) == (0, "yaw"), error
+
+
 def test_a_flight_schedule_has_no_keys_of_a_vehicle(tmp_path):
     file = tmp_path / "flight.csv"
     row = "1.48e6,2.25e7,6.67e5,2.495e6,9.45,23.56,80700,538.81,0.78"

@@ -102,4 +102,4 @@ def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
 def is_set(option: Any, values: Mapping[str, Any]) -> bool:
     """Return whether an option has another value than its default."""
     value = values.get(option.name)
-    return value is not None and value is not False and value not in ([], option.default)
+    return value is not None and value is not False and value not in ([], (), option.default)
