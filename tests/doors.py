@@ -141,6 +141,8 @@ TOLD = {
     "DeflectionTotal": (".needed_rate",),
     "compare_with_trim": (".peak_flight_path_angle",),
     "compare_flight": (".flown", ".linear"),
+    "fly_turbulence": (".limited_time", ".limited_time_error"),
+    "deflection_use": (".remaining", ".used"),
 }
 """Where NaN is the answer, as the docstrings say: of poles that are repeated or not there, and of a
 flight that is lost."""
@@ -638,7 +640,10 @@ def doors(folder: Path) -> dict[str, Door]:
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
         "CampaignResults.answers": Door(results.answers, {"output": results.angles[0]}),
         "CampaignResults.column": Door(results.column, {"name": "thrust"}),
-        "CampaignResults.convergence": Door(results.convergence, {"output": results.angles[0]}),
+        "CampaignResults.convergence": Door(
+            results.convergence,
+            {"output": results.angles[0], "probability": 0.9, "confidence": 0.9},
+        ),
         "CampaignResults.drivers": Door(results.drivers, {"output": results.angles[0]}),
         "CampaignResults.loss": Door(results.loss, {"confidence": 0.9}),
         "CampaignResults.quantile": Door(
@@ -718,6 +723,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "DeadBandLaw": Door(
             tv.control.DeadBandLaw, {"plant": plant, "gain": 1.0, "dead_band": 0.5}
+        ),
+        "DeflectionTotal.words_with": Door(
+            tv.requirement.DeflectionTotal((line,), 0.1).words_with, {"autopilot": "SURVIVED"}
         ),
         "DeflectionTotal": Door(
             tv.requirement.DeflectionTotal,

@@ -439,7 +439,7 @@ def test_a_boundary_that_is_no_solution_is_noted():
         ({"shortest": 0.0}, "shortest must be positive"),
         ({"longest": np.inf}, "longest must be finite"),
         ({"peak": 0.0}, "peak must be other than zero"),
-        ({"shape": lambda **_: 0.1}, "wind must be a History"),
+        ({"shape": lambda **_: 0.1}, r"shape\(peak, duration\) must be a History"),
     ],
 )
 def test_durations_that_cannot_be(changes, message):

@@ -174,7 +174,9 @@ def worst_duration(
     peaks = autopilot.deflection_peaks_function(plant)
 
     def deflections(durations: FloatArray) -> FloatArray:
-        return peaks([shape(peak=peak, duration=duration) for duration in durations.tolist()])
+        winds = [shape(peak=peak, duration=duration) for duration in durations.tolist()]
+        instance("shape(peak, duration)", winds[0], History, "such as TriangularWind")
+        return peaks(winds)
 
     return _worst(deflections, _durations(closed_loop(autopilot, plant).A, low, high))
 

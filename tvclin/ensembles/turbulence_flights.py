@@ -68,7 +68,7 @@ class TurbulenceFlights(Shown):
         Probability that it does not reach the limit; None for a deflection that jumps.
     limited_time, limited_time_error : float
         Mean fraction of a flight in which the demand is at or above the limit, and the standard
-        error of this mean.
+        error of this mean; NaN where a flight leaves all numbers.
     unlimited, survived : Success
         Probability that a flight does not meet its limit at a sample, and that it survives.
     flown : FlownCases

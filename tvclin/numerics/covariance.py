@@ -168,7 +168,8 @@ def exceedance(limit: float, mean: FloatArray, deviation: FloatArray) -> FloatAr
     from scipy.special import ndtr  # late, as above
 
     spread = np.maximum(deviation, np.finfo(float).tiny)
-    sides = [np.clip((sign * mean - limit) / spread, -40.0, 40.0) for sign in (1.0, -1.0)]
+    with np.errstate(over="ignore"):  # of a limit far beyond the spread
+        sides = [np.clip((sign * mean - limit) / spread, -40.0, 40.0) for sign in (1.0, -1.0)]
     return np.asarray(ndtr(sides[0]) + ndtr(sides[1]))
 
 

@@ -247,6 +247,8 @@ class AutopilotDesign:
 
     def __post_init__(self) -> None:
         checked(self)
+        if self.schedule is not None:
+            instance("schedule", self.schedule, GainTable, "see load_gains")
         for name in CHAINS:
             chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
             object.__setattr__(self, name, chain)
@@ -298,7 +300,12 @@ class AutopilotDesign:
         return replace(self, delay=0.0, filters=(), attitude_filters=(), rate_filters=())
 
     def options(self, actuator: Actuator | None) -> dict[str, Any]:
-        """Return the arguments of an `Autopilot` other than the gains that a rule may design."""
+        """Return the arguments of an `Autopilot` other than the gains that a rule may design.
+
+        Raises `InputError` for an actuator that is none.
+        """
+        if actuator is not None:
+            instance("actuator", actuator, Actuator, "of a bandwidth")
         return {
             "actuator": actuator,
             **{name: getattr(self, name) for name in ADDED_GAINS},

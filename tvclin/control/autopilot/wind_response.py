@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray
-from tvclin.base.errors import InputError, finite, instance, one_of, single
+from tvclin.base.errors import InputError, each, finite, instance, one_of, single
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.linear.flexible import AnyPlant
@@ -124,12 +124,14 @@ def peaks_in_winds(
     `B`: one stable system, ``(n, n)`` and ``(n,)``. `row`: C and D of the output, ``(n,)`` and one
     number. `winds`: single winds [rad]; those with rates in common are computed together.
     """
+    decay = -np.real(np.linalg.eigvals(A)).max()
+    if not decay > 0.0:
+        raise InputError("peaks in winds are of a stable closed loop; this loop is not stable")
     groups: dict[tuple[bytes, int], list[int]] = {}
-    for k, wind in enumerate(winds):
-        instance("wind", wind, History, "such as TriangularWind")
-        single("wind", wind.batch)
+    for k, wind in enumerate(each("winds", winds, History, "such as TriangularWind")):
+        single("winds", wind.batch)
         groups.setdefault((wind.pieces.rates.tobytes(), wind.pieces.degree), []).append(k)
-    settling_time = _DECAY_EXPONENT / -np.real(np.linalg.eigvals(A)).max()
+    settling_time = _DECAY_EXPONENT / decay
     peaks = np.zeros(len(winds))
     for (_, degree), group in groups.items():
         trajectories = motions(A, B, [winds[k].pieces for k in group])

@@ -294,6 +294,7 @@ def turbulence_history(
     check_plant(plant)
     check_single("turbulence_history", autopilot, plant, loads)
     V = number("speed", speed)
+    altitude = None if altitude is None else number("altitude", altitude, unit="m")
     shape = turbulence.shaping_filter(V, altitude)
     shape = *shape[:2], shape[2] / V
     at_rest = not flag("settled", settled)

@@ -345,6 +345,7 @@ def turbulence_covariance(
     check_plant(plant)
     check_single("turbulence_covariance", autopilot, plant, loads)
     V = number("speed", speed)
+    altitude = None if altitude is None else number("altitude", altitude, unit="m")
     shape = turbulence.shaping_filter(V, altitude)
     loop = driven_loop(autopilot, plant, (*shape[:2], shape[2] / V), np.asarray(V), noise, loads)
     covariances, weights = stationary(loop)

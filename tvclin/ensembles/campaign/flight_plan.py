@@ -36,6 +36,10 @@ class SoundingEnsemble(WindEnsemble):
 
     soundings: tuple[MeasuredWind, ...] = ()
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        each("soundings", self.soundings, MeasuredWind, "see fly_through")
+
     @classmethod
     def of(cls, soundings: Sequence[MeasuredWind]) -> Self:
         """Return the ensemble of soundings, each of `fly_through` for one plane, without a gust.

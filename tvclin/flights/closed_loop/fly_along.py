@@ -48,7 +48,7 @@ from tvclin.linear.system import connect, constant_over_steps, polynomial_input
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import FROZEN
+from tvclin.winds.wind_angles import FROZEN, SIGNS
 
 _CONTINUOUS_STEP = 0.02
 """Longest step of a continuous loop [s]."""
@@ -391,6 +391,8 @@ def _winds_along(
 
     Winds at nominal dynamic pressure have the same vehicle, and are one batch.
     """
+    if sign is not None:
+        one_of("sign", sign, (*SIGNS, FROZEN))
     if not isinstance(wind, History):
         winds = each("wind", wind, MeasuredWind, "a History, or soundings")
         return [wind_along(flight, one, plane, sign) for one in winds], (len(winds),)

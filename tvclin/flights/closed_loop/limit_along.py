@@ -10,7 +10,7 @@ from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import WindAlong, wind_along
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, number, positive, unlimited
+from tvclin.base.errors import InputError, number, positive, single, unlimited
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.flights.closed_loop.fly_along import (
@@ -84,6 +84,8 @@ def survival_limit_along(
     >>> print(f"{np.degrees(limit):.2f}")
     0.41
     """
+    if isinstance(wind, History):
+        single("wind", wind.batch)
     encountered = wind_along(flight, wind, plane, sign, gust_time)
     along = checked_flight(flight, autopilot, encountered, start, stop, model, plane)
     return limit_of_flight(along, unlimited("rate_limit", rate_limit, unit="rad/s"), highest)

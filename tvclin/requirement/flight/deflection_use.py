@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import table
 from tvclin.base.columns import Column, Columns, Tabled
-from tvclin.base.errors import InputError, instance, number, numbers, positive, small_angle
+from tvclin.base.errors import (
+    InputError,
+    each,
+    instance,
+    number,
+    numbers,
+    positive,
+    small_angle,
+)
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.flights.closed_loop.fly_along import FlightAlong
@@ -111,7 +119,8 @@ def deflection_use(
         raise InputError("deflections over the flight need two or more flight times; got 1")
     order = np.argsort(sizing.times)
     times = sizing.times[order]
-    names = [r.label for r in sizing.required] if labels is None else labels
+    every = tuple(r.label for r in sizing.required)
+    names = every if labels is None else each("labels", labels, str, "of sizing.required")
     required = {str(name): sizing.at_times(name)[order] for name in names}
     said: tuple[str, ...] = ()
     if requirements is not None:

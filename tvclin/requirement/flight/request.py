@@ -300,6 +300,8 @@ class SizingRequest:
         instance("soundings", self.soundings, Mapping, "of names to SoundingRequest")
         each("soundings", tuple(self.soundings.values()), SoundingRequest, "with their azimuth")
         checked(self)
+        if self.scheduled_design is not None:
+            instance("scheduled_design", self.scheduled_design, AutopilotDesign, "of a file")
         if not self.pulse and not self.others and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
 

@@ -167,11 +167,15 @@ class DeflectionTotal(Shown):
         return self.words_with()
 
     def words_with(self, autopilot: str = "") -> str:
-        """Return the verdict in words, with the outcome of the autopilot's flights if given."""
+        """Return the verdict in words, with the outcome of the autopilot's flights if given.
+
+        Raises `InputError` for an outcome that is no text.
+        """
+        text("autopilot", autopilot)
         words = [cell_text(line) for line in self.verdict]
         if autopilot:
-            words[0] = words[0].replace(": ", ": required deflection ", 1)
-            words.insert(1, f"autopilot {autopilot}")
+            first = [word.replace(": ", ": required deflection ", 1) for word in words[:1]]
+            words = [*first, f"autopilot {autopilot}", *words[1:]]
         if self.lines:
             where = at_time(self, "the", " of those that are known" * bool(self.not_sized))
             words.append(
