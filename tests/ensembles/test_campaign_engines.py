@@ -59,7 +59,7 @@ def test_a_killed_process_is_one_sentence_and_the_others_have_done_their_part(
             os.kill(killed[0], signal.SIGKILL)
 
     with (
-        pytest.raises(tv.InputError, match=r"a worker process has died .* campaign resume"),
+        pytest.raises(tv.InputError, match=r"a worker process has died .* run it again into"),
         processes(2) as pool,
     ):
         tv.run_campaign(plan, tmp_path, executor=pool, progress=kill_one)
