@@ -234,6 +234,7 @@ def expected_dispersed(plan: tv.studyfile.StudyPlan, study: tv.Study) -> dict[st
     return {
         "asked.probability": 99.865,
         "basis.success": 100.0 * d.success.estimate,
+        "asked.success": 100.0 * d.success.upper,
         "facts.covers_deg": np.degrees(d.required.upper),
         "dispersed.cases": 300.0,
         "dispersed.seed": 1.0,
