@@ -56,7 +56,7 @@ def test_the_autopilot_requirement_is_the_larger_of_head_and_tail_wind() -> None
     )
     assert needed.limit[0, 0] == max(head, tail)
     assert np.isnan(needed.limit[0, 1])
-    assert "linear aerodynamics says nothing" in needed.said[0]
+    assert "linear aerodynamics says nothing" in needed.reasons[0]
     with pytest.raises(InputError, match="winds must be those of the sizing"):
         tv.requirement.autopilot_requirements(sizing, laws, gust)
 
@@ -68,7 +68,7 @@ def test_a_head_wind_that_cannot_be_is_not_known_and_the_reason_is_said() -> Non
     sizing = tv.size(level, gust, times=[65.0])
     needed = tv.requirement.autopilot_requirements(sizing, laws, gust)
     assert np.isnan(needed.limit[0, 0])
-    assert "no horizontal wind turns it so far" in needed.said[0]
+    assert "no horizontal wind turns it so far" in needed.reasons[0]
 
 
 def test_the_requirement_of_a_flight_too_short_to_settle_is_not_known() -> None:
@@ -77,8 +77,8 @@ def test_the_requirement_of_a_flight_too_short_to_settle_is_not_known() -> None:
     sizing = tv.size(made, gust, times=[105.0, 106.0])
     needed = tv.requirement.autopilot_requirements(sizing, laws, gust, sign="head")
     assert np.isnan(needed.limit).all()
-    (reason,) = needed.said
+    (reason,) = needed.reasons
     assert reason.startswith("wind at 105 s and 106 s: no limit in the range survives; undecided")
     use = tv.requirement.deflection_use(sizing, [0.01, 0.01], 0.05, needed)
     assert np.isnan(use.remaining).all()
-    assert use.said == needed.said
+    assert use.reasons == needed.reasons

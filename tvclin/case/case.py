@@ -125,7 +125,7 @@ class Case:
     @property
     def loop_model(self) -> str:
         """Model of the plant of the autopilot: "drift-exact" for "drift" with a structure."""
-        return flexible_model(self.vehicle, self.model)
+        return flexible_model(self.vehicle.structure, self.model)
 
     @property
     def law_model(self) -> str:

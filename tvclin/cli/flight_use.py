@@ -34,7 +34,7 @@ class AutopilotUse:
         """The verdict on the flights of the autopilot, and notes on them."""
         yield f"flown by the autopilot: {self.flights.verdict}"
         yield from self.flights.notes
-        yield from (f"autopilot requirement NOT KNOWN: {reason}" for reason in self.use.said)
+        yield from (f"autopilot requirement NOT KNOWN: {reason}" for reason in self.use.reasons)
 
     @property
     def document(self) -> dict[str, Any]:

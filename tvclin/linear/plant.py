@@ -69,9 +69,9 @@ def default_model(vehicle: AnyVehicle | Coefficients) -> str:
     return DEFAULT_MODEL
 
 
-def flexible_model(vehicle: AnyVehicle, model: str) -> str:
-    """Return the model of a vehicle: "drift" becomes "drift-exact" with bending or slosh."""
-    return DEFAULT_MODEL if model == "drift" and vehicle.structure is not None else model
+def flexible_model(structure: object, model: str) -> str:
+    """Return the model of a vehicle: "drift" becomes "drift-exact" with a structure."""
+    return DEFAULT_MODEL if model == "drift" and structure is not None else model
 
 
 def models_of(vehicle: AnyVehicle) -> list[str]:

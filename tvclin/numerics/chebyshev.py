@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebpts2
 
 from tvclin.base.arrays import FloatArray, IndexArray
 
@@ -62,7 +63,7 @@ def smooth_values(
     first = packed(np.concatenate([times[exact], *nodes]))
     values = np.empty((times.size, first.shape[1]))
     values[exact] = first[: exact.size]
-    known = list(np.split(first[exact.size :], max(len(pending), 1)))
+    at_nodes = list(np.split(first[exact.size :], max(len(pending), 1)))
     sizes = [int(np.prod(shape)) for shape in shapes.values()]
     remaining: list[IndexArray] = []
     while pending:
@@ -70,7 +71,7 @@ def smooth_values(
         fresh = [_nodes(times[which], degree)[1::2] for which in pending]
         made = np.split(packed(np.concatenate(fresh)), len(pending))
         rest: list[tuple[IndexArray, FloatArray]] = []
-        for which, old, new in zip(pending, known, made, strict=False):
+        for which, old, new in zip(pending, at_nodes, made, strict=False):
             guess = _interpolated(old, np.linspace(0.0, np.pi, degree + 1)[1::2])
             points = np.empty((degree + 1, new.shape[1]))
             points[::2], points[1::2] = old, new
@@ -80,10 +81,10 @@ def smooth_values(
                 rest.append((which, points))
             else:
                 remaining.append(which)
-        pending, known = [which for which, _ in rest], [points for _, points in rest]
+        pending, at_nodes = [which for which, _ in rest], [points for _, points in rest]
     if remaining:
-        left = np.concatenate(remaining)
-        values[left] = packed(times[left])
+        which = np.concatenate(remaining)
+        values[which] = packed(times[which])
     parts = np.split(values, np.cumsum(sizes)[:-1], axis=1)
     return {
         name: part.reshape(times.size, *shape)
@@ -98,8 +99,7 @@ def _worth(which: IndexArray, degree: int) -> bool:
 
 def _nodes(times: FloatArray, degree: int) -> FloatArray:
     """Return the Chebyshev points of a degree between the first and the last time, rising."""
-    cosines = np.cos(np.linspace(np.pi, 0.0, degree + 1))
-    return times[0] + (times[-1] - times[0]) * (0.5 + 0.5 * cosines)
+    return times[0] + (times[-1] - times[0]) * (0.5 + 0.5 * chebpts2(degree + 1))
 
 
 def _angles(times: FloatArray) -> FloatArray:
@@ -111,20 +111,28 @@ def _angles(times: FloatArray) -> FloatArray:
 def _interpolated(points: FloatArray, angles: FloatArray) -> FloatArray:
     """Return values at angles on the half circle, from those at equidistant ones ``(d + 1, k)``.
 
-    By the barycentric formula, of the differences from the first point.
+    The differences from the first point are interpolated.
     """
-    count = len(points)
-    nodes = np.cos(np.linspace(0.0, np.pi, count))
-    weights = (-1.0) ** np.arange(count)
-    weights[[0, -1]] *= 0.5
-    distance = np.cos(angles)[:, np.newaxis] - nodes
-    at_node = distance == 0.0
-    terms = weights / np.where(at_node, 1.0, distance)
-    terms = np.where(at_node.any(axis=1, keepdims=True), at_node.astype(float), terms)
-    factors = terms / terms.sum(axis=1, keepdims=True)
+    nodes = np.cos(np.linspace(0.0, np.pi, len(points)))
+    factors = interpolation_factors(nodes, np.cos(angles))
     values: FloatArray = factors @ np.nan_to_num(points - points[0])
     values += points[0]
     return values
+
+
+def interpolation_factors(nodes: FloatArray, places: FloatArray) -> FloatArray:
+    """Return the factors ``(m, n)`` from values at Chebyshev nodes ``(n,)`` to places ``(m,)``.
+
+    By the barycentric formula (Berrut and Trefethen, 2004), whose weights are of alternating sign,
+    and half as large at both ends. `nodes`: extreme points, on any interval.
+    """
+    weights = (-1.0) ** np.arange(nodes.size)
+    weights[[0, -1]] *= 0.5
+    distances = places[:, np.newaxis] - nodes
+    at_node = distances == 0.0
+    factors = weights / np.where(at_node, 1.0, distances)
+    factors = np.where(at_node.any(axis=1, keepdims=True), at_node.astype(float), factors)
+    return np.asarray(factors / factors.sum(axis=1, keepdims=True))
 
 
 def _agree(guess: FloatArray, made: FloatArray, points: FloatArray, sizes: list[int]) -> bool:

@@ -208,4 +208,5 @@ def _ratio(mean: FloatArray, deviation: FloatArray) -> FloatArray:
 
 
 def _density(x: FloatArray) -> FloatArray:
+    """Return the standard normal density."""
     return np.asarray(np.exp(-0.5 * np.minimum(np.abs(x), 40.0) ** 2) / np.sqrt(2.0 * np.pi))

@@ -23,7 +23,7 @@ from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.sweep import Sweep, sweep
 from tvclin.ensembles.statistics import Success, success_probability
 from tvclin.flights.closed_loop.fly_along import FlightAlong, fly_along
-from tvclin.linear.plant import DEFAULT_MODEL
+from tvclin.linear.plant import DEFAULT_MODEL, flexible_model
 from tvclin.requirement.flight.autopilot_along import autopilot_requirements
 from tvclin.requirement.flight.deflection_use import DeflectionUse, deflection_use, used_around
 from tvclin.requirement.flight.flight_winds import PEAK, place
@@ -73,8 +73,7 @@ class FlightLoop:
     @property
     def model(self) -> str:
         """Model of the motion; with a structure "drift-exact" in place of "drift"."""
-        model = self.plan.model or DEFAULT_MODEL
-        return "drift-exact" if model == "drift" and self.flight.structure is not None else model
+        return flexible_model(self.flight.structure, self.plan.model or DEFAULT_MODEL)
 
     @cached_property
     def times(self) -> FloatArray:
@@ -323,7 +322,7 @@ class FlightOutcome(Record):
 
     def is_worst_of(self, outcomes: Sequence[FlightOutcome]) -> bool:
         """Return whether the outcome is the worst: not survived, not known, most deflection."""
-        return max(outcomes, key=_badness) is self
+        return max(outcomes, key=_severity) is self
 
     @property
     def label(self) -> str:
@@ -331,7 +330,7 @@ class FlightOutcome(Record):
         return self.wind if self.time is None else f"{self.wind} at {self.time:.4g} s"
 
 
-def _badness(outcome: FlightOutcome) -> tuple[int, float]:
+def _severity(outcome: FlightOutcome) -> tuple[int, float]:
     """Return the key by which outcomes are ordered, the worst last."""
     return {True: 0, None: 1, False: 2}[outcome.survived], outcome.peak_deflection
 
@@ -353,7 +352,7 @@ class FlightsOfLoop:
     @property
     def worst_outcome(self) -> FlightOutcome:
         """The outcome not survived, or else not known, with the largest deflection."""
-        return max(self.outcomes, key=_badness)
+        return max(self.outcomes, key=_severity)
 
     @property
     def survived(self) -> bool | None:
@@ -437,7 +436,7 @@ class FlightsOfLoop:
         """
         shown = list(self.outcomes)
         if rows is not None and len(shown) > rows:
-            kept = sorted(shown, key=_badness)[-rows:]
+            kept = sorted(shown, key=_severity)[-rows:]
             shown = [outcome for outcome in shown if outcome in kept]
         several = self.wind_count > 1
         cells: list[tuple[Line, ...]] = []

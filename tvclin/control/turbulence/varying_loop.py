@@ -14,11 +14,12 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.control.turbulence.driven_loop import DrivenLoop, Jump, Signal
+from tvclin.numerics.chebyshev import interpolation_factors
 
 _POINTS = 0.5 - 0.5 * np.cos(np.pi * np.arange(5) / 4.0)
 """Lobatto points of an interval of unit length."""
 _BARYCENTRIC = np.array([0.5, -1.0, 1.0, -1.0, 0.5])
-"""Barycentric weights of these points (Berrut and Trefethen, 2004)."""
+"""Barycentric weights of these points, see `interpolation_factors`."""
 _CHECKED_POINT = 0.32
 """Position in an interval at which the polynomial is compared."""
 _MAX_INTERVAL_S, _MAX_HALVINGS = 1.0, 6
@@ -79,7 +80,7 @@ class VaryingLoop:
         index = np.searchsorted(self._starts, times, side="right") - 1
         index = np.clip(index, 0, len(self._starts) - 1)
         places = np.clip((times - self._starts[index]) / self._lengths[index], 0.0, 1.0)
-        return index * len(_POINTS), _lagrange(places)
+        return index * len(_POINTS), interpolation_factors(_POINTS, places)
 
     def _slopes(self, values: FloatArray) -> FloatArray:
         """Return the derivatives [1/s] at the nodes of values there."""
@@ -87,15 +88,6 @@ class VaryingLoop:
         slopes = np.tensordot(values.reshape(shape), _DERIVATIVE, axes=(1, 1))
         lengths = self._lengths.reshape(-1, *[1] * values.ndim)
         return np.asarray(np.moveaxis(slopes, -1, 1) / lengths).reshape(values.shape)
-
-
-def _lagrange(places: FloatArray) -> FloatArray:
-    """Return the weights ``(n, 5)`` of the points of an interval at positions 0 to 1 in it."""
-    distances = places[:, np.newaxis] - _POINTS
-    at_point = distances == 0.0
-    weights = _BARYCENTRIC / np.where(at_point, 1.0, distances)
-    weights /= weights.sum(axis=1, keepdims=True)
-    return np.where(at_point.any(axis=1, keepdims=True), at_point, weights)
 
 
 def _derivative() -> FloatArray:
@@ -161,7 +153,7 @@ def _joined(loops: list[DrivenLoop], rows: IndexArray) -> DrivenLoop:
 def _fits(loops: DrivenLoop, shape: tuple[int, ...]) -> BoolArray:
     """Return for each interval whether the polynomials have the values at the checked point."""
     fits = np.ones(shape[0], bool)
-    weights = _lagrange(np.array([_CHECKED_POINT]))[0]
+    weights = interpolation_factors(_POINTS, np.array([_CHECKED_POINT]))[0]
     for array in loops.arrays:
         values = array.reshape(*shape, -1)
         errors = np.abs(np.tensordot(values[:, :-1], weights, axes=(1, 0)) - values[:, -1])

@@ -125,7 +125,7 @@ def _flexible(
     """Return the flexible plant of vehicles with dispersed modes; None in a rigid campaign."""
     if vehicle.structure is None:
         return None
-    model = flexible_model(vehicle, campaign.model)
+    model = flexible_model(vehicle.structure, campaign.model)
     plant = FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, campaign.plane)
     if not any(map(is_mode_factor, values)):
         return plant

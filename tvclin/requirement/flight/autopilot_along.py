@@ -57,14 +57,14 @@ class AutopilotRequirements(Shown):
         Autopilot requirements [rad], ``(n, m)``: the larger of head and tail wind for a pulse.
         Infinite where no limit up to twice the largest trim deflection survives, NaN where the
         requirement is not known.
-    said : tuple of str
+    reasons : tuple of str
         Reasons why requirements are not known or not certain; often none.
     """
 
     times: FloatArray = field(metadata=spec("time"))
     winds: tuple[str, ...] = field(metadata=spec())
     limit: FloatArray = field(metadata=spec("angle"))
-    said: tuple[str, ...] = field(metadata=spec())
+    reasons: tuple[str, ...] = field(metadata=spec())
 
     @property
     def at_times(self) -> FloatArray:
@@ -140,8 +140,8 @@ def autopilot_requirements(
             unknown_at.setdefault((name, str(error)), []).append(time)
         if progress is not None:
             progress(done, len(pairs))
-    said = (f"{wind} at {flight_times(at)}: {why}" for (wind, why), at in unknown_at.items())
-    return AutopilotRequirements(sizing.times, sizing.winds, limit, tuple(said))
+    reasons = (f"{wind} at {flight_times(at)}: {why}" for (wind, why), at in unknown_at.items())
+    return AutopilotRequirements(sizing.times, sizing.winds, limit, tuple(reasons))
 
 
 def _encountered(

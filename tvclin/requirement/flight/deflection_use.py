@@ -45,7 +45,7 @@ class DeflectionUse(Tabled):
         Available deflection [rad] minus the largest of these, ``(n,)``; NaN where one is not known.
     limit : float
         Available deflection [rad].
-    said : tuple of str
+    reasons : tuple of str
         Reasons why autopilot requirements are not known; often none.
     """
 
@@ -54,7 +54,7 @@ class DeflectionUse(Tabled):
     used: FloatArray = field(metadata=spec("angle"))
     remaining: FloatArray = field(metadata=spec("angle"))
     limit: float = field(metadata=spec("angle"))
-    said: tuple[str, ...] = field(default=(), metadata=spec())
+    reasons: tuple[str, ...] = field(default=(), metadata=spec())
 
     def table(self) -> Table:
         """Return the table of all times, in degrees."""
@@ -122,12 +122,12 @@ def deflection_use(
     every = tuple(r.label for r in sizing.required)
     names = every if labels is None else each("labels", labels, str, "of sizing.required")
     required = {str(name): sizing.at_times(name)[order] for name in names}
-    said: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()
     if requirements is not None:
         instance("requirements", requirements, AutopilotRequirements, "see autopilot_requirements")
         if not np.array_equal(requirements.times, sizing.times):
             raise InputError("requirements must be at the flight times of the sizing")
-        required[AUTOPILOT], said = requirements.at_times[order], requirements.said
+        required[AUTOPILOT], reasons = requirements.at_times[order], requirements.reasons
     if isinstance(flown, FlightAlong):
         used = used_around(flown, times)
     else:
@@ -139,7 +139,7 @@ def deflection_use(
             )
         used = used[order]
     largest = np.max([*required.values(), used], axis=0)  # NaN where one is not known
-    return DeflectionUse(times, required, used, available - largest, available, said)
+    return DeflectionUse(times, required, used, available - largest, available, reasons)
 
 
 def used_around(flown: FlightAlong, times: FloatArray) -> FloatArray:

@@ -18,6 +18,7 @@ import numpy as np
 
 from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.structure_schedule import StructureSchedule
 from tvclin.ascent.wind_along import wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
@@ -38,9 +39,11 @@ from tvclin.control.turbulence.driven_loop import (
     DEFLECTION,
     DEFLECTION_RATE,
 )
+from tvclin.linear.plant import flexible_model
 from tvclin.requirement.flight.flight_winds import WindOf, encountered_winds, placed_in_planes
 from tvclin.requirement.required_quantity import in_wind
 from tvclin.vehicle.coefficients import BOTH
+from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import at_pressure
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import ATTACK, FROZEN, beyond_linear
@@ -233,6 +236,7 @@ class FlightTurbulence(Shown):
 
 
 def _number(value: float | None) -> float:
+    """Return a number for a table; NaN, which it shows as a dash, where there is none."""
     return float("nan") if value is None else value
 
 
@@ -256,12 +260,17 @@ class LoopOverFlight:
     @property
     def model(self) -> str:
         """Model of the motion; with a structure "drift-exact" in place of "drift"."""
-        return "drift-exact" if self.case.model == "drift" and self.is_flexible else self.case.model
+        return flexible_model(self._structure, self.case.model)
 
     @property
     def is_flexible(self) -> bool:
         """Whether the vehicle has a structure, constant or over the flight."""
-        return self.schedule.structure is not None or self.schedule.vehicle.structure is not None
+        return self._structure is not None
+
+    @property
+    def _structure(self) -> Structure | StructureSchedule | None:
+        """Structure of the vehicle, over the flight or constant."""
+        return self.schedule.structure or self.schedule.vehicle.structure
 
     @cached_property
     def gains(self) -> Autopilot | GainSchedule:
@@ -361,13 +370,14 @@ def flight_turbulence(
             responses = {"": _measured(loop, wind)}
         else:
             responses = _pulses(loop, wind, signed=j < len(signed) and signed[j])
-        for direction, found in responses.items():
+        for direction, response in responses.items():
             label = f"{name}{in_wind(direction)}"
             rows = [
-                _largest(label, start, mean, found, request.factor) for start, mean in found.means
+                _largest(label, start, mean, response, request.factor)
+                for start, mean in response.means
             ]
             largest.append(_worst(rows))
-            spreads.append(found.spread)
+            spreads.append(response.spread)
         if progress is not None:
             progress(j + 1, len(winds))
     rms = {
@@ -427,7 +437,7 @@ def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _R
             ratio = next(slopes) / next(slopes)
             row = time, ratio, pulse, loop.response(time, ratio, pulse)
             rows.setdefault(direction, []).append(row)
-    return {direction: _of_pulse(loop, found) for direction, found in rows.items()}
+    return {direction: _of_pulse(loop, of_times) for direction, of_times in rows.items()}
 
 
 def _of_pulse(
@@ -447,10 +457,10 @@ def _of_pulse(
 
 
 def _largest(
-    name: str, start: float, mean: CovarianceHistory, found: _Responses, k: float
+    name: str, start: float, mean: CovarianceHistory, responses: _Responses, k: float
 ) -> LargestInTurbulence:
     """Return the largest of each quantity, of a response from a flight time [s] on."""
-    times, spread = mean.times + start, found.spread
+    times, spread = mean.times + start, responses.spread
 
     def sizes(output: str) -> FloatArray:
         return np.abs(mean.mean(output)) + k * _deviation(spread, times, output)
@@ -462,7 +472,7 @@ def _largest(
         float(times[np.argmax(deflection)]),
         float(sizes(DEFLECTION_RATE).max()) if smooth else None,
         float(sizes(ANGLE_OF_ATTACK).max()),
-        found.whole,
+        responses.whole,
     )
 
 
