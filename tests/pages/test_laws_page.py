@@ -9,23 +9,16 @@ import pytest
 import tvclin as tv
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "laws.md").read_text().split())
-PLANT, EXACT = (
-    tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
-    for model in ("fixed-path", "drift-exact")
-)
+PLANT = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
 PEAK, COEFFICIENTS = np.radians(5.0), PLANT.coefficients
-SERVO = tv.Actuator(natural_frequency=20.0, damping=0.7)
-SECONDS = tv.TriangularWind(peak=PEAK, duration=7.5)
 
 
 def triangle(tau_beta: float) -> tv.TriangularWind:
     return tv.TriangularWind(peak=PEAK, duration=tau_beta / COEFFICIENTS.beta)
 
 
-def needs(
-    law: tv.control.Law, wind: tv.TriangularWind, rate: float, plant=PLANT, **options
-) -> float:
-    return tv.closed_loop_boundary(plant, law, wind, sample_rate=rate, **options).limit
+def needs(law: tv.control.Law, wind: tv.TriangularWind, rate: float, **options) -> float:
+    return tv.closed_loop_boundary(PLANT, law, wind, sample_rate=rate, **options).limit
 
 
 def lean(believed_B: float = 1.0, believed_peak: float = 1.0, **options) -> tv.control.Law:
