@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from tvclin.base.lines import plural, significant, text
 from tvclin.cli.app import app
-from tvclin.cli.option_names import in_options
+from tvclin.cli.settings import in_options
 
 V = "configuration-i"
 OPENROCKET = "tests/schedules/openrocket.csv"

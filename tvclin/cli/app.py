@@ -78,14 +78,12 @@ def _named(command: Any) -> Any:
     @wraps(run)
     def call(*arguments: Any, **values: Any) -> Any:
         """Run a command; its `ValueError` names the option that is at fault."""
-        from tvclin.cli.settings import check_settings, faulty_key, keys_of_arguments
+        from tvclin.cli.settings import check_settings, faulty_key, keys_of_arguments, named
 
         try:
             check_settings(options, values)
             return run(*arguments, **values)
         except ValueError as error:
-            from tvclin.cli.option_names import named  # late: most runs have no fault
-
             keys = keys_of_arguments(values.get("settings"))
             raise named(faulty_key(error, values), options, values, keys) from None
 
@@ -237,8 +235,7 @@ def _unknown_option(context: Any, option: str) -> str | None:
     None for a misspelling.
     """
     from tvclin.case.features import refusal
-    from tvclin.cli.option_names import without_unit
-    from tvclin.cli.settings import field_key, similar_key
+    from tvclin.cli.settings import field_key, similar_key, without_unit
 
     if context is None:
         return None

@@ -10,9 +10,8 @@ from tvclin.ascent.flight_condition import FlightCondition, load_flight_conditio
 from tvclin.base.errors import Faults, one_of
 from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear
-from tvclin.cli.fly_autopilot import AutopilotFlight, fly_autopilot
+from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_autopilot, fly_linear
 from tvclin.cli.fly_laws import fly_laws
-from tvclin.cli.fly_linear import LINEAR, LinearCase, fly_linear
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, only_with
 from tvclin.cli.options import (
@@ -136,7 +135,7 @@ def fly(
     """
     changes = [options.over for options in (limit, motion, flies)]
     if what.law != ALL and time is None and is_flight(vehicle):
-        from tvclin.cli.fly_flight import fly_flight
+        from tvclin.cli.whole_flight import fly_flight
 
         what.check_along_flight()
         fly_flight(vehicle, winds, changes, more, shown)

@@ -115,7 +115,7 @@ def margins(
     flown = bool(limit.values)
     changes = [options.over for options in (limit, timing, motion, gains)]
     if time is None and is_flight(vehicle):
-        from tvclin.cli.flight_margins import flight_loop, print_sweep
+        from tvclin.cli.whole_flight import flight_loop, print_sweep
 
         only_with(FROZEN, system=system, detuned=detuned, limit_deg=flown or None, **vars(winds))
         print_sweep(vehicle, flight_loop(vehicle, *changes), more, shown)

@@ -13,7 +13,7 @@ from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.case.load import FlownLoad
 from tvclin.cli.ascent import PlaneOptions, case_over_flight
-from tvclin.cli.fly_linear import limited_law
+from tvclin.cli.fly_autopilot import limited_law
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_nominal_pressure, note_omissions, only_with
 from tvclin.cli.options import (
