@@ -16,7 +16,7 @@ COMPUTATIONS: dict[str, Callable[[], Computed]] = {
 
 
 def equations() -> list[dict[str, str]]:
-    """Return the report's equations: id, page_section, printed, corrected, why and proof."""
+    """Return the report's equations: id, page_section, printed, corrected, why (or none), proof."""
     return records("equation")
 
 

@@ -9,92 +9,80 @@ from tests.ledger import attempts, companion, flown, loads
 from tests.ledger.claims import claims, compute, equations, records
 from tests.ledger.computed import Computed, shown
 
-REPRODUCED, NOT_REPRODUCED = "reproduced", "**not reproduced**"
-
 _HEAD = """\
 # Validation ledger
 
 Borsody and Teren (NASA, Lewis Research Center, 1968) against `tvclin`: every equation, and every
-number of the text. This page is generated: every number in the columns "I" and "II" is computed
-with the package from Table I when the page is made, and a test holds the page to it.
-`python -m tests.ledger.page docs/validation.md` writes it.
+number of the text. The package computes the numbers from Table I, and tests hold the page to
+them; `python -m tests.ledger.page docs/validation.md` writes it.
 
-## How to read it
-
-- I and II are the vehicles of Table I. "as I" says that the vehicle makes no difference, "-" that
-  only I is meant. Numbers have at most four significant digits; those of II are in the order of I.
-- A printed number is *reproduced* when ours rounds to it in its printed digits; "about" allows
-  one step of the last digit. For words the criterion is an inequality, in the docstring of the
-  function named under "function", in `tests/ledger/claims_*.py`.
-- Numbers of equations are those of the report, (B1) and (C1) those of its appendices; "(after
-  B7)" is an unnumbered one near (B7).
-- A proof is a test of the repository that derives the equation independently of the package. All
-  variables in linear equations are deviations from the nominal flight.
-"""
-
-_EQUATIONS = """\
-## Equations
-
-{count} equations; {agree} agree as printed, some of them as approximations or under a condition
-that is named.
+A printed number is reproduced when ours rounds to it in its printed digits; "about" allows one
+step of the last digit. For words the criterion is an inequality, in the docstring of the function
+that `tests/ledger/claims.toml` names. Of two numbers the first belongs to configuration I of Table
+I, the second to II. Numbers of equations are those of the report; "(after B7)" is an unnumbered
+one near (B7). Variables in linear equations are deviations from the nominal flight.
 """
 
 _CLAIMS = """\
 ## Claims
 
-{count} claims; {held} are reproduced, {failed} are not.
-"""
+Of {count} claims {held} are reproduced, {failed} are not.
 
-_TRIED = """\
-## Other readings of the claims that are not reproduced
+### Not reproduced
 
-- **24 percent by drift at tau beta = 20.** {readings} readings were tried, of the normalisation,
-  the model, the abscissa, misprints, slips of units, and factors of ten in some of W, I, N, T and
-  F_A of Table I. None gives 24 for either vehicle; the nearest explanation is a slip of the
-  abscissa, 25 read as 20, for (18) gives 24 percent at tau beta = {first} (I) and {second} (II).
-  Neither (18) nor Table I is changed for it.
-- **28 s in appendix C.** The exponential of (C9) taken to first order gives the printed 28; the
-  claim that tau beta = 14 is the end is the same number times 0.5 1/s.
-- **38 percent without dead band, or a reduction by 62.** No equation rounds to 38 at tau beta =
-  4; a value read from a curve may, for (12) does below tau beta = {below}.
-- {ids}: there is no other reading to try.
-"""
+{failures}
+24 percent by drift at tau beta = 20: {readings} readings were tried, of the normalisation, the
+model, the abscissa, misprints, slips of units, and factors of ten in some of W, I, N, T and F_A.
+None gives 24. The nearest explanation is a slip of the abscissa, 25 read as 20; neither (18) nor
+Table I is changed for it. No equation rounds to 38 percent at tau beta = 4, but (12) does below
+{below}, as a value read from a curve may. The 28 s of appendix C are the first order of (C9).
+
+### Reproduced
+
+{successes}"""
+
+_EQUATIONS = """\
+## Equations
+
+Of {count} equations {agree} agree as printed, some of them as approximations or under a condition
+that is named. The proof is a test that derives the equation independently of the package.
+
+### Misprints and conditions
+
+{exceptions}
+### As printed
+
+{exact}"""
 
 _LOADS = """\
 ## Loads
 
 The report says that control below trim also reduces angle of attack and bending moments. This is
 the peak angle of attack over the peak of the wind (`wind_loads`, triangular wind, on the boundary,
-while the wind blows); the bending indicator N alpha falls by the same factor.
+during the wind); the bending indicator N alpha falls by the same factor.
 """
 
 _FLOWN = """\
 ## Flights
 
-The flights of figures 6 to 11 are not printed as numbers. Those below are flown here with the
-equations (B1), at tau beta = 4: with the parameters of Table I frozen, and along a trajectory that
-is reconstructed from Table I with an assumed altitude and specific impulse. There the wind changes
-the dynamic pressure, so that in pitch its sign and size matter. Of two entries the first belongs
-to I, the second to II.
-
-The boundary limit for K = 1. It agrees where (18) is within 5 percent, and the theory is
-conservative where (18) requires no less. Whether (B9) diverges faster and converges more slowly
-than flights with the same limit is among the claims above.
+The report does not print the flights of its figures 6 to 11 as numbers. These are flown here with
+the equations (B1), K = 1, at tau beta = 4: with the parameters of Table I frozen, and along a
+trajectory reconstructed from Table I, where the wind changes the dynamic pressure, so that in
+pitch its sign and size matter. Where (18) is above the flown limit the theory is conservative;
+within 5 percent they agree.
 """
 
 _COMPANION = """\
 ## The companion report
 
 Teren, Davidson, Borsody and Daniele (NASA TN D-4662, 1968) have the same question for whole
-vehicles. Of it the abstract alone was read. It says that 99 percent winds need 2.4 deg (260-inch
-booster with an S-IVB) and 1.17 deg (a second vehicle), that other effects need about 0.35 deg,
-and the tail-off of the thrust about 1 deg. Configuration I, the 260-inch booster of Table I,
-trims a wind of {peak:g} deg with {trim:.2f} deg at 66 s; 2.4 deg trim {across:.0f} m/s across the
-flight there, and {slow_across:.0f} m/s at {early:g} s. A stage above the booster, which Table I
-does not name, can explain the factor of {factor:.1f}: B is in proportion to the normal force and
-its arm, and {example:g} m/s across the flight need 2.4 deg where B is {ratio:.1f} times that of
-Table I. The abstract tells neither winds nor flight condition nor autopilot, nor whether 2.4 deg
-are a peak or a static trim. So neither confirms the other, and neither speaks against it.
+vehicles; only its abstract was available. It says that 99 percent winds need 2.4 deg (260-inch
+booster with an S-IVB) and 1.17 deg (a second vehicle), other effects about 0.35 deg, and the
+tail-off of the thrust about 1 deg. Configuration I trims a wind of {peak:g} deg with {trim:.2f} deg
+at 66 s; 2.4 deg trim {across:.0f} m/s across the flight there, and {slow:.0f} m/s at {early:g} s.
+A stage above the booster, which Table I does not name, can explain the factor of {factor:.1f}:
+{example:g} m/s need 2.4 deg where B is {ratio:.1f} times that of Table I. Without winds, flight
+condition and autopilot neither report confirms or contradicts the other.
 """
 
 _DEVIATIONS = """\
@@ -106,73 +94,57 @@ On purpose, in these points; the numbers of the report are reproduced with its o
 
 def page() -> str:
     """Return the whole ledger as Markdown, computed afresh."""
-    computed = [(claim, compute(claim)) for claim in claims()]
-    parts = [_HEAD, _equations(), _claims(computed), _tried(computed), _loads()]
-    parts += [_flown(), _companion(), _deviations()]
+    parts = [_HEAD, _claims(), _equations(), _loads(), _flown(), _companion(), _deviations()]
     return "\n".join(parts)
 
 
 def _equations() -> str:
-    keys = ("id", "printed", "corrected", "why", "proof")
+    """The equations in two tables: with a correction or condition, and exactly as printed."""
     found = equations()
-    rows = [[*(e[key] for key in keys[:-1]), _code(e["proof"])] for e in found]
-    agree = sum(e["corrected"].startswith("agrees") for e in found)
-    headings = ("no.", "as printed", "as it should read", "why", "proof")
-    return _EQUATIONS.format(count=len(found), agree=agree) + "\n" + _table(headings, rows)
-
-
-def _claims(computed: Sequence[tuple[dict[str, str], Computed]]) -> str:
-    headings = ("where", "claim", "printed", "I", "II", "verdict", "note", "function")
-    rows = [
-        [
-            claim["where"],
-            claim["text"],
-            claim["printed"],
-            *_cells(found),
-            REPRODUCED if found.holds else NOT_REPRODUCED,
-            claim.get("verdict_note", ""),
-            _code(claim["compute"]),
-        ]
-        for claim, found in computed
+    exceptions = [
+        (e["id"], e["printed"], f"{e['corrected']}. {e.get('why', '')}", _code(e["proof"]))
+        for e in found
+        if e["corrected"] != "agrees"
     ]
-    held = sum(found.holds for _, found in computed)
-    text = _CLAIMS.format(count=len(computed), held=held, failed=len(computed) - held)
-    return text + "\n" + _table(headings, rows)
-
-
-def _cells(found: Computed) -> tuple[str, str]:
-    """The values for I, each with its label, the first with its unit, and in their order for II."""
-    units = [found.unit, *[""] * (len(found.values) - 1)]
-    first = [_one(v.label, v.first, unit) for v, unit in zip(found.values, units, strict=True)]
-    whole = all(v.second is not None for v in found.values)
-    second = [
-        _one("" if whole else v.label, v.second, "") for v in found.values if v.second is not None
+    exact = [
+        (e["id"], e["printed"], _code(e["proof"])) for e in found if e["corrected"] == "agrees"
     ]
-    return "; ".join(first), "; ".join(second) or "as I"
-
-
-def _one(label: str, number: float | str, unit: str) -> str:
-    text = number if isinstance(number, str) else f"{shown(number)} {unit}".strip()
-    return f"{label}: {text}" if label else text
-
-
-def _tried(computed: Sequence[tuple[dict[str, str], Computed]]) -> str:
-    by_id = {claim["id"]: found for claim, found in computed}
-    _, where, _ = by_id["drift-24-percent-at-20"].values
-    first, second = (shown(number) for number in where.numbers)
-    readings = [*attempts.reductions_by_drift(), *attempts.reductions_with_factors_of_ten()]
-    return _TRIED.format(
-        readings=len(readings),
-        first=first,
-        second=second,
-        below=shown(attempts.rounds_to_38_below()),
-        ids=", ".join(_others(by_id)),
+    return _EQUATIONS.format(
+        count=len(found),
+        agree=sum(e["corrected"].startswith("agrees") for e in found),
+        exceptions=_table(("no.", "as printed", "as it should read", "proof"), exceptions),
+        exact=_table(("no.", "as printed", "proof"), exact),
     )
 
 
-def _others(by_id: dict[str, Computed]) -> list[str]:
-    failed = (name for name, found in by_id.items() if not found.holds)
-    return [_code(name) for name in failed if name not in attempts.CLAIMS]
+def _claims() -> str:
+    """The claims in two tables, not reproduced and reproduced, and other readings of the former."""
+    computed = [(claim, compute(claim)) for claim in claims()]
+    rows: dict[bool, list[Sequence[str]]] = {True: [], False: []}
+    for claim, result in computed:
+        rows[result.holds].append((claim["where"], claim["text"], _result(claim, result)))
+    headings = ("where", "claim", "tvclin")
+    readings = [*attempts.reductions_by_drift(), *attempts.reductions_with_factors_of_ten()]
+    return _CLAIMS.format(
+        count=len(computed),
+        held=len(rows[True]),
+        failed=len(rows[False]),
+        failures=_table(headings, rows[False]),
+        readings=len(readings),
+        below=shown(attempts.rounds_to_38_below()),
+        successes=_table(headings, rows[True]),
+    )
+
+
+def _result(claim: dict[str, str], result: Computed) -> str:
+    """The claimed quantity for I and II with its unit, and the note; with a label only alone."""
+    value, note = result.values[0], claim.get("verdict_note", "")
+    if value.label and note:
+        return note
+    numbers = [shown(n) for n in (value.first, value.second) if n not in (None, "-")]
+    quantity = f"{', '.join(dict.fromkeys(numbers))} {result.unit}".strip()
+    text = f"{value.label}: {quantity}" if value.label else quantity
+    return f"{text}. {note}" if note else text
 
 
 def _loads() -> str:
@@ -201,25 +173,15 @@ def _loads_verdict(found: Sequence[loads.Case]) -> str:
 def _flown() -> str:
     limits = [
         [
-            _parameters(b.along),
+            "along the trajectory" if b.along else "frozen",
             b.gust.name,
             ", ".join(f"{limit:.3f}" for limit in b.flown),
             ", ".join(f"{percent:+.1f}" for percent in b.excess),
-            _yes(b.agree),
-            _yes(b.conservative),
         ]
         for b in flown.boundaries()
     ]
-    first = ("parameters", "wind", "flown", "(18) above it [percent]", "agrees", "conservative")
-    return f"{_FLOWN}\n{_table(first, limits)}"
-
-
-def _parameters(along: bool) -> str:
-    return "along the trajectory" if along else "frozen"
-
-
-def _yes(verdicts: Iterable[bool]) -> str:
-    return ", ".join("yes" if verdict else "no" for verdict in verdicts)
+    headings = ("parameters", "wind", "flown", "(18) above it [percent]")
+    return f"{_FLOWN}\n{_table(headings, limits)}"
 
 
 def _companion() -> str:
@@ -230,7 +192,7 @@ def _companion() -> str:
         trim=own.trim,
         factor=companion.WIND / own.trim,
         across=own.across,
-        slow_across=early.across,
+        slow=early.across,
         early=early.time,
         example=companion.EXAMPLE,
         ratio=companion.example(),
@@ -238,9 +200,10 @@ def _companion() -> str:
 
 
 def _deviations() -> str:
-    keys = ("topic", "report", "package", "why")
-    rows = [[*(d[key] for key in keys), _code(d["proof"])] for d in records("deviation")]
-    return _DEVIATIONS + "\n" + _table(("topic", "the report", "tvclin", "why", "proof"), rows)
+    rows = [
+        (d["topic"], d["report"], d["package"], _code(d["proof"])) for d in records("deviation")
+    ]
+    return _DEVIATIONS + "\n" + _table(("topic", "the report", "tvclin", "proof"), rows)
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
