@@ -1,5 +1,7 @@
 """Structure over the flight: rows by name, what lies between them, and tables that are refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -77,11 +79,14 @@ def test_a_flight_has_its_structure_and_its_actuator(tmp_path) -> None:
     (tmp_path / "flight.csv").write_text(FLIGHT)
     flight = tv.load_schedule(tmp_path / "flight.csv")
     vehicle = flight.at(70.0)
+    structure = vehicle.structure
     assert [mode.frequency for mode in vehicle.structure.bending] == [13.0, 13.0]
     assert [float(x) for x in flight.actuator_at(70.0)] == [26.0, 0.7]
     assert flight.at([60.0, 70.0, 80.0]).batch == (3,)
     part = flight.between(65.0, 75.0)
     assert part.at(70.0).structure == vehicle.structure
+    constant = replace(flight, structure=None, vehicle=replace(flight.vehicle, structure=structure))
+    assert constant.between(65.0, 75.0).at(70.0).structure == structure
     assert [float(x) for x in part.actuator_at(75.0)] == [27.0, 0.7]
     assert flight.plants(70.0, "drift-exact", "pitch").structure is None
     plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)

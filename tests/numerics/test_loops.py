@@ -9,6 +9,8 @@ from tests.control.test_margins import NUMBERS, actuated, brute_force, random_lo
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import Crossings, loop_margins
 from tvclin.numerics import polynomials
+from tvclin.numerics.loop_margins import PEAK_REFINEMENTS
+from tvclin.numerics.searches import grid_minimum
 
 FREQUENCIES = [
     "aero_frequency",
@@ -19,6 +21,19 @@ FREQUENCIES = [
     "peak_sensitivity_frequency",
     "peak_complementary_sensitivity_frequency",
 ]
+
+
+def test_the_vertex_of_a_smooth_dip_has_the_digits_of_twice_as_many_grids() -> None:
+    """Against the place and the depth of a dip that are known, a resonance of height 1/width."""
+    place, width = np.array([0.3001, 2.0007]), np.array([0.02, 0.5])
+
+    def height(x):
+        return -1.0 / np.hypot((x - place[:, np.newaxis]) * (1.0 + 0.1 * x), width[:, np.newaxis])
+
+    low, high = place - 2.1 * width, place + 1.7 * width
+    at, minimum = grid_minimum(height, low, high, PEAK_REFINEMENTS, smooth=True)
+    assert np.all(np.abs(at - place) < 1e-7 * width)
+    np.testing.assert_allclose(minimum, -1.0 / width, rtol=1e-13)
 
 
 def integrating(count, seed):

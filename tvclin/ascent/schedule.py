@@ -232,7 +232,7 @@ class FlightSchedule(Shown):
         frequency, damping = self.actuator_at(times) or (None, None)
         return replace(
             self,
-            vehicle=self.clamped_at(times).rigid,
+            vehicle=replace(self, structure=None).clamped_at(times),
             nominal_deflection=self.nominal_at(times),
             altitude=altitude,
             actuator_frequency=frequency,

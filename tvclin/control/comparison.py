@@ -32,7 +32,7 @@ from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
 from tvclin.numerics import polynomials
-from tvclin.numerics.loop_margins import grid_frequencies, stability
+from tvclin.numerics.loop_margins import PEAK_REFINEMENTS, grid_frequencies, stability
 from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History
 
@@ -78,7 +78,10 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     same_degree = numerator.size == loop.denominator.size
     direct = abs(numerator[0] / loop.denominator[0]) if same_degree else 0.0
     k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
-    peaks = grid_minimum(negative_gain, omega[k - 1], omega[k + 1])[1] if k.size else values
+    ends = omega[k - 1], omega[k + 1]
+    peaks = (
+        grid_minimum(negative_gain, *ends, PEAK_REFINEMENTS, smooth=True)[1] if k.size else values
+    )
     return float(max(-values.min(), -np.min(peaks), direct))
 
 

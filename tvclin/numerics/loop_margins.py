@@ -57,9 +57,9 @@ _MAX_CROSSOVER_CORRECTION = 1e-6
 _CANDIDATE_PEAK_HEIGHT = 0.3
 """Height of local maxima of the grid that are refined, relative to the highest: a lower one could
 exceed it only if the grid had missed more than two thirds of its height."""
-_PEAK_REFINEMENTS = 8
-"""Grid refinements about a peak: its frequency is known to 6e-8 of the distance of its neighbours,
-of the order of its width, and its height to the square of that."""
+PEAK_REFINEMENTS = 4
+"""Grid refinements about a smooth peak: with a last parabola its frequency is known to 6e-8 of the
+distance of its neighbours, of the order of its width, and its height to the square of that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -377,10 +377,12 @@ def _closed_loop_peaks(
         candidates = loop.take(case)
 
         def lowness(frequency: FloatArray) -> FloatArray:
-            return -np.choose(kind[:, np.newaxis], _sensitivity_sizes(*candidates.parts(frequency)))
+            above, below = candidates.parts(frequency)
+            numerator = np.choose(kind[:, np.newaxis], _numerators(above, below))
+            return -_size(product(numerator, inverse(below + above)))
 
         at, minimum = grid_minimum(
-            lowness, omega[case, index], omega[case, index + 2], _PEAK_REFINEMENTS
+            lowness, omega[case, index], omega[case, index + 2], PEAK_REFINEMENTS, smooth=True
         )
         rising = np.argsort(-minimum)  # of several summits the highest is written last
         at, size, entry = at[rising], -minimum[rising], (case[rising], kind[rising])
@@ -402,8 +404,17 @@ def _sensitivity_sizes(above: ComplexArray, below: ComplexArray) -> list[FloatAr
     disk (1 + d/2)/(1 - d/2), |d| < alpha, exactly if alpha |S - T|/2 < 1 everywhere.
     """
     inverse_return = inverse(below + above)
-    S, T = product(below, inverse_return), product(above, inverse_return)
-    return [np.sqrt(function.real**2 + function.imag**2) for function in (S, T, 0.5 * (S - T))]
+    return [_size(product(part, inverse_return)) for part in _numerators(above, below)]
+
+
+def _numerators(above: ComplexArray, below: ComplexArray) -> tuple[ComplexArray, ...]:
+    """Return the numerators of S, T and (S - T)/2 over D + N."""
+    return below, above, 0.5 * (below - above)
+
+
+def _size(values: ComplexArray) -> FloatArray:
+    """Return absolute values in real arithmetic, as `product`."""
+    return np.sqrt(values.real**2 + values.imag**2)
 
 
 def _rows(case: IndexArray, key: FloatArray, values: FloatArray, count: int) -> FloatArray:

@@ -53,8 +53,8 @@ _POLE_OFFSET = 1e-15
 """Offset from a pole, relative to the largest, at which a singular system is solved."""
 _MIN_HAMILTONIAN_DIVISOR = 1e-8
 """Smallest |1 - D^2/g^2| in the Hamiltonian matrix."""
-_TERMS_PER_BLOCK = 2**16
-"""Terms of a sum over poles that are evaluated together, to bound the memory."""
+_POINTS_PER_BLOCK = 2**13
+"""Points at which a sum over poles is evaluated together, so that they stay in the cache."""
 _MAX_POINTS_OF_CUMULATIVE_SUMS = 256
 """Number of points above which terms are added one by one, which is then quicker."""
 _ENTRIES_PER_BLOCK = 2**22
@@ -226,11 +226,11 @@ class StateLoop:
 
         The states are scaled by powers of two until rows and columns of A have similar norms.
         """
-        from scipy.linalg import eig, matrix_balance  # late: it takes 0.1 s to import
+        from scipy.linalg import eig, lapack  # late: it takes 0.1 s to import
 
         scales = np.ones(B.shape)
         for k in range(len(A)):
-            scales[k] = matrix_balance(A[k], permute=False, separate=True)[1][0]
+            scales[k] = lapack.dgebal(A[k], scale=1)[3]
         A = A * scales[:, np.newaxis] / scales[:, :, np.newaxis]
         B, C = B / scales, C * scales
         poles, vectors = np.linalg.eig(A)
@@ -285,18 +285,17 @@ class StateLoop:
     def slope(self, s: AnyArray) -> AnyArray:
         """Return dL/ds with the delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
         delay = self.delay[:, np.newaxis]
-        value, slope = self._value_and_slope(s)
-        return (slope - delay * value) * np.exp(-s * delay)
+        slope = self._modal_sum(s, slope=True) - delay * self._modal_sum(s)
+        return slope * np.exp(-s * delay)
 
     def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """Return numerator and denominator of L without delay at j omega, as `parts`."""
-        return self._fraction(self._value_and_slope(1j * omega)[0], omega)
+        return self._fraction(self._solved(1j * omega)[0], omega)
 
     def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega = j G'/G at j omega, ``(k, m)``, with G' = -C (s - A)^-2 B."""
-        value, slope = self._value_and_slope(1j * omega)
         with np.errstate(all="ignore"):
-            return 1j * (slope / value)
+            return 1j * (self._modal_sum(1j * omega, slope=True) / self._modal_sum(1j * omega))
 
     def vanishes(self, omega: FloatArray) -> BoolArray:
         """Return whether L is zero or infinite, to rounding, at one frequency each ``(k,)``."""
@@ -390,49 +389,42 @@ class StateLoop:
         ratio = np.sqrt(np.where(scalable, sizes[0], 1.0) / np.where(scalable, sizes[1], 1.0))
         return A, B / ratio, C * ratio, D
 
-    def _modal_sum(self, s: AnyArray) -> AnyArray:
-        """Return L without its delay at s ``(k, m)``: the sum over the poles, in real arithmetic.
+    def _modal_sum(self, s: AnyArray, *, slope: bool = False) -> AnyArray:
+        """Return L without its delay, or dL/ds, at s ``(k, m)``: a sum over the poles.
 
-        r/(s - p) = r conj(s - p)/|s - p|^2, added in sequence, so that the sum has the same bits in
-        a batch of any shape.
+        In real arithmetic, r/(s - p) = r conj(s - p)/|s - p|^2, added in sequence, so that the sum
+        has the same bits in a batch of any shape.
         """
-        poles = self.poles[self.case].T[..., np.newaxis]
-        residues = self.residues[self.case].T[..., np.newaxis]
-        total = np.zeros(s.shape, dtype=complex)
-        total.real = self.direct[:, np.newaxis]
-        at_real, at_imag = np.ascontiguousarray(s.real), np.ascontiguousarray(s.imag)
-        block = max(1, _TERMS_PER_BLOCK // max(s.size, 1))
+        poles, residues = self.poles[self.case], self.residues[self.case]
+        total = np.zeros((2, *s.shape))
+        if not slope:
+            total[0] = self.direct[:, np.newaxis]
+        rows = max(1, _POINTS_PER_BLOCK // max(s.shape[1], 1))
         with np.errstate(all="ignore"):
-            for k in range(0, len(poles), block):
-                p, r = poles[k : k + block], residues[k : k + block]
-                x, y = at_real - p.real, at_imag - p.imag
-                size = x**2 + y**2
-                real, imag = (r.real * x + r.imag * y) / size, (r.imag * x - r.real * y) / size
-                if s.size > _MAX_POINTS_OF_CUMULATIVE_SUMS:  # the same sequence of additions
-                    for real_term, imag_term in zip(real, imag, strict=True):
-                        total.real += real_term
-                        total.imag += imag_term
-                    continue
-                total.real = np.cumsum(np.concatenate([total.real[np.newaxis], real]), axis=0)[-1]
-                total.imag = np.cumsum(np.concatenate([total.imag[np.newaxis], imag]), axis=0)[-1]
+            for k in range(0, len(s), rows):
+                block = slice(k, k + rows)
+                _add_terms(total[:, block], s[block], poles[block].T, residues[block].T, slope)
+        values = np.empty(s.shape, dtype=complex)
+        values.real, values.imag = total
         repeated = np.flatnonzero(~self.modal[self.case])
         if repeated.size:
-            total[repeated] = self.take(repeated)._value_and_slope(s[repeated])[0]
-        return total
+            solved = self.take(repeated)._solved(s[repeated], slope=slope)
+            values[repeated] = solved[int(slope)]
+        return values
 
-    def _value_and_slope(self, s: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Return L without its delay, and dL/ds, at s ``(k, m)``.
+    def _solved(self, s: AnyArray, *, slope: bool = False) -> tuple[AnyArray, ...]:
+        """Return L without its delay, and on request dL/ds, at s ``(k, m)``, by linear solves.
 
-        Both are infinite at a pole, and NaN at NaN.
+        They are infinite at a pole, and NaN at NaN.
         """
         block = max(1, _ENTRIES_PER_BLOCK // max(1, s.shape[1] * self.A.shape[-1] ** 2))
         if len(s) > block:
             half = len(s) // 2
             parts = [
-                self.take(part)._value_and_slope(s[part])
+                self.take(part)._solved(s[part], slope=slope)
                 for part in (slice(half), slice(half, None))
             ]
-            return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+            return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
         A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
         poles = self.poles[self.case]
         at_pole = np.any(s[..., np.newaxis] == poles[:, np.newaxis], axis=-1)
@@ -446,20 +438,21 @@ class StateLoop:
         except np.linalg.LinAlgError:  # at a pole, to rounding: beside it
             matrix = matrix + _POLE_OFFSET * away[..., np.newaxis, np.newaxis] * np.eye(A.shape[-1])
             first = np.linalg.solve(matrix, right)
-        second = np.linalg.solve(matrix, first)
         row = C[:, np.newaxis, np.newaxis, :]
-        value: AnyArray = (row @ first)[..., 0, 0] + D[:, np.newaxis]
-        slope: AnyArray = -(row @ second)[..., 0, 0]
-        for array in (value, slope):
+        values: list[AnyArray] = [(row @ first)[..., 0, 0] + D[:, np.newaxis]]
+        if slope:
+            values.append(-(row @ np.linalg.solve(matrix, first))[..., 0, 0])
+        for array in values:
             array[at_pole], array[np.isnan(s)] = np.inf, np.nan
-        return value, slope
+        return tuple(values)
 
     def _newton_crossovers(self, omega: FloatArray, size: float) -> FloatArray:
         """Return frequencies [rad/s] with |L| = `size` from estimates; NaN without convergence."""
         error = np.full(omega.shape, np.nan)
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON_ITERATIONS):
-                value, slope = self._value_and_slope(1j * omega)
+                value = self._solved(1j * omega)[0]
+                slope = self._modal_sum(1j * omega, slope=True)
                 error = np.log(np.abs(value) / size)
                 step = error / -np.imag(slope / value)
                 max_step = _MAX_RELATIVE_STEP * omega
@@ -485,18 +478,66 @@ margins (`loop_margins`) use the methods that both have; frequencies are in rad/
 rows of roots and frequencies."""
 
 
+def _add_terms(
+    total: FloatArray, s: AnyArray, poles: AnyArray, residues: AnyArray, slope: bool
+) -> None:
+    """Add r/(s - p), or its slope -r/(s - p)^2, for each pole p to a total, in sequence.
+
+    `total`: real and imaginary part, ``(2, k, m)``, changed in place. `s`: ``(k, m)``. `poles`,
+    `residues`: ``(n, k)``.
+    """
+    columns = [
+        np.ascontiguousarray(part)[..., np.newaxis]
+        for part in (poles.real, poles.imag, residues.real, residues.imag)
+    ]
+    at = np.ascontiguousarray(s.real), np.ascontiguousarray(s.imag)
+    if s.size <= _MAX_POINTS_OF_CUMULATIVE_SUMS:
+        for part, terms in zip(total, _terms(*at, *columns, slope=slope), strict=True):
+            part[:] = np.cumsum(np.concatenate([part[np.newaxis], terms]), axis=0)[-1]
+        return
+    for column in zip(*columns, strict=True):  # the same sequence of additions
+        real, imag = _terms(*at, *column, slope=slope)
+        total[0] += real
+        total[1] += imag
+
+
+def _terms(
+    s_real: FloatArray,
+    s_imag: FloatArray,
+    pole_real: FloatArray,
+    pole_imag: FloatArray,
+    residue_real: FloatArray,
+    residue_imag: FloatArray,
+    *,
+    slope: bool,
+) -> tuple[FloatArray, FloatArray]:
+    """Return real and imaginary parts of residue/(s - pole), or of its slope."""
+    x, y = s_real - pole_real, s_imag - pole_imag
+    size = x**2
+    size += y**2
+    if slope:  # -1/(s - p)^2 = (y^2 - x^2 + 2j x y)/|s - p|^4
+        size *= size
+        x, y = (y - x) * (y + x), -2.0 * x * y
+    real, imag = residue_real * x, residue_imag * x
+    real += residue_imag * y
+    imag -= residue_real * y
+    real /= size
+    imag /= size
+    return real, imag
+
+
 def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArray:
     """Return the finite s at which [[A - s, B], [C, D]] is singular, ``(k, n)``, NaN-filled."""
-    from scipy.linalg import eigvals  # late: it takes 0.1 s to import
+    from scipy.linalg.lapack import dggev  # late: it takes 0.1 s to import
 
     count, n = B.shape
     unit = np.diag([1.0] * n + [0.0])
     zeros = np.full((count, n + 1), np.nan, dtype=complex)
     for k in range(count):
         rows = np.vstack([np.column_stack([A[k], B[k]]), [*C[k], D[k]]])
-        above, below = eigvals(rows, unit, homogeneous_eigvals=True)
+        real, imag, below = dggev(rows, unit, compute_vl=0, compute_vr=0)[:3]
         with np.errstate(all="ignore"):
-            roots = above / below
+            roots = (real + 1j * imag) / below
         zeros[k] = np.where(np.isfinite(roots), roots, np.nan)
     return zeros
 

@@ -83,12 +83,16 @@ def grid_minimum(
     low: FloatArray,
     high: FloatArray,
     refinements: int = _REFINEMENTS,
+    *,
+    smooth: bool = False,
 ) -> tuple[FloatArray, FloatArray]:
     """Return position and value of the minimum of functions between `low` and `high` ``(...)``.
 
     Each function has one dip. Grids are refined, each between the neighbours of the lowest point of
     its predecessor. `height` takes ``(..., k)`` to the same shape. A dip narrower than a sixteenth
-    of the range may be missed; a caller with a value in it keeps that if it is lower.
+    of the range may be missed; a caller with a value in it keeps that if it is lower. `smooth`:
+    whether the dips have a second derivative; the vertex of the parabola through the last three
+    points then has twice the digits of the grid.
     """
     for _ in range(refinements):
         x = low[..., np.newaxis] + (high - low)[..., np.newaxis] * np.linspace(
@@ -101,7 +105,19 @@ def grid_minimum(
             for step in (-1, 1)
         )
     at, minimum = (np.take_along_axis(array, index, axis=-1)[..., 0] for array in (x, values))
-    return at, minimum
+    if not smooth:
+        return at, minimum
+    middle = np.clip(index, 1, _GRID_POINTS - 2)
+    before, lowest, after = (
+        np.take_along_axis(values, middle + step, axis=-1) for step in (-1, 0, 1)
+    )
+    with np.errstate(all="ignore"):
+        offset = 0.5 * (before - after) / (before - 2.0 * lowest + after)
+    offset = np.where(np.abs(offset) < 1.0, offset, 0.0) * (x[..., 1:2] - x[..., :1])
+    vertex = np.take_along_axis(x, middle, axis=-1) + offset
+    height_of_vertex = height(vertex)[..., 0]
+    lower = height_of_vertex < minimum
+    return np.where(lower, vertex[..., 0], at), np.where(lower, height_of_vertex, minimum)
 
 
 Values = Callable[[FloatArray, FloatArray], FloatArray]

@@ -21,7 +21,12 @@ from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.base.fields import decibels, derived, spec
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import InDecibels, Margins, in_batch_shape, margins_of
-from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins, row_minimum
+from tvclin.numerics.loop_margins import (
+    PEAK_REFINEMENTS,
+    LoopAnalysis,
+    classical_margins,
+    row_minimum,
+)
 from tvclin.numerics.loops import StateLoop
 from tvclin.numerics.searches import grid_minimum
 
@@ -68,16 +73,19 @@ class Terms:
             loop, form, plant, np.where(missing, np.nan, poles), np.where(missing, 0.0, residues)
         )
 
-    def owner(self, omega: FloatArray) -> IndexArray:
-        """Return the index of the largest term at frequencies [rad/s] ``(k, m)``; -1 if rigid."""
+    def owner(self, omega: FloatArray, values: AnyArray | None = None) -> IndexArray:
+        """Return the index of the largest term at frequencies [rad/s] ``(k, m)``; -1 if rigid.
+
+        `values`: L at these frequencies, if known.
+        """
+        values = self.values(omega) if values is None else values
         nu = np.imag(self.loop.s_to_w(1j * omega))
         s = 1j * nu[:, np.newaxis]
         p, r = self.poles[..., np.newaxis], self.residues[..., np.newaxis]
         with np.errstate(all="ignore"):
             modes = np.where(r == 0.0, 0.0, r / (s - p) + r.conj() / (s - p.conj()))
             delay = np.exp(-1j * nu * self.form.delay[:, np.newaxis])
-            above, below = self.form.parts(nu)
-            rigid = above / below / delay - modes.sum(axis=1)
+            rigid = values / delay - modes.sum(axis=1)
             sizes = np.abs(np.concatenate([rigid[:, np.newaxis], modes], axis=1))
         return np.argmax(np.nan_to_num(sizes, nan=-1.0, posinf=np.inf), axis=1) - 1
 
@@ -107,8 +115,8 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     Both are NaN for a mode that owns no frequency.
     """
     omega = _frequencies(terms, k)
-    sizes = np.abs(terms.values(omega))
-    sizes = np.where(terms.owner(omega) == k, sizes, -np.inf)
+    values = terms.values(omega)
+    sizes = np.where(terms.owner(omega, values) == k, np.abs(values), -np.inf)
     top = np.argmax(sizes, axis=-1)
     rows = np.arange(len(omega))
     height, where = sizes[rows, top], omega[rows, top]
@@ -123,7 +131,8 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
             above, below = form.parts(frequency)
             return -np.abs(above / below)
 
-        location, minimum = grid_minimum(negative_gain, low[owned], high[owned])
+        ends = low[owned], high[owned]
+        location, minimum = grid_minimum(negative_gain, *ends, PEAK_REFINEMENTS, smooth=True)
         better = -minimum > height[owned]
         height[owned[better]], at[owned[better]] = -minimum[better], location[better]
         where = np.where(
@@ -146,14 +155,16 @@ def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
     resonance = np.clip(damped.imag + np.abs(damped.real) * _OFFSETS, low, high)
     omega = np.sort(np.nan_to_num(np.concatenate([grid, resonance], axis=-1)), axis=-1)
 
-    def distance(omega: FloatArray) -> FloatArray:
-        return np.abs(1.0 + terms.values(np.abs(omega)))
+    def distance(omega: FloatArray) -> FloatArray:  # squared: smooth where it vanishes
+        returned = terms.values(np.abs(omega))
+        return np.asarray((1.0 + returned.real) ** 2 + returned.imag**2)
 
     values = distance(omega)
     rows, last = np.arange(len(values)), values.shape[-1] - 1
     smallest = np.argmin(np.nan_to_num(values, nan=np.inf), axis=-1)
     before, after = (omega[rows, np.clip(smallest + step, 0, last)] for step in (-1, 1))
-    return np.minimum(values.min(axis=-1), grid_minimum(distance, before, after)[1])
+    refined = grid_minimum(distance, before, after, PEAK_REFINEMENTS, smooth=True)[1]
+    return np.sqrt(np.minimum(values.min(axis=-1), refined))
 
 
 def closed_mode_poles(terms: Terms) -> AnyArray:
