@@ -5,7 +5,7 @@ from dataclasses import replace
 import control
 import numpy as np
 import pytest
-from peers import ratio
+from peers import PROCESSOR, ratio
 from scipy.linalg import expm
 
 import tvclin as tv
@@ -47,7 +47,8 @@ def test_a_frozen_loop_with_two_modes_and_filters(benchmark):
         lambda: tv.control.turbulence_covariance(autopilot, plant, AIR, VEHICLE.velocity),
         peer,
         peer_name="control.interconnect and control.lyap, of a loop that is closed already",
-        floor="assembly of the loop, twice; its stability with the exact delay",
+        floor="assembly of the loop; its poles and a proof that they hold with the exact delay",
+        clock=PROCESSOR,
     )
 
 
@@ -81,4 +82,5 @@ def test_along_a_flight_of_75_seconds(benchmark, modes, sample_rate):
         per=len(found.times) - 1,
         peer_per=OF_PEER,
         floor="a series and six doublings for each step",
+        clock=PROCESSOR,
     )

@@ -20,7 +20,6 @@ from tvclin import (
     design_gains,
 )
 from tvclin.control import canonical_gains
-from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.wiring import LOOP_DIAGRAM
 from tvclin.linear.plant import MODELS
 
@@ -420,12 +419,3 @@ def test_the_closed_loop_poles_are_those_of_the_system_that_python_control_has(m
     expected = np.sort_complex(autopilot.close(plant).poles())
     found = np.sort_complex(autopilot.closed_loop_poles(plant))
     np.testing.assert_array_equal(found, expected)
-
-
-def test_the_delay_is_the_pade_approximation_of_python_control():
-    for order in range(1, 11):
-        A, B, C, D = pade_delay(0.3, order)
-        expected = control.tf(*control.pade(0.3, order))
-        found = control.ss(A, B, C, D)
-        omega = np.geomspace(0.1, 100.0, 50)
-        np.testing.assert_allclose(found(1j * omega), expected(1j * omega), rtol=1e-9)

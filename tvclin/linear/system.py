@@ -35,6 +35,7 @@ Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 WHOLE_SAMPLE_TOLERANCE = 1e-9
 """Distance of a delay from a whole number of samples, in samples, that counts as zero."""
+_ALGEBRAIC_LOOP = "this is an algebraic loop: a signal follows itself at once"
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +79,23 @@ class LinearSystem:
         return LinearSystem(*matrices, *names, self.period)
 
     def feedback(self, output: str, input: str) -> LinearSystem:
-        """Return the system with an output added to an input, which is then internal.
+        """Return the system with an output added to an input, which may be driven as well.
 
         `InputError` for an algebraic loop of the two.
         """
-        back = gain(input, {output: 1.0})
-        inputs = tuple(name for name in self.inputs if name != input)
-        return connect([self, back], inputs, self.outputs)
+        A, B, C, D = self.matrices()
+        into, out = self.inputs.index(input), self.outputs.index(output)
+        if np.any(D[..., out, into]):
+            raise InputError(_ALGEBRAIC_LOOP)
+        column, through = B[..., into, np.newaxis], D[..., into, np.newaxis]
+        row, passed = C[..., out, np.newaxis, :], D[..., out, np.newaxis, :]
+        return replace(
+            self,
+            A=A + column * row,
+            B=B + column * passed,
+            C=C + through * row,
+            D=D + through * passed,
+        )
 
     def select(self, inputs: Sequence[str], outputs: Sequence[str]) -> LinearSystem:
         """Return the system with selected inputs and outputs, in the given order."""
@@ -252,7 +263,7 @@ def connect(
             break
         closed = closed + power
     else:
-        raise InputError("this is an algebraic loop: a signal follows itself at once")
+        raise InputError(_ALGEBRAIC_LOOP)
     state_outputs, feedthrough = closed @ C, closed @ (D @ L)
     driven = B @ K
     P, Q = _incidence(outputs, block_outputs), _incidence(outputs, inputs)
@@ -277,10 +288,11 @@ def _incidence(rows: Sequence[str], columns: Sequence[str]) -> FloatArray:
 
 def _block_diagonal(blocks: Sequence[FloatArray]) -> FloatArray:
     """Return the block-diagonal matrix of the blocks; their batches broadcast."""
-    batch = np.broadcast_shapes(*(block.shape[:-2] for block in blocks))
-    sizes = np.array([block.shape[-2:] for block in blocks])
-    matrix = np.zeros((*batch, *sizes.sum(axis=0)))
-    ends = np.cumsum(sizes, axis=0)
-    for block, (rows, columns), (bottom, right) in zip(blocks, sizes, ends, strict=True):
-        matrix[..., bottom - rows : bottom, right - columns : right] = block
+    batch = np.broadcast_shapes(*{block.shape[:-2] for block in blocks})
+    size = (sum(block.shape[axis] for block in blocks) for axis in (-2, -1))
+    matrix, row, column = np.zeros((*batch, *size)), 0, 0
+    for block in blocks:
+        rows, columns = block.shape[-2:]
+        matrix[..., row : row + rows, column : column + columns] = block
+        row, column = row + rows, column + columns
     return matrix

@@ -15,6 +15,8 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+DIRECT: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
+"""Matrices A, B, C, D of a direct connection, without states."""
 
 
 def series(first: Matrices, second: Matrices) -> Matrices:

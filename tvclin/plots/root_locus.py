@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, different, instance, nonnegative, one_of, single
-from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.linear.flexible import AnyPlant
@@ -27,6 +26,7 @@ from tvclin.linear.modes import Modes, all_modes
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.numerics import polynomials
 from tvclin.numerics.loops import Rational
+from tvclin.numerics.pade import pade_delay
 from tvclin.numerics.state_space import Matrices, series
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import (

@@ -13,7 +13,6 @@ Rate and deflection limits belong to the flight, not to the actuator.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import comb, perm
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +25,7 @@ from tvclin.base.fields import spec
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.system import LinearSystem, connect, gain
+from tvclin.numerics.state_space import Matrices
 
 if TYPE_CHECKING:
     import control
@@ -54,12 +54,6 @@ def zero_or_in_range(name: str, value: ArrayLike, minimum: float, unit: str = ""
             f" size; got {array[bad].flat[0]:.6g}"
         )
     return array
-
-
-Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-
-DIRECT: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
-"""Matrices A, B, C, D of a direct connection, without states."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,21 +136,6 @@ class Actuator(Record):
         return A, B, C, D
 
 
-def pade_delay(delay: float, order: int) -> Matrices:
-    """Return A, B, C, D of the Pade approximation of a delay [s], scaled to poles near 1/delay."""
-    if delay == 0.0:
-        return DIRECT
-    powers = np.arange(order, -1, -1)
-    denominator = np.array([float(comb(order, k) * perm(2 * order - k, order - k)) for k in powers])
-    unit = denominator[-1] ** (1.0 / order)
-    denominator /= unit ** powers[::-1]
-    numerator = denominator * (-1.0) ** powers
-    A, B = np.eye(order, k=1), np.zeros((order, 1))
-    A[-1], B[-1] = -denominator[:0:-1], 1.0
-    C = (numerator - numerator[0] * denominator)[np.newaxis, :0:-1]
-    return A * unit / delay, B * unit / delay, C, numerator[:1, np.newaxis]
-
-
 INPUTS = ("deflection_command", "deflection_disturbance", "wind")
 _STATES = ("actuator_deflection", "actuator_rate")
 _DISTURBED = gain("deflection", {"deflection_disturbance": 1.0})
@@ -176,10 +155,16 @@ def plant_with_actuator(
     plant; None: the deflection equals its command. `sensors`: sensors of drift and acceleration.
     `InputError` for an engine with inertia whose actuator is not of second order.
     """
+    blocks = plant_blocks(plant, actuator, sensors)
+    return connect(blocks, INPUTS, (*blocks[0].outputs, "deflection"))
+
+
+def plant_blocks(
+    plant: AnyPlant, actuator: Actuator | None, sensors: LateralSensors
+) -> list[LinearSystem]:
+    """Return the blocks of `plant_with_actuator`; the first has the measured outputs."""
     check_engine(plant, actuator)
-    measured = sensors.system(plant)
-    blocks = [measured, actuator_system(actuator), _DISTURBED]
-    return connect(blocks, INPUTS, (*measured.outputs, "deflection"))
+    return [sensors.system(plant), actuator_system(actuator), _DISTURBED]
 
 
 def actuator_system(actuator: Actuator | None) -> LinearSystem:

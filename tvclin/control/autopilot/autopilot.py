@@ -29,6 +29,7 @@ from tvclin.control.autopilot.wind_response import (
 )
 from tvclin.control.autopilot.wiring import (
     COMMAND,
+    DISTURBANCES,
     RETURNED,
     closed_loop,
     exact_loop,
@@ -48,6 +49,7 @@ from tvclin.linear.response import time_response
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_plant import SystemPlant
 from tvclin.numerics.loop_margins import stability
+from tvclin.numerics.pade import pade_keeps_stability
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -119,12 +121,20 @@ def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
         )
 
 
-def pade_misleads(autopilot: Feedback, plant: AnyPlant, A: FloatArray) -> bool:
-    """Return whether the closed loop A with a Pade delay has a wrong number of unstable poles."""
-    if not autopilot.delay:
+def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> bool:
+    """Return whether a `closed_loop` with its command has a wrong number of unstable poles.
+
+    It has a Pade approximation of the delay. Where a bound proves that it is good enough the poles
+    with the exact delay are not counted.
+    """
+    if not (delay := float(autopilot.delay)):
+        return False
+    returned = loop.select((COMMAND,), (RETURNED,))
+    B, C = returned.B[:, 0], returned.C[0]
+    if pade_keeps_stability(loop.A, B, C, delay, autopilot.pade_order):
         return False
     exact = stability(exact_loop(autopilot, plant).form)
-    unstable = int(np.sum(np.real(np.linalg.eigvals(A)) > 0.0))
+    unstable = int(np.sum(np.real(loop.poles) > 0.0))
     return not bool(exact.marginal[0]) and unstable != int(exact.unstable_poles[0])
 
 
@@ -447,10 +457,12 @@ class Autopilot(Feedback):
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, tuple[str, ...]]:
         """Return A, B, C, D from the wind to the outputs, and their names."""
         self._require_single("wind_response", plant)
-        A, B, C, D = (loop := closed_loop(self, plant)).matrices()
-        if pade_misleads(self, plant, A):
+        loop = closed_loop(self, plant, command=True)
+        if pade_misleads(self, plant, loop):
             raise InputError(PADE_WARNING.format(self.pade_order))
-        return A, B[:, 0], C, D[:, 0], loop.outputs
+        outputs = loop.outputs[:-1]
+        A, B, C, D = loop.select(("wind",), outputs).matrices()
+        return A, B[:, 0], C, D[:, 0], outputs
 
     def respond(
         self, plant: AnyPlant, wind: History, timepts: ArrayLike
@@ -488,10 +500,10 @@ class Autopilot(Feedback):
         """Return the closed loop; warnings point at the caller of the public method."""
         self._require_single(method, plant)
         warn_of_feedback(self, plant, stacklevel=4)
-        loop = closed_loop(self, plant)
-        if pade_misleads(self, plant, loop.A):
+        loop = closed_loop(self, plant, command=True)
+        if pade_misleads(self, plant, loop):
             warnings.warn(f"{PADE_WARNING} (see margins)".format(self.pade_order), stacklevel=3)
-        return loop
+        return loop.select(DISTURBANCES, loop.outputs[:-1])
 
     def _require_single(self, method: str, plant: AnyPlant, *, sampled: bool = False) -> None:
         """Raise `InputError` for a batch, and unless allowed a sampled autopilot, for a method."""

@@ -22,7 +22,7 @@ import numpy as np
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
-from tvclin.control.autopilot.actuator import Matrices, pade_delay, plant_with_actuator
+from tvclin.control.autopilot.actuator import plant_blocks, plant_with_actuator
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop, SampledLoop, w_plane_loop
 from tvclin.linear.flexible import AnyPlant
@@ -32,6 +32,8 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
 from tvclin.numerics import polynomials, state_space
 from tvclin.numerics.loops import StateLoop
+from tvclin.numerics.pade import pade_delay
+from tvclin.numerics.state_space import Matrices
 from tvclin.vehicle.filters import Filter
 
 _Documented = TypeVar("_Documented", bound=Callable[..., Any])
@@ -95,33 +97,33 @@ def open_loop(
     plant's, the deflection and the returned command. States, in this order: plant, actuator, with
     `pade` the Pade approximation of the delay (else it is left out), integrator, filters.
     """
-    vehicle = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
+    vehicle = plant_blocks(plant, autopilot.actuator, autopilot.lateral_sensors)
     delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
     delay_states = tuple(f"delay_{k}" for k in range(1, len(delay[0]) + 1))
     blocks = [
-        vehicle.renamed({COMMAND: _DELAYED}),
+        *(block.renamed({COMMAND: _DELAYED}) for block in vehicle),
         LinearSystem(*delay, (COMMAND,), (_DELAYED,), delay_states),
         *autopilot_blocks(autopilot, plant),
     ]
     sensors = plant.sensed if sensor_noise else ()
     inputs = (*DISTURBANCES, COMMAND, *sensors)
-    loop = connect(blocks, inputs, (*vehicle.outputs, RETURNED))
+    loop = connect(blocks, inputs, (*vehicle[0].outputs, "deflection", RETURNED))
     return loop.renamed(dict(zip(sensors, SENSOR_NOISE, strict=False)))
 
 
 def closed_loop(
-    autopilot: Feedback, plant: AnyPlant, *, sensor_noise: bool = False
+    autopilot: Feedback, plant: AnyPlant, *, sensor_noise: bool = False, command: bool = False
 ) -> LinearSystem:
     """Return the closed loop from `DISTURBANCES` to outputs and deflection.
 
     The outputs are those of the plant and of the lateral sensors. The delay is its Pade
     approximation. On request `SENSOR_NOISE` are further inputs, whose direct parts are those of
-    what the sensors put out.
+    what the sensors put out, and `COMMAND`, which adds to the returned command, a further output.
     """
     loop = open_loop(autopilot, plant, pade=True, sensor_noise=sensor_noise)
-    inputs = (*DISTURBANCES, *SENSOR_NOISE) if sensor_noise else DISTURBANCES
+    inputs = (*DISTURBANCES, *SENSOR_NOISE * sensor_noise, *(COMMAND,) * command)
     outputs = (*plant.outputs, *autopilot.lateral_sensors.signals, "deflection")
-    return loop.feedback(RETURNED, COMMAND).select(inputs, outputs)
+    return loop.feedback(RETURNED, COMMAND).select(inputs, outputs + (RETURNED,) * command)
 
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:

@@ -348,9 +348,10 @@ def driven_loop(
 def _continuous(
     autopilot: Autopilot, plant: AnyPlant, shape: FilterMatrices, noise: SensorNoise | None
 ) -> DrivenLoop:
-    loop = closed_loop(autopilot, plant, sensor_noise=noise is not None)
-    if not plant.batch and pade_misleads(autopilot, plant, loop.A):
+    loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
+    if not plant.batch and pade_misleads(autopilot, plant, loop):
         raise InputError(PADE_WARNING.format(autopilot.pade_order))
+    loop = loop.select(loop.inputs, loop.outputs[:-1])
     A, wind, rows, direct, driven = _behind_filter(loop, shape)
     if noise is not None:
         sensed = loop.select(SENSOR_NOISE, (DEFLECTION,))
