@@ -220,8 +220,10 @@ def _specified_features(case: Case, omitted: set[str], tables: Collection[str]) 
 
 
 def table() -> str:
-    """Return the table of questions by features, in Markdown."""
-    signs = {COMPUTED: "yes", NOTED: "note", REFUSED: "-"}
-    lines = [["", *OPTIONS], ["---"] * (1 + len(OPTIONS))]
-    lines += [[f"`{q}`", *(signs[use_of(q, feature)] for feature in OPTIONS)] for q in QUESTIONS]
+    """Return the table of features that each question notes or refuses, in Markdown."""
+    signs = {COMPUTED: None, NOTED: "{} (note)", REFUSED: "{}"}
+    lines = [("question", "does not compute"), ("---", "---")]
+    for question in QUESTIONS:
+        omitted = [(signs[use_of(question, feature)], feature) for feature in OPTIONS]
+        lines.append((f"`{question}`", ", ".join(sign.format(f) for sign, f in omitted if sign)))
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
