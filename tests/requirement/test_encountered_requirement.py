@@ -11,6 +11,7 @@ from scipy.optimize import linprog
 import tvclin as tv
 from tests.turns import usual
 from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ensembles.campaign.cases import ENCOUNTERED_UNKNOWN
 from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirement
 from tvclin.requirement.varying_equations import at_pressure
@@ -120,15 +121,42 @@ def test_the_dynamic_pressure_is_that_of_the_air_met(configuration_i) -> None:
         required(flat, tv.TriangularWind(peak=np.radians(-5.0), duration=7.5), "drift-exact", 1.0)
 
 
-def test_a_dispersed_case_without_such_a_wind_keeps_what_it_requires_nominally(configuration_i):
-    """A path 3 deg above the horizontal, which no head wind turns by 5 deg."""
-    flat = configuration_i.rigid.replace(attitude=np.radians([3.0, 40.0]))
-    pulse, nominal = tv.ShapedWind("triangular", np.radians(5.0), 7.5), np.array([0.01, 0.005])
-    for sign in ("head", None):
-        case = tv.Case(vehicle=configuration_i, wind=pulse, sign=sign)
-        found = encountered_batch(case, {}, flat, 1.0, "pitch", nominal)
-        assert found[0] == nominal[0]
-        assert found[1] > nominal[1]
+@pytest.mark.parametrize(("degrees", "speed"), usual([(8.0, None), (45.0, 0.7)], 1))
+def test_the_requirement_of_a_dispersed_case_is_not_known_where_its_study_is_not(
+    configuration_i, degrees, speed
+) -> None:
+    """No head wind turns a path of less than 5 deg by 5 deg.
+
+    A wind of 0.7 times the speed of the vehicle from behind meets it at more than 30 deg, though at
+    less by eq (B1e).
+    """
+    vehicle = configuration_i.replace(attitude=np.radians(degrees))
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5)
+    if speed is not None:
+        wind = wind.with_speed(speed * float(vehicle.velocity), vehicle, "pitch")
+    case = tv.Case(vehicle=vehicle, wind=wind, nozzle=tv.Nozzle(limit=0.3))
+    spread = tv.Dispersions((tv.Dispersion("attitude", "uniform", 0.9),))
+    found = tv.ensembles.disperse_study(tv.Study.of(case), spread, cases=8)
+    known = []
+    cases = found.values["attitude"].tolist(), found.deflection.tolist(), found.status
+    for attitude, required, status in zip(*cases, strict=True):
+        alone = case_requirement(replace(case, vehicle=vehicle.replace(attitude=attitude)))
+        known.append(not alone.unknown)
+        assert (status == ENCOUNTERED_UNKNOWN) is bool(alone.unknown)
+        expected = np.inf if alone.unknown else alone.required_deflection
+        assert required == pytest.approx(expected, rel=1e-5)
+    assert 0 < sum(known) < len(known)
+    assert not found.sufficient
+
+
+def test_a_wind_that_meets_the_flight_beyond_30_deg_has_no_verdict(configuration_i) -> None:
+    """From behind at 117 deg, as fast as 1.2 times the vehicle, and at 18 deg by eq (B1e)."""
+    vehicle = configuration_i.replace(attitude=np.radians(15.0))
+    wind = tv.ShapedWind("triangular", 0.1, 7.5)
+    wind = wind.with_speed(1.2 * float(vehicle.velocity), vehicle, "pitch")
+    for sign, sufficient in (("head", True), ("tail", None), (None, None)):
+        case = tv.Case(vehicle=vehicle, wind=wind, nozzle=tv.Nozzle(limit=0.3), sign=sign)
+        assert tv.Study.of(case).sufficient is sufficient
 
 
 def test_a_wind_of_a_negative_peak_with_a_heading_blows_the_other_way(configuration_i) -> None:

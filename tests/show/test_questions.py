@@ -87,7 +87,7 @@ def test_every_answer_in_a_wind_whose_pressure_is_not_known_is_not_known() -> No
     shown = answers(found)
     assert shown["margins"] is True
     assert {shown.pop("wind"), shown.pop("autopilot")} == {None}
-    assert headline(found).startswith("NOT KNOWN: the dynamic pressure encountered is not known")
+    assert headline(found).startswith("NOT KNOWN: the requirement at the pressure encountered")
     assert answers(found_for(0.9, **changes))["wind"] is True  # at nominal dynamic pressure
 
 

@@ -11,12 +11,13 @@ from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency
 from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.campaign.cases import BEYOND, evaluate
+from tvclin.ensembles.campaign.cases import BEYOND, NOT_KNOWN, evaluate
 from tvclin.ensembles.campaign.outputs import required_name
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.ensembles.statistics import (
     Quantile,
     Success,
+    covers_quantile,
     quantile_bound,
     sensitivities,
     shares,
@@ -48,8 +49,8 @@ class DispersedStudy(Shown):
         Dispersed parameters [SI], ``(n,)`` each.
     deflection : ndarray
         Required deflection [rad] of each case at the model and dead band of the study, ``(n,)``;
-        of both planes where the study judges both; NaN where a case has no answer. At the wind
-        angle and dynamic pressure that each case encounters.
+        of both planes where the study judges both; NaN where a case has no answer, infinite where
+        it is not known. At the wind angle and dynamic pressure that each case encounters.
     status : ndarray of str
         Status of each case: "ok", "no unstable pole" (the required deflection is zero), or why it
         has no answer.
@@ -88,12 +89,15 @@ class DispersedStudy(Shown):
         r = self.required
         of_cases, of_flights = shares(r.probability, r.confidence)
         covers = degrees("dispersed.upper", r.upper, unit="deg")
+        if np.isinf(r.upper):
+            few = f"too few cases to say{r.few_cases}"
+            covers = ("not known" if self.unknown_cases else few,)
         rows: list[Row] = [
             ("cases", significant("dispersed.cases", r.cases, 9)),
             ("seed", significant("dispersed.seed", self.seed, 9)),
             ("median", degrees("dispersed.median", self.median, unit="deg")),
             (of_cases, degrees("dispersed.estimate", r.estimate, unit="deg")),
-            (of_flights, (f"too few cases to say{r.few_cases}",) if np.isinf(r.upper) else covers),
+            (of_flights, covers),
         ]
         if self.success is not None:
             rows.append(
@@ -114,14 +118,25 @@ class DispersedStudy(Shown):
         return (
             f"Dispersed are {self.dispersions.words}. The number is one standard deviation, of a"
             " uniform distribution half its width; a truncated one is normal and cut at three"
-            f" standard deviations.{self._beyond}"
+            f" standard deviations. {self.unknown_cases}".rstrip()
         )
 
     @property
-    def _beyond(self) -> str:
-        """Sentence on cases beyond linear aerodynamics; empty without any."""
-        count = int(np.sum(self.status == BEYOND))
-        return f" In {count} of {self.status.size} cases: {BEYOND}." if count else ""
+    def unknown_cases(self) -> str:
+        """Sentences on cases whose requirement is not known; empty without any."""
+        counts = {reason: int(np.sum(self.status == reason)) for reason in NOT_KNOWN}
+        cases = self.status.size
+        return " ".join(f"In {n} of {cases} cases: {why}." for why, n in counts.items() if n)
+
+    @property
+    def sufficient(self) -> bool | None:
+        """Whether the limit covers the quantile with its confidence; None where not known."""
+        if self.nominal.limit is None:
+            return None
+        has_answer = ~np.isnan(self.deflection)
+        unknown = np.isin(self.status[has_answer], NOT_KNOWN)
+        level = self.required.probability, self.required.confidence
+        return covers_quantile(self.nominal.limit, self.deflection[has_answer], unknown, *level)
 
     @property
     @derived("angle")

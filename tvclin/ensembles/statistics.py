@@ -17,6 +17,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, fraction, whole_number
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, number, text
+from tvclin.requirement.nominal_requirement import covers
 
 _PROBABILITY_TOLERANCE = 1e-12
 """Largest difference of a probability and a confidence that count as equal."""
@@ -170,6 +171,24 @@ def success_probability(successes: int, cases: int, confidence: float = 0.9) -> 
     low = betaincinv(k, n - k + 1, tail) if k else 0.0
     high = betaincinv(k + 1, n - k, 1.0 - tail) if k < n else 1.0
     return Success(k / n, float(low), float(high), c)
+
+
+def covers_quantile(
+    limit: float, required: ArrayLike, unknown: ArrayLike, probability: float, confidence: float
+) -> bool | None:
+    """Return whether a limit covers the quantile of a requirement, as `Quantile.covered`.
+
+    `limit`: [rad]. `required`: requirements of cases [rad], ``(n,)``. `unknown`: whether that of a
+    case is not known, ``(n,)``. `probability`, `confidence`: as in `quantile_bound`. None also
+    where the verdict is another with infinite than with zero requirements of these cases.
+    """
+    verdicts: set[bool | None] = set()
+    for value in (np.inf, 0.0):
+        sample = np.where(unknown, value, required)
+        quantile = quantile_bound(sample, probability, confidence)
+        success = success_probability(int(np.sum(covers(limit, sample))), sample.size, confidence)
+        verdicts.add(quantile.covered(bool(covers(limit, quantile.upper)), success))
+    return verdicts.pop() if len(verdicts) == 1 else None
 
 
 def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str, float]:

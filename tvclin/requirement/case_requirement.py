@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.errors import InputError, between, number, positive, single, within
+from tvclin.base.errors import InputError, NotKnownError, between, number, positive, single, within
 from tvclin.base.fields import Field, spec, specs
 from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.limit_shapes import limit_shape_of
@@ -180,7 +180,8 @@ class CaseRequirement:
             return ""
         if not self.nominal_deflection:
             return ""
-        return f"the dynamic pressure encountered is not known: {self.encountered_unknown}"
+        reason = self.encountered_unknown
+        return f"the requirement at the pressure encountered is not known: {reason}"
 
     @property
     def ratio_to_nominal(self) -> float:
@@ -293,7 +294,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     try:
         return replace(need, encountered=_encountered(need))
     except InputError as error:
-        if case.sign is not None:
+        if case.sign is not None and not isinstance(error, NotKnownError):
             raise
         return replace(need, encountered_unknown=str(error))
 

@@ -36,6 +36,7 @@ from tvclin.winds.wind_angles import (
     EncounteredWind,
     angles_from_vector_size,
     sines_by_heading,
+    within_linear,
 )
 
 
@@ -143,11 +144,12 @@ def encountered_requirement(
     Raises
     ------
     InputError
-        As `encountered_wind`, and for a wind too long to be followed.
+        As `encountered_wind` and `EncounteredWind.check_linear`, and for a wind too long to be
+        followed.
     """
     equations = Equations.frozen(vehicle, model, plane)
     encountered = encountered_wind(wind, vehicle, plane, name, size)
-    encountered.check_possible()
+    encountered.check_linear()
     return varying_requirement(equations, encountered, dead_band)
 
 
@@ -219,6 +221,9 @@ def encountered_batch(
 ) -> FloatArray:
     """Return required deflections [rad] of dispersed cases, at the pressure encountered, ``(n,)``.
 
+    NaN where the requirement is not known: no horizontal wind has the angle, the wind encountered
+    is beyond linear aerodynamics, or it is too long to be followed.
+
     Parameters
     ----------
     case : Case
@@ -232,8 +237,8 @@ def encountered_batch(
     plane : str
         Plane of the deflection.
     nominal : ndarray
-        Required deflections at nominal dynamic pressure [rad], which stand where no horizontal wind
-        has the angle, or the wind is too long to be followed.
+        Required deflections at nominal dynamic pressure [rad]; zero and infinite ones stand, as in
+        a study.
     """
     winds: list[EncounteredWind] = []
     if isinstance(case.wind, ShapedWind):
@@ -247,10 +252,16 @@ def encountered_batch(
     if not winds:
         return nominal
     equations = Equations.frozen(vehicle, case.model, plane)
-    requirement = [batch_requirements(equations, wind, dead_band) for wind in winds]
+    requirement = [
+        np.where(
+            within_linear(wind.largest_angle),
+            batch_requirements(equations, wind, dead_band),
+            np.nan,
+        )
+        for wind in winds
+    ]
     required = np.max(requirement, axis=0)  # NaN of one is NaN of all
-    unknown = ~np.isfinite(required) | ~np.isfinite(nominal) | (np.asarray(nominal) == 0.0)
-    return np.where(unknown, nominal, required)
+    return np.where(np.isfinite(nominal) & (np.asarray(nominal) != 0.0), required, nominal)
 
 
 def _of_ensemble(winds: History, vehicle: Vehicle, plane: str) -> EncounteredWind:

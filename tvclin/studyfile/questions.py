@@ -320,12 +320,13 @@ def _probability(findings: Findings, limit: float) -> Question:
         return Question("probability", None, (_reason(findings, "dispersed"),))
     r = d.required
     flights = significant("asked.probability", 100.0 * r.probability, 5, "% of flights")
+    yes, success = d.sufficient, d.success
+    if yes is None:
+        few: Line = "too few cases to judge ", *flights, r.few_cases
+        unknown = d.unknown_cases.rstrip(".")
+        return Question("probability", None, (unknown,) if unknown else few)
     if np.isinf(r.estimate):
         return Question("probability", False, (*flights, " require more than any limit"))
-    above, success = bool(covers(limit, r.upper)), d.success
-    yes = above if success is None else r.covered(above, success)
-    if yes is None:
-        return Question("probability", None, ("too few cases to judge ", *flights, r.few_cases))
     if np.isinf(r.upper) and success is not None:
         most = number("asked.success", 100.0 * success.upper, 2)
         return Question(

@@ -336,6 +336,18 @@ class EncounteredWind:
 
         Both are NaN where no horizontal wind along the path has the angle.
         """
+        pitch, yaw, ratio = self._triangle(times)
+        return (pitch if self.plane == "pitch" else yaw), ratio
+
+    @property
+    def largest_angle(self) -> FloatArray:
+        """Largest size of the vector of both wind angles [rad], ``(n,)``; NaN as in `at`."""
+        times = np.atleast_2d(self.history.probe_times())
+        pitch, yaw, _ = self._triangle(times)
+        return np.asarray(np.hypot(pitch, yaw).max(axis=-1))
+
+    def _triangle(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return wind angles in pitch and in yaw [rad] and q/q_n at times [s], ``(n, ...)``."""
         path, in_pitch, in_yaw = (_broadcast_column(x, times) for x in (self.path, *self.of_angle))
         angle, speed = (_history_values(x, times) for x in (self.angle, self.speed))
         if self.flight is not None:
@@ -348,8 +360,12 @@ class EncounteredWind:
         if self.angle is not None and np.any(in_yaw):
             in_plane = np.sqrt((np.cos(path) - along) ** 2 + np.sin(path) ** 2)
             across = across + in_plane * np.tan(in_yaw * angle)
-        pitch, yaw, ratio = wind_triangle(path, along, across)
-        return (pitch if self.plane == "pitch" else yaw), ratio
+        return wind_triangle(path, along, across)
+
+    def check_linear(self) -> None:
+        """Raise `InputError` as `check_possible`, and `NotKnownError` as `checked_linear`."""
+        self.check_possible()
+        checked_linear(float(self.largest_angle.max()))
 
     def check_possible(self) -> None:
         """Raise `InputError` if no horizontal wind on the path has the angle of a single wind."""

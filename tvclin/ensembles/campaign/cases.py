@@ -15,7 +15,7 @@ from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.flight_plan import mode_factors
-from tvclin.ensembles.campaign.outputs import REGISTRY, Batch, columns, compute
+from tvclin.ensembles.campaign.outputs import REGISTRY, REQUIRED, Batch, columns, compute
 from tvclin.ensembles.dispersions import WIND, Dispersed, is_mode_factor
 from tvclin.ensembles.random_numbers import draw
 from tvclin.linear.flexible import FlexiblePlant
@@ -33,6 +33,11 @@ _CASE_ERRORS = (InputError, ArithmeticError, np.linalg.LinAlgError, RuntimeError
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
 PAIRED = "two unstable poles are a pair or equal: the dead band must never be left"
 BEYOND = f"wind beyond linear aerodynamics, counted as not survived; {BEYOND_LINEAR}"
+ENCOUNTERED_UNKNOWN = (
+    "wind angle or dynamic pressure encountered not known, counted as not survived"
+)
+NOT_KNOWN = (BEYOND, ENCOUNTERED_UNKNOWN)
+"""Statuses of cases that no deflection is known to survive: their requirement is infinite."""
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 
@@ -166,6 +171,10 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
     if any(REGISTRY[name].case_by_case(campaign) for name in campaign.outputs):
         for case in np.flatnonzero(cases.possible):
             divide(lambda which: answer(which, True), refused, np.array([case]))
+    for name, values in answers.items():
+        if name.startswith(REQUIRED):
+            unknown = np.isnan(values) & np.isin(status, (OK, PAIRED, ENCOUNTERED_UNKNOWN))
+            values[unknown], status[unknown] = np.inf, ENCOUNTERED_UNKNOWN
     if "flight" in campaign.outputs:
         status[(status == OK) & np.isnan(answers["flight_survived"])] = UNDECIDED
     return {"case": index, **cases.values, **answers, "status": status}

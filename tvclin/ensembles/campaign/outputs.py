@@ -129,6 +129,10 @@ def plane_columns(name: str) -> dict[str, str]:
     return {plane: f"{name}_{plane}" for plane in PLANES}
 
 
+REQUIRED = "required_"
+"""Beginning of the names of the columns of required deflections."""
+
+
 def required_name(dead_band: float, kind: str = "required") -> str:
     """Return the name of the column of a dead band K, as in "required_K1"."""
     short = f"{dead_band:g}"

@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant, text
 from tvclin.base.quantities import sufficiency, survival
-from tvclin.ensembles.campaign.outputs import plane_columns, required_name
+from tvclin.ensembles.campaign.cases import NOT_KNOWN
+from tvclin.ensembles.campaign.outputs import REQUIRED, plane_columns, required_name
 from tvclin.ensembles.campaign.results import CampaignResults
-from tvclin.ensembles.statistics import Quantile, Success, shares
+from tvclin.ensembles.statistics import Quantile, Success, covers_quantile, shares
 from tvclin.requirement.case_requirement import study_requirement
-from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import FROZEN
@@ -32,7 +33,8 @@ class CampaignSummary(Shown):
 
     `results`: the results. `output`: name of the angle. `limit`: deflection limit [rad].
     `required`: quantile of the output [rad] at the specified probability. `answers`: the output of
-    the cases that have an answer [rad], ``(n,)``. `success`, `survival`, `loss`: probabilities that
+    the cases that have an answer [rad], ``(n,)``. `unknown`: whether it is not known, and counts as
+    infinite, ``(n,)``. `success`, `survival`, `loss`: probabilities that
     the limit is sufficient, that a flight survives, and that it is lost.
     """
 
@@ -40,7 +42,8 @@ class CampaignSummary(Shown):
     output: str = field(metadata=spec())
     limit: float | None = field(metadata=spec("angle", card=False))
     required: Quantile = field(metadata=spec())
-    answers: np.ndarray[Any, np.dtype[np.float64]]
+    answers: FloatArray
+    unknown: BoolArray
     success: Success | None = field(metadata=spec())
     survival: Success | None = field(metadata=spec())
     loss: Success | None
@@ -55,15 +58,19 @@ class CampaignSummary(Shown):
         confidence: float | None = None,
     ) -> CampaignSummary:
         """Return the summary of an output; parameters and exceptions of `CampaignResults`."""
+        required = results.quantile(output, probability, confidence)
+        name = output or results.angles[0]
+        has_answer = ~np.isnan(results.column(name))
         return cls(
             results=results,
-            required=results.quantile(output, probability, confidence),
+            required=required,
             success=results.success(limit, output, confidence),
             survival=results.survival(confidence),
             loss=results.loss(confidence),
-            output=output or results.angles[0],
+            output=name,
             limit=results.campaign.nozzle.limit if limit is None else limit,
             answers=results.answers(output),
+            unknown=np.isin(results.column("status")[has_answer].astype(str), NOT_KNOWN),
         )
 
     @property
@@ -71,20 +78,19 @@ class CampaignSummary(Shown):
         """Whether the limit covers the quantile with its confidence; None where not known."""
         if self.limit is None or self.success is None:
             return None
-        above = bool(covers(self.limit, self.required.upper))
-        covered = self.required.covered(above, self.success)
-        return None if covered and self.unknown else covered
+        level = self.required.probability, self.required.confidence
+        return covers_quantile(self.limit, self.answers, self.unknown, *level)
 
     @property
-    def unknown(self) -> str:
-        """Reason why the output is not known in the worst direction of the nominal wind, or empty.
-
-        The output is then that at nominal dynamic pressure.
-        """
-        if not self.output.startswith("required_"):
+    def _why_unknown(self) -> str:
+        """Reason why the requirement of cases is not known, in words; empty if it is known."""
+        count = int(np.sum(self.unknown))
+        if not count:
             return ""
-        need = study_requirement(self.results.campaign)
-        return "" if need is None else need.unknown
+        nominal = study_requirement(self.results.campaign)
+        of_nominal = "" if nominal is None else nominal.unknown
+        of_cases = f"in {count} of {self.unknown.size} cases the requirement is not known"
+        return "; ".join(filter(None, (of_nominal, of_cases)))
 
     @property
     def verdict(self) -> str:
@@ -95,8 +101,8 @@ class CampaignSummary(Shown):
         words = f"{angle} ({of}) covers {share}" if np.isfinite(r.upper) else f"{share}: {angle}"
         if self.limit is None or self.success is None:
             return words
-        if self.sufficient is None and covers(self.limit, r.upper):
-            words = self.unknown
+        if self.sufficient is None:
+            words = self._why_unknown or words
         if self.sufficient is False and np.isfinite(r.estimate) > np.isfinite(r.upper):
             most = f"{100 * self.success.upper:.4g} %"
             words = f"sufficient in at most {most} of flights, not in {100 * r.probability:g} %"
@@ -107,7 +113,7 @@ class CampaignSummary(Shown):
     def increase(self) -> float | None:
         """Relative increase of the nominal output by dispersions; None where not known."""
         nominal = self.results.nominal.get(self.output)
-        known = nominal and np.isfinite(self.required.upper)
+        known = nominal and np.isfinite(nominal) and np.isfinite(self.required.upper)
         return self.required.upper / nominal - 1.0 if nominal and known else None
 
     @property
@@ -120,7 +126,7 @@ class CampaignSummary(Shown):
     @property
     def pressure(self) -> str:
         """The dynamic pressure of the output, in words."""
-        plan, required = self.results.campaign, self.output.startswith("required_")
+        plan, required = self.results.campaign, self.output.startswith(REQUIRED)
         both_planes = plan.planes == BOTH
         across = plan.plane != "pitch" and not both_planes
         if across or plan.sign == FROZEN or not required:
@@ -242,6 +248,8 @@ class CampaignSummary(Shown):
         if not np.isinf(angle):
             return _angle(name, angle)
         flights = self.results.flights
+        if np.any(self.unknown):
+            return ("not known",)
         diverged = self.output.startswith("flight_") and flights is not None and flights[1] > 0
         return (
             f"none, flights are {survival(False)}"
@@ -267,6 +275,8 @@ _BOUNDS = ("lower", "estimate", "upper")
 
 def _angle(name: str, angle: float) -> Line:
     """Return the text of an angle [rad], in degrees."""
+    if np.isnan(angle):
+        return ("not known",)
     return ("lost",) if np.isinf(angle) else degrees(f"campaign.{name}", angle, unit="deg")
 
 
