@@ -151,7 +151,7 @@ def test_the_page_of_a_flight_is_written(
     page = tmp_path / "page.html"
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(page)])
     assert result.exit_code in (0, 1), result.output
-    assert ("NOT SIZED" in page.read_text()) == (schedule != "openrocket")
+    assert ("Required deflection NOT KNOWN" in page.read_text()) == (schedule != "openrocket")
 
 
 def test_a_flight_that_is_known_nowhere_is_not_known_to_be_covered(
@@ -162,7 +162,7 @@ def test_a_flight_that_is_known_nowhere_is_not_known_to_be_covered(
     for winds in (wind, ("--peak-speed", "20")):
         result = CliRunner().invoke(app, [*pad, *winds])
         assert result.exit_code == 1
-        assert "Limit 3.000 deg: NOT KNOWN; NOT SIZED" in result.output
+        assert "Limit 3.000 deg: NOT KNOWN; required deflection NOT KNOWN below" in result.output
         assert "SUFFICIENT" not in result.output
         assert " meets the flight at more than 30 deg" in result.output or "20 m/s" in result.output
 

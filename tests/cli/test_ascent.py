@@ -104,9 +104,9 @@ def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
     assert re.search(
         r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve; req", enough.output
     )
-    assert "limit that keeps 10 % in reserve" in enough.output
+    assert "budget, with 10 % in reserve" in enough.output
     assert short.exit_code == 1
-    assert re.search(r"deg: NOT SUFFICIENT, short by 0\.1\d+ deg; required", short.output)
+    assert re.search(r"deg: NOT SUFFICIENT, short by 0\.1\d+ deg; budget", short.output)
     rows = table.read_text().splitlines()
     assert rows[0].startswith("time_s,wind,trim_deg,K1_deg,no_forecast_deg,minimum_deg")
     assert [row.split(",")[0] for row in rows[1:]] == ["60.0", "70.0", "80.0"]
@@ -189,7 +189,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     assert (enough.exit_code, short.exit_code) == (1, 1)
     assert (lower.exit_code, unasked.exit_code) == (0, 0)
     assert "deg: NOT KNOWN; where the winds are known 0.2" in enough.output
-    assert "; NOT SIZED above 12.0 km (66.19 s); required" in enough.output
+    assert "; required deflection NOT KNOWN above 12.0 km (66.19 s); budget" in enough.output
     document, below = json.loads(short.stdout), json.loads(lower.stdout)
     assert document["winds"] == ["wyoming.txt"]
     assert document["times_s"] == [41.0, 60.0, 80.0, 100.0, 116.0]
@@ -321,6 +321,8 @@ def test_the_figure_holds_the_worst_of_all_winds() -> None:
 
     assert curves.abscissa.tolist() == [60.0, 80.0]
     assert curves.column("K = 1").tolist() == np.degrees(found.required["K = 1"][::-1, 1]).tolist()
+    least = np.degrees(found.required["minimum"][::-1, 1]).tolist()
+    assert curves.column("lower bound, wind known").tolist() == least
     assert curves.column("available limit") == pytest.approx([0.5, 0.5])
 
 
@@ -495,4 +497,4 @@ def test_a_flight_in_a_pulse_whose_pressure_is_not_known_is_not_known() -> None:
         found = CliRunner().invoke(app, [*arguments, limit])
         assert found.exit_code == 1
         assert f"{float(limit):.3f} deg: {word}" in found.stdout
-        assert "NOT SIZED at the dynamic pressure encountered" in found.stdout
+        assert "required deflection NOT KNOWN at the dynamic pressure encountered" in found.stdout

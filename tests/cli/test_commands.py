@@ -181,6 +181,23 @@ def test_poles_in_json_are_beta_and_its_residues() -> None:
     assert abs(growing["wind_residue_per_s"]) == pytest.approx(c.beta / 2)
 
 
+def test_poles_of_a_flexible_vehicle_list_its_modes_by_name() -> None:
+    """They are eigenvalues of the exported state space, near the frequencies of the file."""
+    vehicle = tv.load_vehicle("made-up-booster")
+    eigenvalues = np.linalg.eigvals(tv.linear.plant_of(vehicle).ss().A)
+    modes = json.loads(run("poles", "made-up-booster", "--json").stdout)["modes"]
+    names = [f"bending {k}" for k in (1, 2, 3)] + ["slosh 1", "slosh 2"]
+    assert [mode["name"] for mode in modes] == names
+    for mode in modes:
+        pole = complex(mode["pole_per_s"]["real"], mode["pole_per_s"]["imag"])
+        assert np.abs(eigenvalues - pole).min() < 1e-9 * abs(pole)
+        assert mode["damping"] == pytest.approx(-pole.real / abs(pole), rel=1e-12)
+    said = run("poles", "made-up-booster").output
+    assert "slosh 2      -0.031136±3.0407j" in said
+    assert "rigid body             0.50775" in said
+    assert json.loads(run("poles", "configuration-i", "--json").stdout)["modes"] == []
+
+
 def test_a_gust_on_top_is_told() -> None:
     said = " ".join(run("study", "--gust", "1", "2").output.split())
     assert ", with a gust of 1 deg and 2 s" in said

@@ -93,7 +93,7 @@ def test_each_row_says_which_peak_the_limit_survives() -> None:
         )
         deflection = np.degrees(abs(found.boundaries["drift"].deflection))
         assert deflection[found.dead_bands == float(K)] == pytest.approx(0.3, rel=3e-4)
-    verdict = CliRunner().invoke(app, asked).output.split("it survives peaks up to ")[1].split()[0]
+    verdict = CliRunner().invoke(app, asked).output.split("survivable peak ")[1].split()[0]
     assert rows["1"][-1] == verdict
 
 

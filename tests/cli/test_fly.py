@@ -194,7 +194,7 @@ def test_what_is_printed_fits_a_terminal_and_names_what_is_assumed(tmp_path, mon
         "planar equations",
         "mass falling",
         "1.1 times the linear boundary",
-        "with this limit it",
+        "with this limit the vehicle",
     ):
         assert words in " ".join(said.stdout.split())
     assert file.stat().st_size > 10_000

@@ -90,7 +90,9 @@ def test_without_a_limit_the_flight_has_a_tenth_more_than_the_boundary_of_the_la
 def test_a_mode_that_is_not_held_rings_and_has_not_survived(mine):
     result = run(mine, *GAINS, "--limit-deg", 0.45)
     assert result.exit_code == 1
-    verdict = "NOT SURVIVED, it rings with 0.450 deg at nominal dynamic pressure; rigid: SURVIVED"
+    verdict = (
+        "NOT SURVIVED, limit cycle with 0.450 deg at nominal dynamic pressure; rigid: SURVIVED"
+    )
     assert verdict in " ".join(result.output.split())
     more = run(mine, *GAINS, "--limit-deg", 0.45, "--more").output
     assert "Flexible vehicle (--set study.rigid true: without): 1 bending mode, 1 tank" in more

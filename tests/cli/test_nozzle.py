@@ -39,6 +39,24 @@ def test_json_equals_the_library() -> None:
     assert found["flown"] == []
 
 
+def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -> None:
+    """At that rate the least limit is the one it is stated at."""
+    required = json.loads(CliRunner().invoke(app, ["study", "--json"]).stdout)["verdict"]
+    for options, limit in (
+        ((), required["required_deflection_deg"]),
+        (("--limit-deg", "0.35"), 0.35),
+    ):
+        stated = json.loads(run(*options, "--json").stdout)["required_rate"]
+        assert stated["limit_deg"] == pytest.approx(limit, rel=1e-12)
+        plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+        wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+        rate = np.radians(stated["required_rate_deg_per_s"])
+        least = tv.boundary.optimum_with_rate_limit(plant, wind, rate, 0.0).peak
+        assert np.degrees(least) == pytest.approx(limit, rel=1e-4)
+        first = run(*options).output.partition("Lower bounds of the limit over")[0]
+        assert f"{stated['required_rate_deg_per_s']:.3f}" in first
+
+
 @pytest.mark.parametrize(
     ("options", "code", "words"),
     usual(

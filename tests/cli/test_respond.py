@@ -309,7 +309,7 @@ def test_a_response_at_nominal_pressure_says_what_a_head_wind_adds(tmp_path) -> 
     for words in (["respond"], ["fly", "--law", "autopilot"], ["nozzle"]):
         said = CliRunner().invoke(app, [*words, "configuration-i", "--limit-deg", "0.45"])
         raised = f"{100.0 * (ratio - 1.0):.2g} percent"
-        assert f"a head wind of this size raises it by up to {raised}" in said.stderr
+        assert f"a head wind of this size raises the pressure by up to {raised}" in said.stderr
     for more in (["--peak-deg", "1.4"], ["--plane", "yaw"]):
         assert CliRunner().invoke(app, ["respond", "configuration-i", *more]).stderr == ""
 

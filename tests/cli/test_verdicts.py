@@ -18,6 +18,7 @@ from tests.turns import usual
 from tvclin.base.quantities import QUANTITIES, satisfaction, sufficiency, survival
 from tvclin.cli.app import app
 from tvclin.studyfile.glossary import TERMS
+from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 WIND = ("--wind", "triangular", "--duration", "7.5", "--peak-deg", "5")
 LIMIT = ("--limit-deg", "0.4")
@@ -69,7 +70,7 @@ def run(*arguments: str) -> Result:
                 1,
                 (
                     "0.974 deg at the peak pressure of a head wind, 0.690 deg at nominal",
-                    "without a limit it uses 0.895",
+                    "the autopilot uses 0.895 deg without a limit",
                     SEE,
                     "Limit 0.4 deg: NOT SUFF",
                 ),
@@ -175,3 +176,12 @@ def test_answers_have_three_words_each() -> None:
     assert each[0] == ["SUFFICIENT", "NOT SUFFICIENT", "NOT KNOWN"]
     assert each[1] == ["MET", "NOT MET", "NOT KNOWN"]
     assert [survival(one) for one in (True, False, None)][1] == "NOT SURVIVED"
+
+
+def test_a_verdict_that_is_not_known_says_why_in_its_first_line() -> None:
+    """Of a limit alone, and of a wind with an autopilot, whose reason is the same."""
+    wide = ("configuration-i", "--peak-deg", "35", "--limit-deg", "3")
+    for more in ((), ("--set", "autopilot.design", "canonical")):
+        first = run("study", *wide, *more).output.partition("\n\n")[0]
+        assert "NOT KNOWN" in first
+        assert BEYOND_LINEAR in " ".join(first.split())

@@ -230,7 +230,7 @@ def test_ascent_lists_required_used_and_remaining_deflection_of_the_flown_autopi
     lost = run("ascent", folder / "study.toml", *PULSE, *words, "--limit-deg", "0.31")
     printed = " ".join(lost.output.split())
     assert lost.exit_code == 1
-    assert printed.startswith("Limit 0.310 deg: required deflection SUFFICIENT, 0.015 deg"), printed
+    assert printed.startswith("Limit 0.310 deg: budget SUFFICIENT, 0.015 deg"), printed
     assert "remaining; autopilot NOT SURVIVED in 1 of 2 winds; " in printed
     assert "flown by the autopilot: NOT SURVIVED" in printed
 
@@ -241,7 +241,7 @@ def test_ascent_is_not_satisfied_where_the_autopilot_is_not_known(folder) -> Non
     document = json.loads(result.stdout)
     verdict = document["verdict"]
     assert result.exit_code == 1
-    assert verdict["words"].startswith("Limit 5.000 deg: required deflection SUFFICIENT, ")
+    assert verdict["words"].startswith("Limit 5.000 deg: budget SUFFICIENT, ")
     assert "deg remaining; autopilot NOT KNOWN in 1 of 2 winds; " in verdict["words"]
     assert (verdict["sufficient"], verdict["satisfied"]) == (True, False)
     assert verdict["autopilot"] == "NOT KNOWN in 1 of 2 winds"

@@ -348,10 +348,10 @@ def test_what_ends_below_the_largest_dynamic_pressure_is_never_judged(archive) -
     low = archive[3].between(0.0, 8e3)
     found = tv.availability(flight, one(low), limit=1.0, **PITCH)
 
-    assert found.why == ("it ends below the height of the largest dynamic pressure",)
+    assert found.why == ("the sounding ends below the height of the largest dynamic pressure",)
     high = archive[3].between(14e3, 30e3)
     found = tv.availability(flight, one(high), limit=1.0, **PITCH)
-    assert found.why == ("it begins above the height of the largest dynamic pressure",)
+    assert found.why == ("the sounding begins above the height of the largest dynamic pressure",)
     assert np.isnan(found.fraction().fraction)
     assert str(found.fraction()) == "none judged, 1 unknown"
     assert np.all(np.isnan(found.placard()))
@@ -371,7 +371,7 @@ def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(
     assert np.all((found.lower - CLOSE <= whole.required) & (whole.required <= found.upper + CLOSE))
     assert found.fraction().unknown <= 2
     further = tv.availability(flight, old, limit=np.radians(0.3), known_to=20e3, **PITCH)
-    assert set(further.why) == {"it ends below known_to"}
+    assert set(further.why) == {"the sounding ends below known_to"}
 
 
 def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archive) -> None:

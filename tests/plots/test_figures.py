@@ -368,7 +368,7 @@ def test_the_chart_of_laws_measures_them_by_equation_12_and_the_minimum(configur
         expected = triangular_limit([2.0, 4.0], K)
         np.testing.assert_allclose(found.column(f"required, K = {K:g}"), expected, rtol=1e-12)
     # the minimum of one pole is K = 0, and in one triangle a forecast is worth nothing
-    for label in ("wind known (C)", "any law, no forecast"):
+    for label in ("lower bound, wind known", "lower bound, no forecast"):
         expected = triangular_limit([2.0, 4.0], 0.0)
         np.testing.assert_allclose(found.column(label), expected, rtol=1e-9)
 

@@ -25,7 +25,11 @@ def test_what_remains_is_the_limit_minus_the_largest_of_what_is_required_and_use
         largest = max(use.used[k], *(sizing.at_times(r)[k] for r in sizing.required))
         assert use.remaining[k] == 0.05 - largest
     assert use.table().head[-2:] == ("used", "remaining")
-    curves = tv.plots.curves_of(tv.plots.deflection_use_chart(use))
+    figure = tv.plots.deflection_use_chart(use)
+    curves = tv.plots.curves_of(figure)
+    assert use.table().head == ("time [s]", *(column.label for column in curves.columns[:-1]))
+    drawn = {line.get_label(): line.get_color() for line in figure.axes[0, 0].get_lines()}
+    assert list(drawn.values()).count(drawn["remaining"]) == 1
     np.testing.assert_array_equal(curves.column("used")[1:], np.degrees(use.used[1:]))
     assert len(use.to_csv().splitlines()) == 4
     laws = autopilot(sample_rate=25.0)

@@ -96,7 +96,10 @@ def test_a_batch_and_an_unknown_requirement_are_refused(configuration_i) -> None
     nowhere = tv.worst_total(found, "K = 1", limit=1.0, rate_limit=0.1)
     assert (nowhere.lines, nowhere.not_sized, nowhere.sufficient) == ((), ("at 60 s",), None)
     assert np.isnan(nowhere.total)
-    assert (nowhere.verdict[0][-1], nowhere.verdict[-1][-1]) == ("NOT KNOWN", "NOT KNOWN")
+    assert (nowhere.verdict[0][-1], nowhere.verdict[-1][-1]) == (
+        "NOT KNOWN",
+        "required rate NOT KNOWN",
+    )
     with pytest.raises(InputError, match="kind must be one of"):
         Line("a", 0.1, "sometimes")
 
@@ -126,7 +129,7 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     assert total.sufficient is False
     words = " ".join(text(line) for line in total.verdict)
     assert "NOT SUFFICIENT at this rate limit" in words
-    assert f"{np.degrees(total.needed_rate):.3f} deg/s required" in words
+    assert f"required rate {np.degrees(total.needed_rate):.3f} deg/s" in words
     assert tv.requirement.worst_total(found, "K = 1", rate_limit=1e-3).sufficient is False
 
 

@@ -592,8 +592,8 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
 
     assert [one.yes for one in questions(found)] == [True, None]
     assert said.startswith("NOT KNOWN: ")
-    assert "the whole flight of configuration-i is not sized above" in said
-    assert "NOT SIZED above 12.0 km" in section(found, "flight").text
+    assert "required deflection of the whole flight of configuration-i not known above" in said
+    assert "Required deflection NOT KNOWN above 12.0 km" in section(found, "flight").text
     assert (result.exit_code, "NOT known to be sufficient" in result.output) == (1, True)
 
 

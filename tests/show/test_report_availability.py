@@ -83,7 +83,7 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     placard = [shown[f"availability.placard.{p}_deg"] for p in (50, 80, 90, 95, 99)]
     assert placard == np.degrees(found.placard()).tolist()
     section = html[html.index('id="availability"') :]
-    assert "it ends below the height of the largest dynamic pressure" in section
+    assert "the sounding ends below the height of the largest dynamic pressure" in section
     assert "The soundings are of one season" in section
     assert "40 winds of ZZM00088801 from 2023-02-15 to 2023-03-06" in section
     assert "<svg" in section[: section.index("By month")]

@@ -28,7 +28,8 @@ QUANTITIES = {
 
 STATIC_TRIM = "static trim"
 WIND_KNOWN, NO_FORECAST = "lower bound, wind known", "lower bound, no forecast"
-REQUIREMENT = "autopilot requirement"
+REQUIRED, REQUIREMENT, BUDGET = "required deflection", "autopilot requirement", "budget"
+REQUIRED_RATE = "required rate"
 NOMINAL = "at nominal dynamic pressure"
 """Of an answer that leaves out the dynamic pressure that the wind itself makes."""
 

@@ -38,7 +38,7 @@ from tvclin.base.errors import (
 )
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Table, degrees, minimum_limit
-from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
+from tvclin.base.quantities import NO_FORECAST, REQUIRED_RATE, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.moments import Constraints, constraints_of
@@ -90,6 +90,25 @@ def point_table(title: str, *quantities: Quantity) -> Table:
             )
         )
     return Table(title, ("", "lower bound", "available", "remaining"), tuple(rows))
+
+
+def required_rate_table(trade_off: RateTradeOff, deflection: str) -> Table:
+    """Return the required rate of a trade-off at its limit, the available and the remaining rate.
+
+    `deflection`: what the limit is, in words.
+    """
+    assert trade_off.limit is not None
+    rate, available = trade_off.required_rate, trade_off.rate_limit
+    remaining = margin_of(available, rate)
+    required = degrees("required_rate.required", rate)
+    cells = (
+        degrees("required_rate.limit", trade_off.limit),
+        required if np.isfinite(rate) else ("no rate is sufficient",),
+        degrees("required_rate.available", np.nan if available is None else available),
+        degrees("required_rate.remaining", np.nan if remaining in (None, -np.inf) else remaining),
+    )
+    head = ("at", "[deg]", f"{REQUIRED_RATE} [deg/s]", "available", "remaining")
+    return Table(REQUIRED_RATE.capitalize(), head, (((deflection,), *cells),))
 
 
 def ramped_deflection(
@@ -267,7 +286,7 @@ class RateTradeOff(TradeOff):
         point = point_table(
             "Both at once: the limit at that rate, the rate limit at that angle",
             ("limit [deg]", "limit", self.lower_bound, self.limit),
-            ("rate limit [deg/s]", "rate", self.required_rate, self.rate_limit),
+            (f"{REQUIRED_RATE} [deg/s]", "rate", self.required_rate, self.rate_limit),
         )
         return Table("Lower bounds of the limit over the rate limit", head, rows), point
 

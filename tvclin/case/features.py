@@ -92,11 +92,12 @@ _RIGID_NUMBERS: dict[str, str] = {
     "study": "the boundaries",
     "report": "boundaries and sizes on the page",
     "disperse": "all but margins and flights",
+    "poles": "residues, and the poles of each model,",
     "nozzle": "angles over rates",
     "nozzle --over load": "angles over loads",
     **dict.fromkeys(
         (
-            *("respond", "boundary", "boundary --tau-beta", "poles", "nozzle --over flight"),
+            *("respond", "boundary", "boundary --tau-beta", "nozzle --over flight"),
             *("ascent", "availability"),
         ),
         _ALL_NUMBERS,

@@ -184,8 +184,8 @@ def _flight_notes(
 
 
 RINGS_MEANS = (
-    "it rings: the vehicle is brought back, and the nozzle keeps oscillating: an oscillation of the"
-    " loop, mostly of bending or slosh, grows near rest or persists between the limits"
+    "limit cycle: the vehicle is brought back, and the nozzle keeps oscillating: an oscillation of"
+    " the loop, mostly of bending or slosh, grows near rest or persists between the limits"
 )
 
 
@@ -193,8 +193,8 @@ def _word(status: str) -> str:
     """Return the outcome of a flight in words."""
     if status == NOT_KNOWN:
         return survival(None)
-    fate = {"survived": "", "lost": "", "rings": ", it rings"}.get(
-        status, f", it {OUTCOME_WORDS[status]}"
+    fate = {"survived": "", "lost": "", "rings": ", limit cycle"}.get(
+        status, f", the vehicle {OUTCOME_WORDS[status]}"
     )
     return f"{survival(status == 'survived')}{fate}"
 
@@ -395,8 +395,11 @@ class AutopilotFlight:
         def details() -> None:
             print_tables(*tables[1:])
             if stable:
-                uses = f"without a limit it uses {degrees(self.compared.peak_deflection):.3f} deg"
-                say(f"In a head wind it is required at the pressure of the peak; {uses}.")
+                uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"
+                say(
+                    "In a head wind the requirement is that at the pressure of the peak; the"
+                    f" autopilot uses {uses}."
+                )
                 print_tables(quantities("In this wind", [*self.compared.motions(), *self._more()]))
             for head in self.flight.heads if self.flight is not None else ():
                 say(head)
@@ -423,7 +426,7 @@ class AutopilotFlight:
             word += f", {self.beyond or (nominal if self.requirement is not None else self.reason)}"
         elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):
             uses = f"{degrees(worst.peak_deflection):.3f} deg in one of {worst.duration:.3g} s"
-            word += f" in this wind; without a limit it uses {uses}"
+            word += f" in this wind; without a limit the autopilot uses {uses}"
         flown = "" if self.flight is None else f"; {self.flight.verdict}"
         return f"limit {limit:g} deg: {word}{flown}"
 
@@ -435,7 +438,7 @@ class AutopilotFlight:
         if self.requirement is None or self.beyond:
             return f"{sufficiency(None)}: {self.beyond or self.reason}"
         if not isfinite(self.requirement.nominal_deflection):
-            return f"it survives at no limit that was tried, {NOMINAL}"
+            return f"no limit that was tried survives, {NOMINAL}"
         nominal = f"{degrees(self.requirement.nominal_deflection):.3f} deg"
         if self.requirement.head is None:
             return f"{nominal} {NOMINAL}"

@@ -8,9 +8,11 @@ import numpy as np
 import typer
 
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed
+from tvclin.base.quantities import REQUIRED
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
-from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
+from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off, required_rate_table
 from tvclin.case.load import FlownLoad
 from tvclin.cli.ascent import PlaneOptions, case_over_flight
 from tvclin.cli.fly_autopilot import limited_law
@@ -133,7 +135,7 @@ def _print_in_a_wind(
     case = _case_in_a_wind(vehicle, over, time, options, winds)
     title, required = winds.title(case, vehicle), study_requirement(case, case.dead_band)
     result = (
-        over_rate(case, title, names, options.laws)
+        over_rate(case, title, names, options.laws, required)
         if over == RATE
         else over_load(case, title, names)
     )
@@ -197,10 +199,17 @@ class TradeOffAnswer:
         return "; ".join([*filter(None, [front.verdict]), *self.outcomes, *bound])
 
 
-def over_rate(case: StudyPlan, title: str, names: list[str], every_law: bool) -> TradeOffAnswer:
+def over_rate(
+    case: StudyPlan,
+    title: str,
+    names: list[str],
+    every_law: bool,
+    required: CaseRequirement | None,
+) -> TradeOffAnswer:
     """Return the deflection limit over the rate limit, with the duty of laws by their names.
 
-    `every_law`: whether laws are flown for the limit that they need at each rate limit.
+    `every_law`: whether laws are flown for the limit that they need at each rate limit. `required`:
+    requirement of the study, at which the required rate is stated where the case has no limit.
     """
     from tvclin import plots
 
@@ -209,16 +218,20 @@ def over_rate(case: StudyPlan, title: str, names: list[str], every_law: bool) ->
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
         front = rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
+        stated = None if front.beyond else _at_limit(case, front, required)
     needed = _flown_limits(case) if every_law else None
     drawn, (curve, point) = needed or front, front.tables()
+    at = REQUIRED if limit is None else "limit"
+    rate_table = () if stated is None else (required_rate_table(stated, at),)
     flown_tables = () if needed is None else needed.tables()
     limited = limit is not None or rate_limit is not None
     return TradeOffAnswer(
         trade_off=front,
         document={"trade_off": front, "flown": flown}
+        | ({} if stated is None else {"required_rate": document(stated, "limit", "required_rate")})
         | ({} if needed is None else {"laws": needed}),
         outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
-        tables=_titled(title, (*flown_tables, curve)[0]),
+        tables=_titled(title, *rate_table, (*flown_tables, curve)[0]),
         further=(
             *(flown_tables and (curve,)),
             point,
@@ -230,6 +243,22 @@ def over_rate(case: StudyPlan, title: str, names: list[str], every_law: bool) ->
         curves=lambda: plots.rate_curves(drawn),
         chart=lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
+
+
+def _at_limit(
+    case: StudyPlan, front: RateTradeOff, required: CaseRequirement | None
+) -> RateTradeOff | None:
+    """Return the trade-off at the limit, or else at the required deflection, with its rate.
+
+    None where neither is a deflection above zero.
+    """
+    if front.limit is not None:
+        return front
+    deflection = 0.0 if required is None else required.required_deflection
+    if not 0.0 < deflection < np.pi / 2:
+        return None
+    plant, rates, rate_limit = case.plant.rigid, front.rates[:1], front.rate_limit
+    return rate_trade_off(plant, case.history, rates, limit=deflection, rate_limit=rate_limit)
 
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:
@@ -271,9 +300,9 @@ def _load_trade_off(case: StudyPlan) -> LoadTradeOff:
     return load_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)
 
 
-def _titled(title: str, table: Table) -> tuple[Table]:
-    """Return a table below the title of its case."""
-    return (replace(table, caption=f"{title}\n{table.caption}"),)
+def _titled(title: str, table: Table, *others: Table) -> tuple[Table, ...]:
+    """Return tables below the title of their case."""
+    return (replace(table, caption=f"{title}\n{table.caption}"), *others)
 
 
 _QUESTION = "nozzle --over flight"

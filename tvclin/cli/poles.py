@@ -8,6 +8,7 @@ from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import PLANE, AsJson, At, Given, Plot, Source, System, asked
 from tvclin.cli.output import answer, draw, print_answer
+from tvclin.linear.flexible import AnyPlant, mode_tables, named_modes
 from tvclin.linear.modes import Modes, all_modes, mode_table, select_unstable
 from tvclin.linear.plant import MODELS, Plant, models_of
 from tvclin.linear.system_file import write_system
@@ -22,8 +23,10 @@ def poles(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Print the poles of the models, and the residues at the unstable ones.
+    """Print the poles of the models with their residues, and the modes of a flexible vehicle.
 
+    The models are those of the rigid vehicle. A vehicle file with bending, slosh or engine inertia
+    has a second table: the poles of the coupled vehicle, with frequency and damping of each mode.
     --system writes the plant of one model, --model or that of the case.
     """
     from tvclin import plots
@@ -42,8 +45,15 @@ def poles(
     title = f"{loaded.name or vehicle}, {plane}: poles of the attitude"
     answer(
         as_json,
-        lambda: {"vehicle": loaded.name, "plane": plane, "models": models},
-        lambda: print_answer(_fastest(first, modes[first]), mode_table(title, modes)),
+        lambda: {
+            "vehicle": loaded.name,
+            "plane": plane,
+            "models": models,
+            "modes": _named(case.plant),
+        },
+        lambda: print_answer(
+            _fastest(first, modes[first]), mode_table(title, modes), *mode_tables(case.plant)
+        ),
     )
 
 
@@ -55,6 +65,19 @@ def _fastest(model: str, modes: Modes) -> str:
     rate = float(np.real(poles).max())
     doubled = f"the attitude error doubles in {np.log(2.0) / rate:.3g} s"
     return f"fastest unstable pole {rate:.4g} 1/s, model {model}: {doubled}"
+
+
+def _named(plant: AnyPlant) -> list[dict[str, Any]]:
+    """Return the named modes of a flexible plant for JSON; none of a rigid one."""
+    return [
+        {
+            "name": name,
+            "pole_per_s": pole,
+            "frequency_rad_per_s": abs(pole),
+            "damping": -pole.real / abs(pole),
+        }
+        for name, pole in zip(*named_modes(plant), strict=True)
+    ]
 
 
 def _document(modes: Modes) -> list[dict[str, Any]]:

@@ -169,7 +169,7 @@ class FlightComparison:
         if boundaries is not None and boundaries[0] is not None:
             angles = {"least limit that survives [deg]": (boundaries[0], boundaries[1])} | angles
         outcomes = ((outcome,) for outcome in self.outcomes)
-        rows: list[tuple[Line, ...]] = [(("with this limit it",), *outcomes)]
+        rows: list[tuple[Line, ...]] = [(("with this limit the vehicle",), *outcomes)]
         for k, (label, both) in enumerate(angles.items()):
             cells = [
                 minimum_limit(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(both)

@@ -31,7 +31,7 @@ from tvclin.base.errors import (
     shown,
 )
 from tvclin.base.fields import spec
-from tvclin.base.lines import Line, Table, significant
+from tvclin.base.lines import Line, Table, significant, upper_pole
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import (
@@ -423,23 +423,33 @@ AnyPlant = Plant | FlexiblePlant
 
 
 def mode_tables(plant: AnyPlant) -> list[Table]:
-    """Return the table of frequency and damping of the named modes of one plant; none without."""
+    """Return the table of poles of one plant, by mode, with frequency and damping of named modes.
+
+    One row per conjugate pair, with Im >= 0; none for a plant without named modes.
+    """
     names, poles = named_modes(plant)
     rows: list[tuple[Line, ...]] = []
+    for k, pole in enumerate(p for p in plant.poles if p.imag >= 0.0 and p not in poles):
+        rows.append((("" if k else "rigid body",), upper_pole(f"flexible.rigid.{k}", pole), *_NONE))
     for k, (name, pole) in enumerate(zip(names, poles, strict=True)):
         size, key = abs(pole), f"flexible.mode.{k}"
         damping = -pole.real / size if size else np.nan
         rows.append(
             (
                 (name,),
+                upper_pole(f"{key}.pole", pole),
                 significant(f"{key}.rad_per_s", size, 3),
                 significant(f"{key}.Hz", size / (2.0 * np.pi), 3),
                 significant(f"{key}.damping", damping, 3),
             )
         )
-    head = ("mode", "[rad/s]", "[Hz]", "damping")
-    caption = "Modes of the coupled vehicle, without an autopilot"
-    return [Table(caption, head, tuple(rows))] if rows else []
+    head = ("mode", "pole [1/s]", "[rad/s]", "[Hz]", "damping")
+    caption = f"Poles of the coupled vehicle, without an autopilot, {plant.model}"
+    return [Table(caption, head, tuple(rows))] if names else []
+
+
+_NONE: tuple[Line, ...] = (("-",), ("-",), ("-",))
+"""Cells of frequency and damping of a pole that belongs to no named mode."""
 
 
 def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch") -> AnyPlant:

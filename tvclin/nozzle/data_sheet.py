@@ -245,18 +245,16 @@ _FIXED_PATH = "fixed-path"
 def flight_reason(plant: AnyPlant, status: str) -> str:
     """Return the reason why the flight of a plant cannot be judged; empty if it can."""
     if status == UNDECIDED:
-        return "it has neither diverged nor settled when it ends"
+        return "the flight has neither diverged nor settled at its end"
     if status != NO_FLIGHT:
         return ""
     if decidable(plant):
-        return "its wind lasts for more than a million samples"
+        return "the wind lasts for more than a million samples"
     poles = select_unstable(plant.poles)
     poles = poles[~np.isnan(poles)]
     if np.iscomplexobj(poles) and np.any(np.imag(poles) != 0.0):
         return _PAIR
-    return (
-        f"a test of loss is known for one or two unstable poles and a moment; it has {poles.size}"
-    )
+    return f"a test of loss is known for one or two unstable poles, and the plant has {poles.size}"
 
 
 def unjudged_flights(law: str, points: Iterable[DutyPoint], model: str) -> Iterator[str]:

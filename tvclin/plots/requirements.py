@@ -12,7 +12,13 @@ from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
 from tvclin.requirement.flight.deflection_use import DeflectionUse
 from tvclin.requirement.flight.sizing import Sizing
-from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
+from tvclin.requirement.required_quantity import (
+    MINIMUM,
+    NO_FORECAST,
+    TRIM,
+    Requirement,
+    heading_of,
+)
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 
 if TYPE_CHECKING:
@@ -48,7 +54,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     if sizing.times.size < 2:
         raise InputError("a figure over the flight needs two or more flight times; got 1")
     order = np.argsort(sizing.times)
-    rows = {r.label: np.degrees(sizing.at_times(r))[order] for r in sizing.required}
+    rows = {heading_of(r.label): np.degrees(sizing.at_times(r))[order] for r in sizing.required}
     columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
@@ -81,7 +87,7 @@ def _styles(sizing: Sizing) -> dict[str, Style]:
             }
         elif requirement.varying:
             style |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
-        styles[requirement.label] = style
+        styles[heading_of(requirement.label)] = style
     return styles
 
 
@@ -96,14 +102,18 @@ def deflection_use_chart(use: DeflectionUse, name: str = "") -> "ControlPlot":
         Name of the vehicle.
     """
     instance("use", use, DeflectionUse, "see deflection_use")
-    rows = {**use.required, "used": use.used, "remaining": use.remaining}
-    columns = [Column(label, np.degrees(values), "deg") for label, values in rows.items()]
+    rows = use.by_heading
+    columns = [Column(heading, np.degrees(values), "deg") for heading, values in rows.items()]
     columns.append(Column(_LIMIT, np.full(use.times.size, np.degrees(use.limit)), "deg"))
     styles: dict[str, Style] = {
-        label: {"color": colour, "lw": 1.6, "ls": line}
-        for label, colour, line in zip(rows, cycle(_COLOURS), cycle(LINES), strict=False)
+        heading: {"color": colour, "lw": 1.6, "ls": line}
+        for heading, colour, line in zip(rows, cycle(_COLOURS), cycle(LINES), strict=False)
     }
-    styles |= {"used": {"color": INK, "lw": 2.0}, _LIMIT: {"color": WARM, "lw": 1.4}}
+    styles |= {
+        "used": {"color": INK, "lw": 2.0},
+        "remaining": {"color": "0.45", "lw": 2.0},
+        _LIMIT: {"color": WARM, "lw": 1.4},
+    }
     words = "required, used and remaining deflection"
     curves = Curves("deflection-use", words, "flight time [s]", use.times, tuple(columns))
     return draw(curves, Look(called(name, words), "deflection [deg]", styles))

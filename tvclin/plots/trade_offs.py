@@ -208,12 +208,11 @@ def _broken(values: FloatArray) -> FloatArray:
 
 TAU_BETA = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0])
 _FINE = 400
-_FREE, _MINIMUM = "any law, no forecast", "wind known (C)"
 _OPEN: dict[str, Style] = {
     "required, K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
     "required, K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
-    _FREE: {"color": INK, "ls": "-", "lw": 2.4},
-    _MINIMUM: {"color": INK, "ls": ":", "lw": 2.0},
+    NO_FORECAST: {"color": INK, "ls": "-", "lw": 2.4},
+    WIND_KNOWN: {"color": INK, "ls": ":", "lw": 2.0},
 }
 
 
@@ -256,8 +255,8 @@ def laws_chart(
     rows = {
         "required, K = 1": [required_deflection(plant.rigid, w).limit for w in winds],
         "required, K = 0.5": [required_deflection(plant.rigid, w, 0.5).limit for w in winds],
-        _FREE: [forecast_free_limit(plant.rigid, w).limit for w in winds],
-        _MINIMUM: [optimum_deflection(plant.rigid, w).peak / trim for w in winds],
+        NO_FORECAST: [forecast_free_limit(plant.rigid, w).limit for w in winds],
+        WIND_KNOWN: [optimum_deflection(plant.rigid, w).peak / trim for w in winds],
     }
     columns = [Column(name, np.array(row)) for name, row in rows.items()]
     columns += [

@@ -7,11 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.base import quantities
 from tvclin.base.errors import between, flag, number, one_of
 from tvclin.winds.wind_angles import DIRECTIONS
 
 DEAD_BAND = "dead band"
 QUANTITIES = ("trim", DEAD_BAND, "no forecast", "minimum")
+_HEADINGS = {
+    "no forecast": quantities.NO_FORECAST,
+    "minimum": quantities.WIND_KNOWN,
+    "autopilot": quantities.REQUIREMENT,
+}
+"""Headings of tables and figures that are not the label, by the name of a requirement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +95,12 @@ class Requirement:
 TRIM, NO_FORECAST, MINIMUM = (
     Requirement(quantity) for quantity in ("trim", "no forecast", "minimum")
 )
+
+
+def heading_of(label: str) -> str:
+    """Return the heading of a requirement in tables, figures and notes, by its label."""
+    name, comma, kind = label.partition(", ")
+    return f"{_HEADINGS.get(name, name)}{comma}{kind}"
 
 
 def in_wind(direction: str) -> str:

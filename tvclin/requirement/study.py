@@ -87,7 +87,7 @@ def nominal_pressure(case: Case) -> Iterator[str]:
     ratio = float(pressure_ratio(case.vehicle.attitude, np.asarray(-peak)))
     if ratio > 1.0:
         yield (
-            f"computed {NOMINAL}; a head wind of this size raises it by up to"
+            f"computed {NOMINAL}; a head wind of this size raises the pressure by up to"
             f" {100.0 * (ratio - 1.0):.2g} percent and requires more"
         )
 

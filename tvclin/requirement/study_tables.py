@@ -179,15 +179,15 @@ def question(s: Study, case: Case) -> Table:
     ]
     if wind.heading is not None:
         heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
-        rows.insert(4, ("it blows from, off the flight", heading))
+        rows.insert(4, ("direction of the wind, from the flight", heading))
     if s.encountered or s.sign is not None:
         rows.append(("dynamic pressure", (AIR[s.sign],)))
     gust = (s.slanting or s.wind_in_plane).placed_gust
     if gust is not None:
         rows += [
             ("gust on top: peak", _typed("gust.peak_deg", gust.peak)),
-            ("it begins", significant("gust.begins", gust.onset, 6, "s")),
-            ("it ends", significant("gust.ends", gust.end, 6, "s")),
+            ("gust begins", significant("gust.begins", gust.onset, 6, "s")),
+            ("gust ends", significant("gust.ends", gust.end, 6, "s")),
         ]
     if nozzle.limit is not None:
         rows.append(("deflection limit", degrees("question.limit", nozzle.limit, unit="deg")))
@@ -241,19 +241,20 @@ def verdict(s: Study) -> Iterator[Line]:
     if s.unknown:
         air = f", {NOMINAL}"
     basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
-    yield (
-        "Required deflection: ",
-        *((f"NOT KNOWN: {s.beyond}",) if s.beyond else (*needed, basis)),
-    )
+    reason = "" if s.limit is not None else f": {s.beyond}"
+    unknown = f"{sufficiency(None)}{reason}"
+    yield ("Required deflection: ", *((unknown,) if s.beyond else (*needed, basis)))
     if s.limit is None:
         return
     have = degrees("verdict.limit", s.limit, unit="deg")
-    line: Line = ("Limit ", *have, f": {sufficiency(s.sufficient)}; ")
+    line: Line = ("Limit ", *have, f": {sufficiency(s.sufficient)}")
+    if s.sufficient is None:
+        line = (*line, f": {s.beyond or s.unknown}")
     if s.survivable_peak is None:
-        yield (*line, s.unknown if s.sufficient is None else f"not even {NOMINAL}")
+        yield line if s.sufficient is None else (*line, f"; not even {NOMINAL}")
         return
     survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
-    line = (*line, "it survives peaks up to ", *survived)
+    line = (*line, "; survivable peak ", *survived)
     of = f", {s.peak_of}" if s.peak_of else ""
     yield (*line, f" at least{of}; {BEYOND_LINEAR}" if s.survives_bound else of)
 

@@ -356,7 +356,7 @@ def _in_a_head_wind(
     """Return answers at the pressure of a head wind; None where that sets no requirement."""
     from tvclin.requirement.autopilot_requirement import at_peak_pressure, head_wind_boundary
 
-    if study.ratio_to_nominal <= 1.0:
+    if not study.ratio_to_nominal > 1.0:  # NaN in a wind beyond linear aerodynamics
         return None
     stop = head_wind_boundary(plan, flying.autopilot, study, study.plane_ratio) if flying else None
     rates = turbulence = None

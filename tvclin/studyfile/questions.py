@@ -8,7 +8,17 @@ import numpy as np
 from tvclin.base.cards import Record
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, degrees, listed, minimum_limit, number, significant, text
-from tvclin.base.quantities import NOMINAL, satisfaction, sufficiency, survival
+from tvclin.base.quantities import (
+    BUDGET,
+    NOMINAL,
+    REQUIRED,
+    REQUIRED_RATE,
+    REQUIREMENT,
+    WIND_KNOWN,
+    satisfaction,
+    sufficiency,
+    survival,
+)
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import DIGITS, margin, unit_factor
@@ -29,6 +39,17 @@ _CRITERIA = (
     *(_TURBULENCE, _TURBULENCE_RATE, _TURBULENCE_LOAD),
 )
 """Questions that are answered by a criterion: satisfied or not. Others have a verdict."""
+_QUANTITIES = {
+    "wind": REQUIRED,
+    "load": WIND_KNOWN,
+    "whole flight": BUDGET,
+    "probability": REQUIRED,
+    "autopilot": REQUIREMENT,
+    "flexible flight": f"{REQUIREMENT} {NOMINAL}",
+}
+"""Quantities with which a limit is compared, by the name of the question."""
+_RATE_QUESTIONS = ("nozzle rate", "whole flight")
+"""Questions that compare a rate limit with the required rate."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +110,16 @@ class Question(Record):
         return satisfaction(self.yes) if self.name in _CRITERIA else sufficiency(self.yes)
 
     @property
+    @derived()
+    def quantity(self) -> str:
+        """Name of the required quantity; empty for a criterion, and without a measure."""
+        if self.measure is None:
+            return ""
+        if self.measure.unit == "deg/s" and self.name in _RATE_QUESTIONS:
+            return REQUIRED_RATE
+        return _QUANTITIES.get(self.name, "")
+
+    @property
     def text(self) -> str:
         """Reason of the answer, as plain text."""
         return text(self.line)
@@ -124,14 +155,24 @@ def sufficient(findings: Findings) -> bool | None:
 
 
 def overall(findings: Findings) -> str:
-    """Return the answers that are not yes by their words, or the verdict where all are."""
+    """Return the answers that are not yes by their words, or the verdict where all are.
+
+    A single reason why answers are not known is among the words.
+    """
     others: dict[str, list[str]] = {}
+    reasons: dict[str, None] = {}
     for question in questions(findings):
         if question.yes is not True:
             others.setdefault(question.answer, []).append(question.name)
+        if question.yes is None:
+            reasons[question.text.partition("; ")[0]] = None
     if not others:
         return "no limit was given" if findings.study.limit is None else sufficiency(True)
-    return "; ".join(f"{word}: {', '.join(names)}" for word, names in sorted(others.items()))
+    words = {word: f"{word}: {', '.join(names)}" for word, names in sorted(others.items())}
+    unknown = sufficiency(None)
+    if len(reasons) == 1:
+        words[unknown] += f" ({next(iter(reasons))})"
+    return "; ".join(words.values())
 
 
 def all_yes(findings: Findings) -> bool:
@@ -253,7 +294,7 @@ def _load(findings: Findings) -> Question:
         return Question(name, None, (_reason(findings, "loads"),))
     line: Line = ("for this load, of a control that knows the wind",)
     if front.above_lower_bound and front.requires_forecast:
-        line = (*line, "; a law that does not know when it stops bears more")
+        line = (*line, "; a law that does not know when the wind stops bears more")
     required, whose = (
         front.lower_bound * findings.study.plane_ratio,
         "within this load any control requires",
@@ -272,7 +313,7 @@ def _flight(findings: Findings) -> Question:
     reserve = "; remaining beyond the reserve, which is required too" if total.reserve else ""
     line: Line = (flight, reserve)
     if total.sufficient is None:
-        line = (f"{flight} is not sized {', '.join(total.not_sized)}",)
+        line = (f"required deflection of {flight} not known {', '.join(total.not_sized)}",)
     limit = findings.study.limit
     if total.too_slow and (
         limit is None or covers(limit, total.required)
@@ -349,7 +390,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
         return Question(name, None, (beyond,))
     peak = without_stop(findings)
     turns = degrees("asked.autopilot", peak, unit="deg")
-    free: Line = ("without a limit it would turn the nozzle by ", *turns)
+    free: Line = ("without a limit the autopilot would turn the nozzle by ", *turns)
     if findings.study.judges_both_planes:
         free += (" in both planes",)
     whose = "this autopilot requires"
@@ -363,7 +404,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
     line: Line = ("flown with its stop; ", *free)
     if np.isinf(nominal):
-        line = ("flown with a stop it survives at no limit that was tried; ", *free)
+        line = ("no limit that was tried survives; ", *free)
     elif requirement.head is not None:
         whose += f", by the bound for a {findings.study.direction} wind"
         at_nominal = degrees("asked.calm", nominal, unit="deg")
@@ -539,7 +580,8 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
     cells: tuple[Line, ...] = (("",),) * 3
     if question.measure is not None:
         cells = measured(f"asked.{question.name.replace(' ', '_')}", question.measure)
-    return ((question.name,), (answer,), *cells, question.line)
+    quantity = f"{question.quantity}: " if question.quantity else ""
+    return ((question.name,), (answer,), *cells, (quantity, *question.line))
 
 
 def measured(key: str, measure: Measure) -> tuple[Line, ...]:

@@ -31,11 +31,11 @@ from tvclin.winds.soundings.archive import Soundings
 
 STOPS = ("round", "square")
 UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT, TOO_FLAT = (
-    "it cannot be used",
-    "it ends below the height of the largest dynamic pressure",
-    "it begins above the height of the largest dynamic pressure",
-    "its wind meets the flight at more than 30 deg where the dynamic pressure is largest",
-    "it ends below known_to",
+    "the sounding cannot be used",
+    "the sounding ends below the height of the largest dynamic pressure",
+    "the sounding begins above the height of the largest dynamic pressure",
+    "the wind meets the flight at more than 30 deg where the dynamic pressure is largest",
+    "the sounding ends below known_to",
     "no horizontal wind turns the flight so far as the gust",
 )
 _MAX_LEVELS_PER_MARCH = 60_000

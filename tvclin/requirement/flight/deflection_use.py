@@ -25,6 +25,7 @@ from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.flights.closed_loop.fly_along import FlightAlong
 from tvclin.requirement.flight.autopilot_along import AutopilotRequirements
 from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.required_quantity import heading_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +57,15 @@ class DeflectionUse(Tabled):
     limit: float = field(metadata=spec("angle"))
     reasons: tuple[str, ...] = field(default=(), metadata=spec())
 
+    @property
+    def by_heading(self) -> dict[str, FloatArray]:
+        """Requirements, used and remaining deflection [rad] by their headings, ``(n,)``."""
+        required = {heading_of(label): values for label, values in self.required.items()}
+        return {**required, "used": self.used, "remaining": self.remaining}
+
     def table(self) -> Table:
         """Return the table of all times, in degrees."""
-        values = {**self.required, "used": self.used, "remaining": self.remaining}
+        values = self.by_heading
         rows: list[tuple[Line, ...]] = [
             (
                 significant(f"use.{k}.time", time),

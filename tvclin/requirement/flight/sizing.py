@@ -17,7 +17,7 @@ from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.requirement.plane_requirement import omitted_fraction
-from tvclin.requirement.required_quantity import Requirement, requirement_among
+from tvclin.requirement.required_quantity import Requirement, heading_of, requirement_among
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.winds.wind_angles import linear_notes
 
@@ -167,7 +167,7 @@ class Sizing(Tabled):
     def _repr_html_(self) -> str:
         rows = tuple(
             (
-                (key.label,),
+                (heading_of(key.label),),
                 degrees("", worst.deflection),
                 significant("", worst.time, 6),
                 (worst.wind,),
@@ -376,8 +376,8 @@ def _unknown_notes(sizing: Sizing) -> list[str]:
         )
         if limits:
             notes.append(
-                f"{wind} is known {' '.join(limits)} only; beyond, it is unknown, not calm: it is"
-                " not counted, and no flight time there is sized"
+                f"{wind} is known {' '.join(limits)} only; beyond, the wind is unknown, not"
+                " calm: no flight time there is sized"
             )
     return notes
 
@@ -429,7 +429,7 @@ def _end_notes(sizing: Sizing) -> list[str]:
     for requirement in sizing.required:
         if requirement.varying or requirement.direction:  # follows the nominal one
             continue
-        name, values = requirement.label, sizing.at_times(requirement)[order]
+        name, values = heading_of(requirement.label), sizing.at_times(requirement)[order]
         times, values = sizing.times[order][~np.isnan(values)], values[~np.isnan(values)]
         if times.size < 2:
             continue

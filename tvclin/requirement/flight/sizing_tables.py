@@ -10,7 +10,7 @@ from tvclin.base.arrays import BoolArray
 from tvclin.base.lines import Line, Table, degrees, number, significant, text
 from tvclin.base.quantities import NO_FORECAST, QUANTITIES, WIND_KNOWN
 from tvclin.requirement.flight.sizing import STEADY, Sizing
-from tvclin.requirement.required_quantity import Requirement
+from tvclin.requirement.required_quantity import Requirement, heading_of
 
 _MARKS = {
     "1": "beyond the single-pole theory",
@@ -235,9 +235,9 @@ def _freezing_error(s: Sizing, name: Requirement, i: int, wind: int | None) -> f
 
 def _short(requirement: Requirement) -> str:
     """Return the head of the column of a requirement: direction of the wind, or its name."""
-    bounds = {"no forecast": NO_FORECAST, "minimum": WIND_KNOWN}
-    name = bounds.get(requirement.name, requirement.name)
-    return f"{requirement.direction} wind" if requirement.direction else name
+    if requirement.direction:
+        return f"{requirement.direction} wind"
+    return heading_of(requirement.name)
 
 
 def _by_planes(s: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:

@@ -142,22 +142,24 @@ class DeflectionTotal(Shown):
                 short = degrees("total.short", lacks, unit="deg")
                 if lacks < _MIN_SHORTFALL_RAD:
                     short = significant("total.short_deg", np.degrees(lacks), unit="deg")
-                of = " of a limit that keeps the reserve" if self.reserve else ""
-                line = (f"{sufficiency(False)}, short by ", *short, of)
+                line = (f"{sufficiency(False)}, short by ", *short)
                 if lacks <= 0.0:
                     line = (f"{sufficiency(False)} at this rate limit",)
             limit = degrees("total.limit", self.limit, unit="deg")
             verdicts.append(("Limit ", *limit, ": ", *line))
         if self.not_sized:
-            verdicts.append((f"NOT SIZED {', '.join(self.not_sized)}",))
+            where = ", ".join(self.not_sized)
+            verdicts.append((f"Required deflection {sufficiency(None)} {where}",))
         if self.rate_limit is not None:
             available = degrees("total.rate_limit", self.rate_limit, unit="deg/s")
             needed = degrees("total.needed_rate", self.needed_rate, unit="deg/s")
             word = f"{sufficiency(False)}, " if self.too_slow else ""
-            line = (*needed, " required")
+            line = ("required rate ", *needed)
             if not np.isfinite(self.needed_rate):
                 unknown = np.isnan(self.needed_rate)
-                line = (sufficiency(None) if unknown else "no rate is sufficient",)
+                line = (
+                    f"required rate {sufficiency(None)}" if unknown else "no rate is sufficient",
+                )
             verdicts.append(("Rate limit ", *available, f": {word}", *line))
         return tuple(verdicts)
 
@@ -173,14 +175,13 @@ class DeflectionTotal(Shown):
         """
         text("autopilot", autopilot)
         words = [cell_text(line) for line in self.verdict]
+        words[1:] = [f"{word[0].lower()}{word[1:]}" for word in words[1:]]
         if autopilot:
-            first = [word.replace(": ", ": required deflection ", 1) for word in words[:1]]
-            words = [*first, f"autopilot {autopilot}", *words[1:]]
+            words[:1] = [word.replace(": ", ": budget ", 1) for word in words[:1]]
+            words.insert(1, f"autopilot {autopilot}")
         if self.lines:
             where = at_time(self, "the", " of those that are known" * bool(self.not_sized))
-            words.append(
-                f"required {np.degrees(self.required):.3f} deg for the wind and all{where}"
-            )
+            words.append(f"budget {np.degrees(self.required):.3f} deg{where}")
         return "; ".join(words)
 
     @property
@@ -241,9 +242,9 @@ def total_table(total: DeflectionTotal, counted: str = "") -> Table:
     if total.reserve:
         reserve = significant("total.reserve_percent", 100 * total.reserve, unit="%")
         needed = degrees("total.required", total.required)
-        rows.append((("limit that keeps ", *reserve, " in reserve"), ("",), needed))
+        rows.append((("budget, with ", *reserve, " in reserve"), ("",), needed))
     defined = " of those that are known" if total.not_sized else ""
-    return Table(f"All that takes deflection{at_time(total, 'the', defined)}", HEAD, tuple(rows))
+    return Table(f"Budget of the deflection{at_time(total, 'the', defined)}", HEAD, tuple(rows))
 
 
 def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
