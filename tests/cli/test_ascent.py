@@ -102,7 +102,7 @@ def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
 
     assert enough.exit_code == 0
     assert re.search(
-        r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve; req", enough.output
+        r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve; budget", enough.output
     )
     assert "budget, with 10 % in reserve" in enough.output
     assert short.exit_code == 1
