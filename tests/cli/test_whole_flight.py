@@ -164,6 +164,26 @@ def test_a_flight_through_a_pulse_is_that_of_python_with_its_exit_code(folder, t
     assert len(csv.read_text(encoding="utf-8").splitlines()) == flown.times.size + 1
 
 
+def test_a_pulse_is_flown_in_the_worse_of_head_and_tail_wind(folder) -> None:
+    result = run("fly", folder / "study.toml", *PULSE, *at(50), "--json")
+    ((worst,), notes) = (json.loads(result.stdout)[key] for key in ("flights", "notes"))
+    wind = tv.TriangularWind(peak=np.radians(4.0), duration=8.0).shift(46.0)
+    limits = {"deflection_limit": np.radians(5.0), "rate_limit": np.radians(20.0), "start": 46.0}
+    peaks = {}
+    for sign in ("head", "tail"):
+        flown = tv.flights.fly_along(read(folder), notched(), wind, sign=sign, **limits)
+        peaks[sign] = abs(np.degrees(flown.largest("deflection").value))
+    assert worst["sign"] == max(peaks, key=peaks.get)
+    assert worst["peak_deflection_deg"] == pytest.approx(max(peaks.values()), rel=1e-9)
+    assert any(
+        note.startswith("each pulse is flown as a head and as a tail wind") for note in notes
+    )
+    words = (*PULSE, *at(50), "--json", "--set", "study.sign", "tail")
+    (tail,) = json.loads(run("fly", folder / "study.toml", *words).stdout)["flights"]
+    assert tail["sign"] == "tail"
+    assert tail["peak_deflection_deg"] == pytest.approx(peaks["tail"], rel=1e-9)
+
+
 def test_a_limit_too_small_and_a_flight_too_short_are_no_survival(folder) -> None:
     lost = run("fly", folder / "study.toml", *PULSE, *at(50), "--limit-deg", "0.15")
     assert (lost.exit_code, lost.stdout[:12]) == (1, "NOT SURVIVED")

@@ -335,10 +335,38 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
     expected = {name: value for name, value in expected.items() if np.isfinite(value)}
     found = {name: value for name, (value, _) in page.numbers.items()}
 
-    beside = "response."  # with tests of their own
+    beside = ("response.", "sweep.", "use.", "flown.")  # with tests of their own
     assert {name for name in found if not name.startswith(beside)} == expected.keys()
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-14), name
+
+
+def test_the_rule_of_the_study_is_applied_at_each_flight_time_and_flown(
+    plan: tv.studyfile.StudyPlan, page: Page
+) -> None:
+    flight, times = plan.sizing.schedule, [60.0, 70.0, 80.0, 90.0]
+    every = np.union1d(times, [*np.arange(41.0, 112.0, 10.0), 116.0])
+    plants = flight.plants(every, "fixed-path", "pitch")
+    actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
+    gains = tv.control.canonical_gains(plants.coefficients, actuator=actuator)
+    schedule = tv.control.GainSchedule(every, replace(gains, sample_rate=100.0))
+    phases = gains.margins(plants).phase_margin_deg[np.isin(every, times)]
+    for k, time in enumerate(times):
+        assert page.numbers[f"sweep.{k}.time"][0] == time
+        assert page.numbers[f"sweep.{k}.phase [deg]"][0] == pytest.approx(phases[k], rel=1e-9)
+        pulse = tv.TriangularWind(peak=np.radians(5.0), duration=7.5).shift(time - 3.75)
+        flown = tv.flights.fly_along(
+            flight,
+            schedule,
+            pulse,
+            deflection_limit=np.radians(0.4),
+            sign="frozen",
+            start=time - 3.75,
+            model="fixed-path",
+        )
+        if flown.status == "survived":
+            used = abs(np.degrees(flown.largest("deflection").value))
+            assert page.numbers[f"use.{k}.used_deg"][0] == pytest.approx(used, rel=1e-9)
 
 
 def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page, html: str) -> None:
@@ -474,10 +502,10 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
     assert not re.search(r"@import|src=|https?://(?!www\.w3\.org/)", html)
     assert len(ids) == len(set(ids))
     assert {target[1:] for target in targets} <= set(ids)
-    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 13]
+    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 14]
     assert all(one["scope"] in ("row", "col") for one in page.attributes("th"))
     assert all(one["role"] == "img" and one["aria-label"] for one in page.attributes("svg"))
-    assert tags.count("svg") == 6
+    assert tags.count("svg") == 8
     assert tags.count("table") == tags.count("caption")
 
 

@@ -263,7 +263,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
 def _requests(plan: StudyPlan) -> dict[str, Any]:
     """Return the requests of a plan, each an input of its result, by field of `Findings`."""
     loop = plan.design or plan.criteria
-    along = plan.sizing and plan.sizing.scheduled_design
+    along = plan.sizing and (plan.sizing.scheduled_design or plan.design)
     requests = {
         "trials": plan.laws,
         "comparison": loop,

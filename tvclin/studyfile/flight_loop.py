@@ -33,7 +33,7 @@ from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, Requireme
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import ATTACK, MAX_LINEAR_ANGLE, beyond_linear
+from tvclin.winds.wind_angles import ATTACK, MAX_LINEAR_ANGLE, SIGNS, beyond_linear
 
 Progress = Callable[[float, float], None]
 """Function called with the number of flights done and in total."""
@@ -128,8 +128,9 @@ class FlightLoop:
     def fly(self, progress: Progress | None = None) -> FlightsOfLoop:
         """Return the flights of the loop through each wind of the plan, with the nozzle's limits.
 
-        A pulse has its peak at each flight time; a sounding is flown through, with its gust at each
-        flight time. The dynamic pressure is that encountered in the wind.
+        A pulse has its peak at each flight time, in the worse of head and tail wind unless the plan
+        says one; a sounding is flown through, with its gust at each flight time. The dynamic
+        pressure is that encountered in the wind.
 
         Raises
         ------
@@ -147,25 +148,28 @@ class FlightLoop:
         best: FlightAlong | None = None
         outcomes: list[FlightOutcome] = []
         for k, case in enumerate(cases):
-            flown = fly_along(
-                self.flight,
-                self.sampled,
-                case.wind,
-                deflection_limit=plan.nozzle.limit,
-                rate_limit=plan.hardware["rate_limit"],
-                sign=None if isinstance(case.wind, MeasuredWind) else plan.sign,
-                gust_time=case.time if isinstance(case.wind, MeasuredWind) else None,
-                start=case.start,
-                stop=self.request.stop if isinstance(case.wind, MeasuredWind) else None,
-                model=self.model,
-                plane=plan.plane,
-            )
-            if flown.status != "lost":
-                used = np.fmax(used, _used(case, flown, times))
-            flown = within_linear_range(flown)
-            outcomes.append(FlightOutcome.of(case, flown, self._omitted(case.wind)))
-            if outcomes[-1].is_worst_of(outcomes):
-                best = flown
+            of_case: list[FlightOutcome] = []
+            for sign in self._signs(case.wind):
+                flown = fly_along(
+                    self.flight,
+                    self.sampled,
+                    case.wind,
+                    deflection_limit=plan.nozzle.limit,
+                    rate_limit=plan.hardware["rate_limit"],
+                    sign=sign,
+                    gust_time=case.time if isinstance(case.wind, MeasuredWind) else None,
+                    start=case.start,
+                    stop=self.request.stop if isinstance(case.wind, MeasuredWind) else None,
+                    model=self.model,
+                    plane=plan.plane,
+                )
+                if flown.status != "lost":
+                    used = np.fmax(used, _used(case, flown, times))
+                flown = within_linear_range(flown)
+                of_case.append(FlightOutcome.of(case, sign, flown, self._omitted(case.wind)))
+                if of_case[-1].is_worst_of([*outcomes, *of_case]):
+                    best = flown
+            outcomes.append(max(of_case, key=_severity))
             if progress is not None:
                 progress(k + 1, len(cases))
         assert best is not None  # a sizing has a wind
@@ -211,8 +215,8 @@ class FlightLoop:
         pulses = self.request.pulse or self.request.others
         if pulses and self.plan.sign is None and self.plan.plane == "pitch":
             yield (
-                "pulses are head winds, which raise the dynamic pressure (--set study.sign tail, or"
-                " frozen: the nominal one)"
+                "each pulse is flown as a head and as a tail wind, and the worse is shown (--set"
+                " study.sign head, tail, or frozen: at nominal dynamic pressure)"
             )
         for name, sounding in self.request.soundings.items():
             yield from (f"{name}: {note}" for note in sounding.profile.notes)
@@ -229,6 +233,13 @@ class FlightLoop:
                 vehicle = self.flight.at(time).rigid
                 placed = place(wind, vehicle, time, PEAK, 1.0).in_flight
                 yield _Wind(name, time, placed, max(float(placed.onset), self.flight.span[0]))
+
+    def _signs(self, wind: History | MeasuredWind) -> tuple[str | None, ...]:
+        """Return the directions in which a wind is flown."""
+        if isinstance(wind, MeasuredWind):
+            return (None,)
+        both = self.plan.sign is None and self.plan.plane == "pitch"
+        return tuple(SIGNS) if both else (self.plan.sign,)
 
     def _omitted(self, wind: History | MeasuredWind) -> str:
         """Return why a survived flight is not known to be survived; empty where it is."""
@@ -283,6 +294,8 @@ class FlightOutcome(Record):
         Name of the wind.
     time : float, optional
         Flight time of its peak, or of its gust [s].
+    sign : str, optional
+        Direction of a pulse, "head" or "tail"; or "frozen" at nominal dynamic pressure.
     status : str
         Status, as in `FlownCases`.
     survived : bool, optional
@@ -297,6 +310,7 @@ class FlightOutcome(Record):
 
     wind: str = field(metadata=spec())
     time: float | None = field(metadata=spec("time"))
+    sign: str | None = field(metadata=spec())
     status: str = field(metadata=spec())
     survived: bool | None = field(metadata=spec())
     reason: str = field(metadata=spec())
@@ -307,8 +321,8 @@ class FlightOutcome(Record):
     peak_time: float = field(metadata=spec("time"))
 
     @classmethod
-    def of(cls, case: _Wind, flown: FlightAlong, omitted: str) -> Self:
-        """Return the outcome of a flight; `omitted`: what of its wind is not known."""
+    def of(cls, case: _Wind, sign: str | None, flown: FlightAlong, omitted: str) -> Self:
+        """Return the outcome of a flight in a direction; `omitted`: what of its wind is unknown."""
         survived = {"survived": True, "lost": False, "rings": False}.get(flown.status)
         names = ("deflection", "deflection_rate", "angle_of_attack", "attitude")
         peaks = {f"peak_{name}": abs(flown.largest(name).value) for name in names}
@@ -318,7 +332,8 @@ class FlightOutcome(Record):
         if survived and (omitted or beyond):
             survived, reason = None, omitted or beyond
         time = flown.largest("deflection").time
-        return cls(case.name, case.time, flown.status, survived, reason, peak_time=time, **peaks)
+        status = flown.status
+        return cls(case.name, case.time, sign, status, survived, reason, peak_time=time, **peaks)
 
     def is_worst_of(self, outcomes: Sequence[FlightOutcome]) -> bool:
         """Return whether the outcome is the worst: not survived, not known, most deflection."""
@@ -326,8 +341,9 @@ class FlightOutcome(Record):
 
     @property
     def label(self) -> str:
-        """Name of the wind, and the time of its peak."""
-        return self.wind if self.time is None else f"{self.wind} at {self.time:.4g} s"
+        """Name of the wind, its direction, and the time of its peak."""
+        name = f"{self.wind}, {self.sign} wind," if self.sign in SIGNS else self.wind
+        return name if self.time is None else f"{name} at {self.time:.4g} s"
 
 
 def _severity(outcome: FlightOutcome) -> tuple[int, float]:

@@ -147,11 +147,13 @@ class Sweep(Tabled):
                     (worst.margin,),
                     ("unstable",)
                     if unstable
-                    else number(f"sweep.{k}.value", worst.value, 2, unit)
+                    else number(f"sweep.worst.{k}.value", worst.value, 2, unit)
                     if applies
                     else ("-",),
-                    significant(f"sweep.{k}.time", worst.time) if applies or unstable else ("-",),
-                    significant(f"sweep.{k}.limit", of.criterion.limit, 4, unit),
+                    significant(f"sweep.worst.{k}.time", worst.time)
+                    if applies or unstable
+                    else ("-",),
+                    significant(f"sweep.worst.{k}.limit", of.criterion.limit, 4, unit),
                     (satisfaction(worst.satisfied),),
                 )
             )
