@@ -27,14 +27,20 @@ def system(n=5, seed=2):
     return A, b @ b.T
 
 
-def test_steps_are_those_of_van_loan():
-    A, noise = system()
+@pytest.mark.parametrize("held", [(), (1,), (0, 4, 5)], ids=["none", "one", "three"])
+def test_steps_are_those_of_van_loan(held):
+    """Also with states that are held, of which the first acts on the others."""
+    A, noise = (np.insert(np.insert(m, held, 0.0, 0), held, 0.0, 1) for m in system())
+    n = len(A)
+    if held:
+        A[:, held[0]] = np.linspace(0.1, 0.9, n)
+        A[held[0]] = 0.0
     for h in (0.01, 0.7):
         whole = expm(np.block([[-A, noise], [np.zeros_like(A), A.T]]) * h)
-        F = whole[5:, 5:].T
+        F = whole[n:, n:].T
         found = steps(A, noise, np.array([h]))
         assert np.allclose(found[0][0], F, rtol=1e-11, atol=1e-13)
-        assert np.allclose(found[1][0], F @ whole[:5, 5:], rtol=1e-10, atol=1e-12)
+        assert np.allclose(found[1][0], F @ whole[:n, n:], rtol=1e-10, atol=1e-12)
 
 
 def test_a_long_step_of_a_fast_system_ends_in_the_stationary_covariance():

@@ -60,7 +60,16 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
     `A`, `noise`: A [1/s] and N, ``(n, n)`` or ``(m, n, n)``. What is beyond all numbers is infinite
     or NaN.
     """
-    lengths = np.asarray(times, float)
+    lengths, n = np.asarray(times, float), A.shape[-1]
+    sizes = np.abs(A) + np.abs(noise)
+    links = sizes if sizes.ndim == 2 else sizes.max(axis=0, initial=0.0)
+    moving = np.flatnonzero(np.any(links, axis=0) | np.any(links, axis=1))
+    if moving.size < n:  # the others keep their values and act on none
+        F, Q = np.tile(np.eye(n), (lengths.size, 1, 1)), np.zeros((lengths.size, n, n))
+        row, column = moving[:, np.newaxis], moving
+        parts = steps(A[..., row, column], noise[..., row, column], lengths)
+        F[:, row, column], Q[:, row, column] = parts
+        return F, Q
     scale = balanced(np.abs(A) if A.ndim == 2 else np.abs(A).max(axis=0, initial=0.0))[1]
     A, noise = A * (scale / scale[:, np.newaxis]), noise / np.multiply.outer(scale, scale)
     norm = np.abs(A).sum(axis=-2).max(axis=-1, initial=0.0)

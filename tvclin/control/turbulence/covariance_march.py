@@ -22,7 +22,7 @@ _STEP_OF_ONE_VEHICLE_S, _STEP_OF_A_FLIGHT_S, _STEP_BETWEEN_SAMPLES_S = 0.02, 0.0
 """Longest steps [s]."""
 _MAX_STEPS = 30_000
 """Steps of a history; more are a duration in the wrong unit."""
-_STEPS_AT_ONCE = 1000
+_STEPS_AT_ONCE = 500
 """Steps whose matrices are in memory at one time."""
 _MAX_CHOSEN = 400
 """Times of the double integral of a travel's variance."""

@@ -9,6 +9,7 @@ interval with another value there is halved.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -49,9 +50,10 @@ class VaryingLoop:
         return self._nodes.labels
 
     def at(self, times: FloatArray) -> DrivenLoop:
-        """Return the loops at times [s], a batch ``(n,)``."""
+        """Return the loops at times [s], a batch ``(n,)``, without their jumps."""
         position, weights = self._weights(times)
-        return self._nodes.mapped(lambda values: _combined(values, position, weights))
+        smooth = replace(self._nodes, jumps=())
+        return smooth.mapped(lambda values: _combined(values, position, weights))
 
     def jump_at(self, index: int, times: FloatArray) -> Jump:
         """Return a jump at times [s], a batch ``(n,)``."""
