@@ -10,7 +10,7 @@ import pytest
 from peers import PROCESSOR, ratio
 
 import tvclin as tv
-from tvclin.ensembles.random_numbers import draw
+from tvclin.ensembles.dispersions import draw
 
 CASES, FEW = 20 * 1024, 40
 

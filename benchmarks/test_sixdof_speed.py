@@ -5,7 +5,7 @@ import pytest
 from peers import ratio
 
 import tvclin as tv
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.base.units import FOOT
 from tvclin.flights.sixdof.airframe import Engine
 from tvclin.flights.sixdof.fly_sixdof import SixDof

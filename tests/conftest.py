@@ -125,7 +125,7 @@ def as_users_have_it(_originals, monkeypatch):
 @pytest.fixture(scope="module")
 def no_flights():
     """Put still attitudes and one boundary in the place of the flights of figures, which cost."""
-    from tvclin.plots import flown_boundaries as flown_room
+    from tvclin.plots import boundaries as flown_room
 
     def still(vehicle, control, wind, times, **_):
         return times, np.zeros((5, np.size(times)))

@@ -16,7 +16,7 @@ import tvclin as tv
 from tests.schedules import rocketpy_standin
 from tests.schedules.samples import FOLDER as SCHEDULES
 from tests.schedules.samples import MAP
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.base.public_names import CHAPTERS
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gain_table import GainTable
@@ -1316,7 +1316,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "wind": slanting,
                 "plant_system": exact.system,
                 "controller": None,
-                "reading": tv.winds.soundings.reading.NO_READING,
+                "reading": tv.winds.soundings.sounding_files.NO_READING,
                 "dead_band": 0.5,
                 "load": tv.case.LoadBound(load=0.05),
                 "switch": "report",

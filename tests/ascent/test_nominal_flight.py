@@ -7,8 +7,7 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tvclin import InputError
 from tvclin.ascent.atmosphere import air_at, density_at, standard_atmosphere
-from tvclin.ascent.flight_condition import FlightCondition, load_flight_condition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.nominal_flight import FlightCondition, load_flight_condition, nominal_flight
 
 G = 9.80665
 NAMES = ("configuration-i", "configuration-ii")

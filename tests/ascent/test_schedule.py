@@ -5,8 +5,7 @@ import pytest
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
 from tvclin.vehicle.vehicle_file import template
 
 CSV = """\

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.base.columns import Column, Columns, columns_of
+from tvclin.base.cards import Column, Columns, columns_of
 
 NEEDS = np.radians([[1.0, 2.0, np.nan], [4.0, 5.0, 6.0]])
 TABLE = Columns(

@@ -36,7 +36,7 @@ from tvclin.base.files import tables_of
 from tvclin.base.lines import text as as_text
 from tvclin.case.nozzle import Nozzle
 from tvclin.control.autopilot.design_rules import AutopilotDesign
-from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+from tvclin.ensembles.availability.availability import AvailabilityRequest
 from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest
 from tvclin.studyfile.read import example
 from tvclin.studyfile.study_plan import StudyPlan

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.cli.app import app
 
 mpl.use("Agg")

@@ -12,7 +12,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.control.autopilot.flight_autopilot import flight_autopilot
+from tvclin.control.autopilot.gain_schedule import flight_autopilot
 from tvclin.show.explorer.choices import Choices, study_text
 
 STUDY = """

@@ -10,8 +10,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS
-from tvclin.ensembles.random_numbers import METHODS, draw
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, draw
 from tvclin.ensembles.statistics import (
     quantile_bound,
     sensitivities,

@@ -8,8 +8,7 @@ import pytest
 import tvclin as tv
 from tests.damped import damped
 from tests.turns import usual
-from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
 from tvclin.boundary.closed_forms import triangular_limit
 from tvclin.flights.planar import PlanarMotion
 from tvclin.flights.sixdof.model import model_xml

@@ -12,8 +12,7 @@ from tests.report_responses import triangular_attitude
 from tests.turns import usual
 from tvclin import InputError, TriangularWind, flown_boundary, fly_planar
 from tvclin.ascent.atmosphere import standard_atmosphere
-from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
 from tvclin.flights import ReportControl
 from tvclin.flights.planar import PlanarMotion
 

@@ -13,8 +13,7 @@ import tvclin as tv
 from tests.planar import random_vehicle
 from tests.report_responses import triangular_attitude
 from tests.turns import by_turns, usual
-from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.flights.sixdof.airframe import Airframe, Engine

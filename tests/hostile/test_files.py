@@ -231,7 +231,7 @@ def test_the_air_stays_what_it_is_far_beyond_the_atmosphere() -> None:
 
 def test_a_weak_wind_along_the_trajectory_takes_no_more_steps_than_a_strong_one() -> None:
     """The altitude [m] once had the smallest error of an angle [rad], which is its rounding."""
-    from tvclin.ascent.flight_condition import load_flight_condition
+    from tvclin.ascent.nominal_flight import load_flight_condition
     from tvclin.flights.closed_loop.continuous import ContinuousFlight, Loop
     from tvclin.flights.planar import planar_case
 

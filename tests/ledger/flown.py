@@ -9,10 +9,10 @@ from functools import cache
 import numpy as np
 
 from tests.ledger.cases import FULL, HALF, NAMES, attitude_with_drift, with_drift
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.flights.engine_interface import ReportControl
 from tvclin.flights.planar import fly_planar
-from tvclin.plots.flown_boundaries import centred_wind, flown_limit
+from tvclin.plots.boundaries import centred_wind, flown_limit
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle_file import load_vehicle
 

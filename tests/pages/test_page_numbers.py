@@ -8,7 +8,7 @@ import pytest
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 
 pytest.importorskip("jsbsim", reason="the extra sixdof is not installed")
 DOCS = Path(__file__).parents[2] / "docs"

@@ -9,10 +9,10 @@ import pytest
 import tvclin as tv
 from tests.turns import usual
 from tvclin import plots
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.linear.response import attitude_responses
-from tvclin.plots import flown_boundaries as flown_room
-from tvclin.plots.flown_boundaries import PEAK, centred_wind, chosen_engine, flown_limit
+from tvclin.plots import boundaries as flown_room
+from tvclin.plots.boundaries import PEAK, centred_wind, chosen_engine, flown_limit
 
 mpl.use("Agg")
 
@@ -106,7 +106,7 @@ def test_figure_10_is_equations_12_and_18_and_draws_what_is_flown_where_it_belon
         asked.append((name, tau_beta, K, tuple(sorted(options.items()))))
         return 0.1 * len(asked)
 
-    monkeypatch.setattr(plots.flown_boundaries, "flown_limit", flown)
+    monkeypatch.setattr(plots.boundaries, "flown_limit", flown)
     found = plots.figure_10(dead_bands=[0.5], tau_beta=[2.0], along=[3.0], engine="planar").curves
     at = {b: int(np.flatnonzero(found.abscissa == b)[0]) for b in (2.0, 3.0)}
     values = {column.label: column.values for column in found.columns}

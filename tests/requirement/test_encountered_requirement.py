@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.ensembles.campaign.cases import ENCOUNTERED_UNKNOWN
 from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirement

@@ -5,7 +5,7 @@ import pytest
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 
 REPORTED = ("configuration-i", "configuration-ii")
 

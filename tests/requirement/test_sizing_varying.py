@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
 from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirements
 from tvclin.winds.wind_angles import NominalWind

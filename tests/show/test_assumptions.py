@@ -10,7 +10,7 @@ import tvclin as tv
 from tests.show.pages import section
 from tests.turns import usual
 from tvclin.base.lines import Number, text
-from tvclin.studyfile import study_verdict as verdict
+from tvclin.studyfile import assumptions as verdict
 from tvclin.studyfile.assumptions import assumptions, study_warnings
 from tvclin.studyfile.findings import Findings, find
 

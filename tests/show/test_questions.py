@@ -12,7 +12,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.cli.app import app
-from tvclin.studyfile import study_verdict as verdict
+from tvclin.studyfile import assumptions as verdict
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.questions import all_yes, questions, questions_table, sufficient
 

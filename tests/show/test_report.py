@@ -18,7 +18,7 @@ from tvclin.cli.app import app
 from tvclin.design.standard_trials import law_trials
 from tvclin.linear.plant import MODELS
 from tvclin.show.report.page import _environment, page_of
-from tvclin.studyfile import study_verdict as verdict
+from tvclin.studyfile import assumptions as verdict
 from tvclin.studyfile.assumptions import assumptions
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.glossary import TERMS

@@ -13,7 +13,7 @@ import tvclin as tv
 from tests.archives import Balloon, days, jet, write
 from tests.show.pages import section
 from tvclin.cli.app import app
-from tvclin.ensembles.availability.availability_request import AVAILABILITY_TABLE
+from tvclin.ensembles.availability.availability import AVAILABILITY_TABLE
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.parse import parse_study
 from tvclin.studyfile.questions import questions

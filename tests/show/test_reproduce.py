@@ -12,7 +12,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.base import files
 from tvclin.cli.app import app
-from tvclin.plots import flown_boundaries as flown_room
+from tvclin.plots import boundaries as flown_room
 from tvclin.show import reproduce
 
 mpl.use("Agg")

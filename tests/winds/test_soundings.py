@@ -11,8 +11,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import tvclin as tv
-from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
 from tvclin.winds.soundings.levels import wind_components
 
 GOLDEN = Path(__file__).parents[1] / "soundings"

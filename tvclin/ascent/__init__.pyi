@@ -1,4 +1,3 @@
-from .flight_variables import flight_variable as flight_variable
 from .importers.column_map import read_table as read_table
 from .importers.openrocket import read_openrocket as read_openrocket
 from .importers.rasaero import read_rasaero as read_rasaero
@@ -8,6 +7,7 @@ from .importers.simulation_log import read_log as read_log
 from .measured_wind import MeasuredWind as MeasuredWind
 from .measured_wind import fly_through as fly_through
 from .schedule import FlightSchedule as FlightSchedule
+from .schedule import flight_variable as flight_variable
 from .schedule_file import load_schedule as load_schedule
 from .structure_schedule import StructureSchedule as StructureSchedule
 from .structure_schedule import load_structure as load_structure

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.flight_condition import FlightCondition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.atmosphere import speed_of_sound, standard_atmosphere
+from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight
 from tvclin.ascent.structure_schedule import StructureSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
@@ -22,9 +22,11 @@ from tvclin.base.errors import (
     finite,
     instance,
     number,
+    one_of,
     positive,
     small_angle,
     text,
+    within,
 )
 from tvclin.base.errors import path as a_path
 from tvclin.base.fields import derived, spec
@@ -360,3 +362,49 @@ def _numbers(vehicle: Vehicle) -> dict[str, Any]:
     """Return the numbers of a vehicle by name, without its time."""
     numbers = {name: getattr(vehicle, name) for name in NUMBERS if name != "time"}
     return {name: value for name, value in numbers.items() if value is not None}
+
+
+VARIABLES = ("time", "speed", "altitude", "mach", "dynamic_pressure")
+"""Names of the variables."""
+
+
+def flight_variable(flight: FlightSchedule, variable: str, time: ArrayLike) -> FloatArray:
+    """Return a variable of the flight at times [s], of their shape, in SI units.
+
+    Parameters
+    ----------
+    flight : FlightSchedule
+        The flight; with its altitude for all variables but time and speed.
+    variable : {"time", "speed", "altitude", "mach", "dynamic_pressure"}
+        Time of flight [s], speed [m/s], altitude [m], Mach number, and dynamic pressure [Pa], the
+        last two in the standard atmosphere without wind.
+    time : array_like
+        Times of flight [s].
+
+    Raises
+    ------
+    InputError
+        For another variable, times outside the flight, and a flight without altitude.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> flight = tv.load_schedule("configuration-i")
+    >>> tv.ascent.flight_variable(flight, "mach", [50.0, 66.0, 80.0]).round(2)
+    array([1.32, 1.83, 2.33])
+    """
+    instance("flight", flight, FlightSchedule, "see load_schedule")
+    one_of("variable", variable, VARIABLES)
+    times = within("time", finite("time", time, "s"), *flight.span, "s")
+    if variable == "time":
+        return times
+    speed = np.asarray(np.interp(times, flight.times, flight.speed))
+    if variable == "speed":
+        return speed
+    altitude = np.asarray(np.interp(times, flight.times, flight.height))
+    if variable == "altitude":
+        return altitude
+    air = standard_atmosphere(altitude)
+    if variable == "mach":
+        return np.asarray(speed / speed_of_sound(air))
+    return np.asarray(0.5 * air.density * speed**2)

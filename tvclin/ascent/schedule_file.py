@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.structure_schedule import load_structure
 from tvclin.base.errors import InputError, naming, number, path, shown

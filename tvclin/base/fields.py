@@ -3,7 +3,7 @@
 A `Field` stands in the metadata of the attribute of a dataclass (`spec`), or at a property
 (`derived`). All that shows a record is made of its fields (`fields_of`): the document for JSON and
 the card of a notebook (`base/cards`), the rows of a table, and the columns of a CSV
-(`base/columns`). A key ends with the unit of its value.
+(`base/cards`). A key ends with the unit of its value.
 
 A parameter of a request is made with `quantity`, `word`, `text`, `flag` or `count`; its line of
 help is that of the docstring. Its field makes the check (`checked`), the keys of a table of a file

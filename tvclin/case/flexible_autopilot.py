@@ -1,31 +1,35 @@
-"""Effects of a structure: margins by band, detuned modes, and a flight with limits."""
+"""Autopilot of a case: margins by band, detuned modes, and a flight with limits.
+
+Notes name gains and actuators that are assumed, and a rule whose gains satisfy the criteria.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, number
 from tvclin.case.case import Case
+from tvclin.case.nozzle import USUAL_ACTUATOR
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS, AutopilotDesign
 from tvclin.control.autopilot.detuning import Detuned, detuned
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import FilteredLaw, Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.bands import BandMargins
+from tvclin.control.margins.criteria import Criteria
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.theory_comparison import SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, Shift, plant_of
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.histories import History
-
-if TYPE_CHECKING:
-    from tvclin.control.autopilot.design_rules import AutopilotDesign
-    from tvclin.control.margins.criteria import Criteria
 
 _FLIGHT_DURATIONS, _FLIGHT_POINTS = 2.0, 401
 """Duration of a flight in durations of its wind, and number of its times."""
@@ -150,3 +154,91 @@ def shift_words(vehicle: AnyVehicle, plane: str) -> str:
         f"would move the fast pole by {shift.fast_pole:+.2f} percent and the required deflection"
         f" by {shift.trim_price:+.2f} percent"
     )
+
+
+_FREQUENCY_RATIOS = (1.5, 2.0, 3.0, 4.0, 6.0)
+"""Natural frequencies that are tried, normalised by the unstable pole."""
+
+
+def gain_notes(case: Case, criteria: Criteria, satisfied: bool) -> Iterator[str]:
+    """Yield notes on unspecified gains or actuator, and on gains that satisfy the criteria.
+
+    `satisfied`: whether the gains of the case satisfy the criteria.
+    """
+    if case.autopilot_design.unspecified and case.controller is None:
+        yield (
+            "these are textbook gains, a0 = 2 B and a1 = B/beta, since no option and no file"
+            " specifies others"
+        )
+    if not satisfied:
+        yield _better(case, criteria)
+    yield from actuator_notes(case)
+
+
+def actuator_notes(case: Case) -> Iterator[str]:
+    """Yield the note on an actuator that is assumed, as neither file nor option specifies one."""
+    if case.nozzle.actuator is USUAL_ACTUATOR:
+        yield (
+            f"an actuator of {USUAL_ACTUATOR.natural_frequency:g} rad/s and damping"
+            f" {USUAL_ACTUATOR.damping:g} is assumed"
+            " (actuator_frequency_rad_per_s in [nozzle] gives another; 0: none)"
+        )
+
+
+def _better(case: Case, criteria: Criteria) -> str:
+    """Return the note on a rule with gains that satisfy the criteria, or on the search for them."""
+    rule = satisfying_rule(case, criteria)
+    if rule is None:
+        return (
+            f"gains that satisfy the criteria {criteria.name}: neither poles at 1.5 to 6 times the"
+            " unstable one nor lqr; tvclin design --least seeks them, and a bending mode may"
+            " need a notch ([[autopilot.filter]])"
+        )
+    if rule.design is not None:
+        words = f'--design {rule.design}, or design = "{rule.design}" in [autopilot]'
+    else:
+        frequency = f"{rule.natural_frequency:g}"
+        words = (
+            f"--design poles --natural-frequency {frequency}, or in [autopilot] design ="
+            f' "poles" and natural_frequency_rad_per_s = {frequency}'
+        )
+    return f"gains that satisfy the criteria {criteria.name}: {words}, in place of other gains"
+
+
+def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
+    """Return the first design whose gains satisfy the criteria; None if none does.
+
+    The designs are poles at multiples of the unstable pole, and the linear quadratic regulator,
+    with the actuator, delay, filters and sample rate of the case.
+    """
+    others: Any = dict.fromkeys((*RULE_KEYS, *GIVEN_GAINS))
+    base = replace(case.autopilot_design, **others)
+    rules = []
+    with suppress(InputError):  # a stable vehicle has no such pole
+        pole = float(case.plant.rigid.coefficients.pole)
+        rules = [
+            replace(base, natural_frequency=float(f"{ratio * pole:.2g}"))
+            for ratio in _FREQUENCY_RATIOS
+        ]
+    rules.append(replace(base, design="lqr"))  # last, for it loads python-control
+    return next(
+        (
+            rule
+            for rule in rules
+            if _satisfies(replace(case, design=rule, controller=None), criteria)
+        ),
+        None,
+    )
+
+
+def _satisfies(case: Case, criteria: Criteria) -> bool:
+    """Return whether the loop of a case is stable and satisfies the criteria."""
+    plant = case.plant
+    with suppress(InputError, np.linalg.LinAlgError, ArithmeticError):
+        margins = case.autopilot.margins(plant)
+        if not isinstance(plant, FlexiblePlant):
+            return bool(criteria.are_satisfied(margins))
+        return bool(margins.stable) and bool(
+            criteria.are_satisfied(case.autopilot.band_margins(plant))
+        )
+    return False

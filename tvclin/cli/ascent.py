@@ -43,7 +43,7 @@ from tvclin.studyfile.read import is_flight, load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import source_tables
-from tvclin.winds.soundings.reading import SoundingReading
+from tvclin.winds.soundings.sounding_files import SoundingReading
 from tvclin.winds.wind_angles import FROZEN
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.vehicle.vehicle_file import source_tables
 
-_REQUEST = "ensembles.availability.availability_request.AvailabilityRequest"
+_REQUEST = "ensembles.availability.availability.AvailabilityRequest"
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from tvclin.base.lines import Line, Table, number, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import check_known
-from tvclin.case.autopilot_assumptions import gain_notes, satisfying_rule
+from tvclin.case.flexible_autopilot import gain_notes, satisfying_rule
 from tvclin.cli.gains import GAINS, with_gains
 from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.margin_tables import (
+from tvclin.cli.margins import (
     JudgedMargins,
     margin_tables,
     margins_document,

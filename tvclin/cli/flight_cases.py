@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.lines import Table
 from tvclin.base.quantities import NOMINAL, survival

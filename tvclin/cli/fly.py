@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import typer
 
-from tvclin.ascent.flight_condition import FlightCondition, load_flight_condition
+from tvclin.ascent.nominal_flight import FlightCondition, load_flight_condition
 from tvclin.base.errors import Faults, one_of
 from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear

@@ -16,8 +16,7 @@ from tvclin.base.fields import document
 from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency, survival
-from tvclin.case.autopilot_assumptions import gain_notes
-from tvclin.case.flexible_autopilot import with_filters
+from tvclin.case.flexible_autopilot import gain_notes, with_filters
 from tvclin.cli.flight_cases import (
     LIMIT_OVER_BOUNDARY,
     MAX_LIMIT_OVER_TRIM,
@@ -27,7 +26,7 @@ from tvclin.cli.flight_cases import (
     wind_line,
 )
 from tvclin.cli.inputs import note_nominal_pressure
-from tvclin.cli.margin_tables import (
+from tvclin.cli.margins import (
     JudgedMargins,
     parts_line,
     poles_document,

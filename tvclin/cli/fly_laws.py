@@ -11,7 +11,7 @@ from tvclin.base.quantities import NOMINAL
 from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_omissions, only_with
-from tvclin.cli.margin_tables import parts_line
+from tvclin.cli.margins import parts_line
 from tvclin.cli.options import Given, ShownCurves
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions

@@ -20,7 +20,7 @@ def reproduce(
     from tvclin.base.errors import InputError, install
     from tvclin.base.files import called
     from tvclin.base.lines import plural
-    from tvclin.plots.flown_boundaries import chosen_engine
+    from tvclin.plots.boundaries import chosen_engine
     from tvclin.show.reproduce import DIFFERENCES
     from tvclin.show.reproduce import reproduce as write_everything
 

@@ -16,7 +16,7 @@ from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 from tvclin.studyfile.read import load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle_file import source_tables
-from tvclin.winds.soundings.reading import SoundingReading
+from tvclin.winds.soundings.sounding_files import SoundingReading
 
 _MAX_ROWS = 20
 """Largest number of winds, or of even flight times, in the table without --more."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.ascent.sounding_wind import WINDOW_S, SoundingWind
+from tvclin.ascent.wind_along import WINDOW_S, SoundingWind
 from tvclin.base.errors import (
     InputError,
     between,
@@ -29,7 +29,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import SHAPES, ShapedWind
-from tvclin.winds.soundings.reading import NO_READING, SoundingReading
+from tvclin.winds.soundings.sounding_files import NO_READING, SoundingReading
 
 if TYPE_CHECKING:
     from tvclin.requirement.flight.request import SoundingRequest

@@ -1,14 +1,14 @@
+from .availability.availability import AvailabilityRequest as AvailabilityRequest
 from .availability.availability_record import Availability as Availability
 from .availability.availability_record import Today as Today
-from .availability.availability_request import AvailabilityRequest as AvailabilityRequest
 from .availability.sounding_winds import PairGrowth as PairGrowth
 from .availability.sounding_winds import WindGrowth as WindGrowth
 from .campaign.campaign_plan import Campaign as Campaign
+from .campaign.campaign_plan import FlightPlan as FlightPlan
+from .campaign.campaign_plan import SoundingEnsemble as SoundingEnsemble
 from .campaign.chunk_runner import open_campaign as open_campaign
 from .campaign.chunk_runner import resume_campaign as resume_campaign
 from .campaign.chunk_runner import run_campaign as run_campaign
-from .campaign.flight_plan import FlightPlan as FlightPlan
-from .campaign.flight_plan import SoundingEnsemble as SoundingEnsemble
 from .campaign.results import CampaignResults as CampaignResults
 from .dispersed_study import DispersedStudy as DispersedStudy
 from .dispersed_study import disperse_study as disperse_study

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from tvclin.ascent.flight_variables import flight_variable
-from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule, flight_variable
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (

@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.flight_condition import FlightCondition
-from tvclin.ascent.nominal_flight import NominalFlight, nominal_flight
+from tvclin.ascent.nominal_flight import FlightCondition, NominalFlight, nominal_flight
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, ending, flag, instance, one_of, single, times_row
 from tvclin.control.autopilot.actuator import Actuator

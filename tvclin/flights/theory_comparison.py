@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import (
     InputError,

@@ -2,6 +2,8 @@ from .boundaries import DEAD_BANDS as DEAD_BANDS
 from .boundaries import boundary_chart as boundary_chart
 from .boundaries import figure_2 as figure_2
 from .boundaries import figure_5 as figure_5
+from .boundaries import figure_10 as figure_10
+from .boundaries import figure_11 as figure_11
 from .boundaries import study_chart as study_chart
 from .closed_loops import comparison_chart as comparison_chart
 from .closed_loops import flight_along_chart as flight_along_chart
@@ -10,8 +12,6 @@ from .closed_loops import wind_chart as wind_chart
 from .curves import Column as Column
 from .curves import Curves as Curves
 from .curves import curves_of as curves_of
-from .flown_boundaries import figure_10 as figure_10
-from .flown_boundaries import figure_11 as figure_11
 from .frequency_response import bode_chart as bode_chart
 from .frequency_response import nichols_chart as nichols_chart
 from .frequency_response import nyquist_chart as nyquist_chart

@@ -27,9 +27,8 @@ from tvclin.flights.theory_comparison import FlightComparison
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import Responses, attitude_responses
-from tvclin.plots.boundaries import drift_words
+from tvclin.plots.boundaries import PEAK, Flights, chosen_engine, drift_words, flown_attitudes
 from tvclin.plots.curves import Column, Curves, row_of, without_rounding
-from tvclin.plots.flown_boundaries import PEAK, Flights, chosen_engine, flown_attitudes
 from tvclin.plots.style import (
     COLOURS,
     INK,

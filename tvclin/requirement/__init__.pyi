@@ -1,8 +1,8 @@
-from .flight.autopilot_along import AutopilotRequirements as AutopilotRequirements
-from .flight.autopilot_along import autopilot_requirements as autopilot_requirements
 from .flight.controllability import ControllabilityRatio as ControllabilityRatio
 from .flight.controllability import controllability_ratio as controllability_ratio
+from .flight.deflection_use import AutopilotRequirements as AutopilotRequirements
 from .flight.deflection_use import DeflectionUse as DeflectionUse
+from .flight.deflection_use import autopilot_requirements as autopilot_requirements
 from .flight.deflection_use import deflection_use as deflection_use
 from .flight.flight_turbulence import FlightTurbulence as FlightTurbulence
 from .flight.request import SizingRequest as SizingRequest

@@ -14,7 +14,7 @@ when it is held from t on is demand(t) = -(p.x + F)/R, beside trim(t) itself
 requires; with one unstable mode the demand at the onset is the minimum peak of all control.
 
 With several unstable modes no control needs less than the minimum over all of them
-(`varying_minimum`), from the onset on and, for 0 < K < 1, from the exit of the dead band on.
+(`minimum_peaks`), from the onset on and, for 0 < K < 1, from the exit of the dead band on.
 
 Required with K = 1 is the smallest limit from which on every limit survives, for the ideal trim law
 in the wind as it is, with both its signs. The largest min(trim, demand) is sufficient on a fixed
@@ -41,8 +41,7 @@ from tvclin.kernels import limited_trim
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import run
 from tvclin.requirement.varying_curves import Curves
-from tvclin.requirement.varying_equations import Equations
-from tvclin.requirement.varying_minimum import minimum_peaks
+from tvclin.requirement.varying_equations import Equations, minimum_peaks
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 

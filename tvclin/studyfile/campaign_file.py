@@ -20,7 +20,7 @@ from tvclin.case.turbulence import TURBULENCE_TABLE, turbulence_of
 from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.design.standard_trials import LAWS_TABLE
-from tvclin.ensembles.availability.availability_request import AVAILABILITY_TABLE
+from tvclin.ensembles.availability.availability import AVAILABILITY_TABLE
 from tvclin.ensembles.campaign.campaign_plan import (
     CAMPAIGN_TABLE,
     OUTPUTS_TABLE,
@@ -39,11 +39,11 @@ from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_file import read_system
 from tvclin.requirement.flight.request import SIZE_TABLE
 from tvclin.requirement.study import STUDY_TABLE
-from tvclin.studyfile.title_block import DOCUMENT_TABLE
+from tvclin.studyfile.study_plan import DOCUMENT_TABLE
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.reading import READING_TABLE
+from tvclin.winds.soundings.sounding_files import READING_TABLE
 from tvclin.winds.wind_file import (
     GUST_TABLE,
     WIND_TABLE,

@@ -17,15 +17,18 @@ from tvclin.base.errors import InputError, between, number
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, degrees, plural, significant, text
 from tvclin.base.quantities import survival
-from tvclin.case.autopilot_assumptions import actuator_notes
-from tvclin.control.autopilot.flight_autopilot import flight_autopilot
-from tvclin.control.autopilot.gain_schedule import GainSchedule
+from tvclin.case.flexible_autopilot import actuator_notes
+from tvclin.control.autopilot.gain_schedule import GainSchedule, flight_autopilot
 from tvclin.control.autopilot.sweep import Sweep, sweep
 from tvclin.ensembles.statistics import Success, success_probability
 from tvclin.flights.closed_loop.fly_along import FlightAlong, fly_along
 from tvclin.linear.plant import DEFAULT_MODEL, flexible_model
-from tvclin.requirement.flight.autopilot_along import autopilot_requirements
-from tvclin.requirement.flight.deflection_use import DeflectionUse, deflection_use, used_around
+from tvclin.requirement.flight.deflection_use import (
+    DeflectionUse,
+    autopilot_requirements,
+    deflection_use,
+    used_around,
+)
 from tvclin.requirement.flight.flight_winds import PEAK, place
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import Sizing

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.base.fields import help_lines, parameters
 from tvclin.base.lines import Table, words
 from tvclin.base.tables import FileTable
@@ -22,17 +22,16 @@ from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import FILTER_TABLE, AutopilotDesign
 from tvclin.design.standard_trials import LawsRequest
-from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+from tvclin.ensembles.availability.availability import AvailabilityRequest
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.dispersions import Dispersion
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES
-from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.studyfile.title_block import Document
+from tvclin.studyfile.study_plan import Document, StudyPlan
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.reading import SoundingReading
+from tvclin.winds.soundings.sounding_files import SoundingReading
 from tvclin.winds.wind_file import SOUNDING_TABLE
 
 _RECORDS: dict[str, tuple[type, ...]] = {

@@ -7,16 +7,16 @@ from typing import Any
 
 from tvclin.ascent.measured_wind import GustOf, gust_of_speed
 from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of, with_structure
-from tvclin.ascent.sounding_wind import WINDOW_S, SoundingWind
+from tvclin.ascent.wind_along import WINDOW_S, SoundingWind
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
 from tvclin.case.load import LOAD_TABLE, LoadBound
 from tvclin.case.turbulence import turbulence_of
-from tvclin.control.autopilot.flight_autopilot import design_at
+from tvclin.control.autopilot.gain_schedule import design_at
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.design.standard_trials import LAWS_TABLE, LawsRequest
-from tvclin.ensembles.availability.availability_request import (
+from tvclin.ensembles.availability.availability import (
     AVAILABILITY_TABLE,
     AvailabilityRequest,
 )
@@ -35,12 +35,10 @@ from tvclin.studyfile.campaign_file import (
     system_of,
     vehicle_source,
 )
-from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.studyfile.title_block import DOCUMENT_TABLE, Document
+from tvclin.studyfile.study_plan import DOCUMENT_TABLE, Document, StudyPlan
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.reading import SoundingReading
-from tvclin.winds.soundings.sounding_files import read_soundings
+from tvclin.winds.soundings.sounding_files import SoundingReading, read_soundings
 from tvclin.winds.wind_file import (
     GUST_TABLE,
     SOUNDING,

@@ -203,7 +203,7 @@ def loop_notes(findings: Findings) -> Iterator[str]:
     """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
     if findings.margins is None and findings.duty is None:
         return
-    from tvclin.case.autopilot_assumptions import (  # late: it designs autopilots
+    from tvclin.case.flexible_autopilot import (  # late: it designs autopilots
         actuator_notes,
         gain_notes,
     )

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tvclin.ascent.flight_condition import FLIGHT_TABLE
+from tvclin.ascent.nominal_flight import FLIGHT_TABLE
 from tvclin.base.errors import InputError, naming, number, shown
 from tvclin.base.files import EditedSource, called
 from tvclin.base.tables import FileTable, check_known
@@ -24,7 +24,7 @@ from tvclin.studyfile.campaign_file import (
     TABLES,
     vehicle_source,
 )
-from tvclin.studyfile.title_block import DOCUMENT_TABLE
+from tvclin.studyfile.study_plan import DOCUMENT_TABLE
 from tvclin.vehicle.linear_vehicle import COEFFICIENTS_TABLE
 from tvclin.vehicle.vehicle_file import (
     BENDING_TABLE,

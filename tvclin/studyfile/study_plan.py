@@ -1,30 +1,71 @@
-"""The plan of a study file: a frozen value of all that its numbers depend on."""
+"""The plan of a study file: a frozen value of its inputs, and the head of its page."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from datetime import date
 from typing import TYPE_CHECKING, Any, Self
 
-from tvclin.base.errors import InputError, between, fraction, instance
+from tvclin.base.errors import InputError, between, fraction, instance, shown
 from tvclin.base.fields import count, quantity, word
+from tvclin.base.tables import FileTable
 from tvclin.case.case import DEFAULT_WIND, Case
-from tvclin.ensembles.random_numbers import METHODS
+from tvclin.ensembles.dispersions import METHODS
 from tvclin.linear.deflections import SWITCHES
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study
-from tvclin.studyfile.title_block import Document
 from tvclin.winds.histories import History, VehicleWind
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.reading import NO_READING, SoundingReading
+from tvclin.winds.soundings.sounding_files import NO_READING, SoundingReading
 
 if TYPE_CHECKING:
     from tvclin.case.load import LoadBound
     from tvclin.case.turbulence import TurbulenceRequest
     from tvclin.control.margins.criteria import Criteria
     from tvclin.design.standard_trials import LawsRequest
-    from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+    from tvclin.ensembles.availability.availability import AvailabilityRequest
     from tvclin.ensembles.dispersions import Dispersions
     from tvclin.requirement.flight.request import SizingRequest
+
+
+DOCUMENT_TABLE = FileTable("[document]", words=("project", "author", "date", "revision"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """The head of a page: project, author, date and revision. No number depends on it.
+
+    Attributes
+    ----------
+    project, author, date, revision : str
+        As they are to be shown; empty where nothing is given.
+    """
+
+    project: str = ""
+    author: str = ""
+    date: str = ""
+    revision: str = ""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not isinstance(value, str):
+                raise InputError(f"{item.name} in [document] must be a text; got {shown(value)}")
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> Self:
+        """Return the head of a page from a table [document]; its date may be one of TOML.
+
+        Raises
+        ------
+        InputError
+            For an unknown key, and a value that is no text.
+        """
+        values = DOCUMENT_TABLE.read(table)
+        if isinstance(values.get("date"), date):
+            values["date"] = values["date"].isoformat()
+        return cls(**values)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +152,7 @@ class StudyPlan(Case):
         from tvclin.case.turbulence import TurbulenceRequest
         from tvclin.control.margins.criteria import Criteria
         from tvclin.design.standard_trials import LawsRequest
-        from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+        from tvclin.ensembles.availability.availability import AvailabilityRequest
         from tvclin.ensembles.dispersions import Dispersions
         from tvclin.requirement.flight.request import SizingRequest
 

@@ -7,10 +7,10 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.importers.normal_force_slope import Slope
 from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
     Flight,
+    Slope,
     above_sea,
     given_gimbal,
     given_slope,

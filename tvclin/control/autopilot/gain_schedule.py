@@ -1,4 +1,7 @@
-"""Gains, filters and notches over the flight, scheduled on one of its variables."""
+"""Gains, filters and notches over the flight, scheduled on one of its variables.
+
+`flight_autopilot` schedules a specified autopilot along a flight.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.flight_variables import VARIABLES, flight_variable
-from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.schedule import VARIABLES, FlightSchedule, flight_variable
 from tvclin.base.arrays import FloatArray
-from tvclin.base.columns import Column, Columns, Tabled, columns_of
+from tvclin.base.cards import Column, Columns, Tabled, columns_of
 from tvclin.base.errors import (
     InputError,
     callable_for,
@@ -26,8 +28,9 @@ from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
-from tvclin.control.autopilot.gain_table import ModeNotch
+from tvclin.control.autopilot.gain_table import GainTable, ModeNotch
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -344,3 +347,69 @@ def equal_values(
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios.append(np.interp(second, at, gains) / gains[first])
     return EqualValues(variable, values[first], at[first], second, *ratios)
+
+
+def flight_autopilot(
+    design: AutopilotDesign,
+    flight: FlightSchedule,
+    times: FloatArray,
+    *,
+    actuator: Actuator | None,
+    model: str,
+    plane: str,
+) -> GainSchedule:
+    """Return the schedule of a specified autopilot along a flight.
+
+    Parameters
+    ----------
+    design : AutopilotDesign
+        Gains over the flight, constant gains, or a rule, which is applied to the rigid vehicle at
+        each of the times.
+    flight : FlightSchedule
+        The flight.
+    times : ndarray
+        Times of flight [s], rising, ``(n,)``, two or more: breakpoints of a rule.
+    actuator : Actuator, optional
+        Actuator of the nozzle; that of a flight that has one over time takes its place.
+    model, plane
+        Model and plane of the plants.
+
+    Raises
+    ------
+    InputError
+        For a rule that needs a wind, gains both over the flight and constant, and as
+        `GainSchedule`.
+    """
+    table = design.schedule or GainTable()
+    constant = replace(design, schedule=None)
+    if table.gains:
+        if not constant.unspecified:
+            raise InputError("give a schedule of gains, or gains or a rule for them, not both")
+        autopilot = Autopilot(**constant.options(actuator) | table.gains)
+        return GainSchedule(table.breakpoints, autopilot, table.variable, table.notches)
+    if design.design == LEAST_NOZZLE:
+        raise InputError(
+            f"design {LEAST_NOZZLE} is of one flight time: give --at, or a table of its gains, see"
+            " minimum_gain_schedule in Python"
+        )
+    plants = flight.plants(times, model, plane)
+    laws = [constant.autopilot(plants.case(k, plants.batch), actuator) for k in range(len(times))]
+    gains: dict[str, Any] = {name: np.array([getattr(a, name) for a in laws]) for name in GAINS}
+    return GainSchedule(np.asarray(times), replace(laws[0], **gains), notches=table.notches)
+
+
+def design_at(design: AutopilotDesign, flight: FlightSchedule, time: float) -> AutopilotDesign:
+    """Return the specification with the gains and notches of a flight time [s], constant."""
+    table = design.schedule
+    if table is None:
+        return design
+    constant = replace(design, schedule=None)
+    notches = tuple(notch.at(flight, time) for notch in table.notches)
+    constant = replace(constant, filters=(*design.filters, *notches))
+    if not table.gains:
+        return constant
+    value = float(flight_variable(flight, table.variable, time))
+    gains: dict[str, Any] = {
+        k: float(np.interp(value, table.breakpoints, v)) for k, v in table.gains.items()
+    }
+    return replace(constant, **gains)

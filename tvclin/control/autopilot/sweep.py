@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, ComplexArray, FloatArray
-from tvclin.base.cards import table
-from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.cards import Column, Columns, Tabled, table
 from tvclin.base.errors import (
     InputError,
     finite,

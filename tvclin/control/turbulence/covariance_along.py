@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from tvclin.ascent.atmosphere import LAYER_ALTITUDES
-from tvclin.ascent.flight_variables import flight_variable
-from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule, flight_variable
 from tvclin.ascent.structure_schedule import StructureSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance

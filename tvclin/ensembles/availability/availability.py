@@ -1,8 +1,12 @@
-"""Fraction of the days of an archive on which a deflection limit is sufficient."""
+"""Fraction of the days of an archive on which a deflection limit is sufficient.
+
+`AvailabilityRequest` specifies it in a file; a case adds model, limit, limit shape and gust.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +26,8 @@ from tvclin.base.errors import (
     one_of,
     small_angle,
 )
+from tvclin.base.fields import checked, file_table, quantity, word
+from tvclin.case.case import Case
 from tvclin.ensembles.availability.availability_record import Availability, scalar_or_row
 from tvclin.ensembles.availability.judge import STOPS, Judge
 from tvclin.ensembles.availability.sounding_winds import (
@@ -37,7 +43,7 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import checked_gust
 from tvclin.winds.soundings.archive import Soundings
-from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
+from tvclin.winds.wind_angles import FROZEN, MAX_LINEAR_ANGLE
 
 _MAX_BOUND_SPREAD = 0.02
 """Largest relative difference of the bounds of a requirement that is used for its growth."""
@@ -257,3 +263,104 @@ def _seasons(soundings: Soundings, reasons: list[str]) -> list[str]:
         return []
     seasons = "one season" if years == 1 else "two seasons"
     return [f"the soundings are of {seasons}: other years may be windier than the intervals say"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AvailabilityRequest:
+    """Specification of the availability of a case, in addition to the case.
+
+    Attributes
+    ----------
+    flight : FlightSchedule
+        The flight.
+    soundings : Soundings
+        The archive.
+    azimuth : float
+        Direction of flight [rad], from north, clockwise.
+    plane : str
+        Plane that counts.
+    persistence : float, WindGrowth, PairGrowth or "pairs", optional
+        Increase between balloon and launch; see `availability`.
+    known_to : float, optional
+        Height that a sounding must reach to be judged [m].
+    confidence : float
+        Confidence of the intervals, from 0 to 1.
+    least_part : float, optional
+        Required fraction of the days; None without a requirement.
+    gust_speed : float, optional
+        Wind speed [m/s] at the peak of the case's gust, in place of its angle.
+
+    Raises
+    ------
+    InputError
+        For other types than flight and archive, an empty archive, unknown names, and numbers out
+        of range.
+    """
+
+    flight: FlightSchedule
+    soundings: Soundings
+    azimuth: float = quantity("angle", check=directions)
+    plane: str = word((BOTH, *PLANES), BOTH)
+    persistence: float | WindGrowth | PairGrowth | str | None = None
+    known_to: float | None = quantity("length", None, between(0.0, 1e5))
+    confidence: float = quantity("number", 0.95, fraction)
+    least_part: float | None = quantity("number", None, between(0.0, 1.0))
+    gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
+
+    def __post_init__(self) -> None:
+        instance("flight", self.flight, FlightSchedule, "see load_schedule")
+        instance("soundings", self.soundings, Soundings, "see read_soundings")
+        if not len(self.soundings):
+            raise InputError(
+                "soundings must hold one or more; got none (check month, years and station)"
+            )
+        checked(self)
+        growth_of(self.persistence)
+
+    def availability(
+        self,
+        case: Case,
+        progress: Callable[[int, int], None] | None = None,
+        azimuth: ArrayLike | None = None,
+    ) -> Availability:
+        """Return the availability of a case; `InputError` without a limit.
+
+        Same exceptions as `availability`. In both planes the limit shape is from the nozzle, or
+        round. `azimuth`: directions of flight [rad] in place of the one specified.
+        """
+        from tvclin.ensembles.availability.availability import availability
+
+        instance("case", case, Case, "of a wind and a nozzle")
+        if case.nozzle.limit is None:
+            raise InputError("availability is judged for a limit: give limit_deg in [nozzle]")
+        return availability(
+            self.flight,
+            self.soundings,
+            limit=case.nozzle.limit,
+            azimuth=self.azimuth if azimuth is None else azimuth,
+            plane=self.plane,
+            limit_shape=one_of(
+                "limit_shape of availability", case.nozzle.limit_shape or "round", STOPS
+            ),
+            model=case.model,
+            persistence=self.persistence,
+            gust=getattr(case.wind, "gust", None),
+            gust_speed=self.gust_speed,
+            known_to=self.known_to,
+            confidence=self.confidence,
+            sign=FROZEN if case.sign == FROZEN else None,
+            progress=progress,
+        )
+
+
+AVAILABILITY_TABLE = file_table(
+    "[availability]",
+    AvailabilityRequest,
+    quantities={
+        "persistence": "angle",
+        "persistence_hours": "number",
+        "utc_offset_hours": "number",
+    },
+    words=("archive", "station", "in_order", "dates"),
+    lists=("months", "years"),
+)

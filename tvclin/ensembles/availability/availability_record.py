@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.base.cards import Shown, card
-from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.cards import Column, Columns, Shown, Tabled, card
 from tvclin.base.errors import (
     between,
     finite,

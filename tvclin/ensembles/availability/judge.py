@@ -3,13 +3,17 @@
 Where the wind of a sounding is not known, two winds are computed: a calm; and a wind against the
 vehicle, as strong as the last known one, or as the 95 % quantile of the archive at that height, if
 that is stronger. The required deflection lies between the requirements of both.
+
+The equations of the vehicle are computed once, at even steps of the interval; all winds are marched
+along them at the wind angle and dynamic pressure encountered. In a plane the requirement is the
+largest min(trim, demand), except where flights decide (`time_varying`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import product
 from typing import Any
 
@@ -17,7 +21,6 @@ import numpy as np
 
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
-from tvclin.ensembles.availability.plane_march import Additions, MarchedWinds, PlaneMarch
 from tvclin.ensembles.availability.sounding_winds import (
     FlightPath,
     LineWinds,
@@ -25,9 +28,217 @@ from tvclin.ensembles.availability.sounding_winds import (
     WindGrowth,
 )
 from tvclin.requirement.flight.flight_requirement import FlightMode
+from tvclin.requirement.time_varying import (
+    FLIGHT_SUBSTEPS,
+    LimitedFlights,
+    curves,
+    decided_by_flights,
+    even_steps,
+)
+from tvclin.requirement.varying_curves import Curves
+from tvclin.requirement.varying_equations import Equations
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
+
+_MAX_UPPER_RATIO = 1.2
+"""Largest ratio of the requirement of a flight to min(trim, demand), where trim crosses that more
+than once while the path drifts, or the path is quick; docs/availability.md has measured ratios."""
+
+
+@dataclass(frozen=True, eq=False)
+class Additions:
+    """Growth and gust that are added to the winds of soundings, and the dynamic pressure.
+
+    Attributes
+    ----------
+    growth : WindGrowth or None
+        Growth of the wind until launch.
+    gust : History or None
+        A gust, by its angle [rad].
+    gust_speed : float or None
+        Wind speed [m/s] at the peak of the gust, in place of its angle.
+    pressure : bool
+        Whether the dynamic pressure encountered counts, or the nominal one.
+    """
+
+    growth: WindGrowth | None
+    gust: History | None
+    gust_speed: float | None
+    pressure: bool
+
+    def grown(self, height: FloatArray) -> FloatArray:
+        """Return the growth of winds at heights [m/s]."""
+        return np.zeros(height.shape) if self.growth is None else self.growth.at(height)
+
+    def strongest(self, height: FloatArray) -> FloatArray:
+        """Return the sum of growth and gust speed [m/s] at heights [m]."""
+        return self.grown(height) + abs(self.gust_speed or 0.0)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether nothing is added to the winds, so that both signs of them require the same."""
+        return self.growth is None and self.gust is None
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Bounds of the deflections [rad] that winds require, as sizes ``(n,)``.
+
+    Attributes
+    ----------
+    lower : ndarray
+        The largest min(trim, demand).
+    upper : ndarray
+        Largest possible requirement of a flight, at most the largest trim.
+    lowest : ndarray
+        Lowest limit with which a flight may survive: less than `lower` where trim reaches `lower`
+        with both signs, or more than once while the path drifts.
+    highest : ndarray
+        A limit that the law never reaches.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    lowest: FloatArray
+    highest: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneMarch:
+    """Equations of an interval of a flight in a plane, along which winds are marched.
+
+    Attributes
+    ----------
+    path : FlightPath
+        The interval of the flight.
+    plane : str
+        Plane of the motion.
+    motion : FlightMode
+        The equations of the vehicle, with an unstable mode.
+    fastest : FlightMode
+        Equations of the plane whose rates set the steps of both planes.
+    """
+
+    path: FlightPath
+    plane: str
+    motion: FlightMode
+    fastest: FlightMode
+
+    @cached_property
+    def _steps(self) -> tuple[FloatArray, Equations]:
+        """Times [s] of even steps, and the equations at these times."""
+        return self._equations_in(1)
+
+    @cached_property
+    def _flight_steps(self) -> tuple[FloatArray, Equations]:
+        """Times [s] of the steps of flights, and the equations at these times."""
+        return self._equations_in(FLIGHT_SUBSTEPS)
+
+    def _equations_in(self, parts: int) -> tuple[FloatArray, Equations]:
+        """Return times [s] of even steps, each in `parts`, and the equations at these times."""
+        steps = even_steps(self.fastest, (self.path.time[0], self.path.time[-1]), parts)
+        return steps, self.motion.at_steps(steps)
+
+    def curves(self, winds: LineWinds, pressure: bool) -> Curves:
+        """Return the curves of trim and demand [rad] of winds over time."""
+        steps, equations = self._steps
+        return curves(equations, *self.path.encountered(steps, winds, self.plane, pressure))
+
+    def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return the largest min(trim, demand) [rad] and its time [s], of one sign or either."""
+        paired = np.broadcast_to(self._steps[1].paired, march.trim.shape)
+        return march.limit_of_trim_law(paired, sign)
+
+    def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
+        """Return bounds of the required deflections of winds."""
+        march, equations = self.curves(winds, pressure), self._steps[1]
+        limit, highest = self._limit(march)[0], march.highest_limit
+        if np.any(equations.paired):
+            return Bounds(limit, limit, limit, highest)
+        flown, lowest = decided_by_flights(equations, march, limit)
+        upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
+        return Bounds(limit, np.where(flown & equations.drifts, upper, limit), lowest, highest)
+
+    def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
+        """Return winds with a gust: at the time of the largest wind, and of the requirement.
+
+        `sign`: sign of wind and gust; a wind that never has this sign is without a gust.
+        """
+        gust, times = additions.gust, winds.times
+        if gust is None:
+            return [winds]
+        angle = sign * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
+        calm, top = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
+        equations = self._steps[1].nominal[0, :, 1, 1]
+        trim_per_wind = -np.sum(equations[:, -1] / equations[:, -2])
+        march = self.curves(winds, additions.pressure)
+        at_limit = self._limit(march, float(np.sign(trim_per_wind)) * sign)[1]
+        speed = partial(self._gust_speed, sign, additions, calm)
+        return [
+            winds.with_gust(gust, self.plane, at, speed)
+            for at in (times[np.arange(top.size), top], at_limit)
+        ]
+
+    def _gust_speed(
+        self, sign: float, additions: Additions, calm: BoolArray, angle: FloatArray, at: FloatArray
+    ) -> FloatArray:
+        """Return speeds [m/s] of a gust of angles [rad] at times [s], zero in a calm."""
+        gust, speed = additions.gust, additions.gust_speed
+        if gust is not None and speed is not None:
+            speeds = sign * speed * angle / float(gust.peak)
+        else:
+            speeds = self.path.speed_of_angle(sign * angle, at, self.plane, additions.pressure)
+        return np.where(calm[:, np.newaxis], 0.0, speeds)
+
+    def flights(self, winds: LineWinds, pressure: bool) -> LimitedFlights:
+        """Return flights of the ideal trim law through winds."""
+        steps, equations = self._flight_steps
+        encountered = self.path.encountered(steps, winds, self.plane, pressure)
+        return LimitedFlights(equations, *encountered)
+
+
+@dataclass(frozen=True, eq=False)
+class MarchedWinds:
+    """Winds of soundings in a plane of an interval of a flight, with their bounds.
+
+    Attributes
+    ----------
+    march : PlaneMarch
+        The equations of the flight in the plane.
+    winds : LineWinds
+        One wind of each sounding.
+    bounds : Bounds
+        Bounds of their requirements.
+    pressure : bool
+        Whether the dynamic pressure encountered counts.
+    """
+
+    march: PlaneMarch
+    winds: LineWinds
+    bounds: Bounds
+    pressure: bool
+
+    def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
+        """Return whether limits [rad] must be flown, and whether they are insufficient."""
+        insufficient = limit < self.bounds.lowest
+        return (self.bounds.upper > limit) & ~insufficient, insufficient
+
+    def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
+        """Return whether flights of cases survive with limits [rad] and all above."""
+        flights = self.march.flights(self.winds.select(cases), self.pressure)
+        return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])
+
+    def requirement(self, cases: IndexArray) -> FloatArray:
+        """Return the required deflections of cases [rad], by flights where these decide."""
+        b, required = self.bounds, self.bounds.lower[cases]
+        open_cases = np.flatnonzero((b.upper > b.lowest)[cases])
+        if open_cases.size:
+            flown = cases[open_cases]
+            flights = self.march.flights(self.winds.select(flown), self.pressure)
+            required[open_cases] = flights.requirement(b.lowest[flown], b.highest[flown])
+        return required
+
 
 STOPS = ("round", "square")
 UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT, TOO_FLAT = (

@@ -13,11 +13,9 @@ from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.campaign.flight_plan import mode_factors
+from tvclin.ensembles.campaign.campaign_plan import Campaign, mode_factors
 from tvclin.ensembles.campaign.outputs import REGISTRY, REQUIRED, Batch, columns, compute
-from tvclin.ensembles.dispersions import WIND, Dispersed, is_mode_factor
-from tvclin.ensembles.random_numbers import draw
+from tvclin.ensembles.dispersions import WIND, Dispersed, draw, is_mode_factor
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant, flexible_model

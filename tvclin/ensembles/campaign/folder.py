@@ -37,9 +37,8 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.gain_table import ModeNotch
-from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.campaign_plan import Campaign, FlightPlan, SoundingEnsemble
 from tvclin.ensembles.campaign.cases import evaluate
-from tvclin.ensembles.campaign.flight_plan import FlightPlan, SoundingEnsemble
 from tvclin.ensembles.dispersions import Dispersion, Dispersions
 from tvclin.kernels.choice import available, pinned, remedy
 from tvclin.linear.system import LinearSystem, Names

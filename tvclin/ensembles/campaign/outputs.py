@@ -27,8 +27,7 @@ from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.margins import loop_margins
-from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.campaign.flight_plan import SoundingEnsemble, dispersed_plan
+from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble, dispersed_plan
 from tvclin.ensembles.dispersions import mode_names
 from tvclin.flights.closed_loop.fly_along import (
     FlownFlight,

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IntArray
-from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.cards import Column, Columns, Tabled
 from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
 from tvclin.base.fields import Field, derived, specs
 from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints

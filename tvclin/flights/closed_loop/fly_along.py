@@ -10,13 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.flight_variables import flight_variable
 from tvclin.ascent.measured_wind import MeasuredWind
-from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule, flight_variable
 from tvclin.ascent.wind_along import WindAlong, wind_along
 from tvclin.base.arrays import AnyArray, FloatArray, IntArray
-from tvclin.base.cards import table
-from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.cards import Column, Columns, Tabled, table
 from tvclin.base.errors import (
     InputError,
     broadcast,

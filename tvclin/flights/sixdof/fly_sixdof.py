@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, flag, instance, number, one_of, single, times_row, within
 from tvclin.boundary.limit_shapes import LimitShape

@@ -9,8 +9,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
 
-from tvclin.ascent.flight_condition import FlightCondition
-from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import between, directions
 from tvclin.base.fields import checked, quantity

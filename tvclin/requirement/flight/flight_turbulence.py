@@ -28,8 +28,7 @@ from tvclin.base.lines import Line, Row, Table, degrees, quantities, significant
 from tvclin.case.case import Case
 from tvclin.case.turbulence import AFTER_WIND_S, TurbulenceRequest
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.flight_autopilot import flight_autopilot
-from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
+from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along, flight_autopilot
 from tvclin.control.autopilot.sweep import plants_along
 from tvclin.control.turbulence.covariance_along import turbulence_along
 from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history

@@ -39,13 +39,16 @@ from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.laws.registry import LAWS
 from tvclin.kernels.choice import repeated
 from tvclin.requirement.flight.controllability import ControllabilityRatio, controllability_ratio
-from tvclin.requirement.flight.flight_requirement import FlightMode
+from tvclin.requirement.flight.flight_requirement import (
+    FlightMode,
+    base_requirement,
+    with_directions,
+)
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence, flight_turbulence
 from tvclin.requirement.flight.flight_winds import WindOf
 from tvclin.requirement.flight.size import WORDS, size
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.flight.total import DeflectionTotal, worst_total
-from tvclin.requirement.flight.wind_sign import base_requirement, with_directions
 from tvclin.requirement.required_quantity import TRIM, Requirement, requirement_among
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle

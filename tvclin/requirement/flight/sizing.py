@@ -10,8 +10,7 @@ import numpy as np
 
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.base.cards import Shown, table
-from tvclin.base.columns import Column, Columns, Tabled, columns_of
+from tvclin.base.cards import Column, Columns, Shown, Tabled, columns_of, table
 from tvclin.base.errors import one_of
 from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Table, degrees, significant
