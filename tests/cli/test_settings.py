@@ -7,10 +7,13 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.ascent.schedule_file import FLIGHT_COLUMNS
 from tvclin.base.errors import InputError
+from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.cli.settings import _completed
-from tvclin.studyfile.keys import all_keys
+from tvclin.control.autopilot.gain_table import load_gains
+from tvclin.studyfile.keys import all_keys, column_tables
 from tvclin.studyfile.read import example, load_sizing
 from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES, with_settings
 
@@ -269,6 +272,24 @@ def test_the_list_of_keys_has_each_key_once_with_its_help():
     code, shown, _ = ran("init", "--keys")
     assert code == 0
     assert "autopilot.rate_gain_s" in shown
+
+
+def test_the_list_of_keys_ends_with_the_columns_of_a_flight_and_of_gains(tmp_path):
+    """Tables of these columns are read, and a flight schedule has no others."""
+    flight, gains = ([text(row[0]) for row in table.rows] for table in column_tables())
+    assert {"time_s", "thrust_N", "nominal_deflection_deg", "structure"} <= set(flight)
+    assert {"mach", "attitude_gain", "rate_gain_s"} <= set(gains)
+    known = {*VEHICLE_TABLES["vehicle"].every_key, *FLIGHT_COLUMNS.keys, "name", "structure"}
+    assert set(flight) <= known
+    file = tmp_path / "gains.csv"
+    for variable in gains[:5]:
+        file.write_text(
+            f"{variable},{','.join(gains[5:])}\n"
+            + "".join(f"{k},{','.join('1' for _ in gains[5:])}\n" for k in (1, 2))
+        )
+        assert load_gains(file).gains.keys() >= {"attitude_gain", "rate_gain"}
+    said = " ".join(ran("init", "--keys")[1].split())
+    assert "Columns of a table of gains (CSV)" in said
 
 
 def test_each_key_of_the_list_is_known():

@@ -178,6 +178,15 @@ def test_answers_have_three_words_each() -> None:
     assert [survival(one) for one in (True, False, None)][1] == "NOT SURVIVED"
 
 
+def test_a_wind_across_the_path_is_no_tail_wind() -> None:
+    """In the yaw plane it is a cross wind, whichever sign a file has."""
+    across, signed = (run("study", "--plane", "yaw", *sign) for sign in ((), ("--sign", "tail")))
+    assert across.output.partition("\n\n")[0] == signed.output.partition("\n\n")[0]
+    assert "sign tail is not counted: a wind in the yaw plane" in signed.output
+    said = " ".join(run("study", "--plane", "yaw", "--sign", "tail", "--more").output.split())
+    assert "tail wind" not in said
+
+
 def test_a_verdict_that_is_not_known_says_why_in_its_first_line() -> None:
     """Of a limit alone, and of a wind with an autopilot, whose reason is the same."""
     wide = ("configuration-i", "--peak-deg", "35", "--limit-deg", "3")

@@ -85,6 +85,10 @@ def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     assert run("init", "--study", file).exit_code == 0
     study, campaign = tv.load_study(file), tv.studyfile.load_campaign(file)
+    assert study.sizing is None  # no flight of another vehicle is in force
+    named = file.read_text().replace("# [schedule]", "[schedule]").replace("# source =", "source =")
+    file.write_text(named.replace("# [size]", "[size]"))
+    assert tv.load_study(file).sizing.source == "configuration-i"
 
     for name in ("vehicle", "model", "plane", "wind", "nozzle", "dispersions", "cases", "seed"):
         assert getattr(study, name) == getattr(campaign, name), name

@@ -31,7 +31,7 @@ from tvclin.vehicle.vehicle_file import (
 
 _BEFORE, _AFTER = 25.0, 50.0
 """Nominal flight before and after the time of a vehicle [s], where no span is given."""
-_FLIGHT_COLUMNS = FileTable(
+FLIGHT_COLUMNS = FileTable(
     "[schedule]",
     {
         "nominal_deflection": "angle",
@@ -40,6 +40,7 @@ _FLIGHT_COLUMNS = FileTable(
         "actuator_damping": "number",
     },
 )
+"""Columns of a flight schedule beside the keys of [vehicle]."""
 _WORDS = ("name", "structure")
 """Columns of text: names of the vehicle and of the table of its structure."""
 SOURCE_TABLE = FileTable("[schedule]", words=("source", "structure"))
@@ -229,7 +230,7 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
 
 def _pop_flight_columns(row: dict[str, Any]) -> dict[str, Any]:
     """Remove the numbers of the flight that a vehicle does not have from a row, and return them."""
-    return _FLIGHT_COLUMNS.read({key: row.pop(key) for key in _FLIGHT_COLUMNS.keys if key in row})
+    return FLIGHT_COLUMNS.read({key: row.pop(key) for key in FLIGHT_COLUMNS.keys if key in row})
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
@@ -246,7 +247,7 @@ def _csv_rows(text: str, source: str) -> list[Row]:
 
 def _number_of_known_keys(headings: Headings) -> float:
     """Return the number of keys of vehicle files and schedules in a line."""
-    known_keys = {*VEHICLE_TABLE.every_key, *_FLIGHT_COLUMNS.keys, *_WORDS}
+    known_keys = {*VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
     return float(sum(heading.text in known_keys for heading in headings))
 
 

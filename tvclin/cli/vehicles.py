@@ -50,7 +50,11 @@ def init(
         metavar="SCHEDULE",
     ),
     time: At = None,
-    keys: bool = switch("--keys", "List all keys of these files instead, for --set too."),
+    keys: bool = switch(
+        "--keys",
+        "List all keys of these files instead, for --set too, and the columns of tables of a flight"
+        " and of gains.",
+    ),
 ) -> None:
     """Write a commented file to fill in: of a vehicle, or with --study of a whole study."""
     if keys:
@@ -60,7 +64,7 @@ def init(
     from tvclin.base.files import called, write_new
     from tvclin.cli.inputs import only_with
     from tvclin.studyfile import campaign_file
-    from tvclin.studyfile.read import example
+    from tvclin.studyfile.read import study_template
     from tvclin.vehicle.vehicle_file import list_vehicles, read_vehicle_text, template
 
     if file is None:
@@ -69,7 +73,7 @@ def init(
     sources |= {"--from": schedule is not None}
     if sum(sources.values()) > 1:
         raise InputError(f"give {' or '.join(name for name in sources if sources[name])}, not both")
-    text = example() if study else template()
+    text = study_template() if study else template()
     if campaign:
         text = campaign_file.template()
     if schedule is None:
@@ -88,11 +92,11 @@ def _print_keys(file: Path | None) -> None:
     """Print all keys of study and vehicle files; `InputError` with a file."""
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_tables
-    from tvclin.studyfile.keys import key_tables
+    from tvclin.studyfile.keys import column_tables, key_tables
 
     if file is not None:
         raise InputError("--keys writes no file; leave out its name")
-    print_tables(*key_tables())
+    print_tables(*key_tables(), *column_tables())
 
 
 def _vehicle_of_flight(schedule: str, time: float | None) -> str:

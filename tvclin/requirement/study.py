@@ -37,7 +37,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle import vehicle_warnings as slips
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
-from tvclin.winds.wind_angles import FROZEN, linear_notes, pressure_ratio
+from tvclin.winds.wind_angles import CROSS, FROZEN, SIGNS, linear_notes, pressure_ratio
 
 _MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
 """Wind angle [rad] above which the change of dynamic pressure exceeds the error of the boundary."""
@@ -65,7 +65,9 @@ def vehicle_warnings(vehicle: AnyVehicle) -> Iterator[str]:
 
 
 def along_the_path(need: CaseRequirement) -> Iterator[str]:
-    """Yield a note where a strong wind in the pitch plane changes the dynamic pressure."""
+    """Yield a note on a sign of a cross wind, or a changed pressure in the pitch plane."""
+    if need.sign in SIGNS and need.direction == CROSS:
+        yield f"sign {need.sign} is not counted: a wind in the yaw plane blows across the path"
     if need.plane != "pitch" or abs(float(need.history.peak)) <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:
         return
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"

@@ -31,7 +31,7 @@ from tvclin.case.case import Case
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study
 from tvclin.vehicle.linear_vehicle import AnyVehicle
-from tvclin.winds.wind_angles import BEYOND_LINEAR
+from tvclin.winds.wind_angles import BEYOND_LINEAR, CROSS
 
 LEAST = {"forecast_free": NO_FORECAST, "minimum": WIND_KNOWN}
 """Labels of the lower bounds, below the boundaries of every control."""
@@ -46,6 +46,8 @@ AIR = {
     "frozen": "nominal",
 }
 """Words for the dynamic pressure, by the sign that counts."""
+ACROSS = "encountered in a cross wind"
+"""Words for the dynamic pressure in a wind across the path, which has no sign."""
 LEFT_WHEN = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
 """Words for the exit of the dead band, by switch."""
 _NOT_STABLE = ("none (stable)",)
@@ -181,7 +183,8 @@ def question(s: Study, case: Case) -> Table:
         heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
         rows.insert(4, ("direction of the wind, from the flight", heading))
     if s.encountered or s.sign is not None:
-        rows.append(("dynamic pressure", (AIR[s.sign],)))
+        across = s.direction == CROSS
+        rows.append(("dynamic pressure", (ACROSS if across else AIR[s.sign],)))
     gust = (s.slanting or s.wind_in_plane).placed_gust
     if gust is not None:
         rows += [
@@ -237,7 +240,7 @@ def verdict(s: Study) -> Iterator[Line]:
     """Yield the required deflection, and the verdict on the limit."""
     needed = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
     switch = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
-    air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
+    air = f", dynamic pressure {AIR[s.sign]}" if s.sign and s.direction != CROSS else ""
     if s.unknown:
         air = f", {NOMINAL}"
     basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"

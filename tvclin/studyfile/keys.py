@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any
 
 from tvclin.ascent.nominal_flight import FlightCondition
+from tvclin.ascent.schedule_file import FLIGHT_COLUMNS
 from tvclin.base.fields import help_lines, parameters
 from tvclin.base.lines import Table, words
 from tvclin.base.tables import FileTable
@@ -21,6 +22,7 @@ from tvclin.case.load import LoadBound
 from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import FILTER_TABLE, AutopilotDesign
+from tvclin.control.autopilot.gain_table import GAIN_COLUMNS
 from tvclin.design.standard_trials import LawsRequest
 from tvclin.ensembles.availability.availability import AvailabilityRequest
 from tvclin.ensembles.campaign.campaign_plan import Campaign
@@ -57,6 +59,7 @@ _RECORDS: dict[str, tuple[type, ...]] = {
     "engine": (Engine,),
     "bending": (BendingMode,),
     "slosh": (SloshTank,),
+    "gains": (AutopilotDesign,),
 }
 """Records that the tables make, whose docstrings have the lines of help."""
 _HELP = {
@@ -100,7 +103,7 @@ _HELP = {
     "load.q_alpha": "Largest product of dynamic pressure and angle of attack.",
     "load.alpha_moment": "Bending moment per angle of attack at the station.",
     "load.deflection_moment": "Bending moment per deflection at the station.",
-    "autopilot.schedule": "Table of gains over time, Mach number, speed, altitude or pressure.",
+    "autopilot.schedule": "CSV of gains over the flight; its columns stand at the end.",
     "autopilot.filter.mode": "Bending mode of the flight that a notch follows.",
     "autopilot.filter.ratio": "Frequency of such a notch over that of its mode.",
     "autopilot.filter.kind": "Kind of a filter: notch, low-pass, lead-lag or rational.",
@@ -166,6 +169,15 @@ _HELP = {
     "bending.tank_slopes_per_m": "Slopes at the tanks, in the order of [[slosh]].",
     "bending.tank_slopes_per_ft": "Slopes at the tanks, in the order of [[slosh]].",
     "bending.tank_slopes_per_in": "Slopes at the tanks, in the order of [[slosh]].",
+    "flight schedule.nominal_deflection": "Deflection of the nominal flight.",
+    "flight schedule.altitude": "Altitude.",
+    "flight schedule.actuator_frequency": "Natural frequency of the actuator.",
+    "flight schedule.actuator_damping": "Damping ratio of the actuator.",
+    "gains.time": "Time of flight, rising.",
+    "gains.speed": "Speed, rising, in place of the time.",
+    "gains.altitude": "Altitude, rising, in place of the time.",
+    "gains.mach": "Mach number, rising, in place of the time.",
+    "gains.dynamic_pressure": "Dynamic pressure, rising, in place of the time.",
     "coefficients.name": "Name of the vehicle.",
     "coefficients.mu_alpha": "Angular acceleration per angle of attack.",
     "coefficients.mu_delta": "Angular acceleration per deflection.",
@@ -230,6 +242,33 @@ def key_tables() -> list[Table]:
             [[key.name, key.meaning] for key in all_keys() if key.name.rpartition(".")[0] == home],
         )
         for home in homes
+    ]
+
+
+def column_tables() -> list[Table]:
+    """Return tables of the columns of CSV files: a flight schedule, and a table of gains."""
+    vehicle = [
+        key
+        for key in all_keys()
+        if key.name.startswith("vehicle.") and key.name != "vehicle.numbers_from"
+    ]
+    others = [
+        Key(".structure", (), "", "File of the structure at each flight time, beside this one"),
+        *_keys("flight schedule", FLIGHT_COLUMNS),
+    ]
+    schedule = "Columns of a flight schedule (CSV): a line for each time, time_s among them"
+    gains = (
+        "Columns of a table of gains (CSV), autopilot.schedule: one variable of the flight,"
+        " attitude_gain and rate_gain_s"
+    )
+    return [
+        words(
+            caption, ["column", "meaning"], [[k.name.rpartition(".")[2], k.meaning] for k in keys]
+        )
+        for caption, keys in (
+            (schedule, [*vehicle, *others]),
+            (gains, list(_keys("gains", GAIN_COLUMNS))),
+        )
     ]
 
 

@@ -225,6 +225,23 @@ def example() -> str:
     return text
 
 
+def study_template() -> str:
+    """Return the study file to fill in: the example with its whole flight as comments.
+
+    The flight of the example is not that of another vehicle.
+    """
+    head, heading, rest = example().partition("[schedule]\n")
+    flight, many, others = rest.partition("# Many cases")
+    lines = f"{heading}{flight}".splitlines(keepends=True)
+    comments = (
+        line
+        if line.isspace() or line.lstrip().startswith("#")
+        else f"# {line.replace('   # ', ' # ', 1)}"
+        for line in lines
+    )
+    return f"{head}{''.join(comments)}{many}{others}"
+
+
 def example_plan() -> StudyPlan:
     """Return the plan of the study file of the package."""
     from tvclin.studyfile.parse import parse_study

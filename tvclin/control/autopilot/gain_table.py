@@ -26,7 +26,8 @@ _VARIABLES = {
     "dynamic_pressure": "pressure",
 }
 """Variables of the flight with their kinds of units."""
-_TABLE = FileTable("a table of gains", _VARIABLES | GAINS)
+GAIN_COLUMNS = FileTable("a table of gains", _VARIABLES | GAINS)
+"""Columns of a table of gains: one variable of the flight, and gains."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +112,9 @@ def load_gains(source: str | PathLike[str]) -> GainTable:
     for place, cells in zip(sheet.places, sheet.cells, strict=True):
         with naming(place):
             rows.append(
-                _TABLE.read({k: _number(k, cell) for k, cell in zip(keys, cells, strict=True)})
+                GAIN_COLUMNS.read(
+                    {k: _number(k, cell) for k, cell in zip(keys, cells, strict=True)}
+                )
             )
     with naming(sheet.text.source):
         variables = [name for name in rows[0] if name in _VARIABLES] if rows else []
@@ -131,7 +134,7 @@ def load_gains(source: str | PathLike[str]) -> GainTable:
 
 def _known_keys(headings: Headings) -> float:
     """Return the number of known columns in a line of names."""
-    return float(sum(heading.text in _TABLE.keys for heading in headings))
+    return float(sum(heading.text in GAIN_COLUMNS.keys for heading in headings))
 
 
 def _number(key: str, cell: str) -> float:
