@@ -10,7 +10,7 @@ import numpy as np
 import tvclin as tv
 from tests.doors import Door, hasty
 from tvclin import plots
-from tvclin.requirement.study_response import study_response
+from tvclin.requirement.study_tables import study_response
 
 
 def figures(folder: Path) -> dict[str, Door]:

@@ -38,7 +38,7 @@ from tvclin.show.explorer.choices import (
     round_up,
 )
 from tvclin.show.explorer.lab import notebook_text
-from tvclin.show.explorer.picture import new_picture
+from tvclin.show.explorer.panel import new_picture
 from tvclin.vehicle.coefficients import BOTH
 
 

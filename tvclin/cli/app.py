@@ -31,7 +31,7 @@ _PANELS = {
 }
 NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
 """Panel of the help of each command, by name."""
-_FILE_OF_COMMAND = {"init": "vehicles", "import": "flight_import"}
+_FILE_OF_COMMAND = {"init": "vehicles", "import": "flight_import", "reproduce": "report"}
 """File of a command that shares the file of another."""
 _STRICT_HANDLERS = ("strict", "surrogateescape")
 """Error handlers of a stream that raise for a letter which its encoding lacks."""

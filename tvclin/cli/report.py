@@ -1,4 +1,4 @@
-"""`tvclin report`: the whole answer as one page."""
+"""`tvclin report`: the whole answer as one page; and `tvclin reproduce`: figures of the report."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,7 @@ import typer
 
 from tvclin.base.files import called, write_whole
 from tvclin.cli.inputs import note_omissions, only_with
-from tvclin.cli.options import At
+from tvclin.cli.options import At, asked
 from tvclin.cli.output import bar, say
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import all_yes, sufficient
@@ -58,3 +58,36 @@ def report(
     note_omissions(plan, "report")
     if not all_yes(findings[0]):
         raise typer.Exit(1)
+
+
+def reproduce(
+    output: str = asked(
+        "Directory for the files; made if it is missing.", "reproduced", metavar="DIRECTORY"
+    ),
+) -> None:
+    """Write the report's figures (PNG) and their numbers (CSV); say where they differ from print.
+
+    Figures 6 to 11 also show flights, so it takes a minute or two.
+    """
+    from tvclin.base.errors import InputError, install
+    from tvclin.base.files import called
+    from tvclin.base.lines import plural
+    from tvclin.plots.boundaries import chosen_engine
+    from tvclin.show.reproduce import DIFFERENCES
+    from tvclin.show.reproduce import reproduce as write_everything
+
+    if not output.strip():
+        raise InputError("--output must name a directory; got an empty name")
+    with bar("figures") as progress:
+        written = write_everything(Path(output), progress)
+    for path in written:
+        typer.echo(called(path))
+    if chosen_engine(None) == "planar":
+        say(
+            "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
+            f" JSBSim, {install('sixdof')}."
+        )
+    files = plural(len(written), "file")
+    say(f"Wrote {files} into {called(output)}. Where they differ from the print:")
+    for figure, words in DIFFERENCES.items():
+        say(f"{figure}: {words}")

@@ -42,10 +42,9 @@ from tvclin.linear.extremes import (
     response_table,
     wind_loads,
 )
-from tvclin.linear.modes import unstable_modes
+from tvclin.linear.modes import Verdict, judge, unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.linear.verdict import Verdict, judge
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.requirement.nominal_requirement import covers, required_deflection
 from tvclin.winds.histories import History

@@ -7,8 +7,13 @@ from .extremes import wind_loads as wind_loads
 from .flexible import FlexiblePlant as FlexiblePlant
 from .flexible import plant_of as plant_of
 from .lateral import lateral_plant as lateral_plant
+from .modes import FinalMotion as FinalMotion
 from .modes import Modes as Modes
+from .modes import Verdict as Verdict
 from .modes import all_modes as all_modes
+from .modes import is_stable as is_stable
+from .modes import judge as judge
+from .modes import residues as residues
 from .modes import unstable_modes as unstable_modes
 from .plant import Plant as Plant
 from .plant import available_models as available_models
@@ -18,8 +23,3 @@ from .response import attitude_responses as attitude_responses
 from .system_file import read_system as read_system
 from .system_file import write_system as write_system
 from .system_plant import SystemPlant as SystemPlant
-from .verdict import FinalMotion as FinalMotion
-from .verdict import Verdict as Verdict
-from .verdict import is_stable as is_stable
-from .verdict import judge as judge
-from .verdict import residues as residues

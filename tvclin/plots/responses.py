@@ -41,7 +41,7 @@ from tvclin.plots.style import (
     cycle,
     draw,
 )
-from tvclin.requirement.study_response import StudyResponse
+from tvclin.requirement.study_tables import StudyResponse
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import load_vehicle

@@ -19,8 +19,7 @@ from tvclin.base.errors import InputError, ending, instance, number, positive, s
 from tvclin.base.fields import spec
 from tvclin.boundary.limit_shapes import LimitShape, Vectors
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.laws.both_planes import LawInPlanes
-from tvclin.control.laws.law import Law
+from tvclin.control.laws.law import Law, LawInPlanes
 from tvclin.flights.closed_loop.batch import Batch, Hardware, flights, law_batch
 from tvclin.flights.closed_loop.checks import (
     check_actuator,

@@ -16,8 +16,7 @@ from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.both_planes import LawInPlanes
-from tvclin.control.laws.law import Law, Measurement
+from tvclin.control.laws.law import Law, LawInPlanes, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.engine_interface import (

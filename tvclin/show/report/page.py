@@ -27,7 +27,7 @@ from tvclin.requirement import study_tables
 from tvclin.requirement.flight import sizing_tables
 from tvclin.requirement.flight.total import total_table
 from tvclin.requirement.study import Study
-from tvclin.requirement.study_response import study_response
+from tvclin.requirement.study_tables import study_response
 from tvclin.studyfile import assumptions, autopilot_tables
 from tvclin.studyfile.findings import Findings, Progress, find
 from tvclin.studyfile.glossary import equation_table, glossary_table
