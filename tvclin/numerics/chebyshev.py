@@ -46,50 +46,67 @@ def smooth_values(
         Number of the interval in which the function is smooth, for each time; negative for a time
         at which it is evaluated itself.
     """
-    shapes: dict[str, tuple[int, ...]] = {}
-
-    def packed(at: FloatArray) -> FloatArray:
-        arrays = function(at)
-        shapes.update({name: array.shape[1:] for name, array in arrays.items()})
-        return np.concatenate([array.reshape(at.size, -1) for array in arrays.values()], axis=1)
-
     groups = [np.flatnonzero(interval == k) for k in np.unique(interval[interval >= 0])]
     pending = [which for which in groups if _worth(which, _FIRST_DEGREE)]
     exact = np.concatenate(
         [np.flatnonzero(interval < 0), *(w for w in groups if not _worth(w, _FIRST_DEGREE))]
     )
-    degree = _FIRST_DEGREE
+    degree = 2 * _FIRST_DEGREE
     nodes = [_nodes(times[which], degree) for which in pending]
-    first = packed(np.concatenate([times[exact], *nodes]))
-    values = np.empty((times.size, first.shape[1]))
-    values[exact] = first[: exact.size]
-    at_nodes = list(np.split(first[exact.size :], max(len(pending), 1)))
-    sizes = [int(np.prod(shape)) for shape in shapes.values()]
+    first = function(np.concatenate([times[exact], *nodes]))
+    values = {name: np.empty((times.size, *array.shape[1:])) for name, array in first.items()}
+    flat = [array.reshape(times.size, -1) for array in values.values()]
+    columns = np.cumsum([0, *(array.shape[1] for array in flat)])
+    for array, made in zip(values.values(), first.values(), strict=True):
+        array[exact] = made[: exact.size]
+    rows = _packed({name: array[exact.size :] for name, array in first.items()})
+    at_nodes = list(np.split(rows, max(len(pending), 1)))
     remaining: list[IndexArray] = []
     while pending:
-        degree *= 2
-        fresh = [_nodes(times[which], degree)[1::2] for which in pending]
-        made = np.split(packed(np.concatenate(fresh)), len(pending))
         rest: list[tuple[IndexArray, FloatArray]] = []
-        for which, old, new in zip(pending, at_nodes, made, strict=False):
-            guess = _interpolated(old, np.linspace(0.0, np.pi, degree + 1)[1::2])
-            points = np.empty((degree + 1, new.shape[1]))
-            points[::2], points[1::2] = old, new
-            if _agree(guess, new, points, sizes):
-                values[which] = _interpolated(points, _angles(times[which]))
+        middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
+        for which, points in zip(pending, at_nodes, strict=False):
+            if _agree(_interpolated(points[::2], middles), points, columns[:-1]):
+                factors = _factors(degree, _angles(times[which]))
+                for array, low, high in zip(flat, columns[:-1], columns[1:], strict=True):
+                    array[which] = _interpolated(points[:, low:high], factors)
             elif degree < _MAX_DEGREE and _worth(which, degree):
                 rest.append((which, points))
             else:
                 remaining.append(which)
-        pending, at_nodes = [which for which, _ in rest], [points for _, points in rest]
+        pending, degree = [which for which, _ in rest], 2 * degree
+        at_nodes = _refined(function, [(times[which], points) for which, points in rest], degree)
     if remaining:
         which = np.concatenate(remaining)
-        values[which] = packed(times[which])
-    parts = np.split(values, np.cumsum(sizes)[:-1], axis=1)
-    return {
-        name: part.reshape(times.size, *shape)
-        for (name, shape), part in zip(shapes.items(), parts, strict=True)
-    }
+        for name, array in function(times[which]).items():
+            values[name][which] = array
+    return values
+
+
+def _refined(
+    function: Callable[[FloatArray], dict[str, FloatArray]],
+    intervals: list[tuple[FloatArray, FloatArray]],
+    degree: int,
+) -> list[FloatArray]:
+    """Return the values at the nodes of a degree in each interval, ``(degree + 1, k)``.
+
+    `intervals`: times, and the values at the nodes of half the degree.
+    """
+    refined = []
+    if intervals:
+        fresh = [_nodes(times, degree)[1::2] for times, _ in intervals]
+        made = np.split(_packed(function(np.concatenate(fresh))), len(intervals))
+        for (_, old), new in zip(intervals, made, strict=True):
+            points = np.empty((degree + 1, new.shape[1]))
+            points[::2], points[1::2] = old, new
+            refined.append(points)
+    return refined
+
+
+def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
+    """Return the values of arrays ``(m, ...)`` at m times, one row for each time."""
+    rows = (array.reshape(len(array), int(np.prod(array.shape[1:]))) for array in arrays.values())
+    return np.concatenate([*rows], axis=1)
 
 
 def _worth(which: IndexArray, degree: int) -> bool:
@@ -108,13 +125,16 @@ def _angles(times: FloatArray) -> FloatArray:
     return np.arccos(np.clip(-middle, -1.0, 1.0))
 
 
-def _interpolated(points: FloatArray, angles: FloatArray) -> FloatArray:
-    """Return values at angles on the half circle, from those at equidistant ones ``(d + 1, k)``.
+def _factors(degree: int, angles: FloatArray) -> FloatArray:
+    """Return the factors from equidistant angles on the half circle to others, ``(m, d + 1)``."""
+    return interpolation_factors(np.cos(np.linspace(0.0, np.pi, degree + 1)), np.cos(angles))
+
+
+def _interpolated(points: FloatArray, factors: FloatArray) -> FloatArray:
+    """Return values ``(m, k)`` from those at the nodes ``(d + 1, k)``.
 
     The differences from the first point are interpolated.
     """
-    nodes = np.cos(np.linspace(0.0, np.pi, len(points)))
-    factors = interpolation_factors(nodes, np.cos(angles))
     values: FloatArray = factors @ np.nan_to_num(points - points[0])
     values += points[0]
     return values
@@ -135,16 +155,18 @@ def interpolation_factors(nodes: FloatArray, places: FloatArray) -> FloatArray:
     return np.asarray(factors / factors.sum(axis=1, keepdims=True))
 
 
-def _agree(guess: FloatArray, made: FloatArray, points: FloatArray, sizes: list[int]) -> bool:
-    """Return whether an interpolant of half the degree agrees with new values of the function.
+def _agree(guess: FloatArray, points: FloatArray, starts: IndexArray) -> bool:
+    """Return whether an interpolant of half the degree agrees with the function.
 
-    `sizes`: number of values of each array, whose largest value sets its rounding.
+    `guess`: its values at every second one of the `points`, from the second on. `starts`: first
+    column of each array, whose largest value sets its rounding.
     """
     missing = np.isnan(points)
     if np.any(missing.any(axis=0) != missing.all(axis=0)):
         return False
     largest = np.abs(np.where(missing, 0.0, points)).max(axis=0)
-    of_array = np.maximum.reduceat(largest, np.cumsum([0, *sizes[:-1]]))
+    of_array = np.maximum.reduceat(largest, starts)
+    sizes = np.diff(starts, append=largest.size)
     tolerance = _HALF_DEGREE_TOLERANCE * largest + _ROUNDING * np.repeat(of_array, sizes)
     with np.errstate(invalid="ignore"):
-        return bool(np.all((np.abs(guess - made) <= tolerance) | missing[1::2]))
+        return bool(np.all((np.abs(guess - points[1::2]) <= tolerance) | missing[1::2]))

@@ -9,6 +9,7 @@ between breakpoints.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import Any, NamedTuple
@@ -177,7 +178,7 @@ class LawBatch:
     """
 
     laws: tuple[Law, ...]
-    numbers: list[LawNumbers | None]
+    numbers: Sequence[LawNumbers | None]
     chains: list[Chains]
     which: IntArray
     sensors: LateralSensors = NO_LATERAL_SENSORS
@@ -214,6 +215,15 @@ class LawBatch:
             if filtered:
                 seen[flights], told[flights] = memory.seen, memory.told
         return Memory(moved, seen, told)
+
+
+_TYPES = {float: np.float64, bool: np.bool_}
+
+
+def law_rows(numbers: Sequence[LawNumbers]) -> AnyArray:
+    """Return the numbers of laws as a structured array, for machine code."""
+    kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
+    return np.array(numbers, dtype=kinds)
 
 
 def shape_of(law: Any) -> tuple[int, ...]:

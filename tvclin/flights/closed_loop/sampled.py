@@ -16,7 +16,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.control.autopilot.actuator import INPUTS, Actuator, plant_with_actuator
 from tvclin.control.laws.law import Measurement
-from tvclin.flights.closed_loop.batch import Batch, LawBatch, flights
+from tvclin.flights.closed_loop.batch import Batch, LawBatch, flights, law_rows
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.kernels import choice
 from tvclin.kernels import flights as kernel
@@ -28,8 +28,6 @@ from tvclin.linear.system import LinearSystem, connect, polynomial_input
 from tvclin.numerics.propagation import input_states, matrix_exponentials, piece_matrix
 from tvclin.winds.histories import History
 
-_TYPES = {float: np.float64, bool: np.bool_}
-
 
 def flown(batch: Batch, *, track: bool = False) -> Flights:
     """Return the flights of a batch at their ends; with `track` one flight with its samples."""
@@ -40,7 +38,7 @@ def flown(batch: Batch, *, track: bool = False) -> Flights:
 
 def finish(f: Flights, laws: LawBatch) -> None:
     """Step flights to their ends, in place."""
-    if any(numbers is None for numbers in laws.numbers):
+    if not isinstance(f.laws.numbers, np.ndarray) and None in laws.numbers:
         _in_python(f, laws)
         return
     cases = f.cases.limit.size
@@ -48,9 +46,10 @@ def finish(f: Flights, laws: LawBatch) -> None:
     seconds = samples * kernel.PLAIN
     with np.errstate(all="ignore"):  # a lost flight may overflow
         fly = choice.fastest(kernel.fly, seconds)
+        plain = f if fly is not kernel.fly else _plain(f)
         while first < cases and fly is kernel.fly:
             start = perf_counter()  # an undecided flight takes longer than the estimate
-            fly(f, first, first + 1)
+            fly(plain, first, first + 1)
             fly, first = choice.fastest_uncounted(kernel.fly, perf_counter() - start), first + 1
     if first < cases:
         compact = _compact(f)
@@ -111,11 +110,19 @@ def _demand(law: Any, f: Flights, flights: IntArray) -> FloatArray:
     return np.asarray(demand, dtype=float)
 
 
+def _plain(f: Flights) -> Flights:
+    """Return the flights with the laws as a list, for plain Python."""
+    numbers = f.laws.numbers
+    if isinstance(numbers, np.ndarray):
+        numbers = [LawNumbers._make(row) for row in numbers.tolist()]
+    return f._replace(laws=f.laws._replace(numbers=numbers))
+
+
 def _compact(f: Flights) -> Flights:
     """Return the flights with the laws as a structured array, for machine code."""
-    kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
-    numbers = np.array([tuple(law) for law in f.laws.numbers], dtype=kinds)
-    return f._replace(laws=f.laws._replace(numbers=numbers))
+    if isinstance(f.laws.numbers, np.ndarray):
+        return f
+    return f._replace(laws=f.laws._replace(numbers=law_rows(f.laws.numbers)))
 
 
 _TIME_DECIMALS = 12

@@ -63,7 +63,9 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     sample.
     """
     # Flights that differ in their limit alone have the same loop, unless their law depends on it.
-    depends = np.array([law is None or law.leans for law in batch.laws.numbers])[f.cases.law]
+    laws, of_flight = np.unique(f.cases.law, return_inverse=True)
+    numbers = [batch.laws.numbers[k] for k in laws]
+    depends = np.array([law is None or law.leans for law in numbers])[of_flight]
     limit = np.where(depends, f.cases.limit, 0.0)
     keys = np.column_stack([f.cases.vehicle, f.cases.law, f.cases.gain, limit])
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)

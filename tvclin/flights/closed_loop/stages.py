@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray, IntArray
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wiring import attitude_integral
@@ -26,6 +27,7 @@ from tvclin.flights.closed_loop.batch import (
     Memory,
     Timing,
     equilibrium,
+    law_rows,
     memory_of,
     samples_in,
     sensed_rows,
@@ -85,12 +87,8 @@ class Stages:
         `limit`, `rate_limit`: limits of deflection and deflection rate, ``(m,)``.
         """
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
-        gains = gain_numbers(self.laws)
-        columns = (np.broadcast_to(gain, self.times.shape).tolist() for gain in gains.values())
-        numbers: list[LawNumbers | None] = [
-            LawNumbers(**dict(zip(gains, row, strict=True))) for row in zip(*columns, strict=True)
-        ]
         first = np.zeros(limit.size, np.int64)
+        numbers: Any = self._law_rows.view(np.recarray)
         laws = LawBatch((), numbers, [chains], first, self.sensors)
         return Batch(
             self.plants,
@@ -121,11 +119,19 @@ class Stages:
             steps=steps,
             vehicles=self.vehicles,
             winds=Winds(knots, pieces),
-            laws=Laws(list(batch.laws.numbers), *memory, np.zeros((1, 0))),
+            laws=Laws(self._law_rows, *memory, np.zeros((1, 0))),
             cases=cases,
             now=now,
             track=np.full((rows, order + 4), np.nan),
         )
+
+    @cached_property
+    def _law_rows(self) -> AnyArray:
+        """Numbers of the law of each sample, with the fields of `LawNumbers`."""
+        rows = law_rows([LawNumbers()] * self.times.size)
+        for name, gain in gain_numbers(self.laws).items():
+            rows[name] = gain
+        return rows
 
     @cached_property
     def _pieces(self) -> tuple[FloatArray, FloatArray]:
@@ -171,8 +177,7 @@ class Stages:
         interval = np.searchsorted(self.breaks, self.times, side="right") - 1
         same = interval == np.searchsorted(self.breaks, ends * (1.0 - 1e-15), side="left") - 1
         interval = np.where(same, interval, -1)
-        arrays = smooth_values(self._arrays_at, self.times, interval)
-        return {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+        return smooth_values(self._arrays_at, self.times, interval)
 
     def _arrays_at(self, times: FloatArray) -> dict[str, FloatArray]:
         """Return the arrays of stages that begin at times [s], by name."""
