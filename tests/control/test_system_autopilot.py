@@ -338,10 +338,14 @@ def test_a_controller_takes_no_estimator_of_a_law(plant):
         tv.control.EstimatedLaw(law, tv.control.WindEstimator(bandwidth=10.0), plant)
 
 
-def test_six_degrees_of_freedom_refuse_a_controller_that_reads_drift():
+def test_in_six_degrees_of_freedom_a_controller_that_reads_drift_is_its_gains():
     pytest.importorskip("jsbsim")
     reads = _system([[0.3, 0.5, 1e-4]], inputs=("attitude", "attitude_rate", "drift_rate"))
-    law = SystemLaw(tv.control.SystemAutopilot(reads))
-    vehicle = tv.load_vehicle("configuration-i")
-    with pytest.raises(tv.InputError, match="not flown in six degrees of freedom"):
-        tv.fly_sixdof(vehicle, law, WIND, [0.0, 1.0], deflection_limit=0.02)
+    gains = tv.Autopilot(attitude_gain=0.3, rate_gain=0.5, drift_rate_gain=1e-4)
+    flown = [
+        tv.fly_sixdof(
+            tv.load_vehicle("configuration-i"), law, WIND, [0.0, 2.0, 6.0], deflection_limit=0.02
+        ).outputs
+        for law in (SystemLaw(tv.control.SystemAutopilot(reads)), tv.SaturatedLaw(gains))
+    ]
+    np.testing.assert_allclose(*flown, rtol=1e-12, atol=1e-15)

@@ -268,6 +268,42 @@ def test_along_the_trajectory_it_flies_as_the_equations_of_the_report(configurat
         assert off[3] < 2e-3  # the end of a jump or a bend is felt up to half a step early
 
 
+FEEDBACK = {
+    "drift": {"drift_rate_gain": 8e-4, "drift_gain": 3e-4},
+    "acceleration": {"acceleration_gain": 4e-3, "acceleration_station": 6.0},
+}
+
+
+@pytest.mark.parametrize(
+    ("plane", "feedback"), usual([(p, name) for name in FEEDBACK for p in ("pitch", "yaw")], 0, 3)
+)
+@pytest.mark.parametrize("condition", [None, CONDITION], ids=["frozen", "varying"])
+def test_feedback_of_lateral_motion_flies_as_the_equations_of_the_report(
+    configuration_i, plane, feedback, condition
+):
+    """Drift and force by another solver; the same gains without it fly elsewhere."""
+    wind, times = at_its_time(configuration_i, 3 * DEGREE)
+    flown = {
+        name: [
+            fly(
+                configuration_i,
+                tv.Autopilot(attitude_gain=0.6, rate_gain=0.8, **gains),
+                wind,
+                times,
+                deflection_limit=0.1,
+                plane=plane,
+                condition=condition,
+            ).outputs[:3]
+            for fly in (tv.fly_sixdof, tv.fly_planar)
+        ]
+        for name, gains in (("with", FEEDBACK[feedback]), ("without", {}))
+    }
+    with_it, without = (np.abs(np.subtract(*flown[name])).max() for name in flown)
+    assert np.abs(flown["with"][1] - flown["without"][1]).max() > 0.02 * 3 * DEGREE
+    assert with_it < 1.3e-3 * 3 * DEGREE
+    assert with_it < 1.1 * without + 3e-4 * 3 * DEGREE
+
+
 @pytest.mark.parametrize(("plane", "planar"), usual([("pitch", 0.62851), ("yaw", 0.64810)], 0))
 def test_the_boundary_along_the_trajectory_is_that_of_planar_flights(
     configuration_i, plane, planar

@@ -51,9 +51,15 @@ def test_a_turning_wind_asks_for_what_the_linear_flight_says() -> None:
     assert tv.plane_limit(FIXED, wind).limit < 0.95 * edge
 
 
+LATERAL = tv.Autopilot(attitude_gain=0.6, rate_gain=0.8, drift_rate_gain=8e-4)
+
+
 @pytest.mark.thorough
-def test_along_one_plane_it_is_the_flight_of_that_plane() -> None:
-    options = {"law": tv.TrimLaw(FIXED), "engine": "sixdof", "step": 0.02, "tolerance": 0.01}
+@pytest.mark.parametrize(
+    "law", [tv.TrimLaw(FIXED), tv.SaturatedLaw(LATERAL)], ids=["trim", "drift"]
+)
+def test_along_one_plane_it_is_the_flight_of_that_plane(law: tv.control.Law) -> None:
+    options = {"law": law, "engine": "sixdof", "step": 0.02, "tolerance": 0.01}
     for plane, angle in (("pitch", 0.0), ("yaw", np.pi / 2)):
         one = tv.flown_boundary(VEHICLE, GUST, plane=plane, **options)
         both = tv.flown_boundary(VEHICLE, tv.winds.PlaneWind.towards(GUST, angle), **options)

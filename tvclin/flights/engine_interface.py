@@ -19,6 +19,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.checks import check_actuator, check_rate_limit
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
@@ -66,6 +67,11 @@ class Command:
     actuator: Actuator | None = None
     rate_limit: float = np.inf
 
+    @property
+    def lateral_sensors(self) -> LateralSensors:
+        """Sensors of lateral motion of a law; none of another control."""
+        return self.control.lateral_sensors if isinstance(self.control, Law) else NO_LATERAL_SENSORS
+
 
 def command_of(
     control: object, start: float, actuator: Actuator | None = None, rate_limit: float = np.inf
@@ -95,6 +101,12 @@ def command_of(
     if any(control.chains):
         raise InputError("filters are flown by fly() with a sample_rate; leave them out here")
     return Command(control, actuator, max_rate)
+
+
+def check_path(drift: bool, sensors: LateralSensors) -> None:
+    """Raise `InputError` for drift that is measured on a path that does not turn."""
+    if not drift and (sensors.drift_rate or sensors.drift):
+        raise InputError("drift is fed back, but the path of this flight is fixed; set drift")
 
 
 def limit_of(control: object, deflection_limit: float) -> float:

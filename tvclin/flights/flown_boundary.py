@@ -108,7 +108,8 @@ def sixdof_verdict(
     command = command_of(control, begin, actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
-        return float(case.flown(case.steering(command, limit, air), air)[-1, 1])
+        steering = case.steering(command, limit, air)
+        return float(case.flown(steering, air, command.lateral_sensors)[-1, 1])
 
     return verdict_of(late_rate, command.control, wind, pole)
 

@@ -40,6 +40,7 @@ from tvclin.flights.engine_interface import (
     Control,
     ReportControl,
     check_history,
+    check_path,
     command_of,
     limit_of,
     warn_of_the_end,
@@ -77,8 +78,7 @@ class PlanarMotion:
 
     def __post_init__(self) -> None:
         one_of("plane", self.plane, PLANES)
-        if not self.drift and (self.sensors.drift_rate or self.sensors.drift):
-            raise InputError("drift is fed back, but the path of this flight is fixed; set drift")
+        check_path(self.drift, self.sensors)
         single("vehicle", self.vehicle.replace(time=None).batch)
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import repeat
-from math import asin, cos, sin
+from math import asin, cos, hypot, sin
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -21,8 +21,10 @@ from tvclin.base.errors import InputError, missing
 from tvclin.base.units import FOOT
 from tvclin.control.laws.law import Measurement
 from tvclin.flights.engine_interface import MAX_ATTITUDE, OUTPUTS
+from tvclin.flights.sixdof.lateral_motion import LateralMotion
 from tvclin.flights.sixdof.model import DEFLECTIONS, Earth, InitialState, model_xml, planet_xml
 from tvclin.flights.sixdof.steering import Steering
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -109,12 +111,14 @@ class Senses(NamedTuple):
     """Functions that read the motion in one plane, without arguments.
 
     `angles`: attitude and flight path angle [rad]. `rates`: attitude rate [rad/s] and acceleration
-    [rad/s^2]. `alpha`: angle of attack [rad].
+    [rad/s^2]. `alpha`: angle of attack [rad]. `lateral`: speed over the ground [m/s], and force per
+    mass normal to the body, without weight [m/s^2].
     """
 
     angles: _Two
     rates: _Two
     alpha: Callable[[], float]
+    lateral: _Two
 
 
 def senses(engine: Engine, plane: str, heading: float) -> Senses:
@@ -122,10 +126,20 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
     read = engine.reader
     axis = "q" if plane == "pitch" else "r"
     rate, push = read(f"velocities/{axis}-rad_sec"), read(f"accelerations/{axis}dot-rad_sec2")
-    theta = read("attitude/theta-rad")
+    theta, mass = read("attitude/theta-rad"), read("inertia/mass-slugs")
+    velocities = [read(f"velocities/v-{name}-fps") for name in ("north", "east", "down")]
+    force = read(f"tvclin/without-weight-{'z' if plane == 'pitch' else 'y'}-lbs")
+    upwards = -FOOT if plane == "pitch" else FOOT
+
+    def rates() -> tuple[float, float]:
+        return rate(), push()
+
+    def lateral() -> tuple[float, float]:
+        return FOOT * hypot(*(component() for component in velocities)), upwards * force() / mass()
+
     if plane == "pitch":
         gamma = read("flight-path/gamma-rad")
-        return Senses(lambda: (theta(), gamma()), lambda: (rate(), push()), read("aero/alpha-rad"))
+        return Senses(lambda: (theta(), gamma()), rates, read("aero/alpha-rad"), lateral)
     psi, speed, sideslip = (
         read(name) for name in ("attitude/psi-rad", "velocities/vt-fps", "aero/beta-rad")
     )
@@ -133,10 +147,10 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
     cosine, right = cos(heading), sin(heading)
 
     def angles() -> tuple[float, float]:
-        lateral = east() * cosine - north() * right
-        return asin(cos(theta()) * sin(psi() - heading)), asin(lateral / speed())
+        across = east() * cosine - north() * right
+        return asin(cos(theta()) * sin(psi() - heading)), asin(across / speed())
 
-    return Senses(angles, lambda: (rate(), push()), lambda: -sideslip())
+    return Senses(angles, rates, lambda: -sideslip(), lateral)
 
 
 def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float], None]:
@@ -161,6 +175,10 @@ def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float],
 
 
 Row = tuple[float, ...]
+"""`OUTPUTS`, force per mass normal to the body [m/s^2], and acceleration of the attitude."""
+_COLUMNS = len(OUTPUTS) + 2
+_ACCELEROMETER = LateralSensors(acceleration=True)
+"""Sensors with which the force of the nominal flight is recorded."""
 
 
 class Prediction:
@@ -169,17 +187,22 @@ class Prediction:
     JSBSim takes the inputs of the end of a step before the step, so the state at its end is
     predicted: the rate by the engine's integration rule, the angles to second order.
 
-    `senses`: readers of the plane, at the start of a flight. `step`: step [s]. `turn`: rotation of
-    the flight path in the step before the flight [rad].
+    `senses`: readers of the plane, at the start of a flight. `step`: step [s]. `sensors`: lateral
+    sensors of the law. `turn`: rotation of the flight path in the step before the flight [rad].
     """
 
     __slots__ = (
-        "_alpha", "_attitude", "_blown", "_deflection", "_path", "_path_before", "_push",
-        "_push_before", "_rate", "_senses", "_step",
+        "_alpha", "_attitude", "_blown", "_deflection", "_lateral", "_path", "_path_before",
+        "_push", "_push_before", "_rate", "_senses", "_step",
     )  # fmt: skip
 
-    def __init__(self, senses: Senses, step: float, turn: float = 0.0) -> None:
+    def __init__(
+        self, senses: Senses, step: float, sensors: LateralSensors, turn: float = 0.0
+    ) -> None:
         self._senses, self._step = senses, step
+        self._lateral = LateralMotion(sensors, step) if sensors.signals else None
+        if self._lateral is not None:
+            self._lateral.move(0.0, senses.lateral()[0], 0.0, 0.0)
         self._attitude, self._path = senses.angles()
         self._rate, self._push = senses.rates()
         self._path_before, self._push_before = self._path - turn, self._push
@@ -194,22 +217,27 @@ class Prediction:
         next_rate = rate + h * (1.5 * self._push - 0.5 * self._push_before)
         rotation = 0.5 * h * (rate + next_rate)
         path_rotation = self._path - self._path_before
-        return Measurement(
+        plain = Measurement(
             self._attitude + rotation - nominal[0],
             next_rate - nominal[1],
             self._path + path_rotation - nominal[2],
             self._alpha + rotation - path_rotation - (angle - self._blown) - nominal[3],
             self._deflection,
         )
+        return plain if self._lateral is None else self._lateral.measured(plain)
 
     def moved(self, deflection: float, angle: float, nominal: Row) -> Row:
-        """Return the outputs after a step, minus the nominal outputs; updates the state."""
+        """Return the row after a step, minus the nominal one; updates the state."""
         self._push_before, self._path_before = self._push, self._path
         self._deflection, self._blown = deflection, angle
         self._attitude, self._path = attitude, path = self._senses.angles()
         (self._rate, self._push), self._alpha = self._senses.rates(), self._senses.alpha()
         off = attitude - nominal[0], self._rate - nominal[1], path - nominal[2]
-        return (*off, self._alpha - nominal[3], deflection)
+        force, push = 0.0, self._push - nominal[6]
+        if self._lateral is not None:
+            speed, force = self._senses.lateral()
+            self._lateral.move(off[2], speed, force := force - nominal[5], push)
+        return (*off, self._alpha - nominal[3], deflection, force, push)
 
 
 Surroundings = Earth | InitialState | None
@@ -263,6 +291,7 @@ class Airframe:
         speeds: FloatArray,
         angles: FloatArray,
         trajectory: FloatArray | None = None,
+        sensors: LateralSensors = NO_LATERAL_SENSORS,
     ) -> FloatArray:
         """Return the `OUTPUTS` of a flight from the nominal state [rad, rad/s], ``(m, 5)``.
 
@@ -272,16 +301,18 @@ class Airframe:
         `steering`: function of the deflection. `speeds`: wind speed [m/s] at each step, along the
         flight or to its right, ``(n,)``, m <= n; the first is zero. `angles`: wind angle [rad],
         ``(n,)``. `trajectory`: `OUTPUTS` in pitch of the nominal flight, ``(n, 5)``; without it the
-        nominal flight is straight.
+        nominal flight is straight. `sensors`: lateral sensors of the law.
         """
         nominal = self._nominal_rows(len(speeds), trajectory)
-        return self._flown(steering, speeds, angles, nominal, trajectory)
+        rows = self._flown(steering, speeds, angles, nominal, trajectory, sensors)
+        return rows[:, : len(OUTPUTS)]
 
     def fly_both(
         self,
         steering: Callable[[list[Measurement]], tuple[float, float]],
         speeds: FloatArray,
         angles: FloatArray,
+        sensors: LateralSensors = NO_LATERAL_SENSORS,
     ) -> FloatArray:
         """Return the `OUTPUTS` of a flight in both planes [rad, rad/s], ``(m, 2, 5)``.
 
@@ -289,15 +320,14 @@ class Airframe:
 
         `steering`: function from the predicted measurements in pitch and yaw to both deflections
         [rad]. `speeds`, `angles`: wind along the flight and to its right [m/s], and as angles
-        [rad], ``(2, n)``; the first are zero.
+        [rad], ``(2, n)``; the first are zero. `sensors`: lateral sensors of the law.
         """
         self._begin()
-        planes = [Prediction(self._senses[name], self._step) for name in DEFLECTIONS]
+        planes = [Prediction(self._senses[name], self._step, sensors) for name in DEFLECTIONS]
         setters = (self._bend, self._blows)
         set_deflections, set_winds = ([setter[name] for name in DEFLECTIONS] for setter in setters)
-        straight = [(*self._senses[name].angles(), 0.0, 0.0) for name in DEFLECTIONS]
-        nominal = [(attitude, 0.0, path, *rest) for attitude, path, *rest in straight]
-        rows: list[list[Row]] = [[(0.0,) * len(OUTPUTS)] * len(planes)]
+        nominal = [_straight(*self._senses[name].angles()) for name in DEFLECTIONS]
+        rows: list[list[Row]] = [[(0.0,) * _COLUMNS] * len(planes)]
         for speed, angle in zip(speeds.T[1:].tolist(), angles.T[1:].tolist(), strict=True):
             inputs = list(zip(planes, angle, nominal, strict=True))
             deflections = steering([plane.measurement(a, row) for plane, a, row in inputs])
@@ -313,20 +343,20 @@ class Airframe:
             )
             if not max(abs(row[0]) for row in rows[-1]) <= MAX_ATTITUDE:
                 break
-        return np.array(rows)
+        return np.array(rows)[..., : len(OUTPUTS)]
 
     def _nominal_rows(self, count: int, trajectory: FloatArray | None) -> Iterator[Row]:
-        """Return an iterator over the outputs of the nominal flight, step by step."""
-        attitude, path = self._begin()
-        start = (attitude, 0.0, path, 0.0, 0.0)
+        """Return an iterator over the rows of the nominal flight, step by step."""
+        start = _straight(*self._begin())
         if self._gains is None:
             return repeat(start)
         if len(self._nominal) < count:
             hold, zeros = _hold_steering(*self._gains), np.zeros(count)
             reference = np.tile(start, (count, 1))
             if trajectory is not None and self._plane == "pitch":
-                reference = trajectory
-            flown = self._flown(hold, zeros, zeros, _plain_rows(reference), trajectory)
+                reference[:, : len(OUTPUTS)] = trajectory
+            rows = _plain_rows(reference)
+            flown = self._flown(hold, zeros, zeros, rows, trajectory, _ACCELEROMETER)
             self._nominal = list(_plain_rows(flown + reference[: len(flown)]))
         if len(self._nominal) < count:
             raise InputError(
@@ -347,13 +377,14 @@ class Airframe:
         angles: FloatArray,
         nominal: Iterator[Row],
         trajectory: FloatArray | None,
+        sensors: LateralSensors,
     ) -> FloatArray:
-        """Return the `OUTPUTS` of a flight, minus given nominal outputs, ``(m, 5)``."""
+        """Return the rows of a flight, minus given nominal ones, ``(m, 7)``."""
         self._begin()
         h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
         hold_other_plane = self._attitude_hold(trajectory)
-        prediction = Prediction(self._senses[self._plane], h, turn=h * next(nominal)[1])
-        rows: list[Row] = [(0.0,) * len(OUTPUTS)]
+        prediction = Prediction(self._senses[self._plane], h, sensors, turn=h * next(nominal)[1])
+        rows: list[Row] = [(0.0,) * _COLUMNS]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
         for k, (speed, angle, row) in enumerate(gusts, start=1):
             deflection = steering(k, prediction.measurement(angle, row))
@@ -371,7 +402,7 @@ class Airframe:
         if self._gains is None:
             return lambda: None
         (other_plane,) = set(DEFLECTIONS) - {self._plane}
-        (angles, rates, _), bend = self._senses[other_plane], self._bend[other_plane]
+        (angles, rates, *_), bend = self._senses[other_plane], self._bend[other_plane]
         on_lean, on_rate = self._gains
         reference: Iterator[Row] = repeat((0.0, 0.0))
         if trajectory is not None and other_plane == "pitch":
@@ -383,6 +414,11 @@ class Airframe:
             bend(deflection + on_lean * (attitude - path) + on_rate * (rates()[0] - path_rate))
 
         return hold
+
+
+def _straight(attitude: float, path: float) -> Row:
+    """Return the row of a straight flight with an attitude and a flight path angle [rad]."""
+    return (attitude, 0.0, path, *(0.0,) * (_COLUMNS - 3))
 
 
 def _plain_rows(rows: FloatArray) -> Iterator[Row]:

@@ -26,6 +26,7 @@ from tvclin.flights.engine_interface import (
     Control,
     ReportControl,
     check_history,
+    check_path,
     command_of,
     has_fallen,
     limit_of,
@@ -35,6 +36,7 @@ from tvclin.flights.engine_interface import (
 from tvclin.flights.sixdof.airframe import Surroundings, reused_airframe
 from tvclin.flights.sixdof.model import Earth, NominalTrajectory, nominal_trajectory
 from tvclin.flights.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
+from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.vehicle.coefficients import PLANES, Coefficients
@@ -130,10 +132,9 @@ class SixDof:
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
         """Return the steering of a command within a limit [rad].
 
-        `InputError` for a step too large for the actuator, and a law that measures lateral motion.
+        `InputError` for a step too large for the actuator.
         """
         control, actuator = command.control, command.actuator
-        _check_sensors(control)
         if isinstance(control, History):
             return by_history(control, air.times, self.step, limit)
         if isinstance(control, ReportControl):
@@ -147,8 +148,15 @@ class SixDof:
             )
         return by_law(command, limit, self.step, air.times.size)
 
-    def flown(self, steering: Steering, air: Air) -> FloatArray:
-        """Return the outputs [rad, rad/s] at the steps, ``(m, 5)``; `InputError` for NaN."""
+    def flown(
+        self, steering: Steering, air: Air, sensors: LateralSensors = NO_LATERAL_SENSORS
+    ) -> FloatArray:
+        """Return the outputs [rad, rad/s] at the steps, ``(m, 5)``.
+
+        `sensors`: lateral sensors of the law. `InputError` for NaN, and for drift that is measured
+        on a path that does not turn.
+        """
+        check_path(self.drift, sensors)
         surroundings: Surroundings = self.earth
         vehicle, reference = self.vehicle, None
         if air.trajectory is not None:
@@ -159,7 +167,7 @@ class SixDof:
             )
         numbers = vehicle.replace(name="", time=None)  # all that the engine knows of it
         with reused_airframe(numbers, self.plane, self.drift, self.step, surroundings) as airframe:
-            rows = airframe.fly(steering, air.speeds, air.angles, reference)
+            rows = airframe.fly(steering, air.speeds, air.angles, reference, sensors)
         invalid = np.argwhere(~np.isfinite(rows))
         if invalid.size:
             raise InputError(
@@ -265,7 +273,7 @@ def fly_sixdof(
     air = case.air(wind, float(times.min()), float(times.max()))
     command = command_of(control, float(times.min()), actuator, rate_limit)
     limit = limit_of(control, deflection_limit)
-    rows = case.flown(case.steering(command, limit, air), air)
+    rows = case.flown(case.steering(command, limit, air), air, command.lateral_sensors)
     flown = air.times[: len(rows)]
     if abs(rows[-1, 0]) > MAX_ATTITUDE:
         warn_of_the_end(float(flown[-1]))
@@ -296,7 +304,7 @@ def planes_verdict(
         control = SaturatedLaw(control)
     if not isinstance(control, Law):
         raise InputError("both planes are flown by a law; give law=, such as TrimLaw")
-    _check_sensors(control)
+    check_path(drift, control.lateral_sensors)
     if not frozen:
         raise InputError("both planes are flown with frozen parameters; leave frozen=True")
     law = LawInPlanes(control, limit_shape, saturate)
@@ -310,21 +318,13 @@ def planes_verdict(
 
     def survives(limit: float) -> bool:
         with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
-            rows = airframe.fly_both(_steering(law, limit, step), speeds, angles)
+            steering = _steering(law, limit, step)
+            rows = airframe.fly_both(steering, speeds, angles, control.lateral_sensors)
         if not np.all(np.isfinite(rows)) or np.abs(rows[-1, :, 0]).max() > MAX_ATTITUDE:
             return False
         return not has_fallen(float(np.hypot(*rows[-1, :, 1])), float(wind.peak), pole)
 
     return survives
-
-
-def _check_sensors(control: object) -> None:
-    """Raise `InputError` for a law that measures lateral motion."""
-    if isinstance(control, Law) and control.lateral_sensors.signals:
-        raise InputError(
-            "feedback of drift and lateral acceleration is not flown in six degrees of freedom; fly"
-            " it by fly or fly_planar, or set these gains to zero"
-        )
 
 
 def _wind_at_steps(
