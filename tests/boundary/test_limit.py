@@ -13,10 +13,7 @@ from tvclin.boundary.closed_forms import (
     triangular_limit_with_drift,
 )
 from tvclin.boundary.limit import STABLE, leading_pole
-from tvclin.boundary.open_loop import (
-    Reason,
-    open_loop_requirements,
-)
+from tvclin.boundary.open_loop import Reason, open_loop_requirements
 from tvclin.linear.plant import MODELS
 
 TAU_BETA = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 14.0, 20.0, 40.0])

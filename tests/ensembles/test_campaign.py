@@ -11,11 +11,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, draw
-from tvclin.ensembles.statistics import (
-    quantile_bound,
-    sensitivities,
-    success_probability,
-)
+from tvclin.ensembles.statistics import quantile_bound, sensitivities, success_probability
 
 
 @pytest.fixture(scope="module")

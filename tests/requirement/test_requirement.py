@@ -14,10 +14,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tests.turns import drawn, usual
 from tvclin.boundary.limit import PAIRED_POLES
-from tvclin.boundary.open_loop import (
-    Reason,
-    with_larger_requirements,
-)
+from tvclin.boundary.open_loop import Reason, with_larger_requirements
 from tvclin.cli.app import app
 from tvclin.flights.flown_boundary import planar_verdict
 from tvclin.requirement.time_varying import batch_requirements

@@ -25,11 +25,7 @@ from tvclin.base.errors import InputError, broadcast, one_of, within
 from tvclin.base.fields import spec
 from tvclin.boundary.limit import JUMP, NO_EXIT, OK, boundary_limit
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape
-from tvclin.boundary.open_loop import (
-    ROUNDING,
-    Reason,
-    open_loop_requirements,
-)
+from tvclin.boundary.open_loop import ROUNDING, Reason, open_loop_requirements
 from tvclin.boundary.optimum.minimum_peak import peaks_for_demands
 from tvclin.boundary.plane_bounds import (
     PlanePair,

@@ -17,17 +17,7 @@ from tvclin.base.fields import document
 from tvclin.base.lines import Table
 from tvclin.case.case import Case
 from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
-from tvclin.cli.options import (
-    BOTH_LIMITS,
-    GROUP,
-    MODEL,
-    AsJson,
-    Given,
-    More,
-    Plot,
-    asked,
-    to_write,
-)
+from tvclin.cli.options import BOTH_LIMITS, GROUP, MODEL, AsJson, Given, More, Plot, asked, to_write
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, say_lines
 from tvclin.cli.wind import FlightOptions, check_reading
 from tvclin.requirement.flight import sizing_tables as tables

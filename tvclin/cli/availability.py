@@ -11,17 +11,7 @@ import typer
 from tvclin.base.errors import InputError, within
 from tvclin.base.files import called
 from tvclin.cli.inputs import note_source
-from tvclin.cli.options import (
-    GROUP,
-    LIMIT,
-    MODEL,
-    AsJson,
-    Given,
-    More,
-    Plot,
-    asked,
-    to_write,
-)
+from tvclin.cli.options import GROUP, LIMIT, MODEL, AsJson, Given, More, Plot, asked, to_write
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, waiting
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today

@@ -12,16 +12,7 @@ from tvclin.boundary.limit import OK, boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.options import (
-    GROUP,
-    MOTION,
-    SOURCE_HELP,
-    At,
-    Given,
-    More,
-    ShownCurves,
-    asked,
-)
+from tvclin.cli.options import GROUP, MOTION, SOURCE_HELP, At, Given, More, ShownCurves, asked
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant

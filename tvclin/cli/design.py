@@ -25,18 +25,7 @@ from tvclin.cli.margins import (
     print_autopilot,
     print_bounds,
 )
-from tvclin.cli.options import (
-    GROUP,
-    MOTION,
-    TIMING,
-    At,
-    Given,
-    More,
-    Shown,
-    Source,
-    asked,
-    switch,
-)
+from tvclin.cli.options import GROUP, MOTION, TIMING, At, Given, More, Shown, Source, asked, switch
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot

@@ -14,17 +14,7 @@ from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_au
 from tvclin.cli.fly_laws import fly_laws
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, only_with
-from tvclin.cli.options import (
-    GROUP,
-    LIMIT,
-    MOTION,
-    At,
-    Given,
-    More,
-    ShownCurves,
-    Source,
-    asked,
-)
+from tvclin.cli.options import GROUP, LIMIT, MOTION, At, Given, More, ShownCurves, Source, asked
 from tvclin.cli.output import waiting
 from tvclin.cli.wind import FlightOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS

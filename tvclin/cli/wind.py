@@ -9,14 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.ascent.wind_along import WINDOW_S, SoundingWind
-from tvclin.base.errors import (
-    InputError,
-    between,
-    nonzero,
-    number,
-    one_of,
-    positive,
-)
+from tvclin.base.errors import InputError, between, nonzero, number, one_of, positive
 from tvclin.base.files import called
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.case import DEFAULT_WIND, Case

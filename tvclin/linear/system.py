@@ -21,11 +21,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.numerics import state_space
-from tvclin.numerics.propagation import (
-    augmented_matrix,
-    constant_generator,
-    matrix_exponentials,
-)
+from tvclin.numerics.propagation import augmented_matrix, constant_generator, matrix_exponentials
 
 if TYPE_CHECKING:
     import control

@@ -17,12 +17,7 @@ import numpy as np
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    callable_for,
-    instance,
-    one_of,
-)
+from tvclin.base.errors import InputError, callable_for, instance, one_of
 from tvclin.base.fields import spec
 from tvclin.base.lines import Table
 from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection

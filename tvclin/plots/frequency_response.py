@@ -20,11 +20,7 @@ from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.loop import Loop
-from tvclin.control.turbulence.driven_loop import (
-    ANGLE_OF_ATTACK,
-    DEFLECTION,
-    DEFLECTION_RATE,
-)
+from tvclin.control.turbulence.driven_loop import ANGLE_OF_ATTACK, DEFLECTION, DEFLECTION_RATE
 from tvclin.control.turbulence.loop_covariance import LoopCovariance
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves

@@ -12,13 +12,7 @@ from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
 from tvclin.requirement.flight.deflection_use import DeflectionUse
 from tvclin.requirement.flight.sizing import Sizing
-from tvclin.requirement.required_quantity import (
-    MINIMUM,
-    NO_FORECAST,
-    TRIM,
-    Requirement,
-    heading_of,
-)
+from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Requirement, heading_of
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 
 if TYPE_CHECKING:

@@ -16,10 +16,7 @@ from tvclin.case.turbulence import turbulence_of
 from tvclin.control.autopilot.gain_schedule import design_at
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.design.standard_trials import LAWS_TABLE, LawsRequest
-from tvclin.ensembles.availability.availability import (
-    AVAILABILITY_TABLE,
-    AvailabilityRequest,
-)
+from tvclin.ensembles.availability.availability import AVAILABILITY_TABLE, AvailabilityRequest
 from tvclin.ensembles.availability.sounding_winds import PairGrowth
 from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest, SoundingRequest
 from tvclin.studyfile.campaign_file import (

@@ -16,16 +16,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Row, card, card_rows, lines
-from tvclin.base.errors import (
-    InputError,
-    between,
-    broadcast,
-    each,
-    flag,
-    instance,
-    plain,
-    shown,
-)
+from tvclin.base.errors import InputError, between, broadcast, each, flag, instance, plain, shown
 from tvclin.base.fields import fields_of, spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.vehicle.filters import Filter, filter_cells

@@ -14,15 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray
-from tvclin.base.errors import (
-    InputError,
-    broadcast,
-    directions,
-    ending,
-    instance,
-    plain,
-    within,
-)
+from tvclin.base.errors import InputError, broadcast, directions, ending, instance, plain, within
 from tvclin.numerics import pieces as algebra
 from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import History, Piecewise

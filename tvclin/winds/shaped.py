@@ -15,15 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.base.errors import (
-    InputError,
-    directions,
-    instance,
-    nonzero,
-    number,
-    one_of,
-    within,
-)
+from tvclin.base.errors import InputError, directions, instance, nonzero, number, one_of, within
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

@@ -8,12 +8,7 @@ from os import PathLike
 
 import numpy as np
 
-from tvclin.ascent.importers.powered_flight import (
-    MOST_ROWS,
-    Flight,
-    powered,
-    schedule_of_flight,
-)
+from tvclin.ascent.importers.powered_flight import MOST_ROWS, Flight, powered, schedule_of_flight
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
 from tvclin.base.sheet import Column, Fit, Heading, Headings, Sheet, letters, read_sheet

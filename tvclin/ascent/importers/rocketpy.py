@@ -7,12 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.importers.powered_flight import (
-    MOST_ROWS,
-    Flight,
-    powered,
-    schedule_of_flight,
-)
+from tvclin.ascent.importers.powered_flight import MOST_ROWS, Flight, powered, schedule_of_flight
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, finite, number, shown

@@ -9,13 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tvclin.ascent.importers.column_map import (
-    QUANTITIES,
-    Wanted,
-    fit_of,
-    map_of,
-    mapped_columns,
-)
+from tvclin.ascent.importers.column_map import QUANTITIES, Wanted, fit_of, map_of, mapped_columns
 from tvclin.ascent.importers.matlab_file import MAX_NUMBERS, read_matlab, too_large
 from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,

@@ -20,11 +20,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, between, number, positive, shown, whole_number
 from tvclin.base.fields import spec
 from tvclin.boundary.limit import OK, STABLE
-from tvclin.boundary.optimum.minimum_peak import (
-    NOT_EXCITED,
-    Optimum,
-    optimum_deflection,
-)
+from tvclin.boundary.optimum.minimum_peak import NOT_EXCITED, Optimum, optimum_deflection
 from tvclin.boundary.optimum.moments import (
     Constraints,
     constraints_of,

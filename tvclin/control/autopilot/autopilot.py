@@ -22,11 +22,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, times_row
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wind_response import (
-    WindResponse,
-    peaks_in_winds,
-    wind_response_of,
-)
+from tvclin.control.autopilot.wind_response import WindResponse, peaks_in_winds, wind_response_of
 from tvclin.control.autopilot.wiring import (
     COMMAND,
     DISTURBANCES,

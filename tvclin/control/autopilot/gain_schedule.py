@@ -15,15 +15,7 @@ from numpy.typing import ArrayLike
 from tvclin.ascent.schedule import VARIABLES, FlightSchedule, flight_variable
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Column, Columns, Tabled, columns_of
-from tvclin.base.errors import (
-    InputError,
-    callable_for,
-    each,
-    finite,
-    instance,
-    one_of,
-    times_row,
-)
+from tvclin.base.errors import InputError, callable_for, each, finite, instance, one_of, times_row
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.control.autopilot.actuator import Actuator

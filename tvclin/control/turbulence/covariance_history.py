@@ -34,12 +34,7 @@ from tvclin.control.turbulence.driven_loop import (
 )
 from tvclin.control.turbulence.loop_covariance import stationary
 from tvclin.linear.flexible import AnyPlant, check_plant
-from tvclin.numerics.covariance import (
-    absolute_covariance,
-    crossing_rate,
-    exceedance,
-    mean_absolute,
-)
+from tvclin.numerics.covariance import absolute_covariance, crossing_rate, exceedance, mean_absolute
 from tvclin.winds.histories import History
 from tvclin.winds.turbulence import Turbulence
 

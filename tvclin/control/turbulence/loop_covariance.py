@@ -14,15 +14,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    fraction,
-    nonnegative,
-    number,
-    one_of,
-    positive,
-    within,
-)
+from tvclin.base.errors import InputError, fraction, nonnegative, number, one_of, positive, within
 from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Line, Table, significant
 from tvclin.control.autopilot.autopilot import Autopilot

@@ -36,13 +36,7 @@ from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.flights.closed_loop.fly_along import FlightAlong, checked_flight
 from tvclin.flights.closed_loop.limit_along import limit_of_flight
 from tvclin.flights.closed_loop.survival_limit import OPEN
-from tvclin.requirement.flight.flight_winds import (
-    PlacedWind,
-    WindOf,
-    named_winds,
-    place,
-    placings,
-)
+from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, named_winds, place, placings
 from tvclin.requirement.flight.sizing import Sizing, flight_times
 from tvclin.requirement.required_quantity import heading_of
 from tvclin.vehicle.coefficients import PLANES
