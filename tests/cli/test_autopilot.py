@@ -430,3 +430,19 @@ def test_an_actuator_is_called_assumed_until_it_is_specified_even_by_the_same_nu
     options = ["--set", "nozzle.actuator_frequency_rad_per_s=25.1"]
     assert said in CliRunner().invoke(app, ["margins"]).stdout
     assert said not in CliRunner().invoke(app, ["margins", *options]).stdout
+
+
+def test_a_delay_margin_below_half_a_sample_is_told_where_the_criteria_are_met():
+    """At 10 Hz; at 100 Hz half a sample is far less."""
+    numbers = {"aero_margin_dB": "1", "gain_increase_dB": "1", "phase_margin_deg": "5"}
+    keys = [word for key, x in numbers.items() for word in ("--set", f"criteria.{key}", x)]
+    loose = (*keys, "--natural-frequency", "5")
+    told = {}
+    for rate in ("10", "100"):
+        result = run("margins", *loose, "--sample-rate", rate, "--json")
+        document = json.loads(result.stdout)
+        assert (result.exit_code, document["criteria"]["met"]) == (0, True)
+        delay = document["margins"]["delay_margin_s"]
+        told[rate] = any("below half a sample" in note for note in document["notes"])
+        assert told[rate] == (delay < 0.5 / float(rate))
+    assert told == {"10": True, "100": False}

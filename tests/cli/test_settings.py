@@ -169,8 +169,8 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
     [
         (("study", "--limit", "3"), "did you mean --limit-deg?"),
         (("margins", "--delay", "0.05"), "did you mean --delay-ms?"),
-        (("study", "--rate-limit-deg", "5"), "--set nozzle.rate_limit_deg_per_s VALUE gives it"),
-        (("study", "--rate-gain", "5"), "--set autopilot.rate_gain_s VALUE gives it"),
+        (("fly", "--rate-limit-deg", "5"), "--set nozzle.rate_limit_deg_per_s VALUE gives it"),
+        (("nozzle", "--rate-gain", "5"), "--set autopilot.rate_gain_s VALUE gives it"),
         (
             ("design", "--box", "thrust_kN=200..180"),
             "--box must have a smaller and a larger value",

@@ -1,14 +1,17 @@
 """The card of a whole flight, against single flights, closed forms, and sums by hand."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.small_launcher import write
 from tests.turns import usual
 from tvclin.base.lines import text
+from tvclin.cli.app import app
 from tvclin.control.laws.law import NoisyLaw
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.nozzle.data_sheet import flight_reason
@@ -343,6 +346,12 @@ def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rat
         measure = found["whole flight"].measure
         assert measure.unit == "deg/s"
         assert measure.required > measure.available == pytest.approx(rate)
+    else:  # as `tvclin ascent` says of the same flight
+        document = json.loads(CliRunner().invoke(app, ["ascent", str(file), "--json"]).stdout)
+        along = found["rate along the flight"]
+        assert (along.yes, along.quantity) == (True, "required rate")
+        assert f"required rate {along.measure.required:.3f} deg/s" in document["verdict"]["words"]
+    assert ("rate along the flight" in found) is (rate > 1.0)
 
 
 @pytest.mark.thorough

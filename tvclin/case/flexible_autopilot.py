@@ -160,18 +160,27 @@ _FREQUENCY_RATIOS = (1.5, 2.0, 3.0, 4.0, 6.0)
 """Natural frequencies that are tried, normalised by the unstable pole."""
 
 
-def gain_notes(case: Case, criteria: Criteria, satisfied: bool) -> Iterator[str]:
+def gain_notes(
+    case: Case, criteria: Criteria, satisfied: bool, delay_margin: float
+) -> Iterator[str]:
     """Yield notes on unspecified gains or actuator, and on gains that satisfy the criteria.
 
-    `satisfied`: whether the gains of the case satisfy the criteria.
+    `satisfied`: whether the gains of the case satisfy the criteria. `delay_margin`: delay margin
+    [s] of these gains.
     """
     if case.autopilot_design.unspecified and case.controller is None:
         yield (
             "these are textbook gains, a0 = 2 B and a1 = B/beta, since no option and no file"
             " specifies others"
         )
+    half_sample = 0.5 / case.hardware["sample_rate"]
     if not satisfied:
         yield _better(case, criteria)
+    elif delay_margin < half_sample:
+        yield (
+            f"the delay margin, {1e3 * delay_margin:.3g} ms, is below half a sample of the flights,"
+            f" {1e3 * half_sample:.3g} ms, and no criterion bounds it (criteria.delay_margin_ms)"
+        )
     yield from actuator_notes(case)
 
 

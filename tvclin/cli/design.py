@@ -375,7 +375,8 @@ class _Answer:
     def notes(self) -> tuple[str, ...]:
         """Notes on the gains, on the search for them and on their margins."""
         sought = () if self.sought is None else self.sought.notes
-        notes = gain_notes(self.case, self.case.held_to, self.margins.satisfied)
+        satisfied, delay = self.margins.satisfied, self.margins.whole.delay_margin
+        notes = gain_notes(self.case, self.case.held_to, satisfied, delay)
         return (*sought, *notes, *self.margins.whole.notes, *mode_notes(self.margins))
 
     def chart(self) -> "ControlPlot":

@@ -279,7 +279,8 @@ class AutopilotFlight:
         """Notes on the wind angle and angle of attack, the loop, the flight and the gains."""
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
-        gains = gain_notes(self.case, self.case.held_to, self.criteria_satisfied)
+        delay, satisfied = self.compared.margins.delay_margin, self.criteria_satisfied
+        gains = gain_notes(self.case, self.case.held_to, satisfied, delay)
         flight_notes = () if self.flight is None else self.flight.flight_notes
         loop = self.compared.notes if self.compared.margins.stable else ()
         return (*angle, *loop, *flight_notes, *gains)

@@ -303,7 +303,8 @@ class _Answer:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Notes on gains that were not specified, and on gains that satisfy the criteria."""
-        return tuple(gain_notes(self.case, self.case.held_to, self.margins.satisfied))
+        satisfied, margins = self.margins.satisfied, self.margins.whole
+        return tuple(gain_notes(self.case, self.case.held_to, satisfied, margins.delay_margin))
 
     @property
     def satisfied(self) -> bool:

@@ -16,10 +16,11 @@ from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off, requir
 from tvclin.case.load import FlownLoad
 from tvclin.cli.ascent import PlaneOptions, case_over_flight
 from tvclin.cli.fly_autopilot import limited_law
-from tvclin.cli.gains import FlownLaw
+from tvclin.cli.gains import FlownLaw, GainOptions
 from tvclin.cli.inputs import case_of, note_nominal_pressure, note_omissions, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
+    DESIGN,
     GROUP,
     MODEL,
     SOURCE_HELP,
@@ -69,6 +70,7 @@ class NozzleOptions:
         "Fly every law, of a study file those of its laws, at each rate limit, for the limit that"
         " it needs; it takes about a minute.",
     )
+    gains: GainOptions = GainOptions(DESIGN, ("natural_frequency",))
     times: Given = Given(
         "requirement.flight.request.SizingRequest", ("start", "stop", "every"), "sizing"
     )
@@ -164,8 +166,11 @@ def _case_in_a_wind(
     if options.planes.plane == BOTH:
         raise InputError(f"--plane {BOTH} needs tvclin nozzle --over {FLIGHT}")
     if AUTOPILOT not in options.names and not options.laws:
-        FlownLaw().only_with_autopilot(vehicle)
-    groups = (options.limits, options.load, options.model, options.planes, options.dead_band)
+        FlownLaw(gains=options.gains).only_with_autopilot(vehicle)
+    groups = (
+        *(options.limits, options.load, options.model, options.planes, options.dead_band),
+        options.gains,
+    )
     changes = [group.over for group in groups]
     case = case_of(vehicle, *changes, wind=winds.over, questions=(question,), time=time)
     if not options.names and not options.laws:
@@ -314,7 +319,7 @@ _USED = (
 
 def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurves) -> None:
     """Print the duty of the nozzle in a whole flight of a law, and the verdict on its limits."""
-    groups = (options.limits, options.model, options.planes)
+    groups = (options.limits, options.model, options.planes, options.gains)
     case = case_over_flight(_QUESTION, source, options.winds, options.times, *groups)
     request, names = case.sizing, options.names
     assert request is not None
@@ -322,7 +327,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
         raise InputError(f"--law may be given once with --over flight; got {len(names)}")
     law = names[0] if names else request.duty_law or "trim"
     if law != AUTOPILOT:
-        FlownLaw().only_with_autopilot(source)
+        FlownLaw(gains=options.gains).only_with_autopilot(source)
         note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
     with bar("flight times and winds") as progress:
         duty = flight_duty(case, request, law, turbulence=case.turbulence, progress=progress)

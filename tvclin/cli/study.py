@@ -8,10 +8,12 @@ import numpy as np
 
 from tvclin.base.errors import nonzero, number, positive
 from tvclin.base.lines import text
+from tvclin.cli.gains import GainOptions
 from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
+    BOTH_LIMITS,
+    DESIGN,
     GROUP,
-    LIMIT,
     LIMIT_SHAPES_HELP,
     STUDY,
     AsJson,
@@ -63,6 +65,10 @@ class StudyWind(PulseOptions):
         return replace(plan, wind=replace(pulse_of(plan), gust=gust, gust_at=None, gust_speed=None))
 
 
+_GAINS = ("natural_frequency", "damping", "attitude_gain", "rate_gain")
+"""Fields of `AutopilotDesign` that have an option."""
+
+
 def _with_limit_shape(limit_shape: str | None, plan: StudyPlan) -> StudyPlan:
     """Return a plan with the limit shape of --limit-shape."""
     return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
@@ -73,13 +79,14 @@ def study(
     time: At = None,
     winds: StudyWind = GROUP,
     question: Given = Given(STUDY, ("dead_band", "switch", "sign", "model", "plane")),
-    limit: Given = LIMIT,
+    limits: Given = BOTH_LIMITS,
     limit_shape: str | None = asked(
         f"Judge both planes with one limit of this shape: {LIMIT_SHAPES_HELP} The peak that the"
         " limit survives is then that of the wind's vector; without, that of its part in"
         " --plane. Needs --set wind.direction_deg.",
         metavar="SHAPE",
     ),
+    gains: GainOptions = GainOptions(DESIGN, _GAINS),
     explain: bool = switch("--explain", "Explain each symbol and each quantity in one line."),
     as_json: AsJson = False,
     plot: Plot = None,
@@ -88,12 +95,13 @@ def study(
     """Print the required deflection of a booster in a wind, and the verdict on its limit.
 
     A study file may also ask about the whole flight, an archive of soundings, dispersed vehicles
-    and an autopilot. Options count more than the file.
+    and an autopilot. Options count more than the file. With gains or a natural frequency the
+    autopilot is judged too; its delay, samples and filters are keys: --set autopilot.delay_ms 20.
 
     Exit code 0: every verdict is SUFFICIENT, every criterion MET and every flight SURVIVED, or no
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
-    changes = limit.over, partial(_with_limit_shape, limit_shape), question.over
+    changes = limits.over, partial(_with_limit_shape, limit_shape), question.over, gains.over
     plan = case_of(source, *changes, wind=winds.over, questions=("study",), time=time)
     with bar("answers") as progress:
         findings = find(questioned(plan), progress)

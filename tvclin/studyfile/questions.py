@@ -48,7 +48,8 @@ _QUANTITIES = {
     "flexible flight": f"{REQUIREMENT} {NOMINAL}",
 }
 """Quantities with which a limit is compared, by the name of the question."""
-_RATE_QUESTIONS = ("nozzle rate", "whole flight")
+_FLIGHT_RATE = "rate along the flight"
+_RATE_QUESTIONS = ("nozzle rate", "whole flight", _FLIGHT_RATE)
 """Questions that compare a rate limit with the required rate."""
 
 
@@ -86,9 +87,10 @@ class Measure(Record):
 class Question(Record):
     """One question of a study file.
 
-    `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
-    "probability", "turbulence", "rate in turbulence", "load in turbulence", "autopilot", "margins"
-    or "flexible flight"; the answer is None where it is not known, and `line` is why.
+    `name` is "wind", "nozzle rate", "load", "whole flight", "rate along the flight", "nozzle card",
+    "availability", "probability", "turbulence", "rate in turbulence", "load in turbulence",
+    "autopilot", "margins" or "flexible flight"; the answer is None where it is not known, and
+    `line` is why.
     `required_deflection` is the required deflection [rad], NaN for a question without one, and
     `whose` its subject with the verb, in words. `measure` holds the required and the available
     value: by default `required_deflection` and the limit.
@@ -211,7 +213,8 @@ def loop_notes(findings: Findings) -> Iterator[str]:
     margins = findings.margins
     if margins is not None:
         satisfied = bool(findings.criteria.are_satisfied(margins))
-        yield from gain_notes(findings.plan, findings.criteria, satisfied)
+        whole = margins.margins if isinstance(margins, BandMargins) else margins
+        yield from gain_notes(findings.plan, findings.criteria, satisfied, whole.delay_margin)
     else:
         yield from actuator_notes(findings.plan)
 
@@ -241,6 +244,7 @@ def _answered(findings: Findings) -> Iterator[Question]:
             yield _load(findings)
         if findings.plan.sizing is not None:
             yield _flight(findings)
+            yield from _flight_rate(findings)
             yield from _duty_question(findings)
         request = findings.plan.availability
         if request is not None and request.least_part is not None:
@@ -322,6 +326,25 @@ def _flight(findings: Findings) -> Question:
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
         return Question(name, False, line, whose=whose, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
+
+
+def _flight_rate(findings: Findings) -> Iterator[Question]:
+    """Yield the question whether the rate limit covers the required rate along the flight.
+
+    Where the rate alone is insufficient the question of the whole flight has it.
+    """
+    total, limit = findings.flight and findings.flight[1], findings.study.limit
+    if not total or total.rate_limit is None:
+        return
+    if total.too_slow and limit is not None and covers(limit, total.required):
+        return
+    if np.isnan(total.needed_rate):
+        yield Question(_FLIGHT_RATE, None, ("not known along the flight",))
+        return
+    none = np.isinf(total.needed_rate)
+    line = "no rate is sufficient with this limit" if none else "at the worst flight time"
+    measure = _of_angles(total.needed_rate, total.rate_limit, "deg/s")
+    yield Question(_FLIGHT_RATE, not total.too_slow, (line,), measure=measure)
 
 
 def _duty_question(findings: Findings) -> Iterator[Question]:

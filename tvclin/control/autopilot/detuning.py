@@ -121,7 +121,7 @@ class Detuned:
             short = change.replace(" at the sensors", "").replace("half its", "half")
             verdict = (satisfaction(bool(self.satisfied[k])),)
             rows.append(((short,), *numbers, critical, verdict))
-        head = ("change", *_COLUMNS.values(), "fails first", "asked")
+        head = ("change", *_COLUMNS.values(), "fails first", "required")
         return Table("Margins with one mode detuned, in dB and deg", head, tuple(rows))
 
     @property

@@ -162,7 +162,7 @@ class Sweep(Tabled):
             damping = significant("sweep.damping", least[at], 3)
             time = significant("sweep.damping.time", self.times[at])
             rows.append((("damping of the poles",), damping, time, ("",), ("",)))
-        head = ("margin", "worst", "at [s]", "asked", "")
+        head = ("margin", "worst", "at [s]", "required", "")
         return Table("Worst margins over the flight", head, tuple(rows))
 
     @property

@@ -319,7 +319,7 @@ def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
             gain = margin(f"{key}.gain", margins.disk_margin_dB, "dB")
             phase = margin(f"{key}.phase", margins.disk_phase_deg, "deg")
             rows.append((("  gain and phase",), (*gain, ", ", *phase), ("",), ("",), ("",)))
-    return Table("Margins", ("margin", "value", "at [rad/s]", "asked", "by"), tuple(rows))
+    return Table("Margins", ("margin", "value", "at [rad/s]", "required", "by"), tuple(rows))
 
 
 def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
@@ -336,7 +336,7 @@ def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
         (*_mode_cells(k, mode), *_limit_cells(by_mode.get(mode.name)))
         for k, mode in enumerate(bands.modes)
     ]
-    head = ("band", "held by", "at [rad/s]", "margin", "asked", "by")
+    head = ("band", "held by", "at [rad/s]", "margin", "required", "by")
     width = len(head) if by_mode else len(head) - 2
     return Table("Margins by band", head[:width], tuple(row[:width] for row in rows))
 
