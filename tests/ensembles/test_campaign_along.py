@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tests.whole_flight import autopilot, flight
+from tests.whole_flight import autopilot, flight, write_flight
 from tvclin import InputError
+from tvclin.control import ModeNotch
 from tvclin.ensembles import Dispersion, Dispersions, FlightPlan, SoundingEnsemble
 from tvclin.ensembles.campaign.case_replay import replay_case
 from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.ensembles.campaign.folder import read, written
 from tvclin.flights import fly_along, fly_many_along
+from tvclin.vehicle import Filter
 from tvclin.winds.shaped import ShapedWind
 
 LIMIT, RATE = np.radians(0.45), 0.3
@@ -191,3 +193,83 @@ def test_campaigns_along_a_flight_that_cannot_be(changes, message) -> None:
         campaign(**changes)
     with pytest.raises(InputError, match="give the autopilot a sample_rate"):
         FlightPlan(flight(flexible=False), autopilot())
+
+
+FILE = """
+[campaign]
+along = true
+cases = 2
+seed = 3
+
+[outputs]
+names = ["flight"]
+
+[wind]
+shape = "triangular"
+peak_deg = 5.0
+duration_s = 7.0
+
+[[dispersion]]
+parameter = "normal_force_slope"
+percent = 10
+
+[[dispersion]]
+parameter = "bending_1_frequency"
+shape = "uniform"
+percent = 5
+"""
+
+
+def test_a_file_flies_its_cases_along_the_flight_with_its_schedule_and_notches(tmp_path) -> None:
+    write_flight(tmp_path)
+    study = (tmp_path / "study.toml").read_text(encoding="utf-8")
+    study = study.replace('"flight.csv"', '"flight.csv"\ntime_s = 55')
+    file = tmp_path / "campaign.toml"
+    file.write_text(study + FILE, encoding="utf-8")
+    made = tv.load_schedule(tmp_path / "flight.csv")
+    laws = autopilot(filters=(Filter.low_pass(40.0, 0.7),), sample_rate=50.0)
+    notches = (
+        ModeNotch(mode=name, zero_damping=0.1, pole_damping=0.6) for name in ("first", "second")
+    )
+    plan = FlightPlan(made, replace(laws, notches=tuple(notches)))
+    spread = (
+        Dispersion("normal_force_slope", "normal", 0.1),
+        Dispersion("bending_1_frequency", "uniform", 0.05),
+    )
+    asked = campaign(
+        vehicle=made.at(55.0),
+        dispersions=Dispersions(spread),
+        cases=2,
+        seed=3,
+        nozzle=tv.Nozzle(limit=np.radians(5.0), rate_limit=np.radians(20.0)),
+        along=plan,
+    )
+    own = evaluate(tv.studyfile.load_campaign(file), 0, 2)
+    for name, values in evaluate(asked, 0, 2).items():
+        if name == "status":
+            assert own[name].tolist() == values.tolist()
+        else:
+            np.testing.assert_allclose(own[name], values, rtol=1e-9, err_msg=name)
+    rule = study.replace(
+        'schedule = "gains.csv"', "natural_frequency_rad_per_s = 1.1\ndamping = 0.7"
+    )
+    file.write_text(rule.replace("every_s = 20", "every_s = 5") + FILE, encoding="utf-8")
+    assert tv.studyfile.load_campaign(file).along.autopilot.breakpoints.size == 17
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("along = true", "along = 3", "along in .campaign. must be true or false; got 3"),
+        ("along = true", "along = false", "add along = true to .campaign."),
+        ("time_s = 55", "", "is a flight schedule: give the time"),
+        ('["flight"]', '["required"]', 'has the output "flight"'),
+    ],
+)
+def test_a_file_of_a_campaign_along_a_flight_that_cannot_be(tmp_path, old, new, message) -> None:
+    write_flight(tmp_path)
+    study = (tmp_path / "study.toml").read_text(encoding="utf-8")
+    study = study.replace('"flight.csv"', '"flight.csv"\ntime_s = 55') + FILE
+    (tmp_path / "campaign.toml").write_text(study.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        tv.studyfile.load_campaign(tmp_path / "campaign.toml")

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
 ANY_NOZZLE = Nozzle()
 """Nozzle without limits, with the usual actuator."""
-_FLIGHT_SAMPLE_RATE_HZ = 100.0
+FLIGHT_SAMPLE_RATE_HZ = 100.0
 """Sample rate [Hz] in flights of an autopilot without a sample rate."""
 
 
@@ -195,7 +195,7 @@ class Case:
             "actuator": self.nozzle.actuator,
             "rate_limit": np.inf if rate is None else rate,
             "delay": design.delay,
-            "sample_rate": design.sample_rate or self._controller_rate or _FLIGHT_SAMPLE_RATE_HZ,
+            "sample_rate": design.sample_rate or self._controller_rate or FLIGHT_SAMPLE_RATE_HZ,
         }
 
     @property

@@ -187,6 +187,11 @@ def _campaign(
     assumed = campaign.dispersions == DEFAULT_DISPERSIONS
     sounding = winds.sounding_of(campaign, source)
     if sounding is not None:
+        if campaign.along is not None:
+            raise InputError(
+                "--winds is of one flight time; along a flight give a wind of one shape, a file of"
+                " winds, or a SoundingEnsemble in Python"
+            )
         wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
         dispersions = _OF_THE_VEHICLE if assumed else campaign.dispersions
         campaign = replace(campaign, wind=wind, dispersions=dispersions)

@@ -1,6 +1,7 @@
 """Campaign files: the `Campaign` of a TOML file, and the tables that study files share with it."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -8,16 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.schedule_file import SOURCE_TABLE, load_vehicle_at
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.schedule_file import (
+    SOURCE_TABLE,
+    load_schedule,
+    load_vehicle_at,
+    schedule_of,
+    with_structure,
+)
 from tvclin.base.errors import Faults, InputError, between, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import EditedSource, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, check_known
+from tvclin.case.case import FLIGHT_SAMPLE_RATE_HZ
 from tvclin.case.load import LOAD_TABLE
 from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.case.turbulence import TURBULENCE_TABLE, turbulence_of
 from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
+from tvclin.control.autopilot.gain_schedule import design_at, even_times, flight_autopilot
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.design.standard_trials import LAWS_TABLE
 from tvclin.ensembles.availability.availability import AVAILABILITY_TABLE
@@ -26,6 +36,7 @@ from tvclin.ensembles.campaign.campaign_plan import (
     OUTPUTS_TABLE,
     QUESTION_TABLE,
     Campaign,
+    FlightPlan,
 )
 from tvclin.ensembles.dispersions import (
     CORRELATION_TABLE,
@@ -35,13 +46,14 @@ from tvclin.ensembles.dispersions import (
     Dispersions,
     spread_table,
 )
+from tvclin.linear.plant import DEFAULT_MODEL, flexible_model
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_file import read_system
-from tvclin.requirement.flight.request import SIZE_TABLE
+from tvclin.requirement.flight.request import EVERY_S, SIZE_TABLE
 from tvclin.requirement.study import STUDY_TABLE
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE
 from tvclin.vehicle.linear_vehicle import AnyVehicle
-from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles
+from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles, source_tables
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.sounding_files import READING_TABLE
 from tvclin.winds.wind_file import (
@@ -119,11 +131,17 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
             " (--set plant none)"
         )
     design = design_of(document, folder)
-    if design is not None and design.schedule is not None:
-        raise InputError("a campaign is of one flight time: no schedule and no filter with a mode")
     _ = turbulence_of(document, folder)  # refuses values out of range
     head = {"cases": CASES} | CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
     head.pop("time", None)
+    along = head.pop("along", False)
+    if not isinstance(along, bool):
+        raise InputError(f"along in [campaign] must be true or false; got {shown(along)}")
+    if not along and design is not None and design.schedule is not None:
+        raise InputError(
+            "a campaign of one flight time takes no schedule and no filter with a mode; add along ="
+            " true to [campaign], for flights along the whole flight"
+        )
     study = STUDY_TABLE.one(document)
     outputs: dict[str, Any] = {}
     if "dead_band" in study:
@@ -134,6 +152,11 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     wind = wind_for_vehicle(document, wind, vehicle, plane)
     nozzle = nozzle_of(document)
     assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
+    if along:
+        head["along"] = _along(document, folder, design, nozzle, subject)
+        time = getattr(vehicle, "time", None)
+        if design is not None and time is not None:
+            design = design_at(design, head["along"].flight, float(time))
     return Campaign(
         nozzle=nozzle,
         design=design,
@@ -144,6 +167,34 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
         **{_FIELDS.get(key, key): value for key, value in outputs.items()},
         **question_of(document),
     )
+
+
+def _along(
+    document: Mapping[str, Any],
+    folder: Path,
+    design: AutopilotDesign | None,
+    nozzle: Nozzle,
+    subject: Mapping[str, Any],
+) -> FlightPlan:
+    """Return the flight and the autopilot of a campaign along a flight.
+
+    A rule for the gains is applied at even flight times, of `every_s` in [size].
+    """
+    flight: FlightSchedule = flight_of(document, folder)["schedule"]
+    size = SIZE_TABLE.read(SIZE_TABLE.one(document))
+    design = design or AutopilotDesign()
+    gains = flight_autopilot(
+        design,
+        flight,
+        even_times(*flight.span, size.get("every", EVERY_S)),
+        actuator=nozzle.actuator,
+        model=flexible_model(flight.structure, subject.get("model", DEFAULT_MODEL)),
+        plane=subject.get("plane", "pitch"),
+    )
+    autopilot = gains.autopilot
+    rate = autopilot.sample_rate or FLIGHT_SAMPLE_RATE_HZ
+    gains = replace(gains, autopilot=replace(autopilot, sample_rate=rate))
+    return FlightPlan(flight, gains)
 
 
 def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -171,6 +222,47 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         time = number("time_s", time)
     vehicle = _vehicle(subject["vehicle"], folder, where.name, time)
     return subject | {"vehicle": vehicle.rigid if is_rigid(document) else vehicle}
+
+
+def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return schedule and source of a flight, from [schedule] or else from the study's vehicle.
+
+    With `another`: the name of the study's vehicle, where the flight belongs to another vehicle.
+    """
+    table = document.get("schedule", {})
+    lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
+    if lists and "source" in table:
+        raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
+    if lists:
+        schedule = schedule_of(table, "[schedule]", folder)
+        schedule = replace(schedule, structure=None) if is_rigid(document) else schedule
+        return {"schedule": schedule, "source": "the lists in [schedule]"}
+    SOURCE_TABLE.read(table)
+    study, campaign = document.get("study", {}), document.get("campaign", {})
+    vehicle = study.get("vehicle", campaign.get("vehicle"))
+    source = table.get("source", vehicle)
+    if not isinstance(source, str) or not source.isprintable():
+        raise InputError(
+            "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
+            f" {shown(source)}"
+        )
+    schedule = load_schedule(vehicle_source(source, folder))
+    if "structure" in table:
+        schedule = with_structure(schedule, table["structure"], folder)
+    if is_rigid(document):
+        schedule = replace(schedule, structure=None)
+    flight = {"schedule": schedule, "source": source}
+    named = isinstance(vehicle, str)
+    same = named and Path(vehicle_source(source, folder)) == Path(vehicle_source(vehicle, folder))
+    if same or not _is_vehicle(vehicle_source(source, folder)):
+        return flight
+    name = vehicle if named else vehicle.get("name") or "given by its numbers"
+    return flight | {"another": name}
+
+
+def _is_vehicle(source: str | Path) -> bool:
+    """Return whether the source of a flight is a vehicle, not a table of its times."""
+    return "vehicle" in source_tables(source)
 
 
 def is_rigid(document: Mapping[str, Any]) -> bool:

@@ -18,7 +18,7 @@ from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, degrees, plural, significant, text
 from tvclin.base.quantities import survival
 from tvclin.case.flexible_autopilot import actuator_notes
-from tvclin.control.autopilot.gain_schedule import GainSchedule, flight_autopilot
+from tvclin.control.autopilot.gain_schedule import GainSchedule, even_times, flight_autopilot
 from tvclin.control.autopilot.sweep import Sweep, sweep
 from tvclin.ensembles.statistics import Success, success_probability
 from tvclin.flights.closed_loop.fly_along import FlightAlong, fly_along
@@ -84,12 +84,7 @@ class FlightLoop:
         request, (first, last) = self.request, self.flight.span
         low = number("size.from_s", _or(request.start, first), between(first, last), "s")
         high = number("size.to_s", _or(request.stop, last), between(low, last), "s")
-        return self._even(low, high)
-
-    def _even(self, low: float, high: float) -> FloatArray:
-        """Return even flight times [s] from one to another, which is the last, ``(n,)``."""
-        count = int(np.ceil((high - low) / self.request.every - 1e-9))
-        return np.append(low + self.request.every * np.arange(count), high)
+        return even_times(low, high, self.request.every)
 
     @cached_property
     def autopilot(self) -> GainSchedule:
@@ -97,7 +92,7 @@ class FlightLoop:
         return flight_autopilot(
             self.plan.autopilot_design,
             self.flight,
-            np.union1d(self._even(*self.flight.span), self.times),
+            np.union1d(even_times(*self.flight.span, self.request.every), self.times),
             actuator=self.plan.nozzle.actuator,
             model=self.model,
             plane=self.plan.plane,

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.ascent.measured_wind import GustOf, gust_of_speed
-from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of, with_structure
 from tvclin.ascent.wind_along import WINDOW_S, SoundingWind
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
@@ -24,16 +23,15 @@ from tvclin.studyfile.campaign_file import (
     PLANT_TABLE,
     design_of,
     dispersions_of,
+    flight_of,
     is_rigid,
     nozzle_of,
     parse_campaign,
     question_of,
     subject_of,
     system_of,
-    vehicle_source,
 )
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, Document, StudyPlan
-from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.sounding_files import SoundingReading, read_soundings
 from tvclin.winds.wind_file import (
@@ -106,7 +104,7 @@ def _at_its_time(
     time = getattr(subject["vehicle"], "time", None)
     if time is None:
         raise InputError("a schedule of gains and a notch at a mode need a vehicle with a time")
-    flight = _flight(document, folder)["schedule"]
+    flight = flight_of(document, folder)["schedule"]
     sizing = sizing and replace(sizing, scheduled_design=design)
     return {"design": design_at(design, flight, float(time)), "sizing": sizing}
 
@@ -120,7 +118,7 @@ def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any])
         return SoundingWind(
             name=name,
             **vars(sounding),
-            schedule=_flight(document, folder)["schedule"],
+            schedule=flight_of(document, folder)["schedule"],
             window=reading.window or WINDOW_S,
             gust=_gust(document, plane),
         )
@@ -173,7 +171,7 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
             )
         options = {"peak_speed": speed} | options
     return SizingRequest(
-        **_flight(document, folder),
+        **flight_of(document, folder),
         pulse=bool(pulses),
         window=reading.window,
         others=tuple(wind for wind in others if isinstance(wind, ShapedWind)),
@@ -208,7 +206,7 @@ def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequ
     selection |= SoundingReading.of(document, folder).table
     offset = options.pop("utc_offset_hours", 0.0)
     return AvailabilityRequest(
-        flight=_flight(document, folder)["schedule"],
+        flight=flight_of(document, folder)["schedule"],
         soundings=read_soundings([folder / name for name in names], utc_offset=offset, **selection),
         gust_speed=_gust_speed(document),
         **options,
@@ -230,47 +228,6 @@ def _gust_speed(document: Mapping[str, Any]) -> float | None:
     """Return the speed [m/s] of [gust]; None for a gust with an angle, and without a gust."""
     on_top = "gust" in document and not is_wind_from_gust(document)
     return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed") if on_top else None
-
-
-def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return schedule and source of a flight, from [schedule] or else from the study's vehicle.
-
-    With `another`: the name of the study's vehicle, where the flight belongs to another vehicle.
-    """
-    table = document.get("schedule", {})
-    lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
-    if lists and "source" in table:
-        raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
-    if lists:
-        schedule = schedule_of(table, "[schedule]", folder)
-        schedule = replace(schedule, structure=None) if is_rigid(document) else schedule
-        return {"schedule": schedule, "source": "the lists in [schedule]"}
-    SOURCE_TABLE.read(table)
-    study, campaign = document.get("study", {}), document.get("campaign", {})
-    vehicle = study.get("vehicle", campaign.get("vehicle"))
-    source = table.get("source", vehicle)
-    if not isinstance(source, str) or not source.isprintable():
-        raise InputError(
-            "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
-            f" {shown(source)}"
-        )
-    schedule = load_schedule(vehicle_source(source, folder))
-    if "structure" in table:
-        schedule = with_structure(schedule, table["structure"], folder)
-    if is_rigid(document):
-        schedule = replace(schedule, structure=None)
-    flight = {"schedule": schedule, "source": source}
-    named = isinstance(vehicle, str)
-    same = named and Path(vehicle_source(source, folder)) == Path(vehicle_source(vehicle, folder))
-    if same or not _is_vehicle(vehicle_source(source, folder)):
-        return flight
-    name = vehicle if named else vehicle.get("name") or "given by its numbers"
-    return flight | {"another": name}
-
-
-def _is_vehicle(source: str | Path) -> bool:
-    """Return whether the source of a flight is a vehicle, not a table of its times."""
-    return "vehicle" in source_tables(source)
 
 
 def _sounding(

@@ -341,6 +341,11 @@ def equal_values(
     return EqualValues(variable, values[first], at[first], second, *ratios)
 
 
+def even_times(first: float, last: float, every: float) -> FloatArray:
+    """Return even flight times [s] from the first on, and the last, ``(n,)``."""
+    return np.append(first + every * np.arange(int(np.ceil((last - first) / every - 1e-9))), last)
+
+
 def flight_autopilot(
     design: AutopilotDesign,
     flight: FlightSchedule,

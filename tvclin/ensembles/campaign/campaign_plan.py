@@ -449,7 +449,7 @@ CAMPAIGN_TABLE = file_table(
     "[campaign]",
     Campaign,
     ("until", "model", "plane", "sign", "cases", "seed", "method", "chunk"),
-    words=("vehicle",),
+    words=("vehicle", "along"),
     quantities={"time": "time"},
 )
 OUTPUTS_TABLE = file_table("[outputs]", Campaign, ("law", "dead_bands"), lists=("names",))

@@ -188,6 +188,8 @@ def _strength(peak: float, speed: float | None) -> str:
 
 _MIN_STEP_FRACTION = 1e-9
 """Minimum distance of even flight times from the first and the last, as a fraction of a step."""
+EVERY_S = 5.0
+"""Default interval between flight times [s]."""
 _MAX_FLIGHT_TIMES = 10_000
 """Largest number of flight times; more indicate a step in a wrong unit."""
 MAX_RATE_NOISE = 0.1
@@ -276,7 +278,7 @@ class SizingRequest:
     stop: float | None = quantity(
         "time", None, key="to", option="--to", shown="the last with all pulses in the schedule"
     )
-    every: float = quantity("time", 5.0, positive)
+    every: float = quantity("time", EVERY_S, positive)
     dead_bands: tuple[float, ...] = quantity(
         "number", (1.0, 0.5), between(0.0, 1.0), many=True, option="--dead-band"
     )
