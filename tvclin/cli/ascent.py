@@ -22,7 +22,6 @@ from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say
 from tvclin.cli.wind import FlightOptions, check_reading
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
-from tvclin.requirement.flight.deflection_use import DeflectionUse
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
@@ -40,32 +39,6 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 
-@dataclass(frozen=True, eq=False)
-class AutopilotUse:
-    """Required, used and remaining deflection by flight time, and the flights of the autopilot."""
-
-    use: DeflectionUse
-    flights: FlightsOfLoop
-
-    @property
-    def table(self) -> Table:
-        """The joint table by flight time."""
-        caption = "Required, used by the autopilot, and remaining deflection [deg]"
-        return replace(self.use.table(), caption=caption)
-
-    @property
-    def notes(self) -> Iterator[str]:
-        """The verdict on the flights of the autopilot, and notes on them."""
-        yield f"flown by the autopilot: {self.flights.verdict}"
-        yield from self.flights.notes
-        yield from (f"autopilot requirement NOT KNOWN: {reason}" for reason in self.use.reasons)
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """The deflections and the flights, for JSON."""
-        return {"deflection_use": self.use, "autopilot": self.flights.document()}
-
-
 def is_scheduled(case: Case, source: str) -> bool:
     """Return whether a file has an autopilot over the flight, not of one flight time."""
     if not isinstance(case, StudyPlan) or case.sizing is None:
@@ -75,10 +48,10 @@ def is_scheduled(case: Case, source: str) -> bool:
     )
 
 
-def autopilot_use(
+def _autopilot_flights(
     case: StudyPlan, source: str, sizing: Sizing, counted: Requirement, more: bool
-) -> AutopilotUse | None:
-    """Return the use of the nozzle by the autopilot of a file; None without a limit.
+) -> FlightsOfLoop | None:
+    """Return the flights of the autopilot of a file and its use of the nozzle, if it has a limit.
 
     None also in both planes, at a single flight time, and without an autopilot over the flight.
     `more`: whether the autopilot requirement, which takes seconds for each flight time, is found.
@@ -86,9 +59,8 @@ def autopilot_use(
     single = case.planes == BOTH or sizing.times.size < 2
     if single or case.nozzle.limit is None or not is_scheduled(case, source):
         return None
-    loop = FlightLoop.of(case)
     with bar("flights of the autopilot") as progress:
-        return AutopilotUse(*loop.use(sizing, counted, requirements=more, progress=progress))
+        return FlightLoop.of(case).use(sizing, counted, requirements=more, progress=progress)
 
 
 _FIELDS = ("start", "stop", "every", "dead_bands", "varying")
@@ -168,7 +140,7 @@ def ascent(
         total=request.total(case, sizing, turbulence),
         ratio=request.ratio(case, sizing),
         turbulence=turbulence if isinstance(turbulence, FlightTurbulence) else None,
-        use=autopilot_use(case, source, sizing, counted, more),
+        flights=_autopilot_flights(case, source, sizing, counted, more),
         notes_of_request=(*request.warnings, *request.notes, *_hints(request, sizing)),
     )
     if csv is not None:
@@ -196,15 +168,19 @@ class _Answer:
     total: DeflectionTotal
     ratio: ControllabilityRatio | None
     turbulence: FlightTurbulence | None
-    use: AutopilotUse | None
+    flights: FlightsOfLoop | None
     notes_of_request: tuple[str, ...]
 
     @property
     def notes(self) -> list[str]:
         """Notes without those of the sizing and of the controllability ratio."""
-        of_use = () if self.use is None else self.use.notes
+        flights, notes = self.flights, []
+        if flights is not None:
+            notes = [f"flown by the autopilot: {flights.verdict}", *flights.notes]
+            unknown = () if flights.use is None else flights.use.reasons
+            notes += [f"autopilot requirement NOT KNOWN: {reason}" for reason in unknown]
         of_turbulence = () if self.turbulence is None else self.turbulence.notes
-        return [*of_use, *of_turbulence, *self.notes_of_request]
+        return [*notes, *of_turbulence, *self.notes_of_request]
 
     @property
     def satisfied(self) -> bool:
@@ -213,35 +189,38 @@ class _Answer:
         False where one of these is not known.
         """
         total = self.total
-        survived = self.use is None or bool(self.use.flights.survived)
+        survived = self.flights is None or bool(self.flights.survived)
         return survived and not total.too_slow and (total.limit is None or bool(total.sufficient))
 
     @property
     def verdict(self) -> str:
         """Verdict on the limit, with the outcome of the autopilot."""
-        return self.total.words_with("" if self.use is None else self.use.flights.outcome)
+        return self.total.words_with("" if self.flights is None else self.flights.outcome)
 
     def chart(self) -> "ControlPlot":
         """Return the figure: of requirements, or of required, used and remaining deflection."""
         from tvclin import plots
 
-        if self.use is not None:
-            return plots.deflection_use_chart(self.use.use, self.source)
+        if self.flights is not None and self.flights.use is not None:
+            return plots.deflection_use_chart(self.flights.use, self.source)
         return plots.sizing_chart(self.sizing, self.total.limit, self.source)
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
-        sizing, total, ratio = self.sizing, self.total, self.ratio
+        sizing, total, ratio, flights = self.sizing, self.total, self.ratio, self.flights
+        used: dict[str, Any] = {}
+        if flights is not None:
+            used = {"deflection_use": flights.use, "autopilot": flights.document()}
         return {
             **sizing.as_dict(),
             "total": total,
             "controllability": ratio,
             **({} if self.turbulence is None else {"turbulence": self.turbulence}),
-            **({} if self.use is None else self.use.document),
+            **used,
             "notes": [*sizing.notes, *self.notes, *(ratio.notes if ratio else ())],
             "verdict": {
                 **document(total, "limit", "sufficient", "remaining", "not_sized"),
-                **({} if self.use is None else {"autopilot": self.use.flights.outcome}),
+                **({} if flights is None else {"autopilot": flights.outcome}),
                 "words": self.verdict,
                 "satisfied": self.satisfied,
             },
@@ -249,13 +228,13 @@ class _Answer:
 
     def print(self, more: bool) -> None:
         """Print the verdict, the deflections by flight time and notes, and with `more` the rest."""
-        sizing, use, ratio = self.sizing, self.use, self.ratio
+        sizing, flights, ratio = self.sizing, self.flights, self.ratio
         name = sizing.schedule.vehicle.name or self.source
         planes = "both planes, one limit" if sizing.separate else sizing.plane
         title = f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}"
         first, *further = tables.time_tables(sizing, self.counted)
-        if use is not None:
-            first, further = use.table, [first, *further]
+        if flights is not None and flights.use is not None:
+            first, further = flights.use.table(), [first, *further]
         random = [] if self.turbulence is None else self.turbulence.tables()
         print_answer(
             self.verdict,

@@ -9,7 +9,9 @@ any p.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
+from functools import partial
 
 import numpy as np
 
@@ -191,23 +193,18 @@ def fly_turbulence(
     )
     V, (_, length) = number("speed", speed), turbulence.over(altitude)
     times = _times(0.0, float(duration), float(np.min(length)) / V)
-    law = SaturatedLaw.of(autopilot)
-    parts = []
-    for first, count in _parts(runs):
-        gusts = turbulence.winds(times, V, altitude=altitude, seed=seed, first=first, runs=count)
-        parts.append(
-            fly_many(
-                plant,
-                law,
-                gusts if wind is None else gusts + wind,
-                deflection_limit=limit,
-                rate_limit=rate_limit,
-                actuator=autopilot.actuator,
-                sample_rate=float(np.asarray(autopilot.sample_rate)),
-                delay=autopilot.delay,
-            )
-        )
-    return _compared(limit, linear, parts)
+    fly = partial(
+        fly_many,
+        plant,
+        SaturatedLaw.of(autopilot),
+        deflection_limit=limit,
+        rate_limit=rate_limit,
+        actuator=autopilot.actuator,
+        sample_rate=float(np.asarray(autopilot.sample_rate)),
+        delay=autopilot.delay,
+    )
+    gusts = partial(turbulence.winds, times, V, altitude=altitude, seed=seed)
+    return _compared(limit, linear, [fly(winds) for winds in _sampled_winds(gusts, wind, runs)])
 
 
 def fly_turbulence_along(
@@ -270,26 +267,20 @@ def fly_turbulence_along(
     times = _times(first_time, last_time, float(np.min(lengths / V)))
     speeds = flight_variable(schedule, "speed", times)
     heights = None if schedule.altitude is None else flight_variable(schedule, "altitude", times)
-    parts = []
-    for first, count in _parts(runs):
-        gusts = turbulence.winds(
-            times, speeds, altitude=heights, seed=seed, first=first, runs=count
-        )
-        parts.append(
-            fly_many_along(
-                schedule,
-                autopilot,
-                gusts if wind is None else gusts + wind,
-                deflection_limit=limit,
-                rate_limit=rate_limit,
-                sign="frozen",
-                model=model,
-                plane=plane,
-                start=start,
-                stop=stop,
-            )
-        )
-    return _compared(limit, linear, parts)
+    fly = partial(
+        fly_many_along,
+        schedule,
+        autopilot,
+        deflection_limit=limit,
+        rate_limit=rate_limit,
+        sign="frozen",
+        model=model,
+        plane=plane,
+        start=start,
+        stop=stop,
+    )
+    gusts = partial(turbulence.winds, times, speeds, altitude=heights, seed=seed)
+    return _compared(limit, linear, [fly(winds) for winds in _sampled_winds(gusts, wind, runs)])
 
 
 def _check_sampled(autopilot: Autopilot) -> None:
@@ -309,12 +300,19 @@ def _times(start: float, stop: float, time_scale: float) -> FloatArray:
     return np.linspace(start, stop, int(np.ceil((stop - start) / step)) + 1)
 
 
-def _parts(runs: int) -> list[tuple[int, int]]:
-    """Return the number of the first flight and the count of each part of the flights."""
+def _sampled_winds(
+    gusts: Callable[..., History], wind: History | None, runs: int
+) -> Iterator[History]:
+    """Yield a known wind with sampled turbulence, in parts that fit into memory.
+
+    `gusts`: turbulence of `runs` flights from the number `first` on.
+    """
     total = whole_number("runs", runs)
     if not 2 <= total <= _MAX_RUNS:
         raise InputError(f"runs must be 2 to {_MAX_RUNS}; got {shown(runs)}")
-    return [(k, min(_RUNS_AT_ONCE, total - k)) for k in range(0, total, _RUNS_AT_ONCE)]
+    for first in range(0, total, _RUNS_AT_ONCE):
+        sampled = gusts(first=first, runs=min(_RUNS_AT_ONCE, total - first))
+        yield sampled if wind is None else sampled + wind
 
 
 def _compared(

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from tvclin.linear.flexible import AnyPlant
     from tvclin.nozzle.data_sheet import FlightDuty
     from tvclin.requirement.autopilot_requirement import AutopilotRequirement
-    from tvclin.requirement.flight.deflection_use import DeflectionUse
     from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
     from tvclin.requirement.flight.request import SizingRequest
     from tvclin.requirement.flight.sizing import Sizing
@@ -114,7 +113,7 @@ class Findings:
     reasons: dict[str, str]
     warnings: tuple[str, ...]
     sweep: Sweep | None = None
-    use: tuple[DeflectionUse, FlightsOfLoop] | None = None
+    flights: FlightsOfLoop | None = None
 
     @property
     def criteria(self) -> Criteria:
@@ -254,7 +253,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             ),
             head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, loop, limit)),
             sweep=result("sweep", lambda *_: _flight_loop(plan).sweep()),
-            use=flight and result("use", partial(_use, plan, flight[0])),
+            flights=flight and result("flights", partial(_flights, plan, flight[0])),
             reasons=reasons,
             warnings=tuple(messages),
         )
@@ -281,7 +280,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         if loop or plan.nozzle.rate_limit or plan.turbulence is not None
         else None,
         "sweep": along,
-        "use": along and plan.nozzle.limit,
+        "flights": along and plan.nozzle.limit,
     }
     return {name: request for name, request in requests.items() if request is not None}
 
@@ -430,10 +429,8 @@ def _flight_loop(plan: StudyPlan) -> FlightLoop:
     return FlightLoop.of(plan)
 
 
-def _use(
-    plan: StudyPlan, sizing: Sizing, _: float, progress: Progress
-) -> tuple[DeflectionUse, FlightsOfLoop]:
-    """Return the use of the nozzle by the autopilot along the flight, and its flights."""
+def _flights(plan: StudyPlan, sizing: Sizing, _: float, progress: Progress) -> FlightsOfLoop:
+    """Return the flights of the autopilot along the flight, with its use of the nozzle."""
     assert plan.sizing is not None  # by its request
     counted = plan.sizing.counted(sizing, plan.sign)
     return _flight_loop(plan).use(sizing, counted, progress=progress)

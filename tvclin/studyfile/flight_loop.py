@@ -183,8 +183,8 @@ class FlightLoop:
         *,
         requirements: bool = False,
         progress: Progress | None = None,
-    ) -> tuple[DeflectionUse, FlightsOfLoop]:
-        """Return required, used and remaining deflection by flight time, and the flights.
+    ) -> FlightsOfLoop:
+        """Return the flights, with required, used and remaining deflection by flight time.
 
         `sizing`: that of the flight and its winds; `counted`: its requirement that counts. The
         lower bounds stand beside it. `requirements`: whether the autopilot requirement does too.
@@ -205,7 +205,8 @@ class FlightLoop:
             if requirement in sizing.required and np.any(np.isfinite(sizing.at_times(requirement)))
         ]
         labels = [counted.label, *(bound.label for bound in bounds[:2])]
-        return deflection_use(sizing, flown.used, flown.limit, needed, labels), flown
+        use = deflection_use(sizing, flown.used, flown.limit, needed, labels)
+        return replace(flown, use=use)
 
     @property
     def wind_notes(self) -> Iterator[str]:
@@ -355,13 +356,15 @@ class FlightsOfLoop:
 
     `outcomes`: of each wind. `worst`: the flight of the worst outcome, with its outputs over time.
     `limit`: deflection limit [rad]. `used`: largest deflection [rad] in the winds of each flight
-    time of the sizing, ``(n,)``; NaN where one is not survived.
+    time of the sizing, ``(n,)``; NaN where one is not survived. `use`: required, used and remaining
+    deflection, if a sizing gives the former.
     """
 
     outcomes: tuple[FlightOutcome, ...]
     worst: FlightAlong
     limit: float
     used: FloatArray
+    use: DeflectionUse | None = None
 
     @property
     def worst_outcome(self) -> FlightOutcome:

@@ -516,16 +516,16 @@ def _margins(findings: Findings) -> Question:
 
 def _along_flight(findings: Findings) -> Iterator[Question]:
     """Yield whether the autopilot over the flight has its margins, and survives along it."""
-    sweep, use, reasons = findings.sweep, findings.use, findings.reasons
+    sweep, flights, reasons = findings.sweep, findings.flights, findings.reasons
     if sweep is not None:
         yield Question(_OVER_FLIGHT, sweep.all_satisfied, (sweep.verdict,))
     elif "sweep" in reasons:
         yield Question(_OVER_FLIGHT, None, (reasons["sweep"],))
-    if use is not None:
-        words = use[1].verdict.partition(" with ")[2]
-        yield Question(_ALONG_FLIGHT, use[1].survived, (f"flown with {words}",))
-    elif "use" in reasons:
-        yield Question(_ALONG_FLIGHT, None, (reasons["use"],))
+    if flights is not None:
+        words = flights.verdict.partition(" with ")[2]
+        yield Question(_ALONG_FLIGHT, flights.survived, (f"flown with {words}",))
+    elif "flights" in reasons:
+        yield Question(_ALONG_FLIGHT, None, (reasons["flights"],))
 
 
 def _relative_surplus(judgement: Judgement) -> float:

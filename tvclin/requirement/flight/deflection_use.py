@@ -207,7 +207,9 @@ class DeflectionUse(Tabled):
             )
             for k, time in enumerate(self.times)
         ]
-        return Table("Deflection by flight time, in deg", ("time [s]", *values), tuple(rows))
+        return Table(
+            "Required, used and remaining deflection [deg]", ("time [s]", *values), tuple(rows)
+        )
 
     def _repr_html_(self) -> str:
         return table(self.table())
