@@ -1,5 +1,6 @@
 """What pytest may not collect where something is missing, what is run first, what is thorough."""
 
+import gc
 from collections import defaultdict
 from importlib.util import find_spec
 
@@ -32,6 +33,16 @@ LONG_EXAMPLES = (
     *("flown_trade_off.py", "dispersed_study.py", "page.py"),
 )
 """Of tvclin: examples of these take more than half a second, and are thorough."""
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Collect without looking for garbage, of which there is next to none."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items):
