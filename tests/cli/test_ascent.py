@@ -492,7 +492,7 @@ def test_both_planes_need_a_direction() -> None:
 
 def test_a_flight_in_a_pulse_whose_pressure_is_not_known_is_not_known() -> None:
     """It lasts too long to be followed; nominal dynamic pressure alone refuses a limit."""
-    arguments = ["ascent", "configuration-i", "--duration", "6000", "--limit-deg"]
+    arguments = ["ascent", "configuration-i", *FAST, "--duration", "6000", "--limit-deg"]
     for limit, word in (("2", "NOT KNOWN"), ("0.1", "NOT SUFFICIENT")):
         found = CliRunner().invoke(app, [*arguments, limit])
         assert found.exit_code == 1

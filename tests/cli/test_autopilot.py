@@ -155,8 +155,11 @@ def test_a_warning_is_said_once():
     assert result.stderr.count("Warning: attitude_gain = -0.05 is positive feedback") == 1
 
 
-def test_the_autopilot_is_compared_as_in_the_library():
-    document = json.loads(run("fly", "--natural-frequency", "1", "--json").stdout)["comparison"]
+def test_the_autopilot_is_compared_as_in_the_library_and_its_flight_is_drawn(tmp_path):
+    file = tmp_path / "flight.svg"
+    result = run("fly", "--natural-frequency", "1", "--json", "--plot", str(file))
+    assert "</svg>" in file.read_text()
+    document = json.loads(result.stdout)["comparison"]
     plant = booster()
     rule = {"natural_frequency": 1.0, "damping": 0.7, "actuator": tv.Actuator()}
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
@@ -167,6 +170,7 @@ def test_the_autopilot_is_compared_as_in_the_library():
     assert document["part_of_trim"] == pytest.approx(expected.ratio_to_trim, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_limit_is_judged():
     gains = ("fly", "--natural-frequency", "1", "--limit-deg")
     assert run(*gains, "0.6").exit_code == 1
@@ -183,12 +187,6 @@ def test_a_sufficient_limit_that_a_longer_wind_exceeds_is_said_to_be_exceeded():
     worst = f"{longer['peak_deflection_deg']:.3f} deg in one of {longer['duration_s']:.3g} s"
     said = " ".join(run(*yaw, "0.95").output.split())
     assert f"SUFFICIENT in this wind; without a limit the autopilot uses {worst}" in said
-
-
-def test_the_flight_of_an_autopilot_is_drawn(tmp_path):
-    file = tmp_path / "flight.svg"
-    assert run("fly", "--natural-frequency", "1", "--plot", str(file)).exit_code == 0
-    assert "</svg>" in file.read_text()
 
 
 @pytest.mark.parametrize("chart", usual(["nichols", "bode", "nyquist", "root-locus"], 0))

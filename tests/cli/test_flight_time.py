@@ -71,7 +71,7 @@ def numbers(document):
     return [document] if isinstance(document, int | float) else []
 
 
-SLOW = ("design", "respond", "nozzle --over load")
+SLOW = ("design", "respond", "nozzle", "nozzle --over load")
 """Commands of several seconds, of which the thorough tests have the claim."""
 
 

@@ -184,7 +184,9 @@ def test_six_degrees_along_the_trajectory_are_those_of_one_plane(tmp_path):
 
 
 def test_what_is_printed_fits_a_terminal_and_names_what_is_assumed(tmp_path, monkeypatch):
+    """Its boundary, which costs two seconds, is not flown here."""
     monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr("tvclin.cli.flight_cases._flown_boundary", lambda case: 1.2e-3)
     file = tmp_path / "flight.png"
     said = run("--engine", "planar-varying", "--peak-deg", 1, "--more", "--plot", file)
 

@@ -105,7 +105,7 @@ def test_a_cutoff_leaves_less_turbulence(tmp_path: Path) -> None:
 
 
 def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
-    study = f'{STUDY}[schedule]\nsource = "configuration-i"\n'
+    study = f'{STUDY}[schedule]\nsource = "configuration-i"\n[size]\nfrom_s = 66\nto_s = 66\n'
     found = json.loads(run(tmp_path, 'severity = "severe"', "--json", study=study).stdout)
     schedule = tv.load_schedule("configuration-i")
     height = np.interp(66.0, schedule.times, schedule.height)

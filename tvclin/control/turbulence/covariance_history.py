@@ -127,14 +127,16 @@ class CovarianceHistory(Shown):
                 carried[:, :k] = self._moments.transitions[k - 1] @ carried[:, :k]
             carried[:, k] = self._moments.covariances[chosen[k]] @ row
             covariances[k, : k + 1] = row @ carried[:, : k + 1]
-        covariances = np.tril(covariances) + np.tril(covariances, -1).T
-        sizes = np.maximum(np.outer(spread, spread), np.finfo(float).tiny)
+        first, second = np.tril_indices(len(chosen))
+        sizes = np.maximum(spread[first] * spread[second], np.finfo(float).tiny)
+        correlations = covariances[first, second] / sizes
         pairs = absolute_covariance(
-            (mean[:, np.newaxis], mean), (spread[:, np.newaxis], spread), covariances / sizes
+            (mean[first], mean[second]), (spread[first], spread[second]), correlations
         )
-        when = self.times[chosen]
-        variance = np.trapezoid(np.trapezoid(pairs, when, axis=1), when)
-        return float(np.sqrt(max(variance, 0.0)))
+        steps = 0.5 * np.diff(self.times[chosen], prepend=self.times[chosen[0]])
+        weights = steps + np.append(steps[1:], 0.0)
+        pairs *= np.where(first == second, 1.0, 2.0) * weights[first] * weights[second]
+        return float(np.sqrt(max(np.sum(pairs), 0.0)))
 
     def crossings(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected number of crossings of +limit upwards and of -limit downwards.
