@@ -1,12 +1,14 @@
 """Flights along a varying vehicle: against an integration, and frozen against those of one time."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tests.turns import usual
 from tests.whole_flight import Filter, StructureSchedule, autopilot, flight
 from tvclin import InputError
 from tvclin.ascent.wind_along import wind_along
@@ -141,13 +143,14 @@ def integrated(made, laws, alpha, ratio, end) -> float:
 
     order = len(closed_loop(laws.along(made, 52.0), made.plants(52.0, "drift-exact", "pitch")).A)
     x = np.zeros(order)
-    for begin, stop in zip((52.0, 55.0), (55.0, end), strict=True):
-        x = solve_ivp(slope, (begin, stop), x, rtol=1e-6, atol=1e-10).y[:, -1]
+    for piece in pairwise(sorted({52.0, min(55.0, end), end})):
+        x = solve_ivp(slope, piece, x, "DOP853", rtol=1e-6, atol=1e-10).y[:, -1]
     return float(x[0])
 
 
-@pytest.mark.parametrize("sign", ["head", pytest.param("tail", marks=pytest.mark.thorough)])
-def test_a_pulse_has_the_pressure_of_its_wind_triangle(sign) -> None:
+@pytest.mark.parametrize("end", usual([54.0, 56.0], 0))
+@pytest.mark.parametrize("sign", usual(["head", "tail"], 0))
+def test_a_pulse_has_the_pressure_of_its_wind_triangle(sign, end) -> None:
     """q/q_n of the horizontal wind that has the angle, by the sine rule of the triangle."""
     made, laws = flight(flexible=False), autopilot(delay=0.0)
     turned = {"head": -1.0, "tail": 1.0}[sign]
@@ -156,8 +159,8 @@ def test_a_pulse_has_the_pressure_of_its_wind_triangle(sign) -> None:
         path = np.interp(t, made.times, made.vehicle.attitude)
         return (np.sin(path) / np.sin(path + turned * float(GUST(t)))) ** 2
 
-    expected = integrated(made, laws, lambda t: float(GUST(t)), ratio, 56.0)
-    options = {"start": 52.0, "stop": 56.0, "alpha_moment": 1e6}
+    expected = integrated(made, laws, lambda t: float(GUST(t)), ratio, end)
+    options = {"start": 52.0, "stop": end, "alpha_moment": 1e6}
     flown = fly_along(made, laws, GUST, sign=sign, **options)
     largest = abs(flown.largest("attitude").value)
     assert flown.outputs["attitude"][-1] == pytest.approx(expected, abs=1e-5 * largest)
@@ -172,7 +175,8 @@ def test_a_pulse_has_the_pressure_of_its_wind_triangle(sign) -> None:
         np.testing.assert_array_equal(default.outputs["attitude"], flown.outputs["attitude"])
 
 
-def test_a_sounding_has_its_speed_in_angle_and_pressure() -> None:
+@pytest.mark.parametrize("end", usual([54.0, 56.0], 0))
+def test_a_sounding_has_its_speed_in_angle_and_pressure(end) -> None:
     made, laws = flight(flexible=False), autopilot(delay=0.0)
     height = np.linspace(0.0, 3e4, 1201)
     speeds = {
@@ -190,14 +194,14 @@ def test_a_sounding_has_its_speed_in_angle_and_pressure() -> None:
         x, z, y = speed * np.cos(path) - along, speed * np.sin(path), across
         return np.arctan2(z, x) - path, (x**2 + y**2 + z**2) / speed**2
 
-    flown = fly_along(made, laws, wind, start=52.0, stop=56.0)
+    flown = fly_along(made, laws, wind, start=52.0, stop=end)
     for name, k in (("wind", 0), ("pressure_ratio", 1)):
         shown = np.array([triangle(t)[k] for t in flown.times[:-1]])
         # chords of T = 0.06 s, between which the angle bends by T^2/8 times 2e-3 rad/s^2
         largest = np.abs(shown).max()
         np.testing.assert_allclose(flown.outputs[name][:-1], shown, atol=2e-5 * largest, rtol=0.0)
     expected = integrated(
-        made, laws, lambda t: float(triangle(t)[0]), lambda t: float(triangle(t)[1]), 56.0
+        made, laws, lambda t: float(triangle(t)[0]), lambda t: float(triangle(t)[1]), end
     )
     size = abs(flown.largest("attitude").value)
     assert flown.outputs["attitude"][-1] == pytest.approx(expected, abs=2e-5 * size)
