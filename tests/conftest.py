@@ -97,7 +97,8 @@ def _originals(pytestconfig):
     """Write figures with few pixels, of which no test reads one; and in a usual run save more.
 
     Figures are not laid out, which is half of their time, and machine code is loaded for shorter
-    calls, and in commands for all of these, of which tests make thousands. Return what that replaces, for `as_users_have_it`.
+    calls, and in commands for all of these, of which tests make thousands. Return what that
+    replaces, for `as_users_have_it`.
     """
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 

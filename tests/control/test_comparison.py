@@ -340,7 +340,7 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("shape", usual(SHAPES, 0, 2))
+@pytest.mark.parametrize("shape", usual(SHAPES, 0))
 def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
     """By python-control on a grid; a pulse is one step less another that comes later."""
     autopilot, plant = Autopilot(attitude_gain=0.3, rate_gain=0.15), plant_of()

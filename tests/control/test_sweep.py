@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tests.whole_flight import Filter, autopilot, flight
 from tvclin import InputError
 from tvclin.base.lines import text
@@ -22,7 +23,9 @@ def schedule(**options) -> tv.control.GainSchedule:
     return replace(made, notches=NOTCHES)
 
 
-@pytest.mark.parametrize("options", [{"sample_rate": 50.0}, {}], ids=["sampled", "continuous"])
+@pytest.mark.parametrize(
+    "options", usual([{"sample_rate": 50.0}, {}], 0), ids=["sampled", "continuous"]
+)
 def test_a_sweep_is_the_single_times_to_the_last_digit(options) -> None:
     laws, made = schedule(**options), flight()
     swept = tv.control.sweep(made, laws, TIMES)

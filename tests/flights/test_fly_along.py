@@ -265,7 +265,7 @@ def test_a_frozen_flight_is_that_of_fly_many_to_the_last_digit(gains) -> None:
 def test_a_single_flight_is_one_of_many() -> None:
     made, laws = flight(), autopilot(sample_rate=50.0)
     wind = tv.TriangularWind(peak=np.radians([2.0, 4.0]), duration=6.0).shift(52.0)
-    options = {"deflection_limit": 0.05, "rate_limit": 0.3, "start": 45.0, "stop": 80.0}
+    options = {"deflection_limit": 0.05, "rate_limit": 0.3, "start": 45.0, "stop": 64.0}
     many = fly_many_along(made, laws, wind, **options)
     one = fly_along(made, laws, GUST, **options)
     assert many.peak_attitude[1] == abs(one.largest("attitude").value)

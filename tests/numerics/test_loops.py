@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.control.test_margins import NUMBERS, actuated, brute_force, random_loops
+from tests.turns import usual
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import Crossings, loop_margins
 from tvclin.numerics import polynomials
@@ -103,9 +104,10 @@ class Exact:
             yield abs(((d, n, (d - n) / 2)[kind]) / (n + d))
 
 
+@pytest.mark.parametrize("count", usual([50, 150], 0))
 @pytest.mark.parametrize(("family", "rounding"), FAMILIES)
-def test_every_crossing_is_that_of_forty_digits(family, rounding):
-    loop = family(150, seed=5)
+def test_every_crossing_is_that_of_forty_digits(family, rounding, count):
+    loop = family(count, seed=5)
     m = loop_margins(loop)
     assert np.sum(m.status == "ok") > 10
     c = m.crossings
@@ -145,9 +147,10 @@ def test_every_peak_is_that_of_forty_digits(family, rounding):
                 assert found[kind] == pytest.approx(float(top), rel=1e-9)
 
 
+@pytest.mark.parametrize("count", usual([70, 200], 0))
 @pytest.mark.parametrize(("family", "rounding"), FAMILIES)
-def test_margins_are_those_of_brute_force(family, rounding):
-    loop = family(200, seed=6)
+def test_margins_are_those_of_brute_force(family, rounding, count):
+    loop = family(count, seed=6)
     found, expected = loop_margins(loop), brute_force(loop)
     decided = found.status != "marginal"
     np.testing.assert_array_equal(
