@@ -315,11 +315,38 @@ def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
     assert added == pytest.approx(more, rel=1e-6)
 
 
-def test_the_data_sheet_of_another_law_leaves_turbulence_out_and_says_so() -> None:
-    calm, found = sheet("--law", "trim"), sheet("--law", "trim", *RANDOM)
-    assert found["verdict"] == calm["verdict"]
-    (note,) = set(found["notes"]) - set(calm["notes"])
-    assert note.startswith("turbulence is left out here")
+@pytest.mark.parametrize("law", ["trim", "half-relief"])
+def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law: str) -> None:
+    """Gains by the formulas of the report: trim, a ten times larger feedback, and half relief."""
+    calm, found = sheet("--law", law), sheet("--law", law, *RANDOM)
+    lines, before = (
+        {line["name"]: line["required"] for line in answer["verdict"]["lines"]}
+        for answer in (found, calm)
+    )
+    schedule = tv.load_schedule("configuration-i")
+    times = np.union1d(np.linspace(*schedule.span, 17), [60.0, 65.0, 70.0])
+    c = schedule.plants(times, "drift-exact", "pitch").coefficients
+    B, pole = c.mu_alpha / c.mu_delta, np.sqrt(c.mu_alpha)
+    gains = {"attitude_gain": 10.0 * B, "rate_gain": 10.0 * B / pole, "alpha_gain": B}
+    if law == "half-relief":
+        half = tv.control.half_relief_gains(c)
+        gains = {name: getattr(half, name) for name in gains}
+    autopilot = tv.Autopilot(**gains, actuator=tv.Nozzle().actuator)
+    flown = tv.control.turbulence_along(
+        schedule, tv.control.GainSchedule(times, autopilot), tv.winds.Turbulence(6.0)
+    )
+    rms = np.interp(found["turbulence"]["times_s"], flown.times, flown.deviation("deflection"))
+    assert found["turbulence"]["deflection_rms_deg"] == pytest.approx(np.degrees(rms), rel=1e-6)
+    added = lines["travel of a flight"] - before["travel of a flight"]
+    assert added > 0.8 * np.degrees(flown.travel())
+    assert lines["rate limit"] > before["rate limit"]
+
+
+def test_a_data_sheet_of_a_law_that_switches_is_not_known_in_turbulence() -> None:
+    assert sheet("--law", "dead-band")["verdict"]["satisfied"] is True
+    found = sheet("--law", "dead-band", *RANDOM)
+    assert found["verdict"]["satisfied"] is None
+    assert any("dead-band is not linear" in reason for reason in found["verdict"]["unknown"])
 
 
 def test_torque_in_turbulence_is_not_known() -> None:

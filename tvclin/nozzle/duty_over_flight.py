@@ -28,8 +28,17 @@ from tvclin.case.flexible_autopilot import specified_law
 from tvclin.case.nozzle import Nozzle
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.control.autopilot.gain_table import GainTable
 from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
-from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_notes
+from tvclin.control.laws.registry import (
+    AUTOPILOT,
+    LAWS,
+    LINEAR_GAINS,
+    design_law,
+    design_notes,
+    linear_gains,
+)
 from tvclin.control.turbulence.driven_loop import ACCELERATION, DEFLECTION, DEFLECTION_RATE
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED
@@ -135,6 +144,8 @@ def actuator_notes(actuator: Actuator | None) -> Iterator[str]:
         yield "the acceleration of the nozzle as it runs into its stop is not counted"
 
 
+_DESIGN_STEP_S = 5.0
+"""Longest time between two designs of a law in turbulence [s]."""
 _NOISE_START, _NOISE_END = 7.5, 15.0
 """Ends of the interval with noise alone after a wind, in time constants of the fast mode."""
 
@@ -159,8 +170,8 @@ def flight_duty(
     law : str
         Name of `tvclin.control.LAWS`; the law is designed at each flight time.
     turbulence : TurbulenceRequest, optional
-        Turbulence on top of each wind, of the law "autopilot": its standard deviations count beside
-        what the flights use.
+        Turbulence on top of each wind, of the law as long as it is linear: its standard deviations
+        count beside what the flights use. Of laws that switch the verdict is then not known.
     progress : callable, optional
         Called with the number of finished and of all pairs of flight time and wind.
 
@@ -226,7 +237,7 @@ def flight_duty(
             points += conditions.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
                 progress(done, len(pairs))
-    random = request.turbulence(case, turbulence) if law == AUTOPILOT else None
+    random = _in_turbulence(case, request, law, max(angles.values()), turbulence)
     unjudged = (
         *unknown_winds(request.schedule, winds, unknown),
         *unjudged_flights(law, points, case.law_model),
@@ -242,7 +253,7 @@ def flight_duty(
         verdict=_verdict(conditions, points, duties, unjudged, random),
         notes=(
             *doubtful_winds(angles),
-            *_turbulence_notes(turbulence, random, law, case.nozzle),
+            *_turbulence_notes(random, law, case.nozzle),
             *_notes(conditions, points, winds),
         ),
         turbulence=random,
@@ -462,20 +473,48 @@ def _add_turbulence(
             required[name] = np.nan
 
 
+def _in_turbulence(
+    case: Case, request: SizingRequest, law: str, peak: float, turbulence: TurbulenceRequest | None
+) -> FlightTurbulence | str | None:
+    """Return a law in turbulence along the flight, or the reason for which it is not known.
+
+    `peak`: largest wind angle [rad], for which a law is designed.
+    """
+    if turbulence is None or law == AUTOPILOT:
+        return request.turbulence(case, turbulence)
+    schedule, (begin, end) = request.schedule, request.schedule.span
+    even = np.linspace(begin, end, 2 + int((end - begin) / _DESIGN_STEP_S))
+    designs: dict[float, dict[str, float]] = {}
+    for time in np.union1d(even, request.times(case)).tolist():
+        plant = schedule.plants(time, case.law_model, case.plane)
+        if not unstable_modes(plant).poles.size:
+            continue
+        try:
+            designed = design_law(law, plant, peak, rate_limit=case.hardware["rate_limit"])
+        except InputError as error:
+            return str(error)
+        if (gains_at := linear_gains(designed)) is None:
+            return f"{law} is not linear within the limit, as {AUTOPILOT}, trim and half-relief are"
+        designs[time] = gains_at
+    gains = {k: np.array([row[k] for row in designs.values()]) for k in LINEAR_GAINS}
+    table = GainTable("time", np.array(list(designs)), gains)
+    own = case.autopilot_design
+    hardware: Any = {"delay": own.delay, "sample_rate": own.sample_rate, **own.chains}
+    flown = replace(request, scheduled_design=AutopilotDesign(**hardware, schedule=table))
+    return flown.turbulence(replace(case, controller=None), turbulence)
+
+
 def _turbulence_notes(
-    request: TurbulenceRequest | None,
-    turbulence: FlightTurbulence | None,
-    law: str,
-    nozzle: Nozzle,
+    turbulence: FlightTurbulence | None, law: str, nozzle: Nozzle
 ) -> Iterator[str]:
-    """Yield notes on what counts of turbulence, and what is left out."""
-    if request is not None and law != AUTOPILOT:
-        yield f"turbulence is left out here: its spread is that of the law {AUTOPILOT}, not {law}"
+    """Yield notes on what counts of turbulence."""
     if turbulence is not None:
         yield (
-            f"{request.label if request else ''} of turbulence count on top of each wind: of travel"
-            " from its variance over flights, of the linear autopilot without limits"
+            f"{turbulence.request.label} of turbulence count on top of each wind: of travel from"
+            f" its variance over flights, of the linear law {law} without limits"
         )
+        if law == "trim" and nozzle.rate_limit is not None and len(turbulence.winds) > 1:
+            yield "in turbulence the gain of trim is that for the largest wind angle"
         if DEFLECTION_RATE not in turbulence.rms:
             yield "rate and travel in turbulence are not known without an actuator"
         if nozzle.data is not None:

@@ -27,6 +27,8 @@ from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 from tvclin.linear.plant import PLANT_HINT, Plant
 
 AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
+LINEAR_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
+"""Gains of an `Autopilot` that a linear law by a rule has."""
 
 
 def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = None) -> Law:
@@ -117,6 +119,20 @@ def design_law(
             raise InputError(f"{key} is not of the law {name}; leave it out")
     rate = unlimited("rate_limit", rate_limit, RATE_LIMIT_RANGE, "rad/s")
     return design(plant, number("peak", peak, small_angle("a wind angle"), "rad"), rate, **options)
+
+
+def linear_gains(law: Law) -> dict[str, float] | None:
+    """Return the gains on attitude, attitude rate and angle of attack of a law that is designed.
+
+    None for a law that is not linear within the deflection limit.
+    """
+    if type(law) not in (TrimLaw, SaturatedLaw):
+        return None
+    numbers = law.numbers
+    assert numbers is not None
+    assert not numbers.flight_path_angle
+    gains = (numbers.attitude, numbers.attitude_rate, numbers.angle_of_attack)
+    return dict(zip(LINEAR_GAINS, gains, strict=True))
 
 
 def design_notes(law: Law) -> Iterator[str]:

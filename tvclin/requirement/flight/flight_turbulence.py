@@ -185,7 +185,7 @@ class FlightTurbulence(Shown):
     def notes(self) -> Iterator[str]:
         """Notes on the autopilot, and on an angle of attack beyond linear aerodynamics."""
         structure = ", with the structure of the vehicle" if self.is_flexible else ""
-        yield f"turbulence is that of the linear autopilot{structure}, without limits"
+        yield f"turbulence is that of the linear loop{structure}, without limits"
         angle = max((x.angle_of_attack for x in self.winds), default=0.0)
         if beyond := beyond_linear(angle, ATTACK):
             yield f"in turbulence {beyond}"
@@ -204,7 +204,7 @@ class FlightTurbulence(Shown):
             for k, largest in enumerate(self.winds)
         ]
         heads = ("wind", "deflection [deg]", "at [s]", "rate [deg/s]", "angle of attack [deg]")
-        caption = f"The linear autopilot in each wind and turbulence, wind + {label}"
+        caption = f"The linear loop in each wind and turbulence, wind + {label}"
         tables = [Table(caption, heads, tuple(rows))] if rows else []
         at = float(self.times[int(np.argmax(self.deflection_rms))])
         rms = degrees(f"{key}.rms", self.largest_rms, unit="deg")
