@@ -256,6 +256,32 @@ def test_a_sounding_is_flown_along_the_flight() -> None:
         assert found.winds[0].deflection == pytest.approx(largest, rel=1e-3)  # of other times
 
 
+def test_waves_that_a_sounding_holds_are_named_until_a_cutoff_omits_them() -> None:
+    """2 km between its levels, over the sine of the flight path angle."""
+    schedule = tv.load_schedule("configuration-i")
+    profile = tv.WindProfile(
+        height=[0.0, 8e3, 9e3, 11e3, 12e3, 60e3],
+        east=[0.0, 10.0, 12.0, 40.0, 35.0, 5.0],
+        north=[0.0] * 6,
+    )
+    request = tv.requirement.SizingRequest(
+        schedule=schedule.between(*np.interp([8e3, 12e3], schedule.height, schedule.times)),
+        pulse=False,
+        soundings={"west": tv.requirement.SoundingRequest(profile, np.radians(90.0))},
+    )
+    climb = np.interp(10e3, schedule.height, schedule.vehicle.attitude)
+    case = tv.Case(vehicle=schedule.vehicle)
+    whole, short = (
+        request.turbulence(case, tv.case.TurbulenceRequest(intensity=6.0, cutoff_wavelength=cutoff))
+        for cutoff in (None, 4e3)
+    )
+    assert isinstance(whole, tv.requirement.FlightTurbulence)
+    assert isinstance(short, tv.requirement.FlightTurbulence)
+    assert whole.sounding_wavelength == pytest.approx(4e3 / np.sin(climb), rel=0.01)
+    assert any("turbulence counts once more" in note for note in whole.notes)
+    assert not any("once more" in note for note in short.notes)
+
+
 def design_of(case: tv.Case) -> tv.Autopilot:
     """Return the autopilot of a case with given gains, at any time of its flight."""
     return tv.Autopilot(attitude_gain=0.8, rate_gain=0.8, actuator=case.nozzle.actuator)

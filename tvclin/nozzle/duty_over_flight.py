@@ -515,6 +515,7 @@ def _turbulence_notes(
         )
         if law == "trim" and nozzle.rate_limit is not None and len(turbulence.winds) > 1:
             yield "in turbulence the gain of trim is that for the largest wind angle"
+        yield from turbulence.sounding_notes
         if DEFLECTION_RATE not in turbulence.rms:
             yield "rate and travel in turbulence are not known without an actuator"
         if nozzle.data is not None:

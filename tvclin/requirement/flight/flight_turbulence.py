@@ -129,6 +129,9 @@ class FlightTurbulence(Shown):
         Spread along the flight, without a known wind.
     is_flexible : bool
         Whether the loop has the structure of the vehicle.
+    sounding_wavelength : float or None
+        Wavelength along the path [m] above which all levels of the soundings resolve the wind; None
+        without soundings.
     """
 
     request: TurbulenceRequest
@@ -137,6 +140,7 @@ class FlightTurbulence(Shown):
     winds: tuple[LargestInTurbulence, ...] = field(metadata=spec(card=False))
     history: CovarianceHistory
     is_flexible: bool = False
+    sounding_wavelength: float | None = field(default=None, metadata=spec("length"))
 
     @property
     @derived()
@@ -189,6 +193,17 @@ class FlightTurbulence(Shown):
         angle = max((x.angle_of_attack for x in self.winds), default=0.0)
         if beyond := beyond_linear(angle, ATTACK):
             yield f"in turbulence {beyond}"
+        yield from self.sounding_notes
+
+    @property
+    def sounding_notes(self) -> Iterator[str]:
+        """Note on wavelengths that a sounding and the turbulence both hold."""
+        wavelength = self.sounding_wavelength
+        if wavelength is not None and self.request.over_altitude.cutoff_wavelength is None:
+            yield (
+                f"the sounding holds the waves above {wavelength:.3g} m along the path, which"
+                " turbulence counts once more; with this cutoff_wavelength it does not"
+            )
 
     def tables(self) -> list[Table]:
         """Return the tables of the largest in each wind, and of the spread and travel."""

@@ -451,9 +451,22 @@ class SizingRequest:
         winds, times = self.winds(case), self.times(case)
         try:
             flown = replace(case, design=self.scheduled_design or case.design)
-            return flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
+            found = flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
+            return replace(found, sounding_wavelength=self._sounding_wavelength)
         except InputError as error:
             return str(error)
+
+    @property
+    def _sounding_wavelength(self) -> float | None:
+        """Wavelength along the path [m] above which all soundings resolve the wind, or None."""
+        schedule, widest = self.schedule, []
+        for sounding in self.soundings.values():
+            levels = sounding.profile.height
+            inside = (levels >= schedule.height.min()) & (levels <= schedule.height.max())
+            times = np.interp(levels[inside], schedule.height, schedule.times)
+            speeds = np.interp(0.5 * (times[1:] + times[:-1]), schedule.times, schedule.speed)
+            widest.append(2.0 * float((speeds * np.diff(times)).max(initial=0.0)))
+        return max(widest, default=None)
 
     def total(
         self,
