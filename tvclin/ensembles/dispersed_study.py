@@ -11,7 +11,7 @@ from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency
 from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.campaign.cases import BEYOND, NOT_KNOWN, evaluate
+from tvclin.ensembles.campaign.cases import NOT_KNOWN, evaluate
 from tvclin.ensembles.campaign.outputs import required_name
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.ensembles.statistics import (
@@ -23,11 +23,9 @@ from tvclin.ensembles.statistics import (
     shares,
     success_probability,
 )
-from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.requirement.study import Study
 from tvclin.vehicle.linear_vehicle import complete_vehicle
-from tvclin.winds.wind_angles import within_linear
 
 _MAX_CASES = 10_000_000
 """Largest number of cases in memory at once; a campaign may have more."""
@@ -205,12 +203,6 @@ def disperse_study(
     if not np.any(has_answer):
         raise InputError(f"no case has an answer; the first is: {columns['status'][0]}")
     values = {name: columns[name] for name in dispersions.parameters}
-    if study.case.heading is not None:
-        peaks = columns.get("wind_peak", np.full(cases, study.placed.peak))
-        vectors = has_answer & ~within_linear(
-            np.abs(peaks / pulse_of(study.case).peak) * study.wind_angle
-        )
-        deflection[vectors], columns["status"][vectors] = np.inf, BEYOND
     counted, limit = deflection[has_answer], study.limit
     sufficient = 0 if limit is None else int(np.sum(covers(limit, counted)))
     return DispersedStudy(

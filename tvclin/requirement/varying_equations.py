@@ -85,12 +85,11 @@ class UnstableModes:
         return costates, reaches, poles, cells
 
 
-def unstable_modes_of(A: FloatArray, fewest: int = 1) -> tuple[UnstableModes, ...]:
-    """Return the unstable modes of ``A (n, m, m)``, up to three of them, the fastest one real.
+def unstable_modes_of(A: FloatArray) -> tuple[UnstableModes, ...]:
+    """Return the unstable modes of ``A (n, m, m)``, two or three of them, the fastest one real.
 
-    `fewest`: cases with fewer unstable modes are left out, as are those with more than three.
-
-    Cases with as many real modes and pairs are together; the others are left out.
+    Cases with as many real modes and pairs are together; the others are left out. With one mode
+    the minimum peak is the demand.
     """
     values, vectors = left_eigenvectors(A)
     unstable = (np.real(values) > 0.0) & (np.imag(values) >= 0.0)
@@ -98,7 +97,7 @@ def unstable_modes_of(A: FloatArray, fewest: int = 1) -> tuple[UnstableModes, ..
     kinds = np.add(unstable, pairs, dtype=int)  # 0, 1 of a real mode, 2 of a pair
     groups = []
     for kind in np.unique(kinds, axis=0):
-        if kind[0] != 1 or not fewest <= kind.sum() <= 3:
+        if kind[0] != 1 or not 2 <= kind.sum() <= 3:
             continue
         cases = np.flatnonzero(np.all(kinds == kind, axis=-1))
         poles, costates = values[cases][:, kind > 0], vectors[cases][:, kind > 0]
@@ -215,7 +214,7 @@ class Equations:
             unstable_end(nominal[:, 0, 0]),
             np.reshape(leading_pole(plants[0])[1], (-1, 1, 1)),
             np.ravel(has_quick_path(plants[0])),
-            unstable_modes_of(nominal[:, 0, 0, :, :order], fewest=2),
+            unstable_modes_of(nominal[:, 0, 0, :, :order]),
         )
 
     def at_steps(self, times: FloatArray) -> Self:
@@ -241,7 +240,7 @@ class Equations:
         modes: tuple[UnstableModes, ...] = ()
         if self.modes:
             last = some(self.nominal)[:, -1, 2, :, : self.nominal.shape[-2]]
-            modes = unstable_modes_of(last, fewest=2)
+            modes = unstable_modes_of(last)
         return Equations(
             some(self.nominal),
             some(self.slopes),

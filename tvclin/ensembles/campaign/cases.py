@@ -96,16 +96,17 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
     """Return the batch in the plane of a campaign, with `plane_batches` if both are judged."""
+    whole = campaign.wind.history(values)
+    angle = np.abs(np.asarray(whole.peak))
     if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
-        return _plane_batch(campaign, vehicle, values, campaign.wind.history(values), count)
+        return _plane_batch(campaign, vehicle, values, whole, angle, count)
     winds = campaign.wind.in_planes(values, vehicle.attitude)
-    if campaign.nozzle.limit_shape is None:
-        return _plane_batch(campaign, vehicle, values, winds[campaign.plane], count)
     batches = {
-        plane: _plane_batch(in_plane, vehicle, values, winds[plane], count)
+        plane: _plane_batch(in_plane, vehicle, values, winds[plane], angle, count)
         for plane, in_plane in campaign.plane_campaigns.items()
     }
-    return replace(batches[campaign.plane], plane_batches=batches)
+    both = {} if campaign.nozzle.limit_shape is None else batches
+    return replace(batches[campaign.plane], plane_batches=both)
 
 
 def _plane_batch(
@@ -113,13 +114,14 @@ def _plane_batch(
     vehicle: Vehicle,
     values: dict[str, AnyArray],
     wind: History,
+    wind_angle: FloatArray,
     count: int,
 ) -> Batch:
     """Return the batch of vehicles in the plane of a campaign, in a wind of that plane."""
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     gains = {name: values.get(name, value) for name, value in campaign.gains.items()}
     flexible = _flexible(campaign, vehicle, values)
-    return Batch(plant, wind, gains, count, vehicle, flexible, values)
+    return Batch(plant, wind, gains, count, vehicle, wind_angle, flexible, values)
 
 
 def _flexible(

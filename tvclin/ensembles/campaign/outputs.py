@@ -68,8 +68,10 @@ class Batch:
     `plant`, `wind`: batches of shape ``(n,)``, or a single plant or wind for all cases. `gains`:
     gains of the autopilot where an output depends on them, ``(n,)`` where they are dispersed.
     `vehicle`: the vehicles that the plant linearises. `flexible`: flexible plants of the vehicles
-    with their structure. `values`: dispersed values by name, ``(n,)``. `plane_batches`: batches by
-    plane, for each plane with a component of the wind, where both planes are judged.
+    with their structure. `values`: dispersed values by name, ``(n,)``. `wind_angle`: largest wind
+    angle [rad], of a wind with a direction that of both planes together, ``(n,)`` or a scalar.
+    `plane_batches`: batches by plane, for each plane with a component of the wind, where both
+    planes are judged.
     """
 
     plant: Plant
@@ -77,6 +79,7 @@ class Batch:
     gains: dict[str, Any]
     count: int
     vehicle: Vehicle
+    wind_angle: FloatArray
     flexible: FlexiblePlant | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
     plane_batches: Mapping[str, Batch] = field(default_factory=dict)
@@ -99,11 +102,6 @@ class Batch:
         return PlaneWind(**(dict.fromkeys(PLANES, 0.0 * self.wind) | winds))
 
     @property
-    def wind_angle(self) -> FloatArray:
-        """Largest wind angle [rad], for both planes of the vector, ``(n,)`` or a scalar."""
-        return np.abs(np.asarray((self.vectors if self.plane_batches else self.wind).peak))
-
-    @property
     def flying(self) -> AnyPlant:
         """The plant that flies and that the autopilot controls: flexible with a structure."""
         return self.plant if self.flexible is None else self.flexible
@@ -118,6 +116,7 @@ class Batch:
             {name: float(np.ravel(value)[0]) for name, value in self.gains.items()},
             1,
             select_cases(self.vehicle, 0, shape),
+            np.ravel(self.wind_angle)[0],
             None if self.flexible is None else self.flexible.cases(0, shape),
             {name: value[:1] for name, value in self.values.items()},
         )

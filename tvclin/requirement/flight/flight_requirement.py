@@ -593,6 +593,6 @@ def _winds_along(
     for direction in directions_of(case):
         wind = encountered_wind(placed, vehicle, case.plane, direction)
         wind = replace(wind.shift(begins - float(wind.history.onset)), flight=flight)
-        wind.check_possible()
+        wind.check_linear()
         winds[direction] = wind
     return winds

@@ -56,7 +56,14 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, component_in
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.wind_angles import CROSS, DIRECTIONS, FROZEN, MAX_LINEAR_ANGLE, SIGNS
+from tvclin.winds.wind_angles import (
+    CROSS,
+    DIRECTIONS,
+    FROZEN,
+    MAX_LINEAR_ANGLE,
+    SIGNS,
+    checked_linear,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,8 +155,12 @@ class FlightWinds:
         case = self.case
 
         def encountered(vehicle: Vehicle) -> History | PlaneWind:
-            """Return the pulse that a vehicle encounters, in the plane or as a vector."""
+            """Return the pulse that a vehicle encounters, in the plane or as a vector.
+
+            `NotKnownError` as `checked_linear`, by the vector of both planes.
+            """
             pulse_wind = self.case_of(vehicle, pulse).wind_at(self.dead_band)
+            checked_linear(pulse_wind.max_angle)
             attitude = float(np.asarray(vehicle.attitude))
             if case.planes != BOTH:
                 return pulse_wind.in_plane(case.plane, attitude).history({})

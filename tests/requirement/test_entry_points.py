@@ -1,0 +1,211 @@
+"""The required deflection of a random case is the same at every entry point, or refused by name.
+
+Python, study file, shell, page, panel, campaign of one case, and the flight at one time, whose
+vehicle is constant. Vehicles are those of the report with other numbers, some nearly neutral,
+stable, or so slow that their path is quick.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tests.turns import usual
+from tvclin.base.lines import text
+from tvclin.cli.app import app
+from tvclin.ensembles.campaign.cases import NOT_KNOWN, evaluate
+from tvclin.ensembles.campaign.outputs import required_name
+from tvclin.requirement.case_requirement import CaseRequirement, case_requirement
+from tvclin.show.explorer import answer as panel
+from tvclin.show.explorer.choices import Choices
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.study_verdict import sentence
+
+KEYS = (
+    *("weight_N", "moment_of_inertia_kg_m2", "normal_force_slope_N_per_rad", "thrust_N"),
+    *("aerodynamic_arm_m", "control_arm_m", "axial_force_N", "velocity_m_per_s", "attitude_deg"),
+)
+VEHICLES = (
+    (1.48e6, 2.25e7, 6.67e5, 2.495e6, 9.45, 23.56, 8.07e4, 538.81, 44.83),
+    (1.4314629e7, 6.724251586e8, 5514677.6, 4.21881006e7, 39.71, 40.57, 1206493.8, 439.75, 36.8),
+)
+UNKNOWN = "not known"
+_TWO_POLES = "frozen, a model of one pole also requires the minimum of two"
+_REFUSED_ALONG = ("varying parameters need a real unstable pole", _TWO_POLES)
+
+
+def drawn(seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return a random vehicle and the other tables of its study file."""
+    rng = np.random.default_rng(seed)
+    numbers = np.array(VEHICLES[rng.integers(2)]) * np.exp(rng.normal(0.0, 0.25, len(KEYS)))
+    kind = rng.random()
+    if kind < 0.25:  # nearly neutral, or stable
+        numbers[4] *= 10.0 ** rng.uniform(-4.0, -1.0) if kind < 0.15 else -1.0
+    elif kind < 0.35:
+        numbers[7] *= 10.0 ** rng.uniform(-1.2, -0.3)
+    numbers[8] = rng.uniform(3.0, 90.0) if rng.random() < 0.4 else min(numbers[8], 89.0)
+    vehicle = dict(zip(KEYS, numbers.tolist(), strict=True))
+    if rng.random() < 0.2:
+        vehicle["pitch_damping_N_m_s_per_rad"] = float(numbers[1] * rng.uniform(0.01, 0.3))
+    models = ("fixed-path", "drift", "drift-exact", "drift-exact", "drift-and-speed")
+    study: dict[str, Any] = {
+        "model": str(rng.choice(models)),
+        "plane": str(rng.choice(["pitch", "pitch", "yaw"])),
+        "dead_band": float(rng.choice([1.0, 1.0, 1.0, 0.0, 0.5, 0.75, round(rng.random(), 3)])),
+    }
+    shape = str(rng.choice(["triangular", "rectangular", "one-minus-cosine"]))
+    wind: dict[str, Any] = {"shape": shape, "duration_s": float(10.0 ** rng.uniform(-0.3, 1.9))}
+    name = "peak_speed_m_per_s" if rng.random() < 0.35 else "peak_deg"
+    if name == "peak_deg":
+        wind[name] = float(rng.choice([1, -1]) * 10.0 ** rng.uniform(-1.0, 1.3))
+    else:
+        wind[name] = float(numbers[7] * 10.0 ** rng.uniform(-2.0, 0.2))
+    nozzle: dict[str, Any] = {"limit_deg": float(10.0 ** rng.uniform(-1.0, 0.9))}
+    if rng.random() < 0.2:
+        wind["direction_deg"] = float(
+            rng.choice([0.0, 90.0, 180.0, 270.0, rng.uniform(0.0, 360.0)])
+        )
+        wind["azimuth_deg"] = float(rng.uniform(0.0, 360.0))
+        if rng.random() < 0.6:
+            shapes = ("round", "square", "square-45", "round-each-plane")
+            nozzle["limit_shape"] = str(rng.choice(shapes))
+    elif rng.random() < 0.4:
+        signs = ("head", "tail", "frozen") if study["plane"] == "pitch" else ("frozen",)
+        study["sign"] = str(rng.choice(signs))
+    tables = {"study": study, "wind": wind, "nozzle": nozzle}
+    if rng.random() < 0.15:
+        lasts = float(rng.uniform(0.3, 1.0) * min(wind["duration_s"], 3.0))
+        tables["gust"] = {"duration_s": lasts, name: wind[name] * float(rng.uniform(0.05, 0.5))}
+        if rng.random() < 0.5:
+            tables["gust"]["peak_time_s"] = float(rng.uniform(0.0, wind["duration_s"]))
+    return vehicle, tables
+
+
+def written(file: Path, tables: dict[str, dict[str, Any]]) -> Path:
+    """Write a study file of tables and return its path."""
+    lines = [
+        f"[{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+        for name, table in tables.items()
+    ]
+    file.write_text("".join(lines))
+    return file
+
+
+def answered(answer: Callable[[], Any]) -> Any:
+    """Return an answer, or the sentence that refuses it."""
+    try:
+        return answer()
+    except tv.InputError as error:
+        return str(error)
+
+
+def requirement_of(plan: Any) -> CaseRequirement:
+    """Return the requirement of a plan, as a study has it."""
+    return case_requirement(plan, plan.dead_band)
+
+
+def known(need: CaseRequirement) -> float | str:
+    """Return the required deflection [rad] of a requirement, or that it is not known."""
+    return UNKNOWN if need.beyond or need.unknown else need.required_deflection
+
+
+def of_campaign(plan: Any) -> float | str:
+    """Return the required deflection [rad] of a campaign of one case without dispersions."""
+    options = {name: getattr(plan, name) for name in ("vehicle", "wind", "model", "plane", "sign")}
+    K = plan.dead_band
+    campaign = tv.Campaign(
+        **options, nozzle=plan.nozzle, dispersions=tv.Dispersions(()), cases=1, dead_bands=(K,)
+    )
+    columns = evaluate(campaign, 0, 1)
+    status, required = str(columns["status"][0]), float(columns[required_name(K)][0])
+    if status in NOT_KNOWN:
+        assert required == np.inf
+        return UNKNOWN
+    if np.isnan(required):
+        raise tv.InputError(status)
+    return required
+
+
+def of_flight(file: Path) -> float | str:
+    """Return the required deflection [rad] at the time of a flight of a constant vehicle."""
+    plan = tv.studyfile.load_sizing(file)
+    request = plan.sizing
+    sizing = request.sizing(plan)
+    if request.total(plan, sizing).not_sized:
+        return UNKNOWN
+    two_poles = any("the minimum counts two poles" in note for note in sizing.notes)
+    if two_poles and plan.model in ("fixed-path", "drift") and not request.varying:
+        raise tv.InputError(_TWO_POLES)
+    return float(sizing.required[request.counted(sizing, plan.sign)][0, 0])
+
+
+def of_panel(plan: Any) -> float | str:
+    """Return the required deflection [rad] of the panel."""
+    part = panel.requirement(Choices(plan=plan).requirement_inputs)
+    if part.value is None:
+        raise tv.InputError("; ".join(part.notes))
+    return known(part.value)
+
+
+def same(found: float | str, expected: float | str, tolerance: float = 1e-6) -> bool:
+    """Return whether two required deflections are the same."""
+    if isinstance(found, str) or isinstance(expected, str):
+        return found == expected
+    return found == pytest.approx(expected, rel=tolerance)
+
+
+@pytest.mark.parametrize("seed", usual(range(40), 6))
+def test_a_case_requires_the_same_at_every_entry_point(seed: int, tmp_path: Path) -> None:
+    vehicle, tables = drawn(seed)
+    given = tables["study"], {"study.vehicle": vehicle}
+    file = written(tmp_path / "my.toml", {"study": given[0], **given[1]} | tables)
+    plan = answered(lambda: tv.load_study(file))
+    if isinstance(plan, str) or isinstance(need := answered(lambda: requirement_of(plan)), str):
+        result = CliRunner().invoke(app, ["study", str(file)])
+        assert result.exit_code == 2, result.output
+        return
+    expected = known(need)
+    # after trim in both planes numbers of the vector are good to a thousandth
+    K = plan.dead_band
+    tolerance = 1e-3 if plan.nozzle.limit_shape is not None and 0.0 < K < 1.0 else 1e-6
+    answers = {"campaign": lambda: of_campaign(plan), "panel": lambda: of_panel(plan)}
+    end = 4.0 * tables["wind"]["duration_s"] + 20.0
+    flight = {
+        "schedule": {"time_s": [0.0, end], **vehicle},
+        "size": {"from_s": 0.5 * end, "to_s": 0.5 * end, "dead_bands": [K]},
+    }
+    for varying in (False, True):
+        size = flight["size"] | {"varying": varying}
+        flown = written(
+            tmp_path / f"flight-{varying}.toml",
+            {"study": given[0], **given[1]} | tables | flight | {"size": size},
+        )
+        answers[f"flight, varying {varying}"] = lambda flown=flown: of_flight(flown)
+    for name, answer in answers.items():
+        found = answered(answer)
+        if isinstance(found, str) and found.startswith(_REFUSED_ALONG):
+            assert name.startswith("flight")
+            continue
+        assert same(found, expected, tolerance), (name, found, expected)
+    in_shell = CliRunner().invoke(app, ["study", str(file), "--json"])
+    document = json.loads(in_shell.stdout)
+    question, verdict = document["questions"][0], document["verdict"]
+    if expected == UNKNOWN:
+        assert question["answer"] != "SUFFICIENT"
+        assert in_shell.exit_code == 1
+    else:
+        required = verdict["required_deflection_deg"]
+        of_shell = np.inf if required is None else float(np.radians(required))
+        assert same(of_shell, expected, 1e-12)
+        covered = bool(plan.nozzle.limit >= expected)
+        assert question["answer"] == ("SUFFICIENT" if covered else "NOT SUFFICIENT")
+        assert in_shell.exit_code == (not covered)
+    if seed % 10 == 0:
+        assert text(sentence(find(plan))).startswith(question["answer"])
