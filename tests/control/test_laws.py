@@ -9,7 +9,7 @@ import pytest
 
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import Measurement
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw as LeanLaw

@@ -19,7 +19,7 @@ from tvclin.case.nozzle import USUAL_ACTUATOR
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS, AutopilotDesign
 from tvclin.control.autopilot.detuning import Detuned, detuned
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import FilteredLaw, Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.bands import BandMargins

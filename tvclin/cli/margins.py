@@ -38,7 +38,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.autopilot.detuning import Detuned, detuned
 from tvclin.control.autopilot.margin_bounds import MarginBounds, margin_bounds
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import Criteria, Judgement, band_table, margin_table
 from tvclin.control.margins.loop import SampledLoop

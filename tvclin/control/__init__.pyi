@@ -26,7 +26,8 @@ from .comparison import WorstDuration as WorstDuration
 from .comparison import compare_with_trim as compare_with_trim
 from .comparison import worst_duration as worst_duration
 from .laws.accelerometer import AccelerometerLaw as AccelerometerLaw
-from .laws.attitude import SaturatedLaw as SaturatedLaw
+from .laws.autopilot_law import SaturatedLaw as SaturatedLaw
+from .laws.autopilot_law import SystemLaw as SystemLaw
 from .laws.estimator import EstimatedLaw as EstimatedLaw
 from .laws.estimator import WindEstimator as WindEstimator
 from .laws.law import FilteredLaw as FilteredLaw
@@ -34,7 +35,6 @@ from .laws.law import Law as Law
 from .laws.law import Measurement as Measurement
 from .laws.recoverable import RecoverableAttitudeLaw as RecoverableAttitudeLaw
 from .laws.registry import design_law as design_law
-from .laws.system_law import SystemLaw as SystemLaw
 from .laws.trim import DeadBandLaw as DeadBandLaw
 from .laws.trim import TrimLaw as TrimLaw
 from .margins.bands import BandMargins as BandMargins
@@ -46,8 +46,8 @@ from .margins.loop import Loop as Loop
 from .margins.margins import Crossings as Crossings
 from .margins.margins import Margins as Margins
 from .margins.margins import loop_margins as loop_margins
-from .turbulence.covariance_along import turbulence_along as turbulence_along
 from .turbulence.covariance_history import CovarianceHistory as CovarianceHistory
+from .turbulence.covariance_history import turbulence_along as turbulence_along
 from .turbulence.covariance_history import turbulence_history as turbulence_history
 from .turbulence.driven_loop import LoadSlopes as LoadSlopes
 from .turbulence.driven_loop import SensorNoise as SensorNoise

@@ -31,9 +31,12 @@ from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
-from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.turbulence.covariance_along import turbulence_along
-from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history
+from tvclin.control.laws.autopilot_law import SaturatedLaw
+from tvclin.control.turbulence.covariance_history import (
+    CovarianceHistory,
+    turbulence_along,
+    turbulence_history,
+)
 from tvclin.control.turbulence.driven_loop import DEFLECTION_RATE
 from tvclin.ensembles.statistics import Success, success_probability
 from tvclin.flights.closed_loop.fly_along import fly_many_along

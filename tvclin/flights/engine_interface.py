@@ -16,7 +16,7 @@ import numpy as np
 from tvclin.base.errors import InputError, between, instance, number, positive, single, small_angle
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.checks import check_actuator, check_rate_limit
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors

@@ -15,7 +15,7 @@ from tvclin.base.errors import InputError
 from tvclin.case.case import Case
 from tvclin.case.flexible_autopilot import stop_boundary
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.requirement.case_requirement import CaseRequirement

@@ -332,7 +332,7 @@ def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
 
 def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMargins:
     """Return the margins of an autopilot and its plant in the wind, with the limit."""
-    from tvclin.control.laws.attitude import SaturatedLaw
+    from tvclin.control.laws.autopilot_law import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
     law, limit = SaturatedLaw.of(loop.autopilot), limit / study.plane_ratio

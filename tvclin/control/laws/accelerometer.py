@@ -20,7 +20,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, number, one_of, positive, single
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import Chains, LinearLaw
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.vehicle.coefficients import PLANES, Coefficients

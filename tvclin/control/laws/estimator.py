@@ -24,8 +24,8 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.base.fields import spec
+from tvclin.control.laws.autopilot_law import SystemLaw
 from tvclin.control.laws.law import Chains, Law, Measurement
-from tvclin.control.laws.system_law import SystemLaw
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.plant import Plant

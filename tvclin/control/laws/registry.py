@@ -19,10 +19,9 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import ACCELEROMETER, CHAINS, GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.autopilot.system_autopilot import SystemAutopilot
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw, SystemLaw
 from tvclin.control.laws.law import RATE_LIMIT_RANGE, FilteredLaw, Law
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.system_law import SystemLaw
 from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 from tvclin.linear.plant import PLANT_HINT, Plant
 

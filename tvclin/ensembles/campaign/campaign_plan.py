@@ -35,7 +35,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import structure_with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.ensembles.dispersions import (
     DEFAULT_DISPERSIONS,

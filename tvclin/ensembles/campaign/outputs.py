@@ -23,7 +23,7 @@ from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.case.flexible_autopilot import with_filters
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.margins import loop_margins

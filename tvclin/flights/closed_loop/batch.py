@@ -30,9 +30,8 @@ from tvclin.control.autopilot.wiring import (
     attitude_integral,
     law_blocks,
 )
-from tvclin.control.laws.attitude import gain_numbers
+from tvclin.control.laws.autopilot_law import SystemLaw, gain_numbers
 from tvclin.control.laws.law import Chains, Law
-from tvclin.control.laws.system_law import SystemLaw
 from tvclin.flights.closed_loop.outcomes import OutcomeCriteria, outcome_criteria
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers

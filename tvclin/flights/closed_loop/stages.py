@@ -18,7 +18,7 @@ from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wiring import attitude_integral
-from tvclin.control.laws.attitude import gain_numbers
+from tvclin.control.laws.autopilot_law import gain_numbers
 from tvclin.control.laws.law import Chains
 from tvclin.flights.closed_loop.batch import (
     Batch,

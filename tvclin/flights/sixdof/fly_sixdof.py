@@ -15,7 +15,7 @@ from tvclin.base.errors import InputError, flag, instance, number, one_of, singl
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import Law, LawInPlanes, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_span

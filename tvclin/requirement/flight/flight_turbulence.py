@@ -30,8 +30,11 @@ from tvclin.case.turbulence import AFTER_WIND_S, TurbulenceRequest
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along, flight_autopilot
 from tvclin.control.autopilot.sweep import plants_along
-from tvclin.control.turbulence.covariance_along import turbulence_along
-from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history
+from tvclin.control.turbulence.covariance_history import (
+    CovarianceHistory,
+    turbulence_along,
+    turbulence_history,
+)
 from tvclin.control.turbulence.driven_loop import (
     ACCELERATION,
     ANGLE_OF_ATTACK,
