@@ -29,11 +29,10 @@ from tvclin.cli.output import answer, bar, print_answer, print_tables, say, wait
 from tvclin.cli.wind import PulseOptions
 from tvclin.requirement import study_tables as tables
 from tvclin.requirement.case_requirement import pulse_of
+from tvclin.studyfile.assumptions import loop_notes, nominal_notes
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.questions import (
     all_yes,
-    loop_notes,
-    nominal_notes,
     overall,
     questioned,
     questions,

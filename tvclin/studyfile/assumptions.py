@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.base.lines import Line, degrees, minimum_limit, number, significant
+from tvclin.base.lines import Line, degrees, listed, minimum_limit, number, significant
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import Reason
 from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.control.margins.bands import BandMargins
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
-from tvclin.requirement.study import OUTLASTS, TRUSTS, Study, outlasts_single_pole
+from tvclin.requirement.study import OUTLASTS, TRUSTS, Study, nominal_pressure, outlasts_single_pole
 from tvclin.requirement.study_tables import survivable
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import (
     Question,
     measured,
-    nominal_notes,
     questions,
     questions_table,
     sufficient,
@@ -410,3 +410,28 @@ def _too_fast(findings: Findings, rate_limit: float) -> bool:
     c, front = findings.comparison, findings.rates
     turns = 0.0 if c is None else c.peak_deflection_rate * findings.study.plane_ratio
     return turns > rate_limit or (front is not None and front.required_rate > rate_limit)
+
+
+def nominal_notes(findings: Findings) -> Iterator[str]:
+    """Say which answers are at nominal pressure, where a head wind sets the requirement."""
+    flown = findings.head is not None and findings.head.stop is not None
+    names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
+    nominal = [q.name for q in questions(findings) if q.yes and q.name in names]
+    if nominal and findings.study.ratio_to_nominal > 1.0:
+        for words in nominal_pressure(findings.plan):
+            yield f"{listed(nominal)}: {words}"
+
+
+def loop_notes(findings: Findings) -> Iterator[str]:
+    """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
+    if findings.margins is None and findings.duty is None:
+        return
+    from tvclin.case.flexible_autopilot import actuator_notes, gain_notes  # late: designs
+
+    margins = findings.margins
+    if margins is not None:
+        satisfied = bool(findings.criteria.are_satisfied(margins))
+        whole = margins.margins if isinstance(margins, BandMargins) else margins
+        yield from gain_notes(findings.plan, findings.criteria, satisfied, whole.delay_margin)
+    else:
+        yield from actuator_notes(findings.plan)

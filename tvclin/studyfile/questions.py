@@ -7,7 +7,7 @@ import numpy as np
 
 from tvclin.base.cards import Record
 from tvclin.base.fields import derived, spec
-from tvclin.base.lines import Line, Table, degrees, listed, minimum_limit, number, significant, text
+from tvclin.base.lines import Line, Table, degrees, minimum_limit, number, significant, text
 from tvclin.base.quantities import (
     BUDGET,
     NOMINAL,
@@ -23,7 +23,6 @@ from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import DIGITS, margin, unit_factor
 from tvclin.requirement.nominal_requirement import covers
-from tvclin.requirement.study import nominal_pressure
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
@@ -182,16 +181,6 @@ def all_yes(findings: Findings) -> bool:
     return all(question.yes is True for question in questions(findings))
 
 
-def nominal_notes(findings: Findings) -> Iterator[str]:
-    """Say which answers are at nominal pressure, where a head wind sets the requirement."""
-    flown = findings.head is not None and findings.head.stop is not None
-    names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
-    nominal = [q.name for q in questions(findings) if q.yes and q.name in names]
-    if nominal and findings.study.ratio_to_nominal > 1.0:
-        for words in nominal_pressure(findings.plan):
-            yield f"{listed(nominal)}: {words}"
-
-
 _NOT_KNOWN_AT_PEAK = "not known with the dynamic pressure at the peak of a head wind"
 """Reason where a plant is not known at the pressure of a head wind that sets the requirement."""
 _IN_THE_WIND = (
@@ -199,24 +188,6 @@ _IN_THE_WIND = (
     *(_TURBULENCE, _TURBULENCE_RATE, _TURBULENCE_LOAD),
 )
 """Questions whose answers rest on the wind of the study."""
-
-
-def loop_notes(findings: Findings) -> Iterator[str]:
-    """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
-    if findings.margins is None and findings.duty is None:
-        return
-    from tvclin.case.flexible_autopilot import (  # late: it designs autopilots
-        actuator_notes,
-        gain_notes,
-    )
-
-    margins = findings.margins
-    if margins is not None:
-        satisfied = bool(findings.criteria.are_satisfied(margins))
-        whole = margins.margins if isinstance(margins, BandMargins) else margins
-        yield from gain_notes(findings.plan, findings.criteria, satisfied, whole.delay_margin)
-    else:
-        yield from actuator_notes(findings.plan)
 
 
 def _in_linear_range(findings: Findings) -> Iterator[Question]:

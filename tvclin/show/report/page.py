@@ -31,7 +31,7 @@ from tvclin.requirement.study_tables import study_response
 from tvclin.studyfile import assumptions, autopilot_tables
 from tvclin.studyfile.findings import Findings, Progress, find
 from tvclin.studyfile.glossary import equation_table, glossary_table
-from tvclin.studyfile.questions import loop_notes, questions_table, sufficient
+from tvclin.studyfile.questions import questions_table, sufficient
 from tvclin.studyfile.read import load_study
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle import Vehicle
@@ -62,7 +62,7 @@ _NAMES: dict[str, Any] = {
             mode_tables,
             plant_of,
             shift_lines,
-            loop_notes,
+            assumptions.loop_notes,
             study_response,
             total_table,
         )
