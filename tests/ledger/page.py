@@ -57,9 +57,8 @@ that is named. The proof is a test that derives the equation independently of th
 _LOADS = """\
 ## Loads
 
-The report says that control below trim also reduces angle of attack and bending moments. This is
-the peak angle of attack over the peak of the wind (`wind_loads`, triangular wind, on the boundary,
-during the wind); the bending indicator N alpha falls by the same factor.
+The report says that control below trim also reduces angle of attack and bending moments. Peak angle
+of attack over the peak of a triangular wind, on the boundary (`wind_loads`):
 """
 
 _FLOWN = """\
@@ -163,10 +162,10 @@ def _loads_verdict(found: Sequence[loads.Case]) -> str:
         lower = sum(case.held[i] < case.trim for case in found)
         parts.append(f"in {lower} of {len(found)} cases for K = {K:g}")
     return (
-        f"The peak is below that of ideal trim\n{', '.join(parts)}.\n"
-        "So the statement holds for a control that uses its limit before it must, by the forecast\n"
-        "of the wind. For K = 1 the vehicle is trimmed until the limit is reached, and from then\n"
-        "on its angle of attack at first grows faster than with trim.\n"
+        f"The peak is below that of ideal trim\n{', '.join(parts)}:\n"
+        "the statement holds for a control that uses its limit early, by the forecast of the\n"
+        "wind. For K = 1 the angle of attack, once the limit is reached, at first grows faster\n"
+        "than with trim.\n"
     )
 
 
