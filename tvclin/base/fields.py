@@ -258,48 +258,52 @@ def _converted(value: Any, convert: Callable[[Any], Any]) -> Any:
 def quantity(
     kind: str, default: Any = MISSING, check: Callable[..., Any] = finite, **more: Any
 ) -> Any:
-    """Return the parameter of a number in SI units, of a kind of `UNITS`; `more` as in `Field`."""
+    """Return a dataclass field for a number in SI units, of a kind of `UNITS`.
+
+    `check`: check of the number. `more`: further attributes of its `Field`.
+    """
     return _field(Field(kind=kind, check=check, **more), default)
 
 
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
-    """Return the parameter of a word from given choices."""
+    """Return a dataclass field for a word, one of `choices`; `more` as in `quantity`."""
     allowed = tuple(choices)
     check = partial(one_of, choices=allowed)
     return _field(Field(kind="text", check=check, choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
-    """Return the parameter of a text of printable characters."""
+    """Return a dataclass field for a text of printable characters; `more` as in `quantity`."""
     return _field(Field(kind="text", check=printable, **more), default)
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
-    """Return the parameter of a truth value."""
+    """Return a dataclass field for True or False; `more` as in `quantity`."""
     return _field(Field(kind="flag", check=true_or_false, **more), default)
 
 
 def count(default: Any = MISSING, check: Callable[..., Any] = whole_number, **more: Any) -> Any:
-    """Return the parameter of an integer."""
+    """Return a dataclass field for an integer, as `check` allows; `more` as in `quantity`."""
     return _field(Field(kind="count", check=check, **more), default)
 
 
 def _field(item: Field, default: Any) -> Any:
+    """Return a dataclass field with a default whose metadata holds its specification."""
     return field(default=default, metadata=specs(item))
 
 
 def spec(kind: str = "", label: str = "", **more: Any) -> Mapping[str, Any]:
-    """Return the metadata of an attribute with the field of a kind; `more` as in `Field`."""
+    """Return the metadata of a dataclass attribute, with a `Field` of this kind and label."""
     return specs(Field(kind=kind, label=label, **more))
 
 
 def specs(*specified: Field) -> Mapping[str, Any]:
-    """Return the metadata of an attribute with several fields."""
+    """Return the metadata of a dataclass attribute, with several `Field`."""
     return {_SPECIFICATION: specified}
 
 
 def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
-    """Return the decorator of a property, below ``@property``, with the field of a kind."""
+    """Return the decorator, below ``@property``, that gives a property a `Field` of this kind."""
 
     def mark(getter: _Getter) -> _Getter:
         setattr(getter, _SPECIFICATION, (Field(kind=kind, **more),))

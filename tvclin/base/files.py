@@ -319,7 +319,7 @@ def _unwritable(path: Path, error: Exception) -> InputError:
 
 
 def _check_text(text: str, name: str) -> None:
-    """Raise `InputError` for what would take minutes to be parsed."""
+    """Raise `InputError` for a text of TOML so long or so deeply nested that it parses slowly."""
     if len(text) > _MAX_TABLE_CHARACTERS:
         raise InputError(
             f"{name} has more than {_MAX_TABLE_CHARACTERS // 1_000_000} million letters"

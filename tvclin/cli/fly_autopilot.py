@@ -269,8 +269,8 @@ class AutopilotFlight:
         return None if self.case.nozzle.limit is None else degrees(self.case.nozzle.limit)
 
     @property
-    def beyond(self) -> str:
-        """Reason of `beyond_linear` why the answer is not known in this wind; empty if it is."""
+    def unknown_reason(self) -> str:
+        """Reason why the linear theory gives no answer in this wind; empty if it does."""
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         return beyond_linear(float(self.compared.wind.peak)) or beyond_linear(attack, ATTACK)
 
@@ -292,7 +292,7 @@ class AutopilotFlight:
         A loop that was not flown with its limits survives where it never reaches them.
         """
         limit, max_rate = self.case.nozzle.limit, self.case.nozzle.rate_limit or inf
-        if limit is None or self.beyond:
+        if limit is None or self.unknown_reason:
             return None
         if self.flight is not None and self.flight.flight.survived is False:
             return False
@@ -423,7 +423,8 @@ class AutopilotFlight:
         word, worst, limit = sufficiency(self.sufficient), self.worst, self.limit or 0.0
         if self.sufficient is None:
             nominal = "above the nominal requirement alone"
-            word += f", {self.beyond or (nominal if self.requirement is not None else self.reason)}"
+            reason = nominal if self.requirement is not None else self.reason
+            word += f", {self.unknown_reason or reason}"
         elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):
             uses = f"{degrees(worst.peak_deflection):.3f} deg in one of {worst.duration:.3g} s"
             word += f" in this wind; without a limit the autopilot uses {uses}"
@@ -435,8 +436,8 @@ class AutopilotFlight:
         """The autopilot requirement, at the pressure of a head wind and at nominal pressure."""
         if not self.compared.margins.stable:
             return f"{sufficiency(None)}, {self.compared.margins.reason}"
-        if self.requirement is None or self.beyond:
-            return f"{sufficiency(None)}: {self.beyond or self.reason}"
+        if self.requirement is None or self.unknown_reason:
+            return f"{sufficiency(None)}: {self.unknown_reason or self.reason}"
         if not isfinite(self.requirement.nominal_deflection):
             return f"no limit that was tried survives, {NOMINAL}"
         nominal = f"{degrees(self.requirement.nominal_deflection):.3f} deg"

@@ -1,7 +1,7 @@
 """The option --set of commands that take a case, and messages that name options.
 
 --set gives a key of the study file by name. An error names the argument of a function; its message
-is told with the option, or the key, that gives the argument.
+names the option, or the key, that gives the argument.
 """
 
 import re
@@ -71,7 +71,10 @@ _Settings = Annotated[
 
 
 def settable(command: Callable[..., None], name: str = "") -> Callable[..., None]:
-    """Return a command whose source, if it takes a case, has the keys of --set."""
+    """Return a command with the option --set, which edits keys of its study or vehicle file.
+
+    `name`: name of the command. A command that reads no such file is returned unchanged.
+    """
     parameters = signature(command).parameters
     source = next(filter(None, map(_source_name, parameters.values())), None)
     if name in _WITHOUT_SETTINGS or source is None:

@@ -226,7 +226,11 @@ def march_wind(wind: Any, law: Any) -> None:
 
 @bare
 def march_filter(wind: Any, law: Any) -> None:
-    """Write the filter's state at each breakpoint, to the last two rows of ``marched (3, n)``."""
+    """Write the state (x, y) of trim's filter at each of n breakpoints of the wind.
+
+    It becomes the last two rows of `marched`, ``(3, n)``, whose first is the remaining integral.
+    `wind` and `law` are the tuples of all functions here.
+    """
     knots, c, rates, marched, work = wind
     _, _, gain, b1, q, _ = law
     marched[1, 0], marched[2, 0] = 0.0, 0.0

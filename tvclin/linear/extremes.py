@@ -141,12 +141,13 @@ def response_end(
 
 
 def release_time(plant: Plant, wind: History, times: FloatArray, attitude: FloatArray) -> float:
-    """Return the time [s] at which a flight releases a limit; infinite if never.
+    """Return the time [s] at which the deflection may leave its limit; infinite if never.
 
-    `plant`, `wind`: plant and wind of the flight. `times`, `attitude`: samples of a flight that
-    survives [s, rad], ``(n,)``; NaN for missing ones.
+    It is the time of the last zero of the attitude in a flight that survives or, without one, the
+    time at which the limit turns the vehicle against the wind, as in `response_end`.
 
-    The criterion is the same as in `response_end`, with linear interpolation between the samples.
+    `plant`, `wind`: plant and wind of the flight. `times`, `attitude`: samples of the flight [s,
+    rad], ``(n,)``, NaN if missing; between them attitudes are interpolated linearly.
     """
     valid = np.isfinite(attitude)
     times, towards = times[valid], _wind_sign(plant, wind) * attitude[valid]

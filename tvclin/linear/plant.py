@@ -549,7 +549,7 @@ class Plant(WithCoefficients):
 
     @property
     def _path(self) -> _PathCoefficients:
-        """Coefficients of the flight path equation of the model."""
+        """Coefficients [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w, of the model."""
         c = self.coefficients
         if self.model == "drift":
             return _PathCoefficients(0.0, 0.0, c.b1 / c.B, -c.b2)

@@ -227,9 +227,9 @@ class SystemPlant(Plant):
         return plant
 
     def with_effectiveness(self, factor: ArrayLike) -> SystemPlant:
-        """Return the plant with all that the deflection does multiplied by `factor`.
+        """Return the plant with `factor` on the forces and moments of the deflection.
 
-        The inertia of its engine stays.
+        The first columns of B and D are multiplied; the inertia of the engine stays.
 
         Raises
         ------

@@ -86,7 +86,7 @@ class SystemLaw(_AutopilotLaw):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the states of a continuous controller; `InputError` for one in steps."""
+        """F and G of s' = F s + G m of a continuous controller; `InputError` for a sampled one."""
         system = self.autopilot.system
         if system.period is not None:
             raise InputError(
@@ -171,7 +171,10 @@ class SaturatedLaw(_AutopilotLaw, LinearLaw):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the integral of the attitude; no states without integral gain."""
+        """F ``(1, 1)`` and G ``(1, 5)`` of s' = F s + G m, s the integral of the attitude [rad s].
+
+        m are the `LAW_INPUTS`. Without integral gain there are no states.
+        """
         if not self.autopilot.integral_gain:
             return super().states
         return np.zeros((1, 1)), np.eye(1, 5)

@@ -133,7 +133,10 @@ class EstimatedLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the estimator's states and then the law's, which follow the estimates."""
+        """F and G of s' = F s + G m, the estimator's states before the law's; m: `LAW_INPUTS`.
+
+        The law receives the estimates in place of the measurements.
+        """
         (F, G), (F_law, G_law) = self.estimator.states(self.plant), self.law.states
         direct = G_law.copy()
         direct[:, 0] += G_law[:, 3]  # theta - d^ replaces alpha, and q^ replaces theta'

@@ -83,7 +83,7 @@ class Law(Record, ABC):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F ``(k, k)`` and G ``(k, 5)`` of the law's states, s' = F s + G m; k = 0 by default."""
+        """F ``(k, k)`` and G ``(k, 5)`` of the law's k states, s' = F s + G m; m: `LAW_INPUTS`."""
         return np.zeros((0, 0)), np.zeros((0, 5))
 
     @property
@@ -209,7 +209,7 @@ class FilteredLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the law's states; states of the filters belong to the flight."""
+        """F and G of s' = F s + G m of the law; states of filters belong to the flight."""
         return self.law.states
 
     @property

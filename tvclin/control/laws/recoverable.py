@@ -119,7 +119,7 @@ class RecoverableAttitudeLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the estimator's states; no states without an estimator."""
+        """F and G of s' = F s + G m, s the estimator's states; no states without an estimator."""
         return super().states if self.estimator is None else self.estimator.states(self.plant)
 
     @property

@@ -295,7 +295,10 @@ def _jumped(
 
 
 def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> list[Jump]:
-    """Return a jump of the loop at each of some times."""
+    """Return the jump of the states of a sampled loop at each time [s], behind one interval.
+
+    `index`: index of the interval within a sample.
+    """
     if isinstance(loop, DrivenLoop):
         return [loop.jumps[index]] * len(times)
     length, *arrays = loop.jump_at(index, times)

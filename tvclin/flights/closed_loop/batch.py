@@ -152,18 +152,18 @@ SENSED = ("sensed_attitude", "sensed_attitude_rate", *LAW_INPUTS[2:])
 
 
 class Memory(NamedTuple):
-    """Step of the s states of laws with their filters, for each of l flights or for all.
+    """Step matrices of the s states of laws with their filters, for each of l flights or for all.
 
     Each row acts on the states, the eight sensor outputs, and the demand of the law.
 
-    `moved`: rows of the next states, ``(l, s, s + 9)``. `seen`: rows of the law's inputs behind the
-    filters, ``(l, 8, s + 9)``; empty without filters. `told`: row of the filtered demand, ``(l, s +
-    9)``; empty without filters.
+    `states`: rows of the next states, ``(l, s, s + 9)``. `inputs`: rows of the law's inputs behind
+    the filters, ``(l, 8, s + 9)``; empty without filters. `demand`: row of the filtered demand,
+    ``(l, s + 9)``; empty without filters.
     """
 
-    moved: FloatArray
-    seen: FloatArray
-    told: FloatArray
+    states: FloatArray
+    inputs: FloatArray
+    demand: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,16 +204,16 @@ class LawBatch:
             return Memory(
                 np.zeros((1, 0, wide)), np.zeros((0, MEASURED, wide)), np.zeros((0, wide))
             )
-        moved = np.zeros((lengths.size, size, wide))
-        seen = np.zeros((lengths.size if filtered else 0, MEASURED, wide))
-        told = np.zeros((lengths.size if filtered else 0, wide))
+        states = np.zeros((lengths.size, size, wide))
+        inputs = np.zeros((lengths.size if filtered else 0, MEASURED, wide))
+        demand = np.zeros((lengths.size if filtered else 0, wide))
         for k, (system, chains) in enumerate(zip(systems, self.chains, strict=True)):
             flights = np.flatnonzero(which == k)
             memory = memory_of(system, chains, lengths[flights], size)
-            moved[flights] = memory.moved
+            states[flights] = memory.states
             if filtered:
-                seen[flights], told[flights] = memory.seen, memory.told
-        return Memory(moved, seen, told)
+                inputs[flights], demand[flights] = memory.inputs, memory.demand
+        return Memory(states, inputs, demand)
 
 
 _TYPES = {float: np.float64, bool: np.bool_}
@@ -287,10 +287,11 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
 
 
 def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
-    """Return the step of one law and its filters, of lengths [s] ``(m,)``, padded to `size` states.
+    """Return the step matrices of one law and its filters, padded to `size` states.
 
-    The law's states come first, then the states of each chain. The output of a controller in state
-    space takes the place of the attitude among the law's inputs.
+    `lengths`: lengths of the steps [s], ``(m,)``. `chains`: filters of the sensors and the demand.
+    The law's states precede the states of each chain. The output of a controller in state space
+    takes the place of the attitude among the law's inputs.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
     first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]
@@ -450,11 +451,11 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     cases, noise = _cases(batch, judges, criteria_index)
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
-    if len(memory.moved) > 1:
+    if len(memory.states) > 1:
         cases.memory[:] = np.arange(vehicle.size)
     N = steps.joint.shape[2]
     plant = batch.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
-    now = equilibrium(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
+    now = equilibrium(vehicle.size, len(plant.states), steps, terms, memory.states.shape[1])
     now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
     return Flights(

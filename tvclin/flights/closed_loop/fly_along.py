@@ -486,9 +486,10 @@ def _tracked(
 
 
 def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return times, states with the deflection, and deflection rates of a continuous loop.
+    """Return times [s] ``(k,)``, states and deflection rates of a flight of a continuous loop.
 
-    Steps end at the knots of the wind and at the times of the data.
+    The states of the plant and then the deflection [rad] are ``(k, n + 1)``, the deflection rates
+    [rad/s] ``(k,)``. Steps end at the breakpoints of the wind and at the times of the data.
     """
     wind = along.wind.history
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))

@@ -185,7 +185,11 @@ def _check(f: Flights, order: int) -> None:
 def _rows(
     at: _Substeps, bare: LinearSystem, actuator: Actuator | None, wind: History, times: FloatArray
 ) -> FloatArray:
-    """Return states of the plant and deflection at the times, ``(n + 1, m)``."""
+    """Return the n states of the plant and the deflection [rad] at m times, ``(n + 1, m)``.
+
+    `at`: substeps of the times. `bare`: the plant without nozzle or structure of the loop. `times`:
+    flight times [s]. Zero before the onset.
+    """
     y, first, slope = at.y, at.first, at.slope
     n = len(bare.states)
     vehicle = y[:, :n]

@@ -111,7 +111,7 @@ class Stages:
             self.vehicles.A.shape[1],
             steps,
             pieces.shape[2],
-            memory.moved.shape[1],
+            memory.states.shape[1],
         )
         now.piece[:] = ((knots <= self.times[0]).sum(axis=1) - 1)[cases.wind]
         rows = int(steps.substeps[0].sum()) * self.samples if track else 0
@@ -231,8 +231,10 @@ class Stages:
         varies = any(filter_.batch for chain in chains for filter_ in chain)
         lengths = np.full(count if varies else 1, float(self.hardware.length))
         memory = memory_of(integral, chains, lengths, size)
-        moved, seen, told = (np.repeat(rows, count // lengths.size, axis=0) for rows in memory)
-        return Memory(moved, seen, told) if any(chains) else Memory(moved, seen[:0], told[:0])
+        memory = Memory(*(np.repeat(rows, count // lengths.size, axis=0) for rows in memory))
+        if any(chains):
+            return memory
+        return memory._replace(inputs=memory.inputs[:0], demand=memory.demand[:0])
 
     @cached_property
     def _judged(self) -> tuple[IntArray, IntArray]:

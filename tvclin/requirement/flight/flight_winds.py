@@ -201,7 +201,10 @@ def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
 
 
 def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
-    """Return the wind angle [rad] of a placed wind at a flight time [s], a size."""
+    """Return the magnitude [rad] of a placed wind's angle at a flight time [s].
+
+    `placed`: the wind by plane, or in one plane.
+    """
     angles = [
         float(placed_wind.history(time - placed_wind.zero)) for placed_wind in placed.values()
     ]

@@ -501,12 +501,12 @@ def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callabl
     """Return a function that passes a requirement on and reports the number so far."""
     done = count(1)
 
-    def count_need(need: Any) -> Any:
+    def count_requirement(requirement: Any) -> Any:
         if progress is not None:
             progress(next(done), total)
-        return need
+        return requirement
 
-    return count_need
+    return count_requirement
 
 
 def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
