@@ -15,7 +15,7 @@ from peers import ratio
 from scipy import signal
 
 import tvclin as tv
-from tvclin.kernels.threads import VARIABLE
+from tvclin.kernels.choice import VARIABLE
 
 POINTS, WINDS, VEHICLES = 499, 10_000, 2_500
 TIMES = np.linspace(0.0, 20.0, POINTS)

@@ -245,7 +245,6 @@ def doors(folder: Path) -> dict[str, Door]:
         booster, tv.flights.ReportControl(), wind, [0.0, 5.0], deflection_limit=0.01, boundary=0.006
     )
     responses = tv.attitude_responses(plant, held, wind, [0.0, 5.0])
-    loads = tv.linear.wind_loads(plant, held, wind)
     line = Line("wind tunnel", 0.001)
     times = [0.0, 5.0, 20.0]
     poles = {"natural_frequency": 1.0, "damping": 0.7}
@@ -1092,7 +1091,6 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "LayeredGust": Door(tv.winds.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
-        "Loads.bending_indicator": Door(loads.bending_indicator, {"normal_force_slope": 1e6}),
         "Loop": Door(tv.Loop, {"numerator": [1.0], "denominator": [1.0, 1.0], "delay": 0.1}),
         "Loop.analysis": Door(tv.Loop([1.0], [1.0, 1.0]).analysis, {"delays": False}),
         "Loop.from_matrices": Door(

@@ -12,7 +12,7 @@ import pytest
 
 from tvclin.base.package_warnings import MachineWarning
 from tvclin.boundary import closed_forms
-from tvclin.kernels import choice, threads
+from tvclin.kernels import choice
 from tvclin.kernels.small_roots import small_roots
 
 pytestmark = pytest.mark.usefixtures("as_users_have_it")
@@ -93,26 +93,26 @@ def test_a_case_does_not_depend_on_its_batch(cases):
 
 
 def test_slices_make_up_the_cases(monkeypatch):
-    monkeypatch.setattr(threads, "thread_count", lambda: 3)
+    monkeypatch.setattr(choice, "thread_count", lambda: 3)
     done = []
-    threads.in_slices(lambda first, last: done.append((first, last)), 1000, 10.0)
+    choice.in_slices(lambda first, last: done.append((first, last)), 1000, 10.0)
     edges = [first for first, _ in sorted(done)] + [1000]
     assert sorted(done) == list(pairwise(edges))
     assert edges[0] == 0
     assert len(done) > 3  # so that nobody waits long for the slowest
     assert all(edge % 64 == 0 for edge in edges[:-1])
     done.clear()
-    threads.in_slices(lambda first, last: done.append((first, last)), 1000, 0.001)
+    choice.in_slices(lambda first, last: done.append((first, last)), 1000, 0.001)
     assert done == [(0, 1000)]
 
 
 def test_the_number_of_threads_can_be_bounded(monkeypatch):
-    monkeypatch.setenv(threads.VARIABLE, "1")
-    assert threads.thread_count() == 1
-    monkeypatch.setenv(threads.VARIABLE, "100000")
-    most = threads.thread_count()
-    monkeypatch.setenv(threads.VARIABLE, "nonsense")
-    assert threads.thread_count() == most
+    monkeypatch.setenv(choice.VARIABLE, "1")
+    assert choice.thread_count() == 1
+    monkeypatch.setenv(choice.VARIABLE, "100000")
+    most = choice.thread_count()
+    monkeypatch.setenv(choice.VARIABLE, "nonsense")
+    assert choice.thread_count() == most
 
 
 @pytest.fixture

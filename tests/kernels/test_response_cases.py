@@ -12,8 +12,7 @@ import pytest
 import tvclin as tv
 from tests.sixty_digits import carried
 from tests.turns import by_turns, usual
-from tvclin.kernels.choice import pinned
-from tvclin.kernels.threads import VARIABLE
+from tvclin.kernels.choice import VARIABLE, pinned
 from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import Piecewise
 

@@ -10,7 +10,7 @@ import tvclin as tv
 from tests.turns import by_turns
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import minimum_peaks
-from tvclin.kernels import excess, threads
+from tvclin.kernels import choice, excess
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import MODELS
@@ -108,11 +108,11 @@ def test_a_case_has_the_same_bits_wherever_it_stands_and_in_any_number_of_thread
     pytest.importorskip("numba")
     rng = np.random.default_rng(8)
     plant, wind, K = plants(rng, model, 300), winds_of(rng, "triangle", 300), rng.random(300)
-    monkeypatch.setattr(threads, "_MIN_SECONDS_PER_THREAD", 1e-9)
+    monkeypatch.setattr(choice, "_MIN_SECONDS_PER_THREAD", 1e-9)
     with pinned(True):
-        monkeypatch.setattr(threads, "thread_count", lambda: 2)
+        monkeypatch.setattr(choice, "thread_count", lambda: 2)
         whole = tv.boundary_limit(plant, wind, K)
-        monkeypatch.setattr(threads, "thread_count", lambda: 1)
+        monkeypatch.setattr(choice, "thread_count", lambda: 1)
         for case in (0, 1, 77, 299):
             one = plant.case(case, (300,)), wind.case(case, (300,)), K[case]
             alone = tv.boundary_limit(*one)

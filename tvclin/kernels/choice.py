@@ -4,17 +4,21 @@ Machine code needs numba (extra `fast`), some ten seconds per kernel to compile 
 on a computer, and half a second to load from then on. It is chosen where the work of the call, or
 of all similar calls, is worth that, independently of earlier calls. The callers of kernels do not
 depend on the choice.
+
+Machine code runs in threads, each with slices of the cases.
 """
 
 import os
 import sys
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha1
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from warnings import warn
@@ -24,7 +28,45 @@ import numpy as np
 from tvclin.base.errors import install
 from tvclin.base.package_warnings import MachineWarning
 from tvclin.kernels.source import digest, machine_code
-from tvclin.kernels.threads import in_slices
+
+_MIN_SECONDS_PER_THREAD = 0.004
+"""Work [s] below which a further thread does not pay."""
+_SLICES_PER_THREAD = 4
+"""Slices per thread: a delayed thread leaves its last ones to the others."""
+_SLICE_ALIGNMENT = 64
+"""Cases of which slices start at multiples."""
+VARIABLE = "TVCLIN_NUM_THREADS"
+"""Environment variable that bounds the number of threads."""
+
+
+def thread_count() -> int:
+    """Return the number of threads: processors of this process, at most `VARIABLE`."""
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else None
+    available = processors or os.cpu_count() or 1
+    requested = os.environ.get(VARIABLE, "")
+    return max(min(int(requested), available), 1) if requested.isdecimal() else available
+
+
+def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> None:
+    """Call `work(first, last)` for slices that make up the cases, in parallel.
+
+    `work`: computes the cases from `first` up to `last`; it must release the interpreter's lock.
+    `cases`: number of cases. `seconds`: approximate time of all cases in one thread.
+    """
+    blocks = -(-cases // _SLICE_ALIGNMENT)
+    threads = int(min(seconds / _MIN_SECONDS_PER_THREAD, blocks))
+    threads = min(thread_count(), threads) if threads > 1 else 1
+    if threads == 1:
+        work(0, cases)
+        return
+    slices = min(_SLICES_PER_THREAD * threads, blocks)
+    edges = np.minimum(
+        np.linspace(0, blocks, slices + 1).round().astype(int) * _SLICE_ALIGNMENT, cases
+    )
+    with ThreadPoolExecutor(threads) as pool:
+        for done in [pool.submit(work, int(a), int(b)) for a, b in pairwise(edges)]:
+            done.result()
+
 
 _MIN_LOADING_SECONDS, _MIN_COMPILING_SECONDS = 0.02, 2.0
 """Time of a call in plain Python [s] above which cached machine code is loaded, and above which

@@ -12,10 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record, Shown
-from tvclin.base.errors import InputError, ending, instance, nonnegative
+from tvclin.base.errors import InputError, ending, instance
 from tvclin.base.fields import spec
 from tvclin.base.lines import Table, degrees, number
 from tvclin.linear.plant import PLANT_HINT, Plant
@@ -236,11 +235,6 @@ class Loads(Shown):
     peak_time: float = field(metadata=spec("time"))
     peak_attitude: float = field(metadata=spec("angle"))
     relative: float = field(metadata=spec())
-
-    def bending_indicator(self, normal_force_slope: float) -> float:
-        """Return the peak normal force N alpha [N], to which the bending moment is proportional."""
-        slope = errors.number("normal_force_slope", normal_force_slope, nonnegative, "N/rad")
-        return slope * abs(self.peak_angle_of_attack)
 
 
 def response_table(caption: str, extremes: Extremes, loads: Loads | None) -> Table:

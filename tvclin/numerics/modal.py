@@ -22,8 +22,8 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.kernels import choice
+from tvclin.kernels.choice import in_slices
 from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, workspace
-from tvclin.kernels.threads import in_slices
 from tvclin.numerics.pieces import Pieces, flat_batch, laplace, magnitude, spread
 
 _EPSILON = float(np.finfo(float).eps)

@@ -53,8 +53,7 @@ from tvclin.ensembles.campaign.folder import (
     sweep,
 )
 from tvclin.ensembles.campaign.results import CampaignResults
-from tvclin.kernels.choice import available, pinned, repeated
-from tvclin.kernels.threads import VARIABLE
+from tvclin.kernels.choice import VARIABLE, available, pinned, repeated
 
 _TIMEOUT = 5.0
 """Seconds in which a scheduler must answer."""

@@ -20,9 +20,9 @@ from tvclin.flights.closed_loop.batch import Batch, LawBatch, flights, law_rows
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.kernels import choice
 from tvclin.kernels import flights as kernel
+from tvclin.kernels.choice import in_slices
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import NEVER, Flights
-from tvclin.kernels.threads import in_slices
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
 from tvclin.linear.system import LinearSystem, connect, polynomial_input
 from tvclin.numerics.propagation import input_states, matrix_exponentials, piece_matrix
