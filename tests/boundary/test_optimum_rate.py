@@ -177,7 +177,7 @@ def test_an_early_start_makes_up_for_a_slow_actuator():
     assert np.all(np.diff(peaks) < 0.0)
 
 
-@pytest.mark.parametrize("horizon", [None, 30.0])
+@pytest.mark.parametrize("horizon", usual([None, 30.0], 0))
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact", "drift-and-speed"], 1))
 def test_a_rate_too_small_names_the_one_that_would_do(model, horizon):
     plant = configuration(model)

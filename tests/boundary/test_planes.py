@@ -181,7 +181,7 @@ def test_the_table_of_veering_triangles(case):
     assert numbers == pytest.approx(TABLE[case], abs=5.1e-6)
 
 
-@pytest.mark.parametrize("degrees", [90, 180, 360])
+@pytest.mark.parametrize("degrees", usual([90, 180, 360], 1))
 def test_a_wind_that_turns_needs_less_and_says_what_it_leaves_open(degrees):
     straight, turning = limits(4, 0), limits(4, degrees)
     for one, other in zip(straight, turning, strict=True):

@@ -43,7 +43,12 @@ OPTIONS = {
     "everything": EVERYTHING,
     "everything at the highest order": EVERYTHING | {"pade_order": 10},
 }
-CASES = [pytest.param(m, o, id=f"{m}-{k}") for m in MODELS for k, o in OPTIONS.items()]
+CASES = [
+    pytest.param(m, OPTIONS[k], id=f"{m}-{k}", marks=[pytest.mark.thorough] * bool((i + j) % 4))
+    for i, m in enumerate(MODELS)
+    for j, k in enumerate(OPTIONS)
+]
+"""Each option with one of the models in a usual run, and with all in a thorough one."""
 
 
 def plant_of(model="fixed-path", coefficients=COEFFICIENTS):

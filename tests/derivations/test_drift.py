@@ -8,6 +8,7 @@ from mpmath import mpf, workdps
 import tvclin
 from tests import planar
 from tests.symbolic import equal, from_then_on, s, solved, t, transform
+from tests.turns import usual
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit_with_drift
 
 beta, B, y, K, tau, peak, a, b1, b2 = sp.symbols("beta B y K tau peak a b1 b2", positive=True)
@@ -162,7 +163,7 @@ def test_the_reports_switch_leaves_the_dead_band_early():
             assert 2 * trim / (duration * limit) == pytest.approx(band, abs=6e-4)
 
 
-@pytest.mark.parametrize(("tau_beta", "limit"), [(4, 0.6649), (20, 0.8366), (40, 0.8072)])
+@pytest.mark.parametrize(("tau_beta", "limit"), usual([(4, 0.6649), (20, 0.8366), (40, 0.8072)], 1))
 def test_a_dead_band_meant_literally_has_other_limits(configuration_i, tau_beta, limit):
     """Eq (18): with a where trim itself is K y: 0.8366, not 0.7939, at tau beta = 20 (I, K = 1)."""
     A, z = a * beta, p * y

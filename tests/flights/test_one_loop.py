@@ -182,7 +182,7 @@ def agreed(plant, autopilot):
     return sizes
 
 
-@drawn(50, 1000, loops())
+@drawn(25, 1000, loops())
 def test_margins_and_flights_are_of_one_loop(loop):
     agreed(*loop)
 

@@ -50,7 +50,8 @@ def is_needed(shown, step, law, plant, tau_beta, **options):
 
 
 @pytest.mark.parametrize(
-    ("label", "law"), [("half relief", HALF), ("recoverable attitude", LEAN), ("trim", TRIM_LAW)]
+    ("label", "law"),
+    usual([("half relief", HALF), ("recoverable attitude", LEAN), ("trim", TRIM_LAW)], 0),
 )
 def test_what_the_laws_need_whole_and_with_stops(label, law):
     for tau_beta, shown in zip(DURATIONS, numbers(label, 7), strict=True):
@@ -66,7 +67,7 @@ def test_the_bound_beside_them():
     assert numbers("any law (bound of the fast mode)", 7) == pytest.approx(bounds, abs=5.1e-4)
 
 
-@pytest.mark.parametrize("believed", ["0.8", "0.9", "1.1", "1.2"])
+@pytest.mark.parametrize("believed", usual(["0.8", "0.9", "1.1", "1.2"], 2))
 def test_an_effectiveness_that_is_believed_wrongly(believed):
     own = COEFFICIENTS.replace(mu_delta=float(believed) * COEFFICIENTS.mu_delta)
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
@@ -78,7 +79,7 @@ def test_an_effectiveness_that_is_believed_wrongly(believed):
             is_needed(limit, 0.004, law, EXACT, tau_beta)
 
 
-@pytest.mark.parametrize("label", [".50", ".52"])
+@pytest.mark.parametrize("label", usual([".50", ".52"], 0))
 def test_the_balance_of_a_slow_nozzle(label):
     behind = 0.5 + np.linspace(0.0, 0.08, 33)
     poles = {"natural_frequency": 2.4 * BETA, "damping": 1.2, "alpha_ratio": float(label)}
@@ -90,7 +91,7 @@ def test_the_balance_of_a_slow_nozzle(label):
 CLIFF = [line.strip("| ").split(" | ") for line in LINES if re.match(r"\| [23]\.\d+, ", line)]
 
 
-@pytest.mark.parametrize("row", usual(CLIFF, 0, 2), ids=[row[0] for row in CLIFF])
+@pytest.mark.parametrize("row", usual(CLIFF, 0), ids=[row[0] for row in CLIFF])
 def test_the_cliff(row):
     gains, lead, shown, lost = row
     frequency, damping, ratio = (float(n) for n in re.sub(r" \(.*", "", gains).split(", "))
@@ -112,7 +113,9 @@ def test_the_cliff(row):
 ESTIMATED = [line for line in LINES if re.match(r"\| (a vane|20|10|5|3|2|1) \| ", line)]
 
 
-@pytest.mark.parametrize("label", [line.strip("| ").split(" | ")[0] for line in ESTIMATED])
+@pytest.mark.parametrize(
+    "label", usual([line.strip("| ").split(" | ")[0] for line in ESTIMATED], 0, 3)
+)
 def test_what_a_wind_estimator_costs(label):
     law = tv.SaturatedLaw(HALF)
     if label != "a vane":
