@@ -45,7 +45,8 @@ _EQUATIONS = """\
 ## Equations
 
 Of {count} equations {agree} agree as printed, some of them as approximations or under a condition
-that is named. The proof is a test that derives the equation independently of the package.
+that is named. The proof is a test that derives the equation independently of the package;
+`tests/ledger/equations.toml` has the printed form and the proof of each.
 
 ### Misprints and conditions
 
@@ -105,14 +106,17 @@ def _equations() -> str:
         for e in found
         if e["corrected"] != "agrees"
     ]
-    exact = [
-        (e["id"], e["printed"], _code(e["proof"])) for e in found if e["corrected"] == "agrees"
-    ]
+    exact: dict[str, list[str]] = {}
+    for e in found:
+        if e["corrected"] == "agrees":
+            exact.setdefault(e["proof"].partition("::")[0], []).append(e["id"])
     return _EQUATIONS.format(
         count=len(found),
         agree=sum(e["corrected"].startswith("agrees") for e in found),
         exceptions=_table(("no.", "as printed", "as it should read", "proof"), exceptions),
-        exact=_table(("no.", "as printed", "proof"), exact),
+        exact=_table(
+            ("proof", "equations"), [(_code(path), ", ".join(ids)) for path, ids in exact.items()]
+        ),
     )
 
 

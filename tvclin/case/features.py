@@ -221,10 +221,26 @@ def _specified_features(case: Case, omitted: set[str], tables: Collection[str]) 
 
 
 def table() -> str:
-    """Return the table of features that each question notes or refuses, in Markdown."""
-    signs = {COMPUTED: None, NOTED: "{} (note)", REFUSED: "{}"}
-    lines = [("question", "does not compute"), ("---", "---")]
-    for question in QUESTIONS:
-        omitted = [(signs[use_of(question, feature)], feature) for feature in OPTIONS]
-        lines.append((f"`{question}`", ", ".join(sign.format(f) for sign, f in omitted if sign)))
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    """Return two tables in Markdown: questions by refused features, rare features by questions.
+
+    A feature is rare that at most four questions compute; it is absent from the first table.
+    """
+    rare = [feature for feature in OPTIONS if len(computing_questions(feature)) <= 4]
+    usual = [feature for feature in OPTIONS if feature not in rare]
+    questions = [
+        (f"`{q}`", ", ".join(f for f in usual if use_of(q, f) == REFUSED)) for q in QUESTIONS
+    ]
+    features = [
+        (
+            f"{feature} (note)" if feature == "structure" else feature,
+            ", ".join(f"`{question}`" for question in computing_questions(feature)),
+        )
+        for feature in rare
+    ]
+    return "\n\n".join(
+        "\n".join(f"| {' | '.join(row)} |" for row in [headings, ("---", "---"), *rows])
+        for headings, rows in (
+            (("question", "does not compute"), [row for row in questions if row[1]]),
+            (("feature", "computed only by"), features),
+        )
+    )
