@@ -122,6 +122,13 @@ def test_nothing_overflows_and_every_figure_is_seen(browser: Any, width: int) ->
         assert drawn > 20
 
 
+def test_the_table_of_questions_fits_a_window_of_800_pixels(browser: Any) -> None:
+    look(browser, 800)
+    found = "const table = document.querySelector('#questions .table');"
+    whole, seen = browser.execute_script(f"{found} return [table.scrollWidth, table.clientWidth]")
+    assert whole == seen
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_text_stands_out_from_its_paper(browser: Any, scheme: str) -> None:
     look(browser, 1280, scheme)
