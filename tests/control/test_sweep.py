@@ -108,3 +108,19 @@ def test_the_figure_has_a_panel_for_each_criterion() -> None:
     lowest = np.degrees(swept.detuned.phase_margin.min(axis=0))
     np.testing.assert_allclose(curves.column("worst detuned mode", "phase"), lowest, rtol=1e-14)
     assert set(curves.column("criterion", "phase")) == {30.0}
+
+
+def test_a_flight_with_the_structure_of_its_vehicle_has_the_modes_of_that() -> None:
+    """At each time the margins of the whole loop are those of the one plant there."""
+    flight = tv.load_schedule("made-up-launcher")
+    coefficients = tv.Coefficients.from_vehicle(flight.at(65.0))
+    law = tv.design_gains(coefficients, natural_frequency=1.5, damping=0.7)
+    law, times = replace(law, actuator=tv.control.Actuator()), [60.0, 65.0]
+    found = tv.control.sweep(flight, law, times, factors=())
+    for k, time in enumerate(times):
+        vehicle = flight.at(time)
+        plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
+        alone = law.band_margins(plant)
+        expected = alone.margins.phase_margin_deg
+        assert found.margins.phase_margin_deg[k] == pytest.approx(expected, rel=1e-9)
+        assert [mode.name for mode in found.modes] == [mode.name for mode in alone.modes]

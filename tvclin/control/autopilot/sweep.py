@@ -314,9 +314,14 @@ def plants_along(
     return FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, model, plane)
 
 
-def flight_mode_names(flight: FlightSchedule) -> tuple[str, ...]:
-    """Return the names of bending modes and tanks of a flight; none without a structure."""
-    return () if flight.structure is None else (*flight.structure.modes, *flight.structure.tanks)
+def flight_mode_names(flight: FlightSchedule, plants: AnyPlant) -> tuple[str, ...]:
+    """Return the names of bending modes and tanks of a flight; none without a structure.
+
+    `plants`: plants of the flight, which name the modes where the structure is that of the vehicle.
+    """
+    if flight.structure is None:
+        return named_modes(plants)[0]
+    return (*flight.structure.modes, *flight.structure.tanks)
 
 
 def sweep(
@@ -376,7 +381,7 @@ def sweep(
         raise InputError("autopilot must be one autopilot for all times, or a GainSchedule")
     laws = autopilot_along(autopilot, flight, at)
     plants = plants_along(flight, at, model, plane)
-    names = flight_mode_names(flight)
+    names = flight_mode_names(flight, plants)
     if criteria.has_mode_limits and not names:
         raise InputError("criteria of modes need a flight with a structure over time")
     delays = any(limit.margin == "delay_margin" for limit in criteria.limits)
