@@ -251,7 +251,7 @@ def connect(
     A, B, C, D = (_block_diagonal([block.matrices()[k] for block in blocks]) for k in range(4))
     # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w).
     K, L = _incidence(block_inputs, block_outputs), _incidence(block_inputs, inputs)
-    loop_gain = D @ K
+    loop_gain = _times(D, K)
     closed, power = np.eye(len(block_outputs)) + loop_gain, loop_gain
     for _ in block_outputs:
         power = power @ loop_gain
@@ -260,12 +260,12 @@ def connect(
         closed = closed + power
     else:
         raise InputError(_ALGEBRAIC_LOOP)
-    state_outputs, feedthrough = closed @ C, closed @ (D @ L)
-    driven = B @ K
+    state_outputs, feedthrough = closed @ C, closed @ _times(D, L)
+    driven = _times(B, K)
     P, Q = _incidence(outputs, block_outputs), _incidence(outputs, inputs)
     matrices = (
         A + driven @ state_outputs,
-        driven @ feedthrough + B @ L,
+        driven @ feedthrough + _times(B, L),
         P @ state_outputs,
         P @ feedthrough + Q,
     )
@@ -274,6 +274,13 @@ def connect(
     states = tuple(name for block in blocks for name in block.states)
     period = next((block.period for block in blocks if block.period is not None), None)
     return LinearSystem(A, B, C, D, tuple(inputs), tuple(outputs), states, period)
+
+
+def _times(matrices: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Return the products of a batch of matrices with one matrix, as a single product."""
+    *batch, rows, columns = matrices.shape
+    flat = matrices.reshape(prod(batch) * rows, columns) @ matrix
+    return flat.reshape(*batch, rows, matrix.shape[1])
 
 
 def _incidence(rows: Sequence[str], columns: Sequence[str]) -> FloatArray:

@@ -207,7 +207,6 @@ class Stages:
         steps = steps_of(
             at_nodes(with_wind(moving, terms)), at_nodes(with_ramp(system)), plant, timing, terms
         )
-        criteria = outcome_criteria(plants.cases(begin, whole))
         moving = system.cases(middle, whole)
         arrays = {"joint": steps.joint, "ramp": steps.ramp}
         if steps.fine is not steps.joint:
@@ -216,10 +215,30 @@ class Stages:
             "shown": sensed_rows(plant),
             "A": moving.A,
             "gust": moving.B[..., 1],
-            "judges": widened(criteria.rows, steps.joint.shape[2], len(self.sensors.states)),
-            "reach": criteria.reach,
-            "ratio": criteria.ratio,
         }
+
+    @cached_property
+    def _criteria(self) -> dict[str, FloatArray]:
+        """Rows, reach and ratio of the outcome criteria of all stages, as in `Vehicles`.
+
+        Those of samples at which no flight is judged are NaN.
+        """
+        ends, judged = self._judged[0], np.zeros(self.times.size, bool)
+        for end in np.unique(ends):
+            judged[end + JUDGED_SAMPLES :: JUDGED_SAMPLES] = True
+        times, width = self.times[judged], self.steps.joint.shape[2]
+
+        def at(times: FloatArray) -> dict[str, FloatArray]:
+            criteria = outcome_criteria(self.plants_at(times))
+            rows = widened(criteria.rows, width, len(self.sensors.states))
+            return {"judges": rows, "reach": criteria.reach, "ratio": criteria.ratio}
+
+        interval = np.searchsorted(self.breaks, times, side="right") - 1
+        arrays = {}
+        for name, values in smooth_values(at, times, interval).items():
+            arrays[name] = np.full((judged.size, *values.shape[1:]), np.nan)
+            arrays[name][judged] = values
+        return arrays
 
     @cached_property
     def _memory(self) -> Memory:
@@ -286,8 +305,8 @@ class Stages:
         near = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
         near = near[(near >= 0) & (near < count)].astype(np.int64)
         fastest[near] = np.abs(np.linalg.eigvals(arrays["A"][near])).max(axis=-1)
-        names = "shown", "A", "gust", "judges", "reach", "ratio"
-        return Vehicles(fastest=fastest, **{name: arrays[name] for name in names})
+        of_plant = {name: arrays[name] for name in ("shown", "A", "gust")}
+        return Vehicles(fastest=fastest, **of_plant, **self._criteria)
 
 
 def stages_of(
