@@ -12,7 +12,7 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.structure_schedule import load_structure
 from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
-from tvclin.base.sheet import MISSING_NUMBERS, Headings, lines_of, sheet_in
+from tvclin.base.sheet import MISSING_NUMBERS, Headings, cell_number, lines_of, sheet_in
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.vehicle.structure import Structure
@@ -262,14 +262,10 @@ def _cell(source: str, label: str, key: str, text: str) -> Any:
     """Return the value of a cell of a CSV file: a number, or a text."""
     if text and key in _WORDS:
         return text
-    try:
-        value = float(text) if text else MISSING_NUMBERS[0]
-    except ValueError:
-        raise InputError(f"{source}, {label}: {key} must be a number; got {shown(text)}") from None
-    if value in MISSING_NUMBERS:
-        raise InputError(
-            f"{source}, {label}: {key} is missing; give it in every line, or in the first only"
-        )
+    with naming(f"{source}, {label}"):
+        value = cell_number(key, text) if text else MISSING_NUMBERS[0]
+        if value in MISSING_NUMBERS:
+            raise InputError(f"{key} is missing; give it in every line, or in the first only")
     return value
 
 

@@ -15,7 +15,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, each, finite, instance, naming, one_of, shown, text
 from tvclin.base.fields import spec
 from tvclin.base.lines import listed
-from tvclin.base.sheet import Headings, Sheet, read_sheet
+from tvclin.base.sheet import Headings, Sheet, cell_number, read_sheet
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, SloshTank, Structure
 from tvclin.vehicle.vehicle_file import BENDING_TABLE, SLOSH_TABLE, bending_mode
@@ -209,9 +209,9 @@ def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode 
     name = row.pop("name")
     lists = BENDING_TABLE.lists
     values: dict[str, Any] = {
-        key: [_number(key, word) for word in cell.replace(";", " ").split()]
+        key: [cell_number(key, word) for word in cell.replace(";", " ").split()]
         if key in lists
-        else _number(key, cell)
+        else cell_number(key, cell)
         for key, cell in row.items()
     }
     time = values.pop("time_s")
@@ -226,14 +226,6 @@ def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode 
     mass = next(mass for mass, keys in given.items() if keys)
     made: Mapping[str, Any] = _TABLES[mass].read(values)
     return time, name, (bending_mode if mass == "modal_mass" else SloshTank)(**made)
-
-
-def _number(key: str, cell: str) -> float:
-    """Return the number of a cell; `InputError` for another text."""
-    try:
-        return float(cell)
-    except ValueError:
-        raise InputError(f"{key} must be a number; got {shown(cell)}") from None
 
 
 def _shape_of(mode: BendingMode) -> FloatArray:

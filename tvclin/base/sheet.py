@@ -274,6 +274,14 @@ def head_of(text: Text, fit: Fit) -> tuple[int, Headings, str] | None:
     return head
 
 
+def cell_number(key: str, cell: str) -> float:
+    """Return the number of a cell; `InputError` for another text."""
+    try:
+        return float(cell)
+    except ValueError:
+        raise InputError(f"{key} must be a number; got {shown(cell)}") from None
+
+
 def letters(name: str) -> str:
     """Return the letters and digits of a name in lower case, which no encoding damages."""
     return "".join(c for c in name.lower() if c.isascii() and c.isalnum())

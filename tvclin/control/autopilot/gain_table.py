@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import InputError, naming, number, positive, shown, text
+from tvclin.base.errors import InputError, naming, number, positive, text
 from tvclin.base.fields import spec
-from tvclin.base.sheet import Headings, read_sheet
+from tvclin.base.sheet import Headings, cell_number, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.vehicle.filters import Filter
@@ -113,7 +113,7 @@ def load_gains(source: str | PathLike[str]) -> GainTable:
         with naming(place):
             rows.append(
                 GAIN_COLUMNS.read(
-                    {k: _number(k, cell) for k, cell in zip(keys, cells, strict=True)}
+                    {k: cell_number(k, cell) for k, cell in zip(keys, cells, strict=True)}
                 )
             )
     with naming(sheet.text.source):
@@ -135,11 +135,3 @@ def load_gains(source: str | PathLike[str]) -> GainTable:
 def _known_keys(headings: Headings) -> float:
     """Return the number of known columns in a line of names."""
     return float(sum(heading.text in GAIN_COLUMNS.keys for heading in headings))
-
-
-def _number(key: str, cell: str) -> float:
-    """Return the number of a cell; `InputError` for another text."""
-    try:
-        return float(cell)
-    except ValueError:
-        raise InputError(f"{key} must be a number; got {shown(cell)}") from None
