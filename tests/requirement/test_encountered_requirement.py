@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 import tvclin as tv
 from tests.turns import usual
 from tvclin.ascent.nominal_flight import load_flight_condition
-from tvclin.ensembles.campaign.cases import ENCOUNTERED_UNKNOWN
+from tvclin.ensembles.campaign.cases import ENCOUNTERED_UNKNOWN, evaluate
 from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirement
 from tvclin.requirement.varying_equations import at_pressure
@@ -166,6 +166,25 @@ def test_a_wind_of_a_negative_peak_with_a_heading_blows_the_other_way(configurat
     assert [list(study.encountered) for study in studies] == [["head"], ["head"]]
     required = [study.required_deflection for study in studies]
     assert required[0] == pytest.approx(required[1], rel=1e-12)
+
+
+def test_a_gust_with_a_heading_has_the_direction_of_its_wind(configuration_i) -> None:
+    """Wind and gust of negative peaks from behind are those of positive peaks from ahead."""
+    needs, campaigns = [], []
+    for sign, heading in ((-1.0, 150.0), (1.0, 330.0)):
+        gust = tv.OneMinusCosineGust(peak=sign * np.radians(2.0), duration=2.0)
+        wind = tv.ShapedWind(
+            "triangular", sign * np.radians(5.0), 7.5, np.radians(heading), gust, 3.0
+        )
+        nozzle = tv.Nozzle(limit=0.01, limit_shape="round")
+        case = tv.Case(vehicle=configuration_i, wind=wind, nozzle=nozzle)
+        need = case_requirement(case)
+        needs.append([need.nominal_deflection, need.required_deflection])
+        options = {"vehicle": configuration_i, "wind": wind, "nozzle": nozzle, "cases": 1}
+        campaign = tv.Campaign(**options, dispersions=tv.Dispersions(()))
+        campaigns.append(evaluate(campaign, 0, 1)["required_K1"][0])
+    assert needs[0] == pytest.approx(needs[1], rel=1e-12)
+    assert campaigns == pytest.approx([need[1] for need in needs], rel=1e-9)
 
 
 def of_peak(deg: float, **options) -> tv.Study:

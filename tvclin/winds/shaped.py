@@ -212,9 +212,9 @@ class ShapedWind:
         if self.heading is None:
             self.peaks(0.0)
         peak = np.asarray(values.get("wind_peak", self.peak))
-        size, angles = np.abs(peak), angles_from_vector_size(peak, self.heading or 0.0, attitude)
-        wind = self.history({**values, "wind_peak": size})
-        return {plane: wind * (angle / size) for plane, angle in zip(PLANES, angles, strict=True)}
+        angles = angles_from_vector_size(peak, self.heading or 0.0, attitude)
+        wind = self.history(dict(values))
+        return {plane: wind * (angle / peak) for plane, angle in zip(PLANES, angles, strict=True)}
 
     @property
     def gust_text(self) -> str:
@@ -270,7 +270,7 @@ class ShapedWind:
 
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
     """Return the wind in one plane, of a wind with peaks [rad] in both, and its gust there."""
-    peak, size = peaks[plane], math.hypot(*peaks.values())
+    peak, size = peaks[plane], math.copysign(math.hypot(*peaks.values()), wind.peak)
     if peak == 0.0:
         return wind.history({"wind_peak": size}) * 0.0
     gust = None if wind.gust is None else wind.gust * (peak / size)

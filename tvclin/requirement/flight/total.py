@@ -384,7 +384,7 @@ def worst_total(
     Raises
     ------
     InputError
-        For an unknown name, and numbers out of range.
+        For an unknown name, numbers out of range, and an infinite requirement.
     """
     instance("sizing", sizing, Sizing, "see size")
     ratio = number("dispersion", dispersion, nonnegative)
@@ -394,6 +394,11 @@ def worst_total(
         instance("turbulence", turbulence, FlightTurbulence, "see SizingRequest.turbulence")
     requirement = requirement_among("name", name, sizing.required)
     winds, not_sized = _needs(sizing, requirement), sizing.not_sized(requirement)
+    if never := [time for time, wind in winds if np.isinf(wind)]:
+        raise InputError(
+            f"at {never[0]:g} s no limit is sufficient at this dead band, so that there is no"
+            " total; take a larger one"
+        )
     if isinstance(turbulence, str):
         text("reason", turbulence)
         not_sized = (*not_sized, f"in turbulence: {turbulence}")
