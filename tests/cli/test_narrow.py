@@ -128,7 +128,7 @@ def test_sentences_without_room_in_a_table_are_set_below_it_in_whole_words(capsy
 
 def test_the_peak_survived_of_a_wind_along_the_path_says_of_which_direction_it_is():
     result = CliRunner().invoke(app, ["study", "configuration-i", "--limit-deg", "0.5"])
-    assert "the peak survived is sought in the head wind" in " ".join(result.stdout.split())
+    assert "survivable peak of the head wind" in " ".join(result.stdout.split())
 
 
 @pytest.mark.parametrize("more", [False, True])

@@ -121,7 +121,7 @@ def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
     ("keys", "sentence"),
     [
         ("", "needs one of intensity, severity, exceedance, file and level"),
-        ('severity = "severe"', "needs an altitude with severity"),
+        ('severity = "severe"', "its intensity depends: give altitude_m in [turbulence]"),
         ('severity = "rough"\naltitude_m = 9e3', "must be one of light, moderate, severe"),
         ("intensity_m_per_s = 6\nlenght_m = 500", "did you mean length_m"),
     ],

@@ -182,7 +182,8 @@ class TurbulenceRequest:
             given = next(name for name in names if getattr(self, name) is not None)
             given = "levels over altitude" if given == "table" else given
             raise InputError(
-                f"turbulence needs an altitude with {given}, on which its intensity depends"
+                f"turbulence needs an altitude with {given}, on which its intensity depends: give"
+                " altitude_m in [turbulence]"
             )
         return self.over_altitude if height is None else self.over_altitude.at(height)
 

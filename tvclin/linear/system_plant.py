@@ -493,7 +493,8 @@ class SystemPlant(Plant):
 
 def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
     """Return the system with the inputs in order, and the angle of attack among its outputs."""
-    require_signals("plant", "input", INPUTS, system.inputs, "; name them with inputs=")
+    remedy = "; name them with inputs=, or in a file by InputName and OutputName"
+    require_signals("plant", "input", INPUTS, system.inputs, remedy)
     unknown = [name for name in system.inputs if name not in (*INPUTS, _ACCELERATION)]
     if unknown:
         raise InputError(

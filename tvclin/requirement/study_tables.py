@@ -146,9 +146,9 @@ def boundaries(s: Study) -> Table:
         peaks = _survived(s, s.limit, [row.survived for row in judged])
         bound = abs(s.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
-        head = (*head, "limit survives [deg]")
+        head = (*head, "survivable peak [deg]")
         if np.isnan([row.survived for row in judged if not row.of_verdict]).any() and not s.beyond:
-            scope = f"; of head and tail wind the peak survived is sought in the {s.direction} wind"
+            scope = f"; survivable peak of the {s.direction} wind"
         rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
     component = ""

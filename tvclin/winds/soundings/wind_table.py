@@ -252,7 +252,7 @@ def _missing_columns_error(
             )
     return sheet.error(
         "the header must name a height and either speed and direction or east and north, with"
-        f" their units; got {', '.join(usable) or 'none of them'}"
+        f" their units, as height_m,speed_m_per_s,direction_deg; got {', '.join(usable) or 'none'}"
     )
 
 
