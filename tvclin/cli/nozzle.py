@@ -229,6 +229,7 @@ def over_rate(
     at = REQUIRED if limit is None else "limit"
     rate_table = () if stated is None else (required_rate_table(stated, at),)
     flown_tables = () if needed is None else needed.tables()
+    duty_tables = [table for duty in flown for table in duty.tables()]
     limited = limit is not None or rate_limit is not None
     return TradeOffAnswer(
         trade_off=front,
@@ -237,11 +238,7 @@ def over_rate(
         | ({} if needed is None else {"laws": needed}),
         outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
         tables=_titled(title, *rate_table, (*flown_tables, curve)[0]),
-        further=(
-            *(flown_tables and (curve,)),
-            point,
-            *(table for duty in flown for table in duty.tables()),
-        ),
+        further=(*(flown_tables and (curve,)), point, *duty_tables),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
         satisfied=not (limited and front.verdict)
         and all(bool(duty.verdict.satisfied) for duty in flown),
