@@ -155,6 +155,7 @@ def test_a_vehicle_with_keys_has_its_flight():
         ("vehicle.thrust_kN", "-1", "Error: --set vehicle.thrust_kN: thrust must be positive"),
         ("wind.peak_rad", "6", "Error: --set wind.peak_rad: peak must be a wind angle within"),
         ("wind.peak_deg", "none", "Error: --set wind.peak_deg: [wind] needs its peak"),
+        ("wind.sounding", "x.csv", "with a sounding has no shape, peak_rad or duration_s: take"),
     ],
 )
 def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):

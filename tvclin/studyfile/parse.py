@@ -10,6 +10,7 @@ from tvclin.ascent.wind_along import WINDOW_S, SoundingWind
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
+from tvclin.base.lines import listed
 from tvclin.case.load import LOAD_TABLE, LoadBound
 from tvclin.case.turbulence import turbulence_of
 from tvclin.control.autopilot.gain_schedule import design_at
@@ -38,6 +39,7 @@ from tvclin.winds.wind_file import (
     GUST_TABLE,
     SOUNDING,
     SOUNDING_TABLE,
+    WIND_TABLE,
     gust_of,
     is_wind_from_gust,
     is_wind_measured,
@@ -234,6 +236,14 @@ def _sounding(
     table: dict[str, Any], folder: Path, reading: SoundingReading
 ) -> tuple[str, SoundingRequest]:
     """Return name and request of a sounding in [[wind]], whose keys replace those of [sounding]."""
+    of_pulse = [
+        key for key in table if key in WIND_TABLE.every_key and key not in SOUNDING_TABLE.every_key
+    ]
+    if of_pulse:
+        raise InputError(
+            f"a [[wind]] with a sounding has no {listed(of_pulse, 'or')}: take that out, or give"
+            " the sounding a [[wind]] of its own (in a shell: --winds FILE)"
+        )
     options = SOUNDING_TABLE.read(table)
     file = table[SOUNDING]
     if not isinstance(file, str) or not file.isprintable():
