@@ -87,7 +87,7 @@ def test_a_study_has_the_digits_of_the_page_in_the_terminal_and_in_a_notebook(fo
 
 @pytest.mark.thorough
 def test_a_sizing_has_the_digits_of_its_csv_in_the_terminal(tmp_path):
-    printed = run("ascent", "configuration-i", "--csv", tmp_path / "s.csv")
+    printed = run("ascent", "configuration-i", "--more", "--csv", tmp_path / "s.csv")
     heads, *rows = csv.reader((tmp_path / "s.csv").read_text().splitlines())
     angles = [k for k, head in enumerate(heads) if head.endswith("_deg")]
 
