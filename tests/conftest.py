@@ -30,14 +30,12 @@ def pytest_collection_modifyitems(config, items):
     items[:] = taken
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(autouse=not choice.available())
 def _what_plain_python_can_carry(monkeypatch):
     """Skip a test whose kernels take minutes in plain Python; they are the same source with numba.
 
     tests/kernels holds the two against each other, and what is shorter runs here as well.
     """
-    if choice.available():
-        return
     asked, swiftest = [], choice.fastest
 
     def counted(function, seconds):
@@ -49,10 +47,12 @@ def _what_plain_python_can_carry(monkeypatch):
     monkeypatch.setattr(choice, "fastest", counted)
 
 
-@pytest.fixture(autouse=True)
-def _as_into_a_file(monkeypatch):
+@pytest.fixture(scope="session", autouse=True)
+def _as_into_a_file():
     """Let commands print lines of any width, whatever terminal the tests are begun in."""
-    monkeypatch.delenv("COLUMNS", raising=False)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("COLUMNS", raising=False)
+        yield
 
 
 @pytest.fixture

@@ -172,7 +172,7 @@ def carried_one_by_one(model: str) -> tuple[Any, ...]:
     return plants, inputs, times, np.array(outputs)
 
 
-@pytest.mark.parametrize("model", usual(MODELS, 1))
+@pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
     plants, inputs, times, expected = carried_one_by_one(model)
     found = tv.attitude_responses(plants, *inputs, times).outputs

@@ -12,6 +12,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -430,7 +431,8 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[list[str]]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("TVCLIN_EXPLORE", "")  # to be put back
     given: list[list[str]] = []
-    monkeypatch.setattr("jupyterlab.labapp.LabApp.launch_instance", given.append)
+    lab = SimpleNamespace(LabApp=SimpleNamespace(launch_instance=given.append))
+    monkeypatch.setitem(sys.modules, "jupyterlab.labapp", lab)  # which takes seconds to import
     return given
 
 

@@ -88,7 +88,7 @@ def test_every_answer_in_a_wind_whose_pressure_is_not_known_is_not_known() -> No
     assert shown["margins"] is True
     assert {shown.pop("wind"), shown.pop("autopilot")} == {None}
     assert headline(found).startswith("NOT KNOWN: the requirement at the pressure encountered")
-    assert answers(found_for(0.9, **changes))["wind"] is True  # at nominal dynamic pressure
+    assert answers(found_for(0.9, vehicle=vehicle))["wind"] is True  # at nominal dynamic pressure
 
 
 def test_few_cases_suffice_to_refuse_a_limit_that_covers_a_part_of_them() -> None:
