@@ -6,6 +6,7 @@ Figures are inline SVG: reproducible bytes, and colours that a style can change.
 import platform
 import re
 from dataclasses import asdict
+from functools import cache
 from importlib.metadata import version
 from importlib.resources import files
 from os import PathLike
@@ -181,11 +182,19 @@ def _plane_vectors(study: Study) -> "ControlPlot | None":
 def _environment() -> "Environment":
     """Return the environment of the templates; `InputError` without jinja2 or latex2mathml."""
     try:
+        import jinja2  # noqa: F401
         import latex2mathml  # noqa: F401
-        from jinja2 import Environment, PackageLoader, StrictUndefined
     except ImportError as error:
         name = (error.name or "jinja2").partition(".")[0]
         raise missing(f"the page needs {name}", "report") from None
+    return _templates()
+
+
+@cache
+def _templates() -> "Environment":
+    """Return the environment of the templates, each of which is compiled once."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
     environment = Environment(
         loader=PackageLoader("tvclin.show.report", "."),
         autoescape=True,
