@@ -13,6 +13,8 @@ import tvclin as tv
 from tvclin.ascent import StructureSchedule
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.sweep import plants_along
+from tvclin.ensembles import Dispersion, Dispersions, FlightPlan
+from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.vehicle import BendingMode, Filter, SloshTank, Structure
 
 RATE_HZ, LIMIT, RATE = 50.0, 0.1, 0.3
@@ -118,6 +120,36 @@ def test_seconds_of_a_flight_beside_lsoda(benchmark: Any, flights: int) -> None:
         per=120.0 * flights,
         peer_per=0.2,
         floor="matrices of some 150 times, then one sample after the other",
+        clock=PROCESSOR,
+    )
+
+
+def test_seconds_of_flights_of_different_vehicles_beside_lsoda(benchmark: Any) -> None:
+    spread = Dispersions(
+        (
+            Dispersion("thrust", "normal", 0.01),
+            Dispersion("normal_force_slope", "normal", 0.05),
+            Dispersion("bending_1_frequency", "uniform", 0.05),
+        )
+    )
+    campaign = tv.Campaign(
+        vehicle=flight().at(64.0),
+        wind=tv.ShapedWind("triangular", np.radians(4.0), 8.0),
+        dispersions=spread,
+        cases=1000,
+        outputs=("flight",),
+        nozzle=tv.Nozzle(limit=LIMIT, rate_limit=RATE),
+        along=FlightPlan(flight(), autopilot(), start=0.0),
+        sign="head",
+    )
+    ratio(
+        benchmark,
+        lambda: evaluate(campaign, 0, 20),
+        lambda: solved(0.2),
+        peer_name="solve_ivp LSODA from command to command, no filters",
+        per=120.0 * 20,
+        peer_per=0.2,
+        floor="matrices of some 300 times of each vehicle, and their interpolation",
         clock=PROCESSOR,
     )
 
