@@ -258,3 +258,16 @@ def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
             document = json.loads(result.stdout)
             assert document["all_answers_yes"] is (code == 0)
             assert [one["name"] for one in document["questions"]] == ["wind", "probability"]
+
+
+@pytest.mark.thorough
+def test_flown_margins_are_refused_in_a_wind_of_too_many_samples() -> None:
+    """1500 s at 100 Hz; the answers of a shell have no flown margins at all."""
+    design = tv.AutopilotDesign(natural_frequency=1.1, damping=0.7)
+    long = tv.ShapedWind("triangular", np.radians(1.0), 1500.0)
+    plan = replace(tv.load_study("configuration-i"), design=design, wind=long, sign="frozen")
+    plan = replace(plan, nozzle=tv.Nozzle(limit=np.radians(2.0)))
+    found = find(plan)
+    assert found.flown is None
+    assert "at most 100000 samples, this one has 150000" in found.reasons["flown"]
+    assert "flown" not in find(plan, omitted=("flown",)).reasons

@@ -103,7 +103,7 @@ def study(
     changes = limits.over, partial(_with_limit_shape, limit_shape), question.over, gains.over
     plan = case_of(source, *changes, wind=winds.over, questions=("study",), time=time)
     with bar("answers") as progress:
-        findings = find(questioned(plan), progress)
+        findings = find(questioned(plan), progress, omitted=("flown",))  # of the page
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 

@@ -61,6 +61,8 @@ _UNSEALED_IF_NONE = (
 """Inputs that a seal omits where they are None, so that seals of older studies are unchanged."""
 MOST_CASES = 20_000
 """Largest number of dispersed cases of a page; a campaign computes more."""
+_MAX_SAMPLES = 100_000
+"""Largest number of samples of a wind of flown margins: some thousand flights through it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,8 +194,15 @@ def _plain(value: Any) -> Any:
     return array.tolist()
 
 
-def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None) -> Findings:
-    """Return all results that a plan requests; `progress` is called with results done and in total.
+def find(
+    plan: StudyPlan,
+    progress: Callable[[float, float], None] | None = None,
+    *,
+    omitted: tuple[str, ...] = (),
+) -> Findings:
+    """Return all results that a plan requests, but for those `omitted`, by field of `Findings`.
+
+    `progress` is called with results done and in total.
 
     A result that is not defined for this vehicle, such as margins of laws for a stable vehicle,
     has its reason in place of an answer. `InputError` as `StudyPlan.study`, and for turbulence of
@@ -205,7 +214,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
     with pass_warnings(messages.append):
         study = plan.study()
         reasons: dict[str, str] = {}
-        requests = _requests(plan)
+        requests = {k: request for k, request in _requests(plan).items() if k not in omitted}
 
         def result(name: str, compute: Callable[[Any, Progress], Any]) -> Any:
             if name not in requests:
@@ -335,6 +344,12 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
     from tvclin.control.laws.autopilot_law import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
+    samples = float(study.history.end - study.history.onset) * plan.hardware["sample_rate"]
+    if samples > _MAX_SAMPLES:
+        raise InputError(
+            f"flown margins take winds of at most {_MAX_SAMPLES} samples, this one has"
+            f" {samples:.0f}: shorten it"
+        )
     law, limit = SaturatedLaw.of(loop.autopilot), limit / study.plane_ratio
     return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
 
