@@ -199,7 +199,7 @@ def test_poles_of_a_flexible_vehicle_list_its_modes_by_name() -> None:
 
 
 def test_a_gust_on_top_is_told() -> None:
-    said = " ".join(run("study", "--gust", "1", "2").output.split())
+    said = " ".join(run("study", "--gust", "1", "2", "--sign", "frozen").output.split())
     assert ", with a gust of 1 deg and 2 s" in said
 
 
