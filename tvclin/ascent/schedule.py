@@ -103,12 +103,12 @@ class FlightSchedule(Shown):
             )
         nominal = small_angle("a deflection")("nominal_deflection", self.nominal_deflection)
         object.__setattr__(self, "nominal_deflection", nominal)
-        given = {"nominal_deflection": nominal, **_numbers(self.vehicle)}
+        numbers = {"nominal_deflection": nominal, **_numbers(self.vehicle)}
         if self.altitude is not None:
             object.__setattr__(self, "altitude", finite("altitude", self.altitude, "m"))
-            given["altitude"] = self.altitude
-        given |= self._checked_actuator()
-        for name, values in given.items():
+            numbers["altitude"] = self.altitude
+        numbers |= self._checked_actuator()
+        for name, values in numbers.items():
             if np.shape(values) not in ((), times.shape):
                 raise InputError(
                     f"{name} must be one number or one for each of the {times.size} times; got"

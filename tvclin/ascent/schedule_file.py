@@ -247,8 +247,8 @@ def _csv_rows(text: str, source: str) -> list[Row]:
 
 def _number_of_known_keys(headings: Headings) -> float:
     """Return the number of keys of vehicle files and schedules in a line."""
-    known_keys = {*VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
-    return float(sum(heading.text in known_keys for heading in headings))
+    schedule_keys = {*VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
+    return float(sum(heading.text in schedule_keys for heading in headings))
 
 
 def _column(source: str, labels: list[str], key: str, cells: tuple[str, ...]) -> Any:

@@ -30,7 +30,7 @@ _SHAPE = (
     "rate_slope",
     "pressure_displacement",
 )
-"""Numbers of a mode that change their sign with its normalisation, without those of tanks."""
+"""Numbers of a bending mode that change their sign with its normalisation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,14 +77,14 @@ class StructureSchedule(Shown):
             raise InputError("the lags of the sensors must be the same over the flight")
         names = {"modes": self.structure.bending, "tanks": self.structure.slosh}
         for name, elements in names.items():
-            given = each(name, getattr(self, name), str, "a name for each")
-            given = tuple(text(name, label) for label in given)
-            if len(given) != len(elements) or len(set(given)) < len(given):
+            mode_names = each(name, getattr(self, name), str, "a name for each")
+            mode_names = tuple(text(name, label) for label in mode_names)
+            if len(mode_names) != len(elements) or len(set(mode_names)) < len(mode_names):
                 raise InputError(
                     f"{name} must be {len(elements)} different names, as the structure has; got"
-                    f" {shown(given)}"
+                    f" {shown(mode_names)}"
                 )
-            object.__setattr__(self, name, given)
+            object.__setattr__(self, name, mode_names)
         object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
 
     @property
@@ -143,9 +143,9 @@ def load_structure(
     series = {name: [of_name[time] for time in times] for name, of_name in rows.items()}
     notes = []
     for name, elements in series.items():
-        turned = _align_signs(elements)
-        if turned:
-            at = listed([f"{times[k]:g}" for k in turned])
+        sign_changes = _align_signs(elements)
+        if sign_changes:
+            at = listed([f"{times[k]:g}" for k in sign_changes])
             notes.append(f"{name}: its displacements and slopes are turned at {at} s")
     common = Structure() if common is None else common
     instance("common", common, Structure, "Structure(engine=..., rate_gyro=...)")
@@ -171,13 +171,13 @@ def _rows_by_name(
 ) -> tuple[dict[str, dict[float, BendingMode | SloshTank]], list[float]]:
     """Return modes and tanks by name and time [s], and all times, rising."""
     rows: dict[str, dict[float, BendingMode | SloshTank]] = {}
-    for place, cells in zip(sheet.places, sheet.cells, strict=True):
-        with naming(place):
+    for position, cells in zip(sheet.places, sheet.cells, strict=True):
+        with naming(position):
             time, name, element = _row(sheet, cells)
             of_name = rows.setdefault(name, {})
             if time in of_name:
                 raise InputError(f"{name} has two rows at {time:g} s; keep one")
-            if any(type(other) is not type(element) for other in of_name.values()):
+            if any(type(earlier) is not type(element) for earlier in of_name.values()):
                 raise InputError(f"{name} is a mode in one row and a tank in another")
             of_name[time] = element
     times = sorted({time for of_name in rows.values() for time in of_name})
@@ -237,8 +237,8 @@ def _shape_of(mode: BendingMode) -> FloatArray:
 def _align_signs(elements: list[Any]) -> list[int]:
     """Return the indices of modes whose sign was changed, in `elements`, to match the row before.
 
-    The sign of a shape is that of its product with the shape before, each number weighted with its
-    largest size over the flight.
+    A shape whose product with the shape before is negative changes its sign, each number weighted
+    with its largest size over the flight.
     """
     if not isinstance(elements[0], BendingMode):
         return []

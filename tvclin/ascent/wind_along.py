@@ -73,13 +73,13 @@ class WindAlong:
 
         `InputError` for times outside the flight or the wind.
         """
-        part = flight.between(start, stop)
-        ends = np.clip(part.span, *self.known).tolist()
-        for name, given, end in zip(("start", "stop"), (start, stop), ends, strict=True):
-            if given is not None and given != end:
+        flight_interval = flight.between(start, stop)
+        ends = np.clip(flight_interval.span, *self.known).tolist()
+        for name, requested, end in zip(("start", "stop"), (start, stop), ends, strict=True):
+            if requested is not None and requested != end:
                 raise InputError(
                     f"{name} must be between {self.known[0]:.6g} and {self.known[1]:.6g} s, where"
-                    f" the wind is known; got {given:.6g} s"
+                    f" the wind is known; got {requested:.6g} s"
                 )
         if not ends[0] < ends[1]:
             raise InputError("the wind must be known at times of the flight; it is at none of them")
@@ -158,11 +158,11 @@ def _sounding(
         raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
     if (wind.gust is None) != (gust_time is None):
         raise InputError("gust_time must be given for a sounding with a gust, and for no other")
-    whole = replace(wind, window=None)
+    full_wind = replace(wind, window=None)
     history: History = wind.wind
     if gust_time is not None:
         time = number("gust_time", gust_time, unit="s")
-        history = whole.of_both_signs(flight.at(time).rigid)
+        history = full_wind.of_both_signs(flight.at(time).rigid)
     speeds = None if sign == FROZEN else wind.speeds
     return sounding_along(history, speeds, plane, wind.known)
 

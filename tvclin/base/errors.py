@@ -254,7 +254,7 @@ def path(name: str, value: object, what: str = "a path that a file can have") ->
     written = fspath(value) if isinstance(value, str | PathLike) else None
     if isinstance(written, str) and written and "\0" not in written:
         path_of_text = Path(written)
-        if all(len(part) <= _MAX_FILE_NAME for part in path_of_text.parts):
+        if all(len(component) <= _MAX_FILE_NAME for component in path_of_text.parts):
             return path_of_text
     raise InputError(f"{name} must be {what}; got {shown(value)}")
 

@@ -5,9 +5,9 @@ A `Field` stands in the metadata of the attribute of a dataclass (`spec`), or at
 the card of a notebook (`base/cards`), the rows of a table, and the columns of a CSV
 (`base/cards`). A key ends with the unit of its value.
 
-A parameter of a request is made with `quantity`, `word`, `text`, `flag` or `count`; its line of
-help is that of the docstring. Its field makes the check (`checked`), the keys of a table of a file
-in all units (`file_table`), and the option of a command (`cli/options`).
+A parameter of a request is made with `quantity`, `word`, `text`, `flag` or `count`; its help is a
+line of the docstring. Its field makes the check (`checked`), the keys of a table of a file in all
+units (`file_table`), and the option of a command (`cli/options`).
 """
 
 from __future__ import annotations
@@ -90,8 +90,8 @@ _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
 class Field:
     """Specification of a field of a record.
 
-    `name`: name in the record and, with its unit, in documents and columns; by default that of the
-    attribute. `kind`: of a number with a unit, a kind of `UNITS`, or "gain" for a factor that is
+    `name`: name in the record and, with its unit, in documents and columns; by default the
+    attribute's. `kind`: of a number with a unit, a kind of `UNITS`, or "gain" for a factor that is
     shown in dB, "decibels" or "degrees" for a value that is given in them; of a parameter also
     "text", "flag" or "count". `of`: the attribute, also a nested one as "vehicle.name", or a
     function of the record, where that is not the attribute `name`. `label`: name in tables.

@@ -32,7 +32,7 @@ class EditedSource(str):
     source : str
         Name or path, as messages quote it.
     tables : dict, optional
-        Tables by heading, as of a TOML file; without them the content is that of the file.
+        Tables by heading, as TOML has them; without them the file's own content counts.
     keys : tuple of str, optional
         Names of the keys that were set, other than those removed.
 

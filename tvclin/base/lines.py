@@ -149,5 +149,5 @@ def _shown(name: str, value: Any, shown: str, unit: str) -> Line:
     plain = float(value)
     if not np.isfinite(plain):
         return ("-" if np.isnan(plain) else _UNLIMITED,)
-    one = Number(name, plain, shown)
-    return (one, f" {unit}") if unit else (one,)
+    cell = Number(name, plain, shown)
+    return (cell, f" {unit}") if unit else (cell,)

@@ -19,7 +19,7 @@ def pass_warnings(
     """Pass each warning of this package that is raised inside to `say`, each sentence once.
 
     `machine`: receives the sentences of `MachineWarning`; by default they go to the outer handler
-    of warnings. Other warnings of this package are plain `UserWarning`; those of other categories,
+    of warnings. Other warnings of this package are plain `UserWarning`; other categories,
     deprecations above all, concern other packages.
     """
     said: set[str] = set()

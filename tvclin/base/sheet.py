@@ -178,15 +178,15 @@ class Sheet:
         return [row[heading.index] for row in self.cells]
 
     def numbers(
-        self, heading: Heading, dimension: str, known_units: dict[str, float] | None = None
+        self, heading: Heading, dimension: str, units: dict[str, float] | None = None
     ) -> Column:
         """Return the numbers of a column in SI units.
 
-        `dimension`: quantity of the column, of `WRITTEN`. `known_units`: units in place of those of
-        `WRITTEN`. `InputError` for a unit that is missing or unknown, and for a cell that is no
-        number.
+        `dimension`: quantity of the column, of `WRITTEN`. `units`: its units by spelling, by
+        default of `WRITTEN`. `InputError` for a unit that is missing or unknown, and for a cell
+        that is no number.
         """
-        unit = self._unit(heading, WRITTEN[dimension] if known_units is None else known_units)
+        unit = self._unit(heading, WRITTEN[dimension] if units is None else units)
         cells = self.column(heading)
         values = self.text.numbers(heading.name, cells, self.line) * unit.factor + unit.zero
         damaged = unit.mangled and unit.spelling
@@ -194,13 +194,13 @@ class Sheet:
         return Column(values, f"column {heading.text}{remark}")
 
     def need(
-        self, name: str, dimension: str, mend: str, known_units: dict[str, float] | None = None
+        self, name: str, dimension: str, mend: str, units: dict[str, float] | None = None
     ) -> Column:
         """Return the numbers of a column by name; `InputError` with the remedy without it."""
         heading = self.find(name)
         if heading is None:
             raise InputError(f"{self.text.source} has no column {name}; {mend}")
-        return self.numbers(heading, dimension, known_units)
+        return self.numbers(heading, dimension, units)
 
     def optional(self, key: str, name: str, dimension: str, notes: list[str]) -> dict[str, Column]:
         """Return the numbers of an optional column by our key; empty without a column of that name.
@@ -219,13 +219,13 @@ class Sheet:
         """Return the factor of a column's unit to SI; `InputError` for an unknown unit."""
         return self._unit(heading, WRITTEN[dimension]).factor
 
-    def _unit(self, heading: Heading, known_units: dict[str, float]) -> Unit:
+    def _unit(self, heading: Heading, units: dict[str, float]) -> Unit:
         """Return the unit of a column; `InputError` for a missing or unknown unit."""
-        unit = unit_of(heading.unit or "", known_units)
-        if unit is None or (heading.unit is None and "" not in known_units):
+        unit = unit_of(heading.unit or "", units)
+        if unit is None or (heading.unit is None and "" not in units):
             raise InputError(
                 f"{self.text.source}: the unit of the column {shown(heading.text)} is not known;"
-                f" export it in {', '.join(filter(None, known_units)) or 'no unit'}"
+                f" export it in {', '.join(filter(None, units)) or 'no unit'}"
             )
         return unit
 

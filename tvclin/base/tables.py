@@ -98,9 +98,9 @@ class FileTable:
                 elif key in keys:
                     name, factor = keys[key]
                     if name in key_of:
-                        keys_given = f"as {key_of[name]} and {key}"
+                        both_keys = f"as {key_of[name]} and {key}"
                         raise InputError(
-                            f"{name} is given twice in {self.heading}, {keys_given}; keep one"
+                            f"{name} is given twice in {self.heading}, {both_keys}; keep one"
                         )
                     key_of[name] = key
                     values[name] = number(key, value) * factor

@@ -35,7 +35,10 @@ _MAX_RATE = 1e9
 
 
 def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
-    """Return y of eq (12), for arrays of one shape, p > 0 and 0 <= K <= 1."""
+    """Return the boundary limit y of eq (12), normalised, in a triangular wind without drift.
+
+    `p`: fast pole times half the duration [-], positive. `K`: dead band, 0 to 1, of the same shape.
+    """
     L = _minus_log_R(p)
     with np.errstate(divide="ignore"):
         c = K / (1.0 - K)

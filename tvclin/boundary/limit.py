@@ -203,7 +203,7 @@ def boundary_limit(
     switch : {"report", "literal"}
         Condition for the exit of the dead band, on the wind or on trim, as in `trim_then_hold`.
         With drift and 0 < K < 1 they differ: `Study` and commands take "literal", so that their
-        rows are those of this function with ``switch="literal"``.
+        rows are this function with ``switch="literal"``.
 
     Returns
     -------

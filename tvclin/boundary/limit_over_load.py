@@ -71,7 +71,7 @@ _MAX_CELLS = 160
 _CELLS_PER_TIME_CONSTANT = 10.0
 """Cells in the time constant of the fastest mode, between these numbers."""
 _WIDTH_RATIO = 1.15
-"""Width of each cell after the wind relative to the one before."""
+"""Ratio of the widths of neighbouring cells after the wind, later over earlier."""
 _SPAN_OVER_TIME_CONSTANT = 20.0
 """Time of the last node after the wind, over the time constant of the slowest unstable mode."""
 _MAX_DEFLECTION: float = float(np.pi / 2)
@@ -528,8 +528,8 @@ def load_trade_off(
     wind : History
         One wind that ends, known beforehand.
     loads : array_like, optional
-        Bounds of the load [rad], ``(n,)``; by default ten from near the minimum load up to that of
-        the control of minimum deflection, and `load`.
+        Bounds of the load [rad], ``(n,)``; by default ten from near the minimum load up to the load
+        of the control of minimum deflection, and `load`.
     limit, load : float, optional
         Limit of the nozzle and load limit of the structure [rad].
     rate_limit : float

@@ -337,8 +337,8 @@ def rate_trade_off(
     Notes
     -----
     Where other unstable poles contribute, such as the flight path's after long winds,
-    the limits are the same as in `optimum_with_rate_limit`. Without a forecast the bound is that of
-    a state that must be recoverable after a stop and after the remaining wind, y* of
+    the limits are the same as in `optimum_with_rate_limit`. Without a forecast the bound belongs
+    to a state that must be recoverable after a stop and after the remaining wind, y* of
     `forecast_free_limit` in the place of d0.
 
     Examples

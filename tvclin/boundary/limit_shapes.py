@@ -7,7 +7,7 @@ that the shape reaches along d, and the gauge is the least factor by which it co
     h(d) = max over v in S of Re(conj(d) v),    g(v) = min{ r >= 0 : v in r S }.
 
 The thrust of several engines turns by the mean of their deflections, weighted with the thrusts. Its
-shape is the Minkowski sum of those of the engines that move, displaced by the ones that are stuck,
+shape is the Minkowski sum of the moving engines' shapes, displaced by the engines that are stuck,
 and where roll is held at zero, the part of it in which the side forces have no moment about the
 axis.
 """
@@ -89,7 +89,7 @@ class LimitShape(ABC):
 
     @abstractmethod
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return how far the shape reaches along vectors, times their size; in their shape."""
+        """Return the support function of the shape, max of d . vector, in the shape of vectors."""
 
     def farthest(self, direction: ArrayLike) -> Vectors:
         """Return a point of the shape, or of a polygon inside, that is furthest along vectors."""
@@ -523,7 +523,11 @@ class Cluster(LimitShape):
         return float(self._sum(still, np.asarray(sign))) if self.hold_roll else 0.0
 
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
-        """Return the sum of the support functions of all moving engines, by their shares."""
+        """Return the sum over moving engines of s_j h_j(d + rho a_j), with d of any shape.
+
+        s_j: share of the thrust. h_j: support function. a_j: arm about the roll axis, and `rho` its
+        multiplier.
+        """
         moving = [(engine, share) for engine, share in self._shares if engine.state == "moving"]
         supports = [
             share * engine.limit_shape.support(d + rho * self._arm(engine))

@@ -62,7 +62,7 @@ ROUNDING = 1e-9
 
 
 def limit_after_trim(problem: ExitProblem, poles: AnyArray, lower: FloatArray) -> FloatArray:
-    """Return the largest limit that diverges after trim, at least `lower`; ``(...)``.
+    """Return the largest limit that loses the vehicle after trim, at least `lower`, ``(...)``.
 
     `problem`: plants with a moment, and winds of one sign. `poles`: all unstable poles [1/s], the
     fastest first, ``(..., N)``; NaN for no pole. `lower`: smallest limit of interest, normalised by
@@ -103,7 +103,7 @@ class _AfterTrim:
 def _iterated(
     after: _AfterTrim, cases: IndexArray, lower: FloatArray, highest: FloatArray
 ) -> FloatArray:
-    """Return the largest limits that diverge, at least `lower`, by L <- max(K L, m(L))."""
+    """Return the largest limits L that diverge, at least `lower`, by L <- max(K L, m(L))."""
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)
     for _ in range(_MAX_STEPS):
@@ -250,9 +250,9 @@ def with_larger_requirements(
 
 
 def _after_trim(plant: Plant, wind: History, K: FloatArray, smallest: FloatArray) -> FloatArray:
-    """Return the largest limit [rad] that diverges after trim up to K times it, else 0.
+    """Return the largest limit [rad] that loses a vehicle after trim up to K times it, else 0.
 
-    Limits up to `smallest` [rad] count as zero.
+    `K`: dead band. Limits up to `smallest` [rad] count as zero. Of the shape of `smallest`.
     """
     poles = unstable_poles(plant)
     if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):

@@ -183,7 +183,7 @@ class PlanePair:
 def checked_batch(
     plant: Plant, wind: PlaneWind, limit_shape: LimitShape, yaw_plant: Plant | None
 ) -> tuple[int, ...]:
-    """Return the shape of the batch; `InputError` for what has no limit in two planes."""
+    """Return the shape of the batch; `InputError` for a plant or wind without two-plane limits."""
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     if isinstance(wind, History):
         raise InputError(
@@ -214,7 +214,7 @@ def checked_batch(
 
 
 def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], FloatArray]:
-    """Return the gauge of S - S, from its supports in some directions: a lower bound of it."""
+    """Return a lower bound of the gauge of S - S, as a function, from supports in directions."""
     if limit_shape.symmetric:
         return lambda vector: limit_shape.gauge(vector) / 2.0
     directions = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
@@ -459,7 +459,7 @@ class _Moments:
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
     """Return the solution of l . d -> max, N(l) <= 1 in cells, by cutting planes (Kelley 1960).
 
-    N(l) is the largest l . m of the moments m of any deflection v within S, attained by the one
+    N(l) is the largest l . m of the moments m of any deflection v within S, attained by the v
     furthest along l at each time. For the v_i of earlier steps a small linear program solves
 
         max of l . d with l . m_i <= 1   =   min of sum w_i with sum w_i m_i = d, w >= 0

@@ -175,8 +175,8 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
         for feature in (*_REFUSED.get(question, ()), *_OMITTED_BY_OPTIONS.get(question, ()))
     }
     named = _specified_features(case, omitted, tables)
-    whole_duty = "nozzle --over flight"
-    for who, parts in (("study", set(named) - {_WORK}), (whole_duty, set(named) & {_WORK})):
+    duty_command = "nozzle --over flight"
+    for who, parts in (("study", set(named) - {_WORK}), (duty_command, set(named) & {_WORK})):
         if parts:
             of = listed([feature for feature in named if feature in parts])
             yield f"what the file says of {of} is left out here; tvclin {who} has it"

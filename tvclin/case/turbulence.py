@@ -69,14 +69,14 @@ class TurbulenceRequest:
     intensity : float, optional
         Standard deviation of the wind across the path [m/s].
     severity : str, optional
-        In place of the intensity, that of MIL-F-8785C: light, moderate or severe.
+        Severity of MIL-F-8785C in place of the intensity: light, moderate or severe.
     exceedance : float, optional
         In place of these, the probability with which the intensity of MIL-F-8785C is exceeded.
     altitude : float, optional
         Altitude [m] of a single time, for the intensities of MIL-F-8785C; along a flight its own
         altitudes count.
     length : float, optional
-        Scale length [m]; by default that of MIL-F-8785C.
+        Scale length [m]; by default MIL-F-8785C's.
     spectrum : str
         Form of the spectrum: dryden or von-karman.
     component : str
@@ -115,11 +115,11 @@ class TurbulenceRequest:
     def __post_init__(self) -> None:
         checked(self)
         names = ("intensity", "severity", "exceedance", "table")
-        given = [name for name in names if getattr(self, name) is not None]
-        if len(given) != 1:
+        requested = [name for name in names if getattr(self, name) is not None]
+        if len(requested) != 1:
             raise InputError(
                 "turbulence needs one of intensity, severity, exceedance, file and level"
-                f"{'; got ' + ' and '.join(given) if given else ''}"
+                f"{'; got ' + ' and '.join(requested) if requested else ''}"
             )
         if self.sigmas is not None and self.probability is not None:
             raise InputError("turbulence takes sigmas or a probability, not both")
@@ -169,7 +169,7 @@ class TurbulenceRequest:
         return table if self.length is None else replace(table, length=self.length)
 
     def at(self, altitude: float | None = None) -> Turbulence:
-        """Return the turbulence of one altitude [m], by default that of the request.
+        """Return the turbulence of one altitude [m], by default the request's.
 
         Raises
         ------
@@ -297,7 +297,7 @@ class LoopInTurbulence(Shown):
         limit : float, optional
             Deflection limit [rad].
         altitude : float, optional
-            Altitude [m], by default that of the request.
+            Altitude [m], by default the request's.
         load : LoadBound, optional
             Load limit of the structure.
 
@@ -365,7 +365,7 @@ class LoopInTurbulence(Shown):
         return self.history.travel_deviation() if self.deflection_rate is not None else None
 
     def tables(self) -> list[Table]:
-        """Return the table of the motion, and that of the stationary covariance."""
+        """Return the tables of the motion and of the stationary covariance."""
         k, key = self.label, "turbulence"
         rows: list[Row] = [
             ("spectrum", (f"{self.turbulence.spectrum}, {self.turbulence.component}",)),

@@ -88,9 +88,9 @@ class PlaneOptions:
         """Return a plan of this plane, or of both with a limit shape, round by default."""
         if self.plane is None:
             return plan
-        both = self.plane == BOTH
-        plan = plan if both else changed(plan, plane=self.plane)
-        shape = (plan.nozzle.limit_shape or "round") if both else None
+        two_planes = self.plane == BOTH
+        plan = plan if two_planes else changed(plan, plane=self.plane)
+        shape = (plan.nozzle.limit_shape or "round") if two_planes else None
         return replace(plan, nozzle=replace(plan.nozzle, limit_shape=shape))
 
 
@@ -173,7 +173,7 @@ class _Answer:
 
     @property
     def notes(self) -> list[str]:
-        """Notes without those of the sizing and of the controllability ratio."""
+        """Notes of the flight, except of the sizing and of the controllability ratio."""
         flights, notes = self.flights, []
         if flights is not None:
             notes = [f"flown by the autopilot: {flights.verdict}", *flights.notes]
@@ -246,7 +246,7 @@ class _Answer:
         )
 
     def _print_details(self, further: list[Table], random: list[Table]) -> None:
-        """Print further tables by time and wind, the budget, and those of turbulence."""
+        """Print the tables by time and wind, of the budget, and of turbulence."""
         sizing, counted, ratio = self.sizing, self.counted, self.ratio
         print_tables(*further)
         if marks := tables.marks_line(sizing):
@@ -271,14 +271,14 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
             f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
             f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
         )
-    first_known, last_known = sizing.known_times[:, 0].max(), sizing.known_times[:, 1].min()
+    first_time, last_time = sizing.known_times[:, 0].max(), sizing.known_times[:, 1].min()
     required = next(iter(sizing.required.values()))
     determined = sizing.times[np.isfinite(required).all(axis=1)]
     if determined.size:  # a gust may make more times unknown than the end of a sounding
-        first_known = max(first_known, determined[0] if determined[0] > begin else -np.inf)
-        last_known = min(last_known, determined[-1] if determined[-1] < end else np.inf)
-    options = [f"--from {hundredths(first_known, up=True)}"] if begin < first_known else []
-    options += [f"--to {hundredths(last_known, up=False)}"] if end > last_known else []
+        first_time = max(first_time, determined[0] if determined[0] > begin else -np.inf)
+        last_time = min(last_time, determined[-1] if determined[-1] < end else np.inf)
+    options = [f"--from {hundredths(first_time, up=True)}"] if begin < first_time else []
+    options += [f"--to {hundredths(last_time, up=False)}"] if end > last_time else []
     if options:
         yield f"{' '.join(options)} leaves out the flight times at which a wind is not known"
     doubtful = not sizing.freezing_error and (sizing.change > STEADY).any()

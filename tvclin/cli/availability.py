@@ -188,8 +188,8 @@ def _print_details(result: Availability, source: str) -> None:
 def _said(balloon: Today, result: Availability) -> str:
     """Return the verdict on a balloon, in words, and the times that were judged of a part."""
     cut = balloon.judged != result.judge.flight.span and not balloon.why
-    part = "; from {:.4g} to {:.4g} s, the rest is not judged".format(*balloon.judged) * cut
-    return f"{_verdict(balloon)}{part}"
+    judged_times = "; from {:.4g} to {:.4g} s, the rest is not judged".format(*balloon.judged) * cut
+    return f"{_verdict(balloon)}{judged_times}"
 
 
 def _verdict(balloon: Today) -> str:

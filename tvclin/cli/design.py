@@ -315,7 +315,7 @@ def _with_gains(plan: StudyPlan) -> StudyPlan:
 
 
 def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Iterator[RuleResult]:
-    """Yield the result of the gains of a case, and those of the rules for its vehicle.
+    """Yield the results of the gains of a case, and of each rule's gains for its vehicle.
 
     `frequency`: natural frequency [rad/s] of rules that place poles; None without such rules.
     """

@@ -48,7 +48,7 @@ def _row(extra: str, versions: dict[str, str | None]) -> list[str]:
 
 
 def _requirements() -> tuple[list[str], dict[str, list[str]]]:
-    """Return the required packages, and those of each extra."""
+    """Return the required packages, and the packages of each extra."""
     packages: list[str] = []
     extras: dict[str, list[str]] = {}
     for requirement in metadata.requires("tvclin") or []:

@@ -139,7 +139,7 @@ def _compared(
     flight: SampledFlight,
     boundaries: tuple[ClosedLoopBoundary, ...] | None,
 ) -> Compared:
-    """Return a flight and its boundaries, if any, compared with those of the rigid vehicle."""
+    """Return flight and boundaries, if any, of a flexible vehicle compared with the rigid one's."""
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     rate = case.case.nozzle.rate_limit
     rigid = f"; rigid: {_word(flight.status[1])}" if case.bends else ""

@@ -106,7 +106,7 @@ class JudgedMargins:
 
 
 def margin_tables(result: JudgedMargins, title: str = "Margins") -> tuple[Table, ...]:
-    """Return the tables of the margins of a loop and, of a flexible vehicle, of those by band."""
+    """Return the tables of the margins of a loop and, of a flexible vehicle, by band."""
     tables = [margin_table(result.whole, result.judged)] if result.whole.stable else []
     if result.bands is not None:
         tables.append(band_table(result.bands, result.judged))
@@ -160,7 +160,7 @@ def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
 
 
 def _poles(autopilot: Autopilot, plant: Any) -> str:
-    """Return the closed-loop poles [1/s] as text, without those that only approximate the delay."""
+    """Return the closed-loop poles [1/s] as text, without poles that approximate the delay."""
     loop_poles = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
         exact = autopilot.exact_loop(plant).closed_loop_poles
@@ -212,7 +212,7 @@ _MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no rigid = tr
 
 @dataclass(frozen=True)
 class _ShownMargins(ShownCurves):
-    """Options for showing margins: the CSV file is that of a whole flight."""
+    """Options for showing margins: the CSV file holds the margins over a flight."""
 
     csv: Annotated[
         Path | None,

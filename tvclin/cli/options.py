@@ -114,7 +114,7 @@ class Given:
 
     `kind`: the module of the dataclass, and its name: "case.nozzle.Nozzle". `names`: its fields;
     without, all that have an option. `at`: which part of a plan it is; the plan itself where it is
-    empty. `shown`: what stands for the default of an option, where that is not the one declared.
+    empty. `shown`: text for the default of an option, where it is not the declared default.
     `values`: what was given, by field, in SI units.
     """
 
@@ -146,7 +146,7 @@ class Given:
         return [_option(name, item, self.shown, panel) for name, item in self.fields.items()]
 
     def taken(self, options: dict[str, Any]) -> Self:
-        """Return the options of the group with values, removed from those of the command."""
+        """Return the options of the group with values, and remove them from the command's."""
         chosen = {name: options.pop(name) for name in self.fields}
         values = {
             item.name: item.from_option(_flag(name), chosen[name])
@@ -244,7 +244,7 @@ class _Csv:
 
 @dataclass(frozen=True)
 class ShownCurves(Shown, _Csv):
-    """Options for showing an answer with curves: their CSV file, then those of `Shown`."""
+    """Options for showing an answer with curves: their CSV file, then the options of `Shown`."""
 
     def write(
         self, curves: "Callable[[], Curves]", chart: "Callable[[Curves], ControlPlot]"

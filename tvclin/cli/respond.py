@@ -62,8 +62,7 @@ _MAX_EXPONENT = 700.0
 class BoundedTrim:
     """A case, the deflection in its wind, K, and the limit; at nominal dynamic pressure.
 
-    `nominal` is the required deflection [rad] there, governed by `governs`, `required` that of a
-    study.
+    `nominal` is the required deflection [rad] there, governed by `governs`, `required` a study's.
     """
 
     case: Case

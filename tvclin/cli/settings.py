@@ -250,7 +250,7 @@ def _field_keys() -> dict[str, tuple[str, ...]]:
             keys[flag] = (*keys.get(flag, ()), f"{home}.{item.called}")
             for group, others in ((GIVEN_GAINS, RULE_KEYS), (RULE_KEYS, GIVEN_GAINS)):
                 if heading == "autopilot" and item.name in group:  # a rule replaces gains
-                    keys[flag] += tuple(f"autopilot.{other}" for other in others)
+                    keys[flag] += tuple(f"autopilot.{field_name}" for field_name in others)
     keys["--design"] += tuple(f"autopilot.{name}" for name in RULE_KEYS)
     return keys
 
@@ -294,23 +294,24 @@ def named(
     if not isinstance(error, InputError):
         return error
     flags = [option for option in options if option.opts[0].startswith("--")]
-    flags_given = [option.opts[0] for option in flags if is_set(option, values)]
+    set_flags = [option.opts[0] for option in flags if is_set(option, values)]
     candidates = _candidates(flags)
     for name, key in keys.items():
-        if not set(candidates.get(name, ())) & set(flags_given):
+        if not set(candidates.get(name, ())) & set(set_flags):
             candidates[name] = (f"--set {key}",)
-    return InputError(in_options(str(error), candidates, flags_given))
+    return InputError(in_options(str(error), candidates, set_flags))
 
 
 def in_options(
-    message: str, candidates: Mapping[str, tuple[str, ...]], given: Iterable[str]
+    message: str, candidates: Mapping[str, tuple[str, ...]], set_options: Iterable[str]
 ) -> str:
     """Return a message with options in place of arguments.
 
-    `candidates`: the options that may give an argument, its own first. `given`: those that are
-    given; where that leaves two, or none of a single word, the argument stays.
+    `candidates`: the options that may give an argument, its own first. `set_options`: the
+    options of the command line; where that leaves two, or none of a single word, the argument
+    stays.
     """
-    options = set(given)
+    options = set(set_options)
     return "\n".join(_in_options(line, candidates, options) for line in message.split("\n"))
 
 

@@ -71,8 +71,8 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
 
     grid = grid_frequencies(loop.form, stability(loop.form))[0]
     ratios = np.concatenate([1.0 - _CROSSOVER_OFFSETS, 1.0 + _CROSSOVER_OFFSETS])
-    near = np.multiply.outer(margins.crossings.gain_frequencies, ratios).ravel()
-    omega = np.unique(np.concatenate([[0.0], grid[np.isfinite(grid)], near]))
+    frequencies = np.multiply.outer(margins.crossings.gain_frequencies, ratios).ravel()
+    omega = np.unique(np.concatenate([[0.0], grid[np.isfinite(grid)], frequencies]))
     values = negative_gain(omega)
     # At infinity L vanishes, and G is the direct term.
     same_degree = numerator.size == loop.denominator.size

@@ -282,7 +282,10 @@ class _Case:
         return replace(a, **changes)
 
     def margin(self, name: str) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
-        """Return the function from numbers to a margin, zero where the loop is unstable."""
+        """Return the function from values of the parameters ``(n,)`` to a margin ``(n,)``.
+
+        `name`: name of the stability margin, which is zero where the loop is unstable.
+        """
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
             key = tuple(np.asarray(v).tobytes() for v in values.values())

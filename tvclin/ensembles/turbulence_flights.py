@@ -107,14 +107,14 @@ class TurbulenceFlights(Shown):
         limit = degrees(f"{key}.deflection_limit", self.deflection_limit, unit="deg")
         beyond = significant(f"{key}.linear_time", 100.0 * self.linear_time, 3)
         worst = significant(f"{key}.largest_exceedance", 100.0 * self.largest_exceedance, 3, "%")
-        known = "holds" if self.is_linear else f"is none above {100 * MAX_LINEAR_EXCEEDANCE:g} %"
+        validity = "holds" if self.is_linear else f"is none above {100 * MAX_LINEAR_EXCEEDANCE:g} %"
         time = significant(f"{key}.limited_time", 100.0 * self.limited_time, 3)
         error = significant(f"{key}.limited_time_error", 100.0 * self.limited_time_error, 2, "%")
         rows: list[Row] = [
             ("deflection limit", limit),
             (
                 "linear loop beyond the limit",
-                (*beyond, " % of the time, at worst ", *worst, f"; its answer {known}"),
+                (*beyond, " % of the time, at worst ", *worst, f"; its answer {validity}"),
             ),
             ("flights at the limit", (*time, " +- ", *error, " of the time")),
         ]
@@ -323,7 +323,7 @@ def _compared(
 ) -> TurbulenceFlights:
     """Return the comparison of flights in several parts with the linear loop."""
     arrays = {
-        item.name: np.concatenate([getattr(part, item.name) for part in parts])
+        item.name: np.concatenate([getattr(block, item.name) for block in parts])
         for item in fields(FlownCases)
     }
     flown = FlownCases(**arrays)

@@ -170,9 +170,9 @@ class FlightComparison:
             angles = {"least limit that survives [deg]": (boundaries[0], boundaries[1])} | angles
         outcomes = ((outcome,) for outcome in self.outcomes)
         rows: list[tuple[Line, ...]] = [(("with this limit the vehicle",), *outcomes)]
-        for k, (label, both) in enumerate(angles.items()):
+        for k, (label, pair) in enumerate(angles.items()):
             cells = [
-                minimum_limit(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(both)
+                minimum_limit(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(pair)
             ]
             rows.append(((label,), *cells))
         width = len(names) + 1
@@ -283,14 +283,14 @@ def compare_flight(
         _release_time(plant, wind, times, outputs, limit) if holds and survivor else np.inf
         for outputs, survivor in ((rows, survived), (linear, predicted))
     )
-    known = not beyond_linear(float(wind.peak))
+    is_linear = not beyond_linear(float(wind.peak))
     return FlightComparison(
         times=times,
         flown=rows,
         linear=linear,
         wind=wind,
-        survived=survived if known else None,
-        predicted=predicted if known else None,
+        survived=survived if is_linear else None,
+        predicted=predicted if is_linear else None,
         let_go=(ends[0], ends[1]),
     )
 

@@ -1,4 +1,4 @@
-"""Cache of machine code on disk, verified by hashes: what is loaded is what was written.
+"""Cache of machine code on disk, verified by hashes: only code that was written is loaded.
 
 numba's own cache (``cache=True``) finds and serialises the code, but not the files. Measured with
 numba 0.68 on a kernel of ten lines: a file without its last byte raises at every call and is never

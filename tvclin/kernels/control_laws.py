@@ -32,7 +32,7 @@ REACH_PLAIN, REACH_COMPILED = 5e-5, 5e-7
 
 
 class LawNumbers(NamedTuple):
-    """Numbers of a law: gains on measurements and on a state of its own, or those of a lean.
+    """Numbers of a law: gains on measurements and on its state, or of a lean into the wind.
 
     `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and of
     the slow coordinate (zeros without one), `ratio` of slow and fast pole (or zero), the wind per

@@ -14,7 +14,7 @@ In all functions `wind` is the tuple of its breakpoints, coefficients and rates,
 itself is the driver. Times u are local to segment i.
 
 A piece of the wind is a sum of terms c u^k e^(lambda u), `c` being coefficients ``(rates, degree +
-1)``. The filter is that of trim, x'' + b1 x' + q x = f and y = x'; with q = 0 it is the lag
+1)``. The filter of trim is x'' + b1 x' + q x = f and y = x'; with q = 0 it is the lag
 y' + b1 y = f.
 """
 
@@ -313,7 +313,7 @@ def filter_state(wind: Any, law: Any, i: int, u: float) -> tuple[float, float]:
 
 @bare
 def _trim(law: Any, wind_terms: Any, x: float, y: float) -> tuple[float, float, float]:
-    """Return trim, its slope and its curvature, from those of the wind and the filter's state.
+    """Return trim, its slope and its curvature, from the wind's and the filter's state.
 
     g = f + (b2 - b1) y with y' = f - b1 y - q x, x' = y, and so y'' = f' - b1 y' - q y.
     """

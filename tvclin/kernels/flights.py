@@ -311,9 +311,10 @@ def move_through(f: Flights, i: int, part: int, k: int, c: float, begin: float, 
 
 @inlined
 def is_unlimited(f: Flights, i: int, part: int, c: float) -> bool:
-    """Return whether the nozzle meets no limit in any substep of an interval.
+    """Return whether the nozzle of flight i reaches no limit in any substep of an interval.
 
-    The nozzle moves independently of the vehicle.
+    `part`: index of the interval of a sample. `c`: command [rad], constant in it. The nozzle's
+    deflection s [rad] and rate v [rad/s] do not depend on the vehicle.
     """
     p, n, size = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y.shape[1]
     J, s, v, rate = f.steps.fine[p, part], f.now.y[i, n], 0.0, 0.0

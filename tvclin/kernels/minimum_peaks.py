@@ -53,7 +53,9 @@ def minimum_peaks(
     first: int,
     last: int,
 ) -> None:
-    """Write the minimum peaks [rad] of all control from the begin of steps on.
+    """Write the minimum peaks [rad] of all control from the begin of steps on, ``(n, S)``.
+
+    h = p.b is the effectiveness of the deflection on the costate p of each unstable mode.
 
     Parameters
     ----------

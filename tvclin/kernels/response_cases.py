@@ -28,7 +28,7 @@ MAX_FORWARD_GROWTH = 1.0
 MAX_CANCELLATION = 4.0
 """Ratio of a response to its input beyond which terms cancel, and its series is used."""
 MAX_ADDED_TERMS = 47
-"""Largest number of terms of a series beyond those of its input."""
+"""Largest number of terms of a series in excess of its input's."""
 MIN_POLE_DISTANCE = 1e-3
 """Distance of poles, over the largest or over the time, below which they are not distinct: their
 residues are large and cancel, by about its inverse."""
@@ -494,7 +494,10 @@ def subtract_wind(case: Any, i: Any, span: Any) -> None:
 
 @kernel
 def lengthen(q: Any, length: Any, span: Any) -> None:
-    """Extend the outputs to a number of terms at one rate, if they have fewer."""
+    """Pad the polynomials of all outputs at the q-th rate with zeros, to at least `length` terms.
+
+    `span`: a `Span`, whose `shares` are the coefficients and `lengths` their number by rate.
+    """
     for r in range(span.shares.shape[0]):
         for k in range(span.lengths[q], length):
             span.shares[r, q, k] = 0.0

@@ -21,7 +21,7 @@ import numpy as np
 F = TypeVar("F", bound=Callable[..., Any])
 
 _marked: dict[Callable[..., Any], dict[str, Any]] = {}
-"""Options of numba of each kernel, besides those of all."""
+"""Options of numba of each kernel, besides the options of all."""
 _CONSTANTS = (float, int, str, tuple, np.generic)
 _OPTIONS: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 """Options of numba: no interpreter lock; division by zero as in numpy; no entry for C."""

@@ -315,7 +315,7 @@ def _at_poles(
     """Return the residues [rad], their rounding errors [rad], and the start of the inputs [s].
 
     The residues are those with the time counted from the start, and so neither vanish for a late
-    wind nor overflow for an early one; times e^(-p start) they are those of the flight. Both are
+    wind nor overflow for an early one; times e^(-p start) they are the flight's. Both are
     ``(..., N)``; NaN at a pole that is NaN.
     """
     instance("deflection", deflection, History, "such as ConstantDeflection")

@@ -40,7 +40,7 @@ def named_system(
     """Return a system of python-control as `LinearSystem`, with its sample time as `period`.
 
     `name`: of the argument, for messages. `inputs`, `outputs`: names of the signals, in place of
-    those of the system. `InputError` for another type, numbers that are not finite, sizes that do
+    the system's. `InputError` for another type, numbers that are not finite, sizes that do
     not fit, names that are repeated, an improper transfer function, and an unspecified sample time.
     """
     if isinstance(system, LinearSystem):
@@ -216,7 +216,7 @@ def _row_form(row: list[list[FloatArray]]) -> tuple[FloatArray, FloatArray, Floa
     normalised = [(above / below[0], below / below[0]) for above, below in row]
     different: list[FloatArray] = []
     for _, below in normalised:
-        if not any(np.array_equal(below, other) for other in different):
+        if not any(np.array_equal(below, matrix) for matrix in different):
             different.append(below)
     n, count = sum(below.size - 1 for below in different), len(row)
     A, B, C, D = np.zeros((n, n)), np.zeros((n, count)), np.zeros((1, n)), np.zeros((1, count))

@@ -308,7 +308,7 @@ class Plant(WithCoefficients):
 
     @property
     def direct_terms(self) -> FloatArray | None:
-        """Direct terms of the outputs that `modal` omits: none, or those of a `SystemPlant`."""
+        """Direct terms of the outputs that `modal` omits; a `SystemPlant` has them."""
         return None
 
     @cached_property
@@ -518,7 +518,7 @@ class Plant(WithCoefficients):
         return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
 
     def _attitude(self, input: str) -> FloatArray:
-        """Return the numerator from an input to the attitude."""
+        """Return the numerator from an input to the attitude, highest power of s first."""
         c = self.coefficients
         gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)
         factors: dict[str, tuple[Any, ...]] = {
@@ -532,7 +532,7 @@ class Plant(WithCoefficients):
     def _flight_path(self, input: str) -> FloatArray:
         # (s + damping) gamma = attitude theta + deflection delta - wind alpha_w, put into the
         # moment equation and solved for gamma.
-        """Return the numerator from an input to the flight path angle."""
+        """Return the numerator from an input to the flight path angle, highest power of s first."""
         c, path = self.coefficients, self._path
         if input == "deflection":
             terms = (

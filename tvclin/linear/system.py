@@ -200,7 +200,7 @@ def constant_over_steps(
     """Return constant systems, one a step, that equal a system that varies to fourth order.
 
     `first`, `second`: the system at the two `GAUSS_NODES` of each step. `lengths`: lengths of the
-    steps [s]; batches of all three broadcast. Outputs are those of `first`.
+    steps [s]; batches of all three broadcast. Outputs are the outputs of `first`.
     """
     former, latter = (augmented_matrix(system.A, system.B) for system in (first, second))
     matrix, n = constant_generator(former, latter, lengths), len(first.states)

@@ -30,7 +30,7 @@ _MATRICES = ("A", "B", "C", "D")
 _NAMES = {"inputs": "InputName", "outputs": "OutputName", "states": "StateName"}
 """Variables of the names of signals; the keys are accepted as well."""
 _PERIODS = ("Ts", "dt")
-"""Variables of the sample time [s]: MATLAB's name, and that of python-control."""
+"""Variables of the sample time [s]: MATLAB's name, and python-control's."""
 _DEFAULTS = {"inputs": "u[{}]", "outputs": "y[{}]", "states": "x[{}]"}
 _SUFFIXES = (".mat", ".npz")
 _MATLAB_73 = b"MATLAB 7.3"

@@ -66,7 +66,7 @@ class SystemPlant(Plant):
         [1/s^2], the angular acceleration, gives them: mu_delta and mu_alpha are minus its direct
         terms from deflection and wind.
     inputs, outputs : sequence of str, optional
-        Names of the signals, in place of those of the system.
+        Names of the signals, in place of the system's.
 
     Raises
     ------
@@ -221,7 +221,7 @@ class SystemPlant(Plant):
         return Plant(self.coefficients, "fixed-path").cases(index, shape).coefficients
 
     def _changed(self, system: LinearSystem, coefficients: Coefficients | None) -> SystemPlant:
-        """Return a plant with another system; what was checked is not checked again."""
+        """Return a plant with another system, without repeated checks."""
         plant = type(self).__new__(type(self))
         plant._set(system, coefficients, self.model)
         return plant
@@ -334,10 +334,10 @@ class SystemPlant(Plant):
     @cached_property
     def _parts(self) -> tuple[AnyArray, AnyArray]:
         """Gain of each input in each mode ``(..., n, inputs)``, of each mode in each output."""
-        _, left, right = self._eigenvectors
+        _, rows, right = self._eigenvectors
         with np.errstate(all="ignore"):
-            gains = left @ self._system.B
-            gains = gains / np.einsum("...ij,...ji->...i", left, right)[..., np.newaxis]
+            gains = rows @ self._system.B
+            gains = gains / np.einsum("...ij,...ji->...i", rows, right)[..., np.newaxis]
             outputs = np.swapaxes(self._system.C @ right, -1, -2)
         real = not np.iscomplexobj(self.poles)
         return (gains.real, outputs.real) if real else (gains, outputs)
@@ -367,9 +367,10 @@ class SystemPlant(Plant):
         return self._system.D[..., :2]
 
     def attitude_fractions(self, poles: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
-        """Return the residues of the attitude from deflection and wind at poles, and ones.
+        """Return N_deflection(p), N_wind(p) and D'(p) of the attitude at poles, each ``(..., N)``.
 
-        Same parameters as `Plant.attitude_fractions`.
+        They are up to a factor: the residues and ones. Same parameters as
+        `Plant.attitude_fractions`.
         """
         residues = self._attitude_residues
         if _ACCELERATION in self.inputs:

@@ -47,8 +47,8 @@ class DutyPoint(Shown):
     limit of this plane [rad]. `minimum`: minimum angle [rad] at any rate in a
     known wind. `pole`: the fast unstable pole [1/s]; zero without an unstable pole, NaN for a
     complex pair. `status`: outcome of the flight, see `fly_many`; empty where nothing is flown.
-    `reason`: the reason where the flight cannot be judged. `duty`: that of the flight; None where
-    it is lost or cannot be judged. `law_notes`: notes on the design of the law. `without_noise`:
+    `reason`: the reason where the flight cannot be judged. `duty`: the flight's; None where it is
+    lost or cannot be judged. `law_notes`: notes on the design of the law. `without_noise`:
     travel [rad] and energy [J] of the flight without the share of noise. `noise_rate`: travel and
     energy of noise per time [rad/s, W]. `direction`: head or tail, for a pulse whose dynamic
     pressure depends on it.

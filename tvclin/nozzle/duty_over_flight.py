@@ -498,8 +498,12 @@ def _in_turbulence(
         designs[time] = gains_at
     gains = {k: np.array([row[k] for row in designs.values()]) for k in LINEAR_GAINS}
     table = GainTable("time", np.array(list(designs)), gains)
-    own = case.autopilot_design
-    hardware: Any = {"delay": own.delay, "sample_rate": own.sample_rate, **own.chains}
+    specified = case.autopilot_design
+    hardware: Any = {
+        "delay": specified.delay,
+        "sample_rate": specified.sample_rate,
+        **specified.chains,
+    }
     flown = replace(request, scheduled_design=AutopilotDesign(**hardware, schedule=table))
     return flown.turbulence(replace(case, controller=None), turbulence)
 

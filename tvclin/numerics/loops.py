@@ -468,8 +468,8 @@ class StateLoop:
     def _fraction(values: AnyArray, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """Return values over one, and at a pole one over zero, as numerators and denominators."""
         at_pole = ~np.isfinite(values) & ~np.isnan(omega)
-        one = np.ones_like(values)
-        return np.where(at_pole, one, values), np.where(at_pole, 0.0, one)
+        ones = np.ones_like(values)
+        return np.where(at_pole, ones, values), np.where(at_pole, 0.0, ones)
 
 
 AnyLoop = Rational | StateLoop

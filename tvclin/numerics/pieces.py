@@ -172,8 +172,8 @@ def add(first: Pieces, second: Pieces) -> Pieces:
         merged = np.sort(np.concatenate(knots, axis=-1), axis=-1)
         merged = merged if shape else np.unique(merged)
     degree = max(first.degree, second.degree)
-    both = [_padded_degree(_on_knots(p, merged), degree) for p in (first, second)]
-    c = [np.broadcast_to(a, (*shape, merged.shape[-1], *a.shape[-2:])) for a in both]
+    coefficients = [_padded_degree(_on_knots(p, merged), degree) for p in (first, second)]
+    c = [np.broadcast_to(a, (*shape, merged.shape[-1], *a.shape[-2:])) for a in coefficients]
     rates = [np.broadcast_to(p.rates, (*shape, p.rates.shape[-1])) for p in (first, second)]
     shorter, longer = sorted((0, 1), key=lambda i: rates[i].shape[-1])
     count = rates[shorter].shape[-1]
@@ -270,7 +270,7 @@ def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
 
 
 def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
-    """Return the coefficients on finer knots, zero before the first knot of the history."""
+    """Return the coefficients of pieces on finer knots, zero before the history's first knot."""
     index = _last_at_or_before(pieces.knots, knots)
     piece = np.maximum(index, 0)
     u = np.maximum(knots - at_pieces(pieces.knots, piece, 0), 0.0)

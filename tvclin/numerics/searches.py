@@ -48,18 +48,18 @@ def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> Floa
         root[index] = best
         width = np.abs(x2 - x1)
         tolerance = 4.0 * (np.abs(best) * np.finfo(float).eps + np.finfo(float).tiny)
-        left = (width >= tolerance) & (f1 != 0.0) & (f2 != 0.0)
-        if not np.any(left):
+        active = (width >= tolerance) & (f1 != 0.0) & (f2 != 0.0)
+        if not np.any(active):
             break
         x1, x2, x3, f1, f2, f3, width, tolerance, index = (
-            x[left] for x in (x1, x2, x3, f1, f2, f3, width, tolerance, index)
+            x[active] for x in (x1, x2, x3, f1, f2, f3, width, tolerance, index)
         )
         with np.errstate(all="ignore"):  # of points that coincide, where bisection is taken
-            place, height = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+            fraction, height = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
             quadratic = f1 / (f1 - f2) * f3 / (f3 - f2) - (x3 - x1) / (x2 - x1) * f1 / (
                 f3 - f1
             ) * f2 / (f2 - f3)
-            inside = (1.0 - np.sqrt(1.0 - place) < height) & (height < np.sqrt(place))
+            inside = (1.0 - np.sqrt(1.0 - fraction) < height) & (height < np.sqrt(fraction))
         nearest = 0.5 * tolerance / width
         x = x1 + np.clip(np.where(inside, quadratic, 0.5), nearest, 1.0 - nearest) * (x2 - x1)
         f = evaluate(x, index)

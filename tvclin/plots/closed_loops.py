@@ -181,8 +181,8 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
     title = f"Autopilot in a wind: {VERDICTS[status]}\n{words}"
     plot = draw(curves, Look(title, _ORDINATES, _STYLES, across=1))
     if peak is not None:
-        known = plant.coefficients_known
-        trim = float(curves.column(_TRIM, "deflection")[0]) if known else 0.0
+        has_coefficients = plant.coefficients_known
+        trim = float(curves.column(_TRIM, "deflection")[0]) if has_coefficients else 0.0
         trim_ratio = f", {abs(peak.y / trim):.2f} x trim" if trim else ""
         marks = [replace(peak, text=f"peak {peak.y:.3g} deg at {peak.x:.3g} s{trim_ratio}")]
         panel = plot.axes[list(curves.panels).index("deflection"), 0]

@@ -150,9 +150,9 @@ def _draw_box(axes: Axes, box: tuple[float, float, float], name: str) -> None:
         axes.add_patch(patch)
 
 
-def _critical(left: float, right: float) -> list[float]:
+def _critical(lowest: float, highest: float) -> list[float]:
     """Return the phases [deg] of L = -1 in a frame: -180 and whole turns from it."""
-    turns = np.arange(np.ceil((left + 180.0) / 360.0), np.floor((right + 180.0) / 360.0) + 1.0)
+    turns = np.arange(np.ceil((lowest + 180.0) / 360.0), np.floor((highest + 180.0) / 360.0) + 1.0)
     return (360.0 * turns - 180.0).tolist()
 
 

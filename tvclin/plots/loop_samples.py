@@ -53,9 +53,9 @@ class LoopSamples:
     """Frequency response of one loop with its exact delay, dense enough for figures.
 
     `bands`: margins by band, if the vehicle has modes. `airframe`: poles of the rigid vehicle
-    [1/s], if known. `omega`: rising positive frequencies [rad/s], ``(n,)``, including those of the
-    margins. `response`: L, ``(n,)``. `phase`: continuous phase [deg], ``(n,)``, within half a turn
-    of -180 deg where L is nearest to -1. `words`: description of the loop, in one line.
+    [1/s], if known. `omega`: rising positive frequencies [rad/s], ``(n,)``, including the margins'
+    frequencies. `response`: L, ``(n,)``. `phase`: continuous phase [deg], ``(n,)``, within half a
+    turn of -180 deg where L is nearest to -1. `words`: description of the loop, in one line.
     `pade_order`: order of the delay's approximation in a root locus.
     """
 
@@ -233,7 +233,7 @@ def mode_frequency(mode: ModeBand) -> float:
 
 
 def corner_frequencies(loop: Loop) -> FloatArray:
-    """Return the rising magnitudes [rad/s] of the poles of the loop except those at the origin.
+    """Return the rising magnitudes [rad/s] of the nonzero poles of the loop.
 
     Those of a sampled loop end at half its rate.
     """
@@ -245,7 +245,7 @@ def corner_frequencies(loop: Loop) -> FloatArray:
 
 
 def unstable_poles(loop: Loop) -> int:
-    """Return the number of poles of the loop in the right half plane, without those on the axis."""
+    """Return the number of poles of the loop in the open right half plane."""
     poles = loop.form.open_poles()[0]
     return int(np.sum(np.real(poles) > ON_AXIS * np.abs(poles).max()))
 

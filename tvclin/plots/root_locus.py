@@ -246,7 +246,7 @@ class LocusPoles:
         return factors
 
     def _with_meetings(self, factors: FloatArray) -> FloatArray:
-        """Return the factors with those at which the number of real poles changes, by bisection."""
+        """Return the factors with further ones where the number of real poles changes."""
         count = self._real(factors)
         intervals = np.flatnonzero(count[1:] != count[:-1])
         low, high, before = factors[intervals], factors[intervals + 1], count[intervals]
@@ -398,7 +398,10 @@ def _checked_factors(gains: ArrayLike) -> FloatArray:
 
 
 def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]) -> FloatArray:
-    """Return factors from zero to beyond the first change of stability, of an unstable loop two."""
+    """Return factors on the loop gain, ``(n,)``, rising from zero to beyond a change of stability.
+
+    Of an unstable loop to beyond the second change.
+    """
     crossings = samples.margins.crossings.gain_factors
     crossings = np.sort(crossings[np.isfinite(crossings) & (crossings > 0.0)])
     above = crossings[crossings > 1.0][: 1 if samples.margins.stable else 2]
@@ -487,7 +490,10 @@ def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> 
 
 
 def _locus_curves(factors: FloatArray, branches: AnyArray, samples: LoopSamples) -> Curves:
-    """Return the curves of the branches; a branch that starts at a mode has its name."""
+    """Return the closed-loop poles [1/s] over factors on the loop gain, a curve for each branch.
+
+    `factors`: ``(n,)``. `branches`: poles ``(n, b)``. A branch that starts at a mode has its name.
+    """
     names = [f"pole {number}" for number in range(1, branches.shape[-1] + 1)]
     for mode in samples.modes:
         if factors[0] == 0.0 and np.isfinite(mode.pole):

@@ -325,7 +325,7 @@ def figure_bytes(figure: Any, **options: Any) -> bytes:
     """Return the file of a figure in memory; its layout is computed once and stays.
 
     `savefig` of a figure with a layout engine draws all of it twice. In memory, since on a full
-    disk the writer of PDF fails in its own way. `options`: those of `savefig`.
+    disk the writer of PDF fails in its own way. `options`: options of `savefig`.
     """
     if (engine := figure.get_layout_engine()) is not None:
         engine.execute(figure)

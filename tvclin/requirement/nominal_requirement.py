@@ -358,7 +358,7 @@ class KnownWind(Shown):
     ) -> Table:
         """Return the table of the required deflection by dead band, ``(n,)``, and of the minimum.
 
-        `required`: that of the wind at these dead bands; None where there is none. What sets it has
+        `required`: requirement of the wind at these dead bands, or None. What sets it has
         a column where that is not the boundary of the control throughout.
         """
         head: tuple[str, ...] = ("dead band", "required [deg]", "over trim", "set by")
@@ -369,8 +369,8 @@ class KnownWind(Shown):
                 cells = degrees(f"K.{K:g}.deflection", size), number(f"K.{K:g}.limit", ratio)
                 rows.append(((f"K = {K:g}",), *map(minimum_limit, cells), (str(governs),)))
         fraction = np.nan if self.fraction_of_trim is None else self.fraction_of_trim
-        least = degrees("optimum.peak", self.best.peak), number("optimum.fraction", fraction)
-        rows.append(((WIND_KNOWN,), *least, (str(Reason.MINIMUM),)))
+        minimum = degrees("optimum.peak", self.best.peak), number("optimum.fraction", fraction)
+        rows.append(((WIND_KNOWN,), *minimum, (str(Reason.MINIMUM),)))
         if all(row[-1] == (str(Reason.BOUNDARY),) for row in rows[:-1]):
             head, rows = head[:-1], [row[:-1] for row in rows]
         return Table(caption, head, tuple(rows))

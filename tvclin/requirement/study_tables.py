@@ -76,15 +76,17 @@ _VERDICT = " (verdict)"
 
 
 def vehicle(
-    s: Study, source: str = "unnamed", own: Mapping[str, tuple[float, str]] | None = None
+    s: Study, source: str = "unnamed", source_values: Mapping[str, tuple[float, str]] | None = None
 ) -> Table:
     """Return the numbers of the vehicle, first in the units of its file where these differ.
 
-    `source` is the title of a vehicle without a name, `own` the numbers in the units of the file,
-    by name, with these units; see `as_written`.
+    `source` is the title of a vehicle without a name, `source_values` the numbers in the units of
+    the file, by name, with these units; see `as_written`.
     """
-    given = [item for item in fields_of(s.vehicle) if item.value(s.vehicle) is not None]
-    rows = [(item.title, _in_units(s.vehicle, item, own or {})) for item in given]
+    vehicle_fields = [item for item in fields_of(s.vehicle) if item.value(s.vehicle) is not None]
+    rows = [
+        (item.title, _in_units(s.vehicle, item, source_values or {})) for item in vehicle_fields
+    ]
     planes = "pitch and yaw" if s.judges_both_planes else s.plane
     return quantities(f"{s.vehicle.name or source}, {s.model}, {planes}", rows)
 
@@ -399,8 +401,8 @@ class StudyResponse:
         largest = self.extremes
         if largest.with_wind is None and largest.against_wind is None:
             return "Trim stays within the limit, and the attitude at zero."
-        enough = self.study.limit is None or self.study.sufficient
-        note = f" {OVERTURNED_NOTE}" if self.why == OVERTURNED and enough else ""
+        sufficient = self.study.limit is None or self.study.sufficient
+        note = f" {OVERTURNED_NOTE}" if self.why == OVERTURNED and sufficient else ""
         return f"{_END_NOTES[self.why]}{note}"
 
     @property

@@ -378,13 +378,13 @@ def decided_by_flights(
     `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it with
     both signs, and where the path drifts and is quick, or trim crosses it more than once.
     """
-    both_signs, second_interval = (
+    two_signs, second_interval = (
         trim_and_demand.reaches_both_signs(limit),
         trim_and_demand.is_crossed_twice(limit) & equations.drifts,
     )
     lowest = np.where(second_interval, _MIN_RATIO_TWO_INTERVALS * limit, limit)
-    lowest = np.where(both_signs, _MIN_RATIO_BOTH_SIGNS * limit, lowest)
-    return both_signs | second_interval | (equations.quick_path & equations.drifts), lowest
+    lowest = np.where(two_signs, _MIN_RATIO_BOTH_SIGNS * limit, lowest)
+    return two_signs | second_interval | (equations.quick_path & equations.drifts), lowest
 
 
 @dataclass(frozen=True, eq=False)
@@ -514,7 +514,7 @@ def _columns(
     ratio: FloatArray,
     onset: FloatArray | None,
 ) -> list[FloatArray]:
-    """Return the arguments that both kernels share."""
+    """Return the arrays that the kernels of the limited and the unlimited trim both take."""
     shape = wind.shape
     end = np.broadcast_to(equations.end, (shape[0], equations.end.shape[-1]))
     lengths = np.broadcast_to(times[..., 2] - times[..., 0], shape[:2])

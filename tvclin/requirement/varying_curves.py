@@ -260,7 +260,7 @@ class Curves:
 
 
 def _smaller(trim: FloatArray, demand: FloatArray, sign: float | None) -> FloatArray:
-    """Return min(trim, demand) of either sign, or of one, as sizes; zero where signs differ."""
+    """Return min(|trim|, |demand|) [rad] where both have one sign, or `sign`; zero elsewhere."""
     opposite = (
         trim * demand <= 0.0 if sign is None else np.minimum(sign * trim, sign * demand) <= 0.0
     )

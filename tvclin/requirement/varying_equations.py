@@ -232,21 +232,21 @@ class Equations:
         return self.nominal.shape[-2] > 2
 
     def of(self, cases: IndexArray) -> Equations:
-        """Return the equations of some cases."""
+        """Return the equations of selected cases."""
 
-        def some(x: Any) -> Any:
+        def selected(x: Any) -> Any:
             return x if len(x) == 1 else x[cases]
 
         modes: tuple[UnstableModes, ...] = ()
         if self.modes:
-            last = some(self.nominal)[:, -1, 2, :, : self.nominal.shape[-2]]
+            last = selected(self.nominal)[:, -1, 2, :, : self.nominal.shape[-2]]
             modes = unstable_modes_of(last)
         return Equations(
-            some(self.nominal),
-            some(self.slopes),
-            some(self.end),
-            some(self.paired),
-            some(self.quick_path),
+            selected(self.nominal),
+            selected(self.slopes),
+            selected(self.end),
+            selected(self.paired),
+            selected(self.quick_path),
             modes,
         )
 
@@ -296,11 +296,12 @@ def unstable_end(equations: FloatArray) -> FloatArray:
 
 
 def of_pressure(plants: Sequence[Plant]) -> tuple[FloatArray, FloatArray]:
-    """Return E ``(..., m, m + 2)``, and E_1 and E_2 ``(..., 2, m, m + 2)``, of plants.
+    """Return E ``(..., m, m + 2)``, and E_1 and E_2 ``(..., 2, m, m + 2)``, of m states.
 
-    `plants`: the same, at each of `PRESSURES` times their dynamic pressure.
+    With r = q/q_n a plant's matrices are [A b w] = E + (r - 1) E_1 + (1/r - 1) E_2. `plants`: the
+    plant at each of the ratios `PRESSURES`.
     """
     nominal, *others = (np.concatenate(plant.matrices()[:2], axis=-1) for plant in plants)
-    changes = np.stack([other - nominal for other in others], axis=-3)
+    changes = np.stack([varied - nominal for varied in others], axis=-3)
     factors = np.array([[r - 1.0, 1.0 / r - 1.0] for r in PRESSURES[1:]])
     return nominal, np.einsum("kl,...lij->...kij", np.linalg.inv(factors), changes)

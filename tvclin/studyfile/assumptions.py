@@ -431,7 +431,9 @@ def loop_notes(findings: Findings) -> Iterator[str]:
     margins = findings.margins
     if margins is not None:
         satisfied = bool(findings.criteria.are_satisfied(margins))
-        whole = margins.margins if isinstance(margins, BandMargins) else margins
-        yield from gain_notes(findings.plan, findings.criteria, satisfied, whole.delay_margin)
+        loop_margins = margins.margins if isinstance(margins, BandMargins) else margins
+        yield from gain_notes(
+            findings.plan, findings.criteria, satisfied, loop_margins.delay_margin
+        )
     else:
         yield from actuator_notes(findings.plan)

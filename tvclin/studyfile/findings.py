@@ -162,6 +162,7 @@ class Findings:
         from tvclin.requirement.autopilot_requirement import at_peak_pressure, autopilot_boundary
 
         def requirement(size: float) -> float:
+            """Return the autopilot requirement [rad] of `size` times the head wind, along it."""
             with suppress(InputError):
                 denser = at_peak_pressure(self.plan, s, size)
                 flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.plane_ratio)

@@ -321,7 +321,7 @@ class FlightOutcome(Record):
 
     @classmethod
     def of(cls, case: _Wind, sign: str | None, flown: FlightAlong, omitted: str) -> Self:
-        """Return the outcome of a flight in a direction; `omitted`: what of its wind is unknown."""
+        """Return the outcome of a flight in a direction; `omitted`: unknown part of its wind."""
         survived = {"survived": True, "lost": False, "rings": False}.get(flown.status)
         names = ("deflection", "deflection_rate", "angle_of_attack", "attitude")
         peaks = {f"peak_{name}": abs(flown.largest(name).value) for name in names}
@@ -384,12 +384,14 @@ class FlightsOfLoop:
                 "the largest values are until attitude or angle of attack exceed"
                 f" {np.degrees(MAX_LINEAR_ANGLE):.0f} deg"
             )
-        known = [o.time for o in self.outcomes if o.status != "undecided" and o.time is not None]
+        end_times = [
+            o.time for o in self.outcomes if o.status != "undecided" and o.time is not None
+        ]
         late = [o.time for o in self.outcomes if o.status == "undecided" and o.time is not None]
-        if known and late and min(late) > max(known):
+        if end_times and late and min(late) > max(end_times):
             yield (
                 "after the last pulses the flight is too short to settle: --set size.to_s"
-                f" {max(known):.6g} leaves them out"
+                f" {max(end_times):.6g} leaves them out"
             )
 
     @property
@@ -400,10 +402,10 @@ class FlightsOfLoop:
     @property
     def fraction(self) -> Success | None:
         """Fraction of the winds that are survived, with its interval; None for one wind."""
-        lost = {outcome.wind for outcome in self.outcomes if not outcome.survived}
+        diverged = {outcome.wind for outcome in self.outcomes if not outcome.survived}
         if self.wind_count < _MIN_WINDS:
             return None
-        return success_probability(self.wind_count - len(lost), self.wind_count)
+        return success_probability(self.wind_count - len(diverged), self.wind_count)
 
     def document(self) -> dict[str, Any]:
         """Return the flights and the largest outputs of the worst, in SI units, for JSON."""
@@ -453,8 +455,8 @@ class FlightsOfLoop:
         """
         shown = list(self.outcomes)
         if rows is not None and len(shown) > rows:
-            kept = sorted(shown, key=_severity)[-rows:]
-            shown = [outcome for outcome in shown if outcome in kept]
+            most_severe = sorted(shown, key=_severity)[-rows:]
+            shown = [outcome for outcome in shown if outcome in most_severe]
         several = self.wind_count > 1
         cells: list[tuple[Line, ...]] = []
         for k, outcome in enumerate(shown):

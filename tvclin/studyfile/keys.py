@@ -226,10 +226,10 @@ class Key:
 def all_keys() -> tuple[Key, ...]:
     """Return all keys of study and vehicle files, in the order of the tables."""
     tables = STUDY_TABLES | VEHICLE_TABLES
-    found = [key for name, table in tables.items() for key in _keys(name, table)]
-    names = [key.name for key in found]
+    keys = [key for name, table in tables.items() for key in _keys(name, table)]
+    names = [key.name for key in keys]
     extra = [*_keys("wind", SOUNDING_TABLE), *_keys("autopilot.filter", FILTER_TABLE)]
-    return (*found, *(key for key in extra if key.name not in names))
+    return (*keys, *(key for key in extra if key.name not in names))
 
 
 def key_tables() -> list[Table]:

@@ -96,7 +96,7 @@ def _at_its_time(
     subject: Mapping[str, Any],
     values: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return the autopilot at the time of the vehicle, and the sizing with that of the flight.
+    """Return the autopilot at the time of the vehicle, and the sizing with the flight's autopilot.
 
     Empty where the autopilot does not vary over the flight.
     """
@@ -112,7 +112,7 @@ def _at_its_time(
 
 
 def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
-    """Return the wind of a study, with its gust: that of one shape, or else the first sounding."""
+    """Return the wind of a study, with its gust: of one shape, or else the first sounding."""
     plane = subject.get("plane", "pitch")
     if is_wind_measured(document):
         reading = SoundingReading.of(document, folder)
@@ -129,7 +129,7 @@ def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any])
 
 
 def _criteria_of(document: Mapping[str, Any]) -> Criteria | None:
-    """Return the criteria of a document, of a rigid vehicle without those of modes."""
+    """Return the criteria of a document; of a rigid vehicle without criteria of modes."""
     criteria = CRITERIA_TABLE.made(document, _criteria)
     return criteria and criteria.without_mode_limits if is_rigid(document) else criteria
 
@@ -235,7 +235,7 @@ def _gust_speed(document: Mapping[str, Any]) -> float | None:
 def _sounding(
     table: dict[str, Any], folder: Path, reading: SoundingReading
 ) -> tuple[str, SoundingRequest]:
-    """Return name and request of a sounding in [[wind]], whose keys replace those of [sounding]."""
+    """Return name and request of a sounding in [[wind]], whose keys override [sounding]."""
     of_pulse = [
         key for key in table if key in WIND_TABLE.every_key and key not in SOUNDING_TABLE.every_key
     ]

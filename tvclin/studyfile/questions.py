@@ -363,9 +363,11 @@ def _probability(findings: Findings, limit: float) -> Question:
     if np.isinf(r.estimate):
         return Question("probability", False, (*flights, " require more than any limit"))
     if np.isinf(r.upper) and success is not None:
-        most = number("asked.success", 100.0 * success.upper, 2)
+        upper = number("asked.success", 100.0 * success.upper, 2)
         return Question(
-            "probability", False, ("sufficient in at most ", *most, " %, not in ", *flights)
+            "probability",
+            False,
+            ("sufficient in at most ", *upper, " %, not in ", *flights),
         )
     line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
     whose = f"{text(flights)} require"

@@ -155,7 +155,7 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
 
 
 def _is_default(wind: ShapedWind) -> bool:
-    """Return whether a wind without its gust is the one that is assumed."""
+    """Return whether a wind without its gust is the default wind."""
     return replace(wind, gust=None, gust_at=None, gust_speed=None) == DEFAULT_WIND
 
 
@@ -228,7 +228,7 @@ def example() -> str:
 def study_template() -> str:
     """Return the study file to fill in: the example with its whole flight as comments.
 
-    The flight of the example is not that of another vehicle.
+    The flight of the example belongs to its own vehicle.
     """
     head, heading, rest = example().partition("[schedule]\n")
     flight, many, others = rest.partition("# Many cases")

@@ -107,16 +107,16 @@ def with_settings(source: str, settings: Iterable[tuple[str, str]]) -> str:
     of_vehicle = [setting for setting in assigned if setting.parts[0] in VEHICLE_TABLES]
     of_study = [setting for setting in assigned if setting.parts[0] in STUDY_TABLES]
     tables = source_tables(source)
-    kept = tuple(setting.key for setting in of_study if setting.value is not None)
+    shown_keys = tuple(setting.key for setting in of_study if setting.value is not None)
     if {"study", "campaign"} & tables.keys():
         study = _study(tables, Path(source).parent, of_study, of_vehicle)
-        return EditedSource(source, study, kept)
+        return EditedSource(source, study, shown_keys)
     vehicle = _vehicle(source, tables, of_vehicle)
     if not of_study:
         return vehicle
     wind = {"shape": DEFAULT_WIND.shape, "peak_rad": DEFAULT_WIND.peak}
     document = {"study": {"vehicle": vehicle}, "wind": wind | {"duration_s": DEFAULT_WIND.duration}}
-    return EditedSource(source, _changed(document, of_study), kept)
+    return EditedSource(source, _changed(document, of_study), shown_keys)
 
 
 def quantity_name(key: str) -> str:

@@ -39,9 +39,9 @@ def _coefficient(name: str, label: str = "") -> Field:
     """Return the field of a coefficient of a vehicle; without value where it is not known."""
 
     def value(vehicle: LinearVehicle) -> Any:
-        is_known = name in _SLOPES or (vehicle.path_known if name in _PATH_COEFFICIENTS else True)
+        has_value = name in _SLOPES or (vehicle.path_known if name in _PATH_COEFFICIENTS else True)
         number = getattr(vehicle.coefficients, name)
-        return number if is_known and (number or name != "damping") else None
+        return number if has_value and (number or name != "damping") else None
 
     return Field(name, _NUMBERS[name].kind, of=value, label=label or name)
 
@@ -137,9 +137,9 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     if COEFFICIENTS not in document or "vehicle" in document:
         return parse_vehicle(words, name)
     with naming(called(name)):
-        for other in document.keys() - {COEFFICIENTS}:
+        for key in document.keys() - {COEFFICIENTS}:
             raise InputError(
-                f"{shown(other)} cannot stand beside {COEFFICIENTS_TABLE.heading}, which is all"
+                f"{shown(key)} cannot stand beside {COEFFICIENTS_TABLE.heading}, which is all"
                 " that is known of a vehicle"
             )
         return _vehicle_from_table(COEFFICIENTS_TABLE.one(document))

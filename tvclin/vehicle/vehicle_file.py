@@ -141,7 +141,7 @@ def is_schedule(source: str | PathLike[str]) -> bool:
 
 
 def is_schedule_document(document: Mapping[str, Any]) -> bool:
-    """Return whether the tables of a TOML file are those of a flight schedule."""
+    """Return whether the tables of a TOML file make a flight schedule."""
     return "schedule" in document and document.keys() <= SCHEDULE_HEADINGS
 
 

@@ -222,7 +222,7 @@ class History(Record, ABC):
     @cached_property
     @derived("angle")
     def peak(self) -> FloatArray:
-        """Value of largest size, with its sign, shape ``batch``.
+        """Value of largest magnitude, with its sign [rad], shape ``batch``.
 
         It is searched at the knots, on both sides of each jump, between them, and beyond the last
         one in an endless piece.

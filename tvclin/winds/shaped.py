@@ -113,10 +113,10 @@ class ShapedWind:
             return self
         peak = self.peaks(attitude)[one_of("plane", plane, PLANES)]
         if peak == 0.0:
-            other = next(name for name in PLANES if name != plane)
+            windy = next(name for name in PLANES if name != plane)
             raise InputError(
-                f"this wind has no part in {plane}: it blows in {other} alone; take that plane, as"
-                f" by --plane {other}"
+                f"this wind has no part in {plane}: it blows in {windy} alone; take that plane, as"
+                f" by --plane {windy}"
             )
         gust = None if self.gust is None else self.gust * (peak / self.peak)
         return replace(self, peak=peak, heading=None, gust=gust, speed=None, gust_speed=None)
@@ -279,7 +279,7 @@ def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> Histo
 
 @dataclass(frozen=True, eq=False)
 class FixedWind:
-    """Wind of any shape that is the same in all cases, as that of a sounding.
+    """Wind of any shape that is the same in all cases, such as a sounding's.
 
     `angle`: wind angle of attack [rad].
     """

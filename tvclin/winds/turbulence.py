@@ -108,7 +108,7 @@ class Turbulence(Record):
     intensity : array_like
         Standard deviation sigma of the wind [m/s]: one, or one for each altitude, ``(n,)``.
     length : array_like, optional
-        Scale length L [m], ``()`` or ``(n,)``; by default that of MIL-F-8785C above 2000 ft,
+        Scale length L [m], ``()`` or ``(n,)``; by default MIL-F-8785C's above 2000 ft,
         533.4 m for Dryden and 762 m for von Karman.
     spectrum : {"dryden", "von-karman"}
         Form of the spectrum; von Karman's as a rational fit, whose error the module states.
@@ -157,8 +157,10 @@ class Turbulence(Record):
         length = within("length", length, *_LENGTH_RANGE, "m")
         together(intensity=intensity, length=length)
         if self.cutoff_wavelength is not None:
-            check, given = between(*_LENGTH_RANGE), self.cutoff_wavelength
-            object.__setattr__(self, "cutoff_wavelength", number("cutoff_wavelength", given, check))
+            check, cutoff = between(*_LENGTH_RANGE), self.cutoff_wavelength
+            object.__setattr__(
+                self, "cutoff_wavelength", number("cutoff_wavelength", cutoff, check)
+            )
         if self.altitude is not None:
             altitude = finite("altitude", self.altitude, "m")
             if altitude.ndim != 1 or altitude.size < 2 or np.any(np.diff(altitude) <= 0.0):
@@ -314,15 +316,15 @@ class Turbulence(Record):
         if self.cutoff_wavelength is None:
             return A, b, c
         n = len(A)
-        whole = np.zeros((*length.shape, n + 2, n + 2))
+        matrix = np.zeros((*length.shape, n + 2, n + 2))
         passed = np.concatenate([c[0], [-1.0, -np.sqrt(2.0)]])
         corner = (2.0 * np.pi / self.cutoff_wavelength) * length[..., np.newaxis]
-        whole[..., :n, :n], whole[..., n, n + 1] = A, corner[..., 0]
-        whole[..., n + 1, :] = corner * passed
-        return whole, np.concatenate([b, np.zeros((2, 1))]), passed[np.newaxis]
+        matrix[..., :n, :n], matrix[..., n, n + 1] = A, corner[..., 0]
+        matrix[..., n + 1, :] = corner * passed
+        return matrix, np.concatenate([b, np.zeros((2, 1))]), passed[np.newaxis]
 
     def remaining_variance(self, altitude: float | None = None) -> float:
-        """Return the variance below the cutoff wavelength over that of all; one without a cutoff.
+        """Return the fraction of the variance below the cutoff wavelength; one without a cutoff.
 
         Raises
         ------

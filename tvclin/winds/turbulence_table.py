@@ -110,6 +110,6 @@ def _column(heading: Heading) -> tuple[str | None, float | None]:
         name = _COLUMNS.get(" ".join(words[:size]))
         if name is not None and len(words) >= size:
             unit = unit_of(" ".join(words[size:]), WRITTEN[LEVEL_TABLE.quantities[name]])
-            known = unit is not None and not unit.mangled and len(words) > size
-            return name, unit.factor if unit is not None and known else None
+            has_unit = unit is not None and not unit.mangled and len(words) > size
+            return name, unit.factor if unit is not None and has_unit else None
     return None, None

@@ -285,7 +285,7 @@ class NominalWind:
         return NominalWind(self.history.before(stop) - self.history.before(start))
 
     def of(self, cases: IndexArray, count: int) -> NominalWind:
-        """Return the winds of some cases of a batch of so many."""
+        """Return the winds of selected cases of a batch."""
         history = self.history
         return NominalWind(history.cases(cases, (count,))) if history.batch else self
 

@@ -82,7 +82,7 @@ def peak_speed_of(document: Mapping[str, Any]) -> float | None:
 
 
 def is_wind_measured(document: Mapping[str, Any]) -> bool:
-    """Return whether all winds of [[wind]] are soundings, so that the first is that of a case."""
+    """Return whether all winds of [[wind]] are soundings, so that the first is the case's wind."""
     return "wind" in document and not _shaped_tables(document)
 
 
@@ -156,10 +156,10 @@ def heading_of(direction: float | None, azimuth: float | None) -> float | None:
         return None
     if direction is None or azimuth is None:
         names = "direction in [wind]", "azimuth"
-        given_name, missing_name = names if azimuth is None else names[::-1]
+        present_name, missing_name = names if azimuth is None else names[::-1]
         option = " (--azimuth-deg)" if azimuth is None else ""
         raise InputError(
-            f"{given_name} needs {missing_name}{option}: where the wind blows from and where the"
+            f"{present_name} needs {missing_name}{option}: where the wind blows from and where the"
             " flight goes to, both from north, clockwise"
         )
     return direction - azimuth

@@ -57,7 +57,7 @@ def read_table(
         are mass, gravity_station, pressure_station and gimbal_station (from the nose tip aft),
         angle_of_attack, altitude and nominal_deflection.
     start, stop : float, optional
-        Earliest and latest time [s], as of one stage of several; by default the first burn.
+        Earliest and latest time [s], such as the burn of one stage; by default the first burn.
     max_rows : int
         Largest number of rows; a longer flight is thinned to straight lines.
 
@@ -103,16 +103,16 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
             "columns must be a dict of quantities and the names of their columns, as"
             f" {{'time': 'Time (s)'}}; got {shown(columns)}"
         )
-    known_columns = FileTable("columns", dict(quantities)).keys
+    table_keys = FileTable("columns", dict(quantities)).keys
     mapped: Wanted = {}
     for key, source in columns.items():
         bare = key if isinstance(key, str) and key in quantities else None
-        if bare is None and key not in known_columns:
+        if bare is None and key not in table_keys:
             raise InputError(
                 f"columns must be among {', '.join(QUANTITIES)}, with or without a unit; got"
                 f" {shown(key)}"
             )
-        name, factor = (bare, None) if bare is not None else known_columns[key]
+        name, factor = (bare, None) if bare is not None else table_keys[key]
         if name in mapped:
             raise InputError(f"columns has {name} twice, as {mapped[name][0]} and {key}; keep one")
         if not isinstance(source, str):

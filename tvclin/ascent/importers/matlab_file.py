@@ -23,7 +23,7 @@ Value = AnyArray | dict[str, AnyArray] | None
 """Real numbers without axes of length one, a structure's fields of such numbers, or neither."""
 
 MAX_NUMBERS = MAX_BYTES // 20
-"""Numbers in all: those of a text of the largest size with all their digits."""
+"""Largest count of numbers, as many as a text of the largest size holds with all digits."""
 _HEADER, _TAG = 128, 8
 """Bytes of the header of a file, and of the tag of an element."""
 _MATRIX, _COMPRESSED = 14, 15

@@ -296,7 +296,7 @@ def read_openrocket(
         Elevation of the launch site above the sea [m], from -450 to 9000; for a file that has no
         altitude above the sea, and not for another.
     reference_area : float, optional
-        The area [m^2] on which a given slope is; that of the file where it is not given.
+        Reference area [m^2] of a given slope; by default the area of the file.
     start, stop, max_rows
         Parameters of `read_table`.
 
@@ -382,11 +382,11 @@ def _dynamic_pressure(flight: Flight) -> Column:
     return Column(0.5 * density * flight["velocity"] ** 2, origin)
 
 
-def _reference_area(flight: Flight, given: float | None) -> Column:
+def _reference_area(flight: Flight, reference_area: float | None) -> Column:
     """Return S [m^2] of the file, or a specified one."""
     area = flight.columns["reference_area"]
-    if given is None:
+    if reference_area is None:
         return Column(area.values, f"{area.origin}, on which the slope must be")
-    value = number("reference_area", given, between(1e-6, 1e4), "m^2")
+    value = number("reference_area", reference_area, between(1e-6, 1e4), "m^2")
     origin = f"{value:g} m^2 as given (the file has {area.values[0]:.6g})"
     return Column(np.full(area.values.size, value), origin)

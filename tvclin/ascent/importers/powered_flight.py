@@ -46,24 +46,24 @@ _SLOPE = re.compile(r"c_?n_?([^\x00-\x7f]+|a|alpha)( .*)?", flags=re.IGNORECASE)
 Slope = ArrayLike | str | PathLike[str] | tuple[ArrayLike, ArrayLike]
 
 
-def slope_at_mach(given: Slope, mach: FloatArray) -> Column:
+def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
     """Return dC_N/dalpha [1/rad] at Mach numbers, of a number, a pair of rows over Mach, or a file.
 
     Straight lines between the Mach numbers of a pair or a file; `InputError` for some beyond them.
     """
-    if isinstance(given, str | PathLike):
-        at, slope = read_slopes(given)
-    elif isinstance(given, tuple | list):
-        if len(given) != 2:
+    if isinstance(slope_source, str | PathLike):
+        at, slope = read_slopes(slope_source)
+    elif isinstance(slope_source, tuple | list):
+        if len(slope_source) != 2:
             raise InputError(
                 "normal_force_coefficient_slope must be a number [1/rad], a pair of Mach numbers"
-                f" and slopes, or a file; got {shown(given)}"
+                f" and slopes, or a file; got {shown(slope_source)}"
             )
-        row = one_row("the Mach numbers of normal_force_coefficient_slope", given[0])
-        slopes = one_row("the slopes of normal_force_coefficient_slope", given[1], "1/rad")
+        row = one_row("the Mach numbers of normal_force_coefficient_slope", slope_source[0])
+        slopes = one_row("the slopes of normal_force_coefficient_slope", slope_source[1], "1/rad")
         at, slope = _checked(row, slopes, "given over Mach")
     else:
-        value = number("normal_force_coefficient_slope", given, nonnegative, "1/rad")
+        value = number("normal_force_coefficient_slope", slope_source, nonnegative, "1/rad")
         return Column(np.full(mach.shape, value), f"given, {value:g} per rad")
     if mach.max() > at[-1] or mach.min() < at[0] > _MAX_CONSTANT_MACH:
         raise InputError(
@@ -148,8 +148,8 @@ def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArr
             "normal_force_coefficient_slope must hold as many slopes as Mach numbers, two or more;"
             f" got {slope.size} and {mach.size}"
         )
-    is_known = np.isfinite(mach) & np.isfinite(slope)
-    if not np.all(is_known) or np.any(np.diff(mach) <= 0.0) or np.any(slope < 0.0):
+    finite_rows = np.isfinite(mach) & np.isfinite(slope)
+    if not np.all(finite_rows) or np.any(np.diff(mach) <= 0.0) or np.any(slope < 0.0):
         raise InputError(
             "the Mach numbers of normal_force_coefficient_slope must rise, and no slope may be"
             f" missing or negative; got another row in what is {origin}"
@@ -223,13 +223,13 @@ def powered(
     inside = (time >= low) & (time <= high)
     later = np.append(np.diff(time) > 0.0, True)  # of rows at one time the last counts
     index = np.flatnonzero(inside & later)
-    is_known = np.nan_to_num(thrust[index], nan=0.0)
-    largest = max(is_known, default=0.0)
+    thrust_or_zero = np.nan_to_num(thrust[index], nan=0.0)
+    largest = max(thrust_or_zero, default=0.0)
     if not largest > 0.0:
         raise InputError(
             f"{flight.source} has no thrust between start and stop; give the times of a burn"
         )
-    out = np.isfinite(thrust[index]) & (is_known < _BURNING * largest)
+    out = np.isfinite(thrust[index]) & (thrust_or_zero < _BURNING * largest)
     moving = ~(flight["velocity"][index] <= 0.0)
     launched = True if free is None else free[index]
     first = np.flatnonzero(~out & moving & launched)

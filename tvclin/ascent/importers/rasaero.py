@@ -123,16 +123,16 @@ def read_rasaero(
     return schedule_of_flight(flight, "RASAero II flight", max_rows)
 
 
-def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:
+def _inertias(times_and_inertias: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:
     """Return times [s] and moments of inertia [kg m^2]; `InputError` unless a pair of rows."""
-    if not isinstance(given, tuple | list) or len(given) != 2:
+    if not isinstance(times_and_inertias, tuple | list) or len(times_and_inertias) != 2:
         raise InputError(
             "moment_of_inertia must be a pair, of times [s] and of moments of inertia [kg m^2]"
-            f" then; got {shown(given)}"
+            f" then; got {shown(times_and_inertias)}"
         )
-    times = times_row("the times of moment_of_inertia", given[0])
+    times = times_row("the times of moment_of_inertia", times_and_inertias[0])
     inertias = positive(
-        "moment_of_inertia", one_row("moment_of_inertia", given[1], "kg m^2"), "kg m^2"
+        "moment_of_inertia", one_row("moment_of_inertia", times_and_inertias[1], "kg m^2"), "kg m^2"
     )
     if times.shape != inertias.shape or times.size < 2 or np.any(np.diff(times) <= 0.0):
         raise InputError(
@@ -143,6 +143,6 @@ def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarra
 
 
 def _fit(headings: Headings) -> float:
-    here = {name for one in headings for name in one.names}
-    known = sum(letters(name) in here for _, name in _NEEDED.values())
-    return known if {"time", "cg", "thrust"} <= here else 0.0
+    here = {name for heading in headings for name in heading.names}
+    matches = sum(letters(name) in here for _, name in _NEEDED.values())
+    return matches if {"time", "cg", "thrust"} <= here else 0.0

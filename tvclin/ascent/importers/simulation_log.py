@@ -119,8 +119,8 @@ def read_log(
     Returns
     -------
     SimulatedFlight
-        The wind is the wind angle, or that of the wind's speed, or else made of the angle of
-        attack: attitude less flight path less that. Without a flight path the angle of attack is
+        The wind is the wind angle, or follows from the wind's speed, or else from the angle of
+        attack: attitude less flight path less it. Without a flight path the angle of attack is
         taken for the wind's, with the motion of the vehicle in it; a note says so.
 
     Raises

@@ -36,7 +36,7 @@ _NEWTON_STEPS = 60
 multipliers. Where they do not suffice the grid is refined, and a result that has not converged says
 so."""
 _STEP_LENGTHS = 12
-"""Lengths tried of one Newton step, each half of the one before: the shortest is 1/2048 of it."""
+"""Number of trial lengths of a Newton step, each half the previous: down to 1/2048 of it."""
 _RELATIVE_RESIDUAL = 1e-13
 """Violation of a condition relative to the sizes of its terms: some hundred roundings."""
 _NEGLIGIBLE_MULTIPLIER = 1e-200
@@ -274,7 +274,7 @@ def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
 
 
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
-    """Return the guesses with their best scale and sign, the one of smallest residual first.
+    """Return starting multipliers with their best scale and sign, by ascending residual.
 
     The residual, not the dual value, orders them: the latter does not change with very small
     multipliers.

@@ -119,10 +119,10 @@ class LoadCase:
         reference [rad], ``(2, n)``. Returned: ``(n, q)``.
         """
         n, unstable, x = widths.size, self.unstable, np.linspace(0.0, 1.0, reference_load.shape[1])
-        decay, weight, far_weight = convolution_weights(self.rates, widths[:, np.newaxis])
+        decay, weight, end_weight = convolution_weights(self.rates, widths[:, np.newaxis])
         start, end = ends[0][:, np.newaxis], ends[1][:, np.newaxis]
         increment = self.sizes * np.where(
-            unstable, -(weight * start + far_weight * end), far_weight * start + weight * end
+            unstable, -(weight * start + end_weight * end), end_weight * start + weight * end
         )
         z = np.zeros((n + 1, unstable.size), dtype=complex)
         z[n] = -self.step_states * ends[1, -1]
@@ -167,12 +167,16 @@ class LoadCase:
 def convolution_weights(rates: ArrayLike, widths: FloatArray) -> ConvolutionWeights:
     """Return the decay e^(-rate width) over cells, and two weights of a line's convolution.
 
-    INT_0^width e^(-rate y) line(y) dy is ``near`` line(0) + ``far`` line(width), with the distance
-    y [s] from the node at which it is taken. Returned: decay, ``near`` [s] and ``far`` [s].
+    INT_0^width e^(-rate y) line(y) dy is start_weights line(0) + end_weights line(width), with the
+    distance y [s] from the node at which it is taken. Both weights are in s.
     """
     integrals = moments(np.asarray(rates) * widths, 1)
-    far = widths * integrals[..., 1]
-    return np.exp(-np.asarray(rates) * widths), widths * integrals[..., 0] - far, far
+    end_weights = widths * integrals[..., 1]
+    return (
+        np.exp(-np.asarray(rates) * widths),
+        widths * integrals[..., 0] - end_weights,
+        end_weights,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +195,9 @@ class LoadWeights:
     prices: ComplexArray
 
     def proof(self, reference: FloatArray, rate_prices: FloatArray | None) -> tuple[float, float]:
-        """Return INT h delta_0 + rate INT |K|, and INT |h - K'|.
+        """Return INT h delta_0 dt + rate INT |K| dt, and INT |h - K'| dt of the lower bound.
+
+        The density h and the function K of the rate limit are those of the module's inequality.
 
         `reference`: delta_0 in the cells [rad], ``(n,)``. `rate_prices`: prices of the rate limit
         in the cells, ``(n,)``, or None: K' = h where a price is not zero.
@@ -241,8 +247,10 @@ class LoadWeights:
         `first`: at the first node, ``(k,)``. `near_ends`, `far_ends`: density [1/s] at the end of
         each cell near the node that is reached, and at the other. `nodes`: weights of those nodes.
         """
-        decay, near, far = convolution_weights(self.case.rates, widths[:, np.newaxis])
-        added = near * near_ends[:, np.newaxis] + far * far_ends[:, np.newaxis]
+        decay, start_weights, end_weights = convolution_weights(
+            self.case.rates, widths[:, np.newaxis]
+        )
+        added = start_weights * near_ends[:, np.newaxis] + end_weights * far_ends[:, np.newaxis]
         weights = np.zeros((widths.size + 1, first.size), dtype=complex)
         weights[0] = first
         for k in range(widths.size):

@@ -148,14 +148,19 @@ class LoadProgram:
 
     @cached_property
     def _states(self) -> tuple[Any, FloatArray]:
-        """Equality rows and right sides: states at neighbouring nodes, and the final value."""
+        """Equality rows, sparse, and right sides ``(rows,)`` of the program for the states.
+
+        They join the states at neighbouring nodes, and set the final value.
+        """
         from scipy import sparse
 
         case, n = self.case, self.widths.size
         first, last = self._levels
-        decay, near, far = convolution_weights(case.rates, self.widths[:, np.newaxis])
-        start = case.column(case.sizes * np.where(case.unstable, near, -far))
-        end = case.column(case.sizes * np.where(case.unstable, far, -near))
+        decay, start_weights, end_weights = convolution_weights(
+            case.rates, self.widths[:, np.newaxis]
+        )
+        start = case.column(case.sizes * np.where(case.unstable, start_weights, -end_weights))
+        end = case.column(case.sizes * np.where(case.unstable, end_weights, -start_weights))
         here = case.matrix(np.where(case.unstable, 1.0, -decay))
         after = case.matrix(np.where(case.unstable, -decay, 1.0))
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
@@ -198,7 +203,7 @@ class LoadProgram:
         return rows, base, base
 
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
-        """Inequality rows and their upper bounds: load above and below, peak, and rate."""
+        """Inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate."""
         from scipy import sparse
 
         loads, high, low = self._loads
@@ -332,7 +337,10 @@ def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
 
 
 def _diagonal(blocks: FloatArray, behind: int = 0) -> Any:
-    """Return blocks ``(n, m, q)`` on the diagonal, or on the one `behind` it without the first."""
+    """Return the sparse block-diagonal matrix ``(n m, n q)`` of blocks ``(n, m, q)``.
+
+    With `behind` blocks stand that many columns further left, and the first `behind` are omitted.
+    """
     from scipy import sparse
 
     n, m, q = blocks.shape

@@ -44,7 +44,7 @@ _MAX_POINTS = 200_000
 class Constraints:
     """Moments of a deflection that cancels every unstable mode.
 
-    `poles`: unstable poles [1/s], ``(m,)``, one per conjugate pair, the one with positive imaginary
+    `poles`: unstable poles [1/s], ``(m,)``, of a conjugate pair the pole with positive imaginary
     part. `demands`: d_i [rad s], ``(n,)``, two for each complex pair: the components with cosine
     and with sine. `horizon`: H [s], the time after the start at which the deflection must be zero
     again; inf if never.

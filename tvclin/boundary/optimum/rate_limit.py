@@ -45,7 +45,7 @@ _STEPS = 200
 _MAX_STEPS = 10_000
 """Largest number of intervals to begin with."""
 _REFINEMENTS = 8
-"""Largest number of programs, each on finer nodes; `change` is that of the peak by the last."""
+"""Largest number of programs, each on finer nodes; `change`: the peak's by the last program."""
 _RELATIVE_CHANGE = 1e-8
 """Relative change of the peak below which the nodes are fine enough."""
 _ACTIVE_DISTANCE = 1e-7
@@ -53,7 +53,7 @@ _ACTIVE_DISTANCE = 1e-7
 _SPAN_OVER_TIME_CONSTANT = 20.0
 """Time of the last node over the slowest time constant: later changes of the peak are e^-20."""
 _MAX_SPLIT_INTERVALS = 40
-"""Largest number of intervals split at a time, those of the highest price."""
+"""Largest number of intervals split at a time, by descending price."""
 
 
 @dataclass(frozen=True, eq=False)

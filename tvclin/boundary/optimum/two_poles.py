@@ -2,7 +2,7 @@
 
     y = beta1 D1/(beta2 D2),   r = beta1/beta2,   x = e^(-beta2 t_s)
 
-with beta1 the slow pole, beta2 the fast one, and t_s the time of the one switch.
+with beta1 the slow pole, beta2 the fast one, and t_s the time of the single switch.
 """
 
 from __future__ import annotations

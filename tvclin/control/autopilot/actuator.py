@@ -148,8 +148,7 @@ def plant_with_actuator(
     """Return the state space of a plant behind its actuator.
 
     Inputs: `INPUTS`. The disturbance turns the thrust without the mass of the engine: it has no
-    inertia. Outputs: the plant's, those of lateral sensors, and the deflection, disturbance
-    included.
+    inertia. Outputs: the plant's, the lateral sensors', and the deflection, disturbance included.
 
     `plant`: one plant or a batch. `actuator`: one actuator or a batch, which broadcasts with the
     plant; None: the deflection equals its command. `sensors`: sensors of drift and acceleration.

@@ -72,7 +72,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
         ("rate_gain", np.asarray(autopilot.rate_gain), plant.coefficients.damping, "damps"),
     ]
     others = ("integral_gain", "drift_rate_gain", "drift_gain")
-    gains += [(other, np.asarray(getattr(autopilot, other)), 0.0, "") for other in others]
+    gains += [(gain, np.asarray(getattr(autopilot, gain)), 0.0, "") for gain in others]
     for name, values, vehicle, verb in gains:
         gain, slope, bare = np.broadcast_arrays(values, mu_delta, vehicle)
         worst = np.unravel_index(np.argmin(gain * slope + bare), gain.shape)
@@ -451,7 +451,7 @@ class Autopilot(Feedback):
     def _wind_system(
         self, plant: AnyPlant
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, tuple[str, ...]]:
-        """Return A, B, C, D from the wind to the outputs, and their names."""
+        """Return A ``(n, n)``, B, C ``(m, n)``, D from the wind to m outputs, and their names."""
         self._require_single("wind_response", plant)
         loop = closed_loop(self, plant, command=True)
         if pade_misleads(self, plant, loop):

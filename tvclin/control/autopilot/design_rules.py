@@ -170,7 +170,7 @@ class AutopilotDesign:
     drift_damping : float, optional
         Damping ratio of the drift, of that rule.
     alpha_weight : float, optional
-        Weight of the squared angle of attack over that of the attitude, of the rule lqr.
+        Weight of the squared angle of attack over the attitude's, of the rule lqr.
     drift_rate_weight : float, optional
         Weight of the squared drift rate [m/s], likewise.
     drift_weight : float, optional

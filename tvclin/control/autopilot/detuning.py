@@ -257,7 +257,7 @@ def with_mode_factors(
 
     `plant`: one or a batch, which broadcasts with the factors. `frequency`, `damping`,
     `slope_sign`: factors for bending modes and then tanks, ``(..., modes)``, on slopes and
-    displacements at the sensors; those of tanks do not exist, and their factors are ignored.
+    displacements at the sensors; tanks have none, and their factors are ignored.
     """
     structure = structure_with_mode_factors(plant.structure, frequency, damping, slope_sign)
     return replace(plant, structure=structure)

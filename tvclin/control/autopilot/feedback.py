@@ -136,7 +136,7 @@ class Feedback(Record):
 
     @property
     def gains_text(self) -> str:
-        """Gains of one autopilot by their symbols, those of zero omitted, for sentences."""
+        """Nonzero gains of one autopilot by their symbols, as text for sentences."""
         gains = [(name, getattr(self, name), si_unit(kind)) for name, kind in GAINS.items()]
         return ", ".join(
             f"{_SYMBOLS[name]} = {value:.4g} {unit}".rstrip()
@@ -198,7 +198,7 @@ class Feedback(Record):
 
     @property
     def lateral_gains(self) -> dict[str, float | FloatArray]:
-        """Gains on the outputs of the lateral sensors by name; those of a controller have none."""
+        """Gains on the outputs of the lateral sensors by name; a controller has none."""
         gains = {
             DRIFT_RATE: self.drift_rate_gain,
             DRIFT: self.drift_gain,

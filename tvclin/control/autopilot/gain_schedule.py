@@ -156,8 +156,8 @@ class GainSchedule:
     def along(self, flight: FlightSchedule, time: ArrayLike) -> Autopilot:
         """Return the autopilot at times of a flight [s], of their shape.
 
-        Before the first and after the last breakpoint it is that of the breakpoint. The actuator of
-        a flight that has one over time takes the place of the autopilot's.
+        Before the first and after the last breakpoint it is constant. The actuator of a flight that
+        has one over time takes the place of the autopilot's.
 
         Raises
         ------
@@ -330,9 +330,9 @@ def equal_values(
     values = flight_variable(flight, variable, at)
     distance = values - values[:, np.newaxis]  # by the time of a pair and the later ones
     crosses = (distance[:, :-1] * distance[:, 1:] < 0.0) | (distance[:, 1:] == 0.0)
-    first, left = np.nonzero(np.triu(crosses, 1))
-    fraction = distance[first, left] / (distance[first, left] - distance[first, left + 1])
-    second = at[left] + fraction * (at[left + 1] - at[left])
+    first, later = np.nonzero(np.triu(crosses, 1))
+    fraction = distance[first, later] / (distance[first, later] - distance[first, later + 1])
+    second = at[later] + fraction * (at[later + 1] - at[later])
     ratios = []
     for name in ("attitude_gain", "rate_gain"):
         gains = np.broadcast_to(getattr(autopilot, name), at.shape)
@@ -367,7 +367,7 @@ def flight_autopilot(
     times : ndarray
         Times of flight [s], rising, ``(n,)``, two or more: breakpoints of a rule.
     actuator : Actuator, optional
-        Actuator of the nozzle; that of a flight that has one over time takes its place.
+        Actuator of the nozzle; the actuator of a flight that has one over time takes its place.
     model, plane
         Model and plane of the plants.
 

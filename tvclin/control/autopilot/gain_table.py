@@ -41,7 +41,7 @@ class ModeNotch(Record):
     zero_damping, pole_damping : float
         As in `Filter.notch`.
     ratio : float
-        Frequency of the notch over that of the mode, positive.
+        Frequency of the notch over the mode's, positive.
 
     Raises
     ------
@@ -81,7 +81,7 @@ class GainTable:
     """Part of an autopilot's specification that varies over the flight.
 
     `breakpoints`: rising values ``(n,)`` of `variable` in SI units. `gains`: gains by name,
-    ``(n,)``; without gains those of the specification, constant or by a rule, count. `notches`:
+    ``(n,)``; without gains the specification's, constant or by a rule, count. `notches`:
     notches that follow a mode.
     """
 
@@ -109,8 +109,8 @@ def load_gains(source: str | PathLike[str]) -> GainTable:
     sheet = read_sheet(source, "a table of gains", _known_keys, "keys such as mach,attitude_gain")
     keys = [heading.text for heading in sheet.headings]
     rows: list[dict[str, Any]] = []
-    for place, cells in zip(sheet.places, sheet.cells, strict=True):
-        with naming(place):
+    for position, cells in zip(sheet.places, sheet.cells, strict=True):
+        with naming(position):
             rows.append(
                 GAIN_COLUMNS.read(
                     {k: cell_number(k, cell) for k, cell in zip(keys, cells, strict=True)}

@@ -192,7 +192,7 @@ class Sweep(Tabled):
     def time_table(self, rows: int | None = None) -> Table:
         """Return the table of the margins by flight time, and of those with one mode changed.
 
-        `rows`: largest number of even flight times, to which those of the worst are added; by
+        `rows`: largest number of even flight times, to which the worst times are added; by
         default all. "detuned" is the smallest margin with a changed mode over its limit. Raises
         `InputError` for rows that are no whole number.
         """
@@ -394,8 +394,8 @@ def sweep(
     detuned, detuned_judgements = None, criteria.judge(judged)[:0]
     if row.size and isinstance(plants, FlexiblePlant):
         count = len(names) * row.size
-        every, *mode_factors = mode_changes(names, len(plants.structure.bending), row)
-        changes = every[1 : 1 + count]
+        all_modes, *mode_factors = mode_changes(names, len(plants.structure.bending), row)
+        changes = all_modes[1 : 1 + count]
         varied = with_mode_factors(plants, *(a[1 : 1 + count, np.newaxis] for a in mode_factors))
         changed = laws.exact_loop(varied)
         if criteria.has_mode_limits:

@@ -45,7 +45,7 @@ class SystemAutopilot(Autopilot):
         positive output pitches the nose down, as with positive gains of an `Autopilot`. With a
         sample time it is the difference equations of a flight computer.
     inputs : sequence of str, optional
-        Names of the inputs, in place of those of the system.
+        Names of the inputs, in place of the system's.
     actuator : Actuator, optional
         Without it the deflection equals its command.
     delay : float
@@ -92,9 +92,9 @@ class SystemAutopilot(Autopilot):
             )
         if system.batch:
             raise InputError(f"controller must be one system; got a batch of shape {system.batch}")
-        given = [name for name in GAINS if np.any(np.asarray(getattr(self, name)))]
-        if given:
-            raise InputError(f"{given[0]} is of an Autopilot; the controller has its own")
+        gain_names = [name for name in GAINS if np.any(np.asarray(getattr(self, name)))]
+        if gain_names:
+            raise InputError(f"{gain_names[0]} is of an Autopilot; the controller has its own")
         object.__setattr__(self, "system", system)
         check_hidden_modes(
             "controller",
@@ -123,12 +123,12 @@ class SystemAutopilot(Autopilot):
     def lateral_sensors(self) -> LateralSensors:
         """Sensors of the lateral motion that the controller reads."""
         drift_rate, drift, acceleration = (name in self.system.inputs for name in SENSOR_OF)
-        place = self.acceleration_station, self.accelerometer_bandwidth
-        return LateralSensors(drift_rate, drift, acceleration, *place)
+        sensor = self.acceleration_station, self.accelerometer_bandwidth
+        return LateralSensors(drift_rate, drift, acceleration, *sensor)
 
     @property
     def continuous(self) -> Self:
-        """Autopilot without samples; that of difference equations by the bilinear rule."""
+        """Continuous autopilot; of difference equations by the bilinear rule."""
         system = self.system
         if system.period is None:
             return replace(self, sample_rate=None)

@@ -159,9 +159,9 @@ def deflection_peaks(
 ) -> FloatArray:
     """Return the magnitude of the largest deflection [rad] of each of m autopilots, ``(m,)``.
 
-    The loops are those of `Autopilot.wind_response`, exact at every sample; the peak is that of a
-    parabola through the highest sample and its neighbours. It is meant for searches, whose result
-    `Autopilot.wind_response` then confirms.
+    The loops are those of `Autopilot.wind_response`, exact at every sample; the peak is the
+    vertex of a parabola through the highest sample and its neighbours. It is meant for searches,
+    whose result `Autopilot.wind_response` then confirms.
 
     `autopilot`: gains ``(m,)`` and one delay. `plant`: one plant. `wind`: one wind that ends.
     `after`: time after its end [s] during which peaks are searched.
@@ -210,7 +210,7 @@ def _summits(values: FloatArray) -> FloatArray:
 
 
 def _closed_loops(autopilot: Feedback, plant: AnyPlant) -> tuple[FloatArray, ...]:
-    """Return A and B of each closed loop in wind, and C and D of its deflection."""
+    """Return A ``(m, n, n)``, B from the wind, and C and D of the deflection of m closed loops."""
     if np.ndim(autopilot.delay):
         raise InputError("deflection_peaks() is for one delay")
     loop, m = closed_loop(autopilot, plant), autopilot.batch[0]

@@ -357,8 +357,8 @@ def _with_lateral(
         felt = plant.lateral_numerator("acceleration", source, station)
         factor = np.asarray(autopilot.acceleration_gain)[..., np.newaxis] * sensors.bandwidth
         felt = polynomials.times_variable(polynomials.multiply(factor * felt, below), integrators)
-        other = polynomials.multiply(numerator, _accelerometer(autopilot))
-        numerator = polynomials.add(other, felt)
+        with_accelerometer = polynomials.multiply(numerator, _accelerometer(autopilot))
+        numerator = polynomials.add(with_accelerometer, felt)
     return numerator
 
 

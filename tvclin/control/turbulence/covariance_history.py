@@ -254,8 +254,8 @@ class CovarianceHistory(Shown):
         """Return the covariance of two rows of the states at the times, ``(n,)``."""
         covariances = self._moments.covariances
         rows = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
-        left, right = rows
-        return np.asarray(np.sum((left[:, np.newaxis] @ covariances)[:, 0] * right, axis=-1))
+        first, second = rows
+        return np.asarray(np.sum((first[:, np.newaxis] @ covariances)[:, 0] * second, axis=-1))
 
 
 def turbulence_history(

@@ -67,7 +67,7 @@ class VaryingLoop:
         """Return a jump at times [s], a batch ``(n,)``."""
         position, weights = self._weights(times)
         jump = self.jumps[index]
-        return Jump(jump.length, *(_combined(part, position, weights) for part in jump[1:]))
+        return Jump(jump.length, *(_combined(values, position, weights) for values in jump[1:]))
 
     def signals(self, times: FloatArray) -> dict[str, Signal]:
         """Return the outputs at times [s], rows ``(n, states)`` or constant ones ``(states,)``."""
@@ -140,8 +140,9 @@ def _interpolated(
         fits |= halving == _MAX_HALVINGS
         nodes = np.broadcast_to(fits[:, np.newaxis], times.shape).copy()
         nodes[:, -1] = False
-        kept = np.flatnonzero(nodes)
-        parts.append((starts[fits], lengths[fits], loops.mapped(lambda a, kept=kept: a[kept])))  # type: ignore[misc]
+        node_index = np.flatnonzero(nodes)
+        fitting = loops.mapped(lambda a, index=node_index: a[index])  # type: ignore[misc]
+        parts.append((starts[fits], lengths[fits], fitting))
         if np.all(fits):
             break
         half = 0.5 * lengths[~fits]
@@ -187,7 +188,10 @@ _CLOSE_TIMES_S = 1e-9
 def march_times(
     start: float, stop: float, wind: History | None, loop: DrivenLoop | VaryingLoop
 ) -> FloatArray:
-    """Return the times of a march, with the breakpoints of the wind and the ends of intervals."""
+    """Return the times [s] of the steps of a covariance from `start` to `stop`, ``(n,)``.
+
+    They include the breakpoints of the wind and the ends of the intervals of a sampled loop.
+    """
     if wind is not None:
         instance("wind", wind, History, "such as TriangularWind")
         single("wind", wind.batch)
@@ -289,7 +293,10 @@ def march(
 def _jumped(
     jump: Jump, mean: FloatArray, P: FloatArray, wind: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return mean and covariance behind a jump."""
+    """Return mean ``(n,)`` and covariance ``(n, n)`` of the states behind a jump.
+
+    `mean`, `P`: mean and covariance before it. `wind`: wind angle [rad].
+    """
     moved = jump.matrix @ mean + jump.wind * wind
     return moved, jump.matrix @ P @ jump.matrix.T + jump.noise
 
@@ -325,9 +332,9 @@ def _jumps_before(
 def _steps(
     loop: DrivenLoop | VaryingLoop, times: FloatArray, wind: History | None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return transitions and noise covariances of the steps, and what the known wind adds.
+    """Return F ``(m, n, n)``, Q ``(m, n, n)`` and the forcing g ``(m, n)`` of the wind, of m steps.
 
-    Steps of a constant loop of one length have one transition.
+    A step is x -> F x + g plus noise with the covariance Q.
     """
     lengths, count = np.diff(times), len(times) - 1
     if wind is None and isinstance(loop, DrivenLoop):

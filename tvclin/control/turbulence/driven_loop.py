@@ -148,7 +148,7 @@ class LoadSlopes(Record):
 
     @property
     def slopes(self) -> dict[str, tuple[float | FloatArray, float | FloatArray]]:
-        """Slopes over angle of attack and deflection of each output."""
+        """Slopes of each load by name [unit/rad], over angle of attack and over deflection."""
         slopes: dict[str, tuple[float | FloatArray, float | FloatArray]] = {}
         if self.dynamic_pressure is not None:
             slopes[Q_ALPHA] = self.dynamic_pressure, 0.0
@@ -247,7 +247,7 @@ class DrivenLoop:
         """Return the loop with further outputs: the row and the direct part of each."""
         shape = self.rows.shape[:-2]
         more = [np.broadcast_to(row, (*shape, self.A.shape[-1])) for row, _ in rows.values()]
-        direct = [np.broadcast_to(part, shape) for _, part in rows.values()]
+        direct = [np.broadcast_to(direct_term, shape) for _, direct_term in rows.values()]
         return replace(
             self,
             rows=np.concatenate([self.rows, *(row[..., np.newaxis, :] for row in more)], axis=-2),
@@ -397,14 +397,14 @@ def _sampled(
     n, pipe, states = A.shape[-1], whole + 1, len(law.states)
     batch = np.broadcast_shapes(A.shape[:-2], law.batch)
     total = n + 1 + pipe + states
-    held, commands, laws = n, slice(n + 1, n + 1 + pipe), slice(n + 1 + pipe, total)
+    hold, commands, laws = n, slice(n + 1, n + 1 + pipe), slice(n + 1 + pipe, total)
     command = vehicle.select((COMMAND,), vehicle.outputs)
     full_A, full_noise, full_rows = (
         np.zeros((*batch, count, total)) for count in (total, total, len(vehicle.outputs))
     )
     full_A[..., :n, :n], full_noise[..., :n, :n] = A, driven
-    full_A[..., : len(vehicle.states), held] = command.B[..., 0]
-    full_rows[..., :n], full_rows[..., held] = rows, command.D[..., 0]
+    full_A[..., : len(vehicle.states), hold] = command.B[..., 0]
+    full_rows[..., :n], full_rows[..., hold] = rows, command.D[..., 0]
     index = [vehicle.outputs.index(name) for name in sensed]
     # the sample: the law reads the sensors, its command enters the pipe, and one leaves it
     sensors, by_sensors = full_rows[..., index, :], direct[..., index]
@@ -419,7 +419,7 @@ def _sampled(
     by_wind[..., laws] = (law.B @ by_sensors[..., np.newaxis])[..., 0]
     by_wind[..., n + 1] = np.sum(law.D[..., 0, :] * by_sensors, axis=-1)
     arrival = np.eye(total)
-    arrival[held] = np.eye(total)[n + pipe]
+    arrival[hold] = np.eye(total)[n + pipe]
     if not remainder:
         sample, entry = arrival @ sample, arrival @ entry
         by_wind = by_wind @ arrival.T

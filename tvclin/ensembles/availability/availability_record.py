@@ -205,15 +205,19 @@ class Availability(Tabled):
         fractions = within("fractions", scalar_or_row("fractions", fractions), 0.0, 1.0)
 
         def limits(lower: FloatArray, upper: FloatArray) -> FloatArray:
-            """Return the limits [rad] sufficient for the fractions, in one azimuth."""
+            """Return the limits [rad] sufficient for the fractions, ``(p,)``, of one azimuth.
+
+            `lower`, `upper`: limits [rad] that are insufficient and sufficient for each sounding,
+            ``(n,)``; NaN where unknown.
+            """
             judged = ~np.isnan(upper)
             if not np.any(judged):
                 return np.full(fractions.shape, np.nan)
             high, low = np.sort(upper[judged]), np.sort(lower[judged])
             flown = np.searchsorted(high, high, side="right")
             insufficient = low.size - np.searchsorted(low, high, side="right")
-            part = flown / np.maximum(flown + insufficient, 1)
-            index = np.searchsorted(part, fractions * (1.0 - 1e-12))
+            fraction = flown / np.maximum(flown + insufficient, 1)
+            index = np.searchsorted(fraction, fractions * (1.0 - 1e-12))
             return np.append(high, np.inf)[np.minimum(index, high.size)]
 
         rows = zip(np.atleast_2d(self.lower), np.atleast_2d(self.upper), strict=True)

@@ -178,7 +178,7 @@ class Replay:
         flown = self.flown_along()
         peaks = {
             f"largest_{name}_deg": max(
-                float(np.degrees(abs(one.largest(name).value))) for one in flown
+                float(np.degrees(abs(flight.largest(name).value))) for flight in flown
             )
             for name in ("attitude", "angle_of_attack", "deflection")
         }

@@ -96,17 +96,17 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
     """Return the batch in the plane of a campaign, with `plane_batches` if both are judged."""
-    whole = campaign.wind.history(values)
-    angle = np.abs(np.asarray(whole.peak))
+    wind = campaign.wind.history(values)
+    angle = np.abs(np.asarray(wind.peak))
     if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
-        return _plane_batch(campaign, vehicle, values, whole, angle, count)
+        return _plane_batch(campaign, vehicle, values, wind, angle, count)
     winds = campaign.wind.in_planes(values, vehicle.attitude)
     batches = {
         plane: _plane_batch(in_plane, vehicle, values, winds[plane], angle, count)
         for plane, in_plane in campaign.plane_campaigns.items()
     }
-    both = {} if campaign.nozzle.limit_shape is None else batches
-    return replace(batches[campaign.plane], plane_batches=both)
+    plane_batches = {} if campaign.nozzle.limit_shape is None else batches
+    return replace(batches[campaign.plane], plane_batches=plane_batches)
 
 
 def _plane_batch(

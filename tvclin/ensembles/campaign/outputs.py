@@ -270,10 +270,10 @@ def _winds_along(
         sounding = campaign.wind.soundings[int(values.get("wind", 0))]
         return [wind_along(flight, sounding, plane, sign)]
     if not isinstance(campaign.wind, ShapedWind):
-        own = FROZEN if not uses_encountered_pressure(sign) else None
-        if own is None and plane == "pitch":
-            own = "tail" if float(case.wind.peak) > 0.0 else "head"
-        return [wind_along(flight, case.wind, plane, own)]
+        wind_sign = FROZEN if not uses_encountered_pressure(sign) else None
+        if wind_sign is None and plane == "pitch":
+            wind_sign = "tail" if float(case.wind.peak) > 0.0 else "head"
+        return [wind_along(flight, case.wind, plane, wind_sign)]
     time = float(np.asarray(campaign.vehicle.time))
     placed = place(case.wind, case.vehicle, time, PEAK, 1.0).in_flight
     directions = directions_of(campaign) or (FROZEN,)

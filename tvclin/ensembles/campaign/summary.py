@@ -104,8 +104,8 @@ class CampaignSummary(Shown):
         if self.sufficient is None:
             words = self._why_unknown or words
         if self.sufficient is False and np.isfinite(r.estimate) > np.isfinite(r.upper):
-            most = f"{100 * self.success.upper:.4g} %"
-            words = f"sufficient in at most {most} of flights, not in {100 * r.probability:g} %"
+            upper = f"{100 * self.success.upper:.4g} %"
+            words = f"sufficient in at most {upper} of flights, not in {100 * r.probability:g} %"
         return f"limit {np.degrees(self.limit):.3f} deg {sufficiency(self.sufficient)}: {words}"
 
     @property
@@ -113,8 +113,8 @@ class CampaignSummary(Shown):
     def increase(self) -> float | None:
         """Relative increase of the nominal output by dispersions; None where not known."""
         nominal = self.results.nominal.get(self.output)
-        known = nominal and np.isfinite(nominal) and np.isfinite(self.required.upper)
-        return self.required.upper / nominal - 1.0 if nominal and known else None
+        comparable = nominal and np.isfinite(nominal) and np.isfinite(self.required.upper)
+        return self.required.upper / nominal - 1.0 if nominal and comparable else None
 
     @property
     def trusts_a_forecast(self) -> bool:

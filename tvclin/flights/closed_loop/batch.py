@@ -540,7 +540,7 @@ def steps_of(
 def _cases(
     batch: Batch, judges: OutcomeCriteria, criteria_index: IntArray
 ) -> tuple[Cases, FloatArray]:
-    """Return the parameters of each flight, and rows of noise.
+    """Return the `Cases` of m flights, and the noise of their measured attitude rates [rad/s].
 
     `criteria_index`: index of each vehicle's criteria in `judges`.
     """
@@ -603,9 +603,10 @@ def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Flight
 
 
 def widened(rows: FloatArray, width: int, count: int) -> FloatArray:
-    """Return the rows cut or padded with zeros to a width, with zeros for `count` sensor states.
+    """Return rows over the vehicle's states, cut or padded with zeros to `width` columns.
 
-    The last two columns are those of deflection and deflection rate.
+    `count`: number of the sensors' states, whose columns are zero. The last two columns belong to
+    deflection and deflection rate.
     """
     rows = np.insert(rows, [rows.shape[-1] - 2] * count, 0.0, axis=-1)
     wide = np.zeros((*rows.shape[:-1], width))

@@ -249,19 +249,19 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
     First order, s' = pull: held where |pull| > r, let go where |pull| < r. Second order, s'' =
     pull: held where |s'| > r, let go where the pull changes its sign.
     """
-    most, order, first = loop.rate_limit, loop.order, loop.servo == 1
+    max_rate, order, first = loop.rate_limit, loop.order, loop.servo == 1
     then = regime._replace(rate=0.0 if regime.rate else sign)
     if not regime.rate and not first:
-        return End(lambda t, x: sign * x[order + 1] - most, most, then)
+        return End(lambda t, x: sign * x[order + 1] - max_rate, max_rate, then)
 
     def pull(t: Any, states: FloatArray) -> Any:
         measured = loop.measured(t, states, gust(t), regime)
         return sign * loop.pull(states, loop.command(states, measured, regime))
 
     if not regime.rate:
-        return End(lambda t, x: pull(t, x) - most, most, then)
+        return End(lambda t, x: pull(t, x) - max_rate, max_rate, then)
     if first:
-        return End(lambda t, x: most - pull(t, x), most, then)
+        return End(lambda t, x: max_rate - pull(t, x), max_rate, then)
     size = loop.limit * float(np.asarray(loop.actuator.natural_frequency)) ** 2  # type: ignore[union-attr]
     return End(lambda t, x: -pull(t, x), size, then)
 

@@ -341,7 +341,7 @@ class _Flights:
         """Return the status over all winds for each value of a change, ``(n,)``."""
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
-            """Return the outcomes of flights with factors on gain or delays."""
+            """Return the status of flights in a wind with the chosen gain factors or delays."""
             plant, options = self.plant, self.options
             by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]
             if name == "delay":

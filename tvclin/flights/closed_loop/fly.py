@@ -231,7 +231,7 @@ class LinearEquations:
         return scales
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
-        """Return A x + B u."""
+        """Return the derivatives A x + B u of the states x, ``(n,)``; `gust`: wind angle [rad]."""
         del t
         A, B, _, _ = self._system.matrices()
         return A @ x + B[:, 0] * deflection + B[:, 1] * gust

@@ -167,10 +167,10 @@ def _of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> Float
     rows = small * np.eye(width + 1, width)[..., np.newaxis]
     values = [
         np.broadcast_to(
-            law.demand(Measurement(*one[:MEASURED]), one[MEASURED : MEASURED + order], limit),
+            law.demand(Measurement(*row[:MEASURED]), row[MEASURED : MEASURED + order], limit),
             small.shape,
         )
-        for one in rows
+        for row in rows
     ]
     return np.stack([(value - values[-1]) / small for value in values[:-1]], axis=-1)
 

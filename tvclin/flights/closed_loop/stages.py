@@ -188,7 +188,7 @@ class Stages:
         begins = times + np.stack([length - lengths[0], np.zeros(count)])[: len(lengths)]
         at = [begins + node * lengths for node in GAUSS_NODES]
         flat = np.concatenate([*(a.ravel() for a in at), times + 0.5 * length, times])
-        flat, whole = np.minimum(flat, last), (flat.size,)
+        flat, shape = np.minimum(flat, last), (flat.size,)
         plants = self.plants_at(flat)
         system = self.sensors.system(plants)
         moving = plant_with_actuator(plants, self.laws_at(flat).actuator, self.sensors)
@@ -197,17 +197,17 @@ class Stages:
             """Return the constant systems of the parts of samples, ``(parts, m)``."""
             count = lengths.size
             first, second = (
-                _in_parts(made.cases(np.arange(k * count, (k + 1) * count), whole), lengths.shape)
+                _in_parts(made.cases(np.arange(k * count, (k + 1) * count), shape), lengths.shape)
                 for k in range(2)
             )
             return constant_over_steps(first, second, lengths)
 
         middle, begin = (np.arange(flat.size - k * count, flat.size)[:count] for k in (2, 1))
-        plant = system.cases(begin, whole)
+        plant = system.cases(begin, shape)
         steps = steps_of(
             at_nodes(with_wind(moving, terms)), at_nodes(with_ramp(system)), plant, timing, terms
         )
-        moving = system.cases(middle, whole)
+        moving = system.cases(middle, shape)
         arrays = {"joint": steps.joint, "ramp": steps.ramp}
         if steps.fine is not steps.joint:
             arrays["fine"] = steps.fine
@@ -302,9 +302,9 @@ class Stages:
         count, h, knots = self.times.size, float(self.hardware.length), self._pieces[0]
         arrays, fastest = self._arrays, np.zeros(count)
         inside = np.floor((knots[np.isfinite(knots)] - self.times[0]) / h)
-        near = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
-        near = near[(near >= 0) & (near < count)].astype(np.int64)
-        fastest[near] = np.abs(np.linalg.eigvals(arrays["A"][near])).max(axis=-1)
+        neighbours = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
+        neighbours = neighbours[(neighbours >= 0) & (neighbours < count)].astype(np.int64)
+        fastest[neighbours] = np.abs(np.linalg.eigvals(arrays["A"][neighbours])).max(axis=-1)
         of_plant = {name: arrays[name] for name in ("shown", "A", "gust")}
         return Vehicles(fastest=fastest, **of_plant, **self._criteria)
 

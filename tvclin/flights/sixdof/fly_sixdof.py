@@ -313,7 +313,7 @@ def planes_verdict(
     begin, until = min(0.0, float(wind.onset)), verdict_time(wind, pole)
     check_span(begin, until)
     winds = [_wind_at_steps(cases[plane], getattr(wind, plane), begin, until) for plane in PLANES]
-    speeds, angles = (np.stack(one) for one in zip(*winds, strict=True))
+    speeds, angles = (np.stack(component) for component in zip(*winds, strict=True))
     numbers = vehicle.replace(name="", time=None)
 
     def survives(limit: float) -> bool:

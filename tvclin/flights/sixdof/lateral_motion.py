@@ -59,5 +59,5 @@ class LateralMotion:
 
     def _lagged(self, felt: float) -> float:
         """Return the lagged acceleration at the end of a step with this one there [m/s^2]."""
-        held = self._felt + self._decay * (self._acceleration - self._felt)
-        return held + self._ramp * (felt - self._felt)
+        decayed = self._felt + self._decay * (self._acceleration - self._felt)
+        return decayed + self._ramp * (felt - self._felt)

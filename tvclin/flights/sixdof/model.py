@@ -251,8 +251,8 @@ def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
     square: Tree = ("sum", *(("product", v, v) for v in speeds.values()))
     _function(reactions, ("quotient", power, square), name="tvclin/push-per-speed")
     for axis, speed in speeds.items():
-        held: Tree = ("product", -1.0, "tvclin/push-per-speed", speed)
-        _force(reactions, f"speed-{axis}", "BODY", held, _ALONG[axis], 0.0)
+        force: Tree = ("product", -1.0, "tvclin/push-per-speed", speed)
+        _force(reactions, f"speed-{axis}", "BODY", force, _ALONG[axis], 0.0)
 
 
 def _force(
@@ -263,8 +263,8 @@ def _force(
     _function(force, size)
     _place(force, aft)
     towards = SubElement(force, "direction")
-    for axis, part in zip("xyz", direction, strict=True):
-        _text(towards, axis, part)
+    for axis, component in zip("xyz", direction, strict=True):
+        _text(towards, axis, component)
 
 
 def _place(parent: Element, aft: float, **names: str) -> None:

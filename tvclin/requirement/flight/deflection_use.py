@@ -172,7 +172,7 @@ class DeflectionUse(Tabled):
         Flight times of the sizing [s], rising, ``(n,)``.
     required : dict of str to ndarray
         Requirements and lower bounds [rad] by their labels, the worst wind at each time, ``(n,)``;
-        "autopilot" is that of the autopilot, for every limit above which it survives.
+        "autopilot" is the autopilot's, for every limit above which it survives.
     used : ndarray
         Largest deflection [rad] of the flight from the middle between two times to the next,
         ``(n,)``; NaN where it does not fly.

@@ -227,7 +227,10 @@ class FlightMode:
         return ends, costates
 
     def _step_matrices(self, begin: FloatArray, end: FloatArray) -> FloatArray:
-        """The matrices M of (p, R) at the begin = (p, R) M at the end of steps, of fourth order."""
+        """Return matrices M with (p, R) at the begin of a step = (p, R) at its end times M.
+
+        p is the costate, R the control reach. M ``(k, m + 1, m + 1)`` is exact to fourth order.
+        """
         h = (end - begin)[..., np.newaxis, np.newaxis]
         times = np.stack([begin, 0.5 * (begin + end), end])
         first, middle, last = self._rates(times)
@@ -317,7 +320,10 @@ def flight_requirements(
     times = [wind.history.probe_times(_SAMPLES_BETWEEN) for wind in winds]
     ends = np.cumsum([t.size for t in times])[:-1]
     per_wind = np.split(mode.trim_per_wind(np.concatenate(times)), ends) if winds else []
-    complete = [whole or wind for whole, wind in zip(two_sided or winds, winds, strict=True)]
+    complete = [
+        two_sided_wind or wind
+        for two_sided_wind, wind in zip(two_sided or winds, winds, strict=True)
+    ]
     trimmed = requirements_along(mode, complete, 1.0)
     banded = np.array(  # (k, n, 3)
         [trimmed if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands.tolist()]
@@ -350,20 +356,20 @@ def requirements_along(
     result = np.tile([0.0, 0.0, np.nan], (len(winds), 1))
     groups: dict[Any, list[tuple[int, FlightMode, NominalWind | EncounteredWind]]] = {}
     for i, wind in enumerate(winds):
-        for k, (part, inner) in enumerate(_parts(mode, wind)):
-            alone = i if part is not mode or mode.quick_path else 0
-            steps = step_times(inner.history, part).shape[1]
-            groups.setdefault((k, alone, steps), []).append((i, part, inner))
+        for k, (interval, inner) in enumerate(_parts(mode, wind)):
+            alone = i if interval is not mode or mode.quick_path else 0
+            steps = step_times(inner.history, interval).shape[1]
+            groups.setdefault((k, alone, steps), []).append((i, interval, inner))
     for (_, _, steps), members in sorted(groups.items()):
         together = int(MAX_BATCH_STEPS // steps) + 1
         for first in range(0, len(members), together):
             index, parts, blowing = zip(*members[first : first + together], strict=True)
-            found = varying_requirement(parts[0], blowing, dead_band)
+            requirement = varying_requirement(parts[0], blowing, dead_band)
             which = np.array(index)
-            larger = ~(np.isnan(result[which, 0]) | (found.required <= result[which, 0]))
-            result[which[larger], 0] = found.required[larger]
-            result[which[larger], 2] = found.time[larger]
-            result[which, 1] = np.maximum(result[which, 1], found.minimum)
+            larger = ~(np.isnan(result[which, 0]) | (requirement.required <= result[which, 0]))
+            result[which[larger], 0] = requirement.required[larger]
+            result[which[larger], 2] = requirement.time[larger]
+            result[which, 1] = np.maximum(result[which, 1], requirement.minimum)
     return result
 
 
@@ -505,8 +511,8 @@ def base_requirement(sizing: Sizing) -> Requirement:
     """
     frozen = Requirement(dead_band=sizing.dead_bands[0])
     varying = replace(frozen, varying=True)
-    frozen_is_known, values = ~np.isnan(sizing.required[frozen]), sizing.required.get(varying)
-    if values is None or np.isnan(values).all() or np.any(np.isnan(values) & frozen_is_known):
+    has_frozen, values = ~np.isnan(sizing.required[frozen]), sizing.required.get(varying)
+    if values is None or np.isnan(values).all() or np.any(np.isnan(values) & has_frozen):
         return frozen
     return varying
 

@@ -237,7 +237,7 @@ class FlightTurbulence(Shown):
         return [*tables, quantities("Turbulence alone, along the flight", alone)]
 
     def duty_tables(self) -> list[Table]:
-        """Return the tables of `tables`, and that of the travel of a whole flight in each wind."""
+        """Return the tables of `tables`, and a table of the travel over a flight in each wind."""
         rows: list[tuple[Line, ...]] = []
         for k, wind in enumerate(self.winds):
             if wind.travel is not None:
@@ -315,7 +315,7 @@ class LoopOverFlight:
 
     @property
     def _air_is_table(self) -> bool:
-        """Whether the intensity is that of the altitudes of the flight."""
+        """Whether the intensity follows the altitudes of the flight."""
         return self.request.intensity is None and self.schedule.altitude is not None
 
     def along(
@@ -420,7 +420,7 @@ class _Responses(NamedTuple):
 def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
     """Return spread and response along a sounding, with its gust about each flight time.
 
-    The dynamic pressure is that of the sounding.
+    The dynamic pressure follows the sounding.
     """
     sign = FROZEN if loop.case.sign == FROZEN else None
 

@@ -101,12 +101,12 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
             return PlacedWind(wind.wind * 0.0, 0.0, known=False)
         signed = wind.of_both_signs(vehicle)
         values = signed(signed.probe_times())
-        has_both_signs = values.min() < 0.0 < values.max()
+        changes_sign = values.min() < 0.0 < values.max()
         return PlacedWind(
             wind(vehicle),
             0.0,
             fixed=wind.window is None and wind.gust is None,
-            two_sided=signed if has_both_signs else None,
+            two_sided=signed if changes_sign else None,
             speeds=wind.speeds,
         )
     history = wind_of(wind, vehicle)

@@ -1,6 +1,6 @@
 """Specification of the sizing of a flight: schedule, winds, offsets, dispersions and reserve.
 
-Model, planes, limit, limit shape and the first pulse are those of the case.
+Model, planes, limit, limit shape and the first pulse belong to the case.
 """
 
 from __future__ import annotations
@@ -462,8 +462,8 @@ class SizingRequest:
         winds, times = self.winds(case), self.times(case)
         try:
             flown = replace(case, design=self.scheduled_design or case.design)
-            found = flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
-            return replace(found, sounding_wavelength=self._sounding_wavelength)
+            along_flight = flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
+            return replace(along_flight, sounding_wavelength=self._sounding_wavelength)
         except InputError as error:
             return str(error)
 

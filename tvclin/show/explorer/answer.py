@@ -53,8 +53,8 @@ _BOTH = "what is needed is of both planes with one stop, and the flight of the {
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """The value of a part, None where there is no answer, and its notes."""
+class CachedAnswer:
+    """Value that a function returns, None where it raises an `InputError`, and its notes."""
 
     value: Any
     notes: tuple[str, ...]
@@ -75,36 +75,36 @@ class Cached:
 
     def __init__(self, compute: Callable[..., Any]) -> None:
         self._compute = compute
-        self.cache: dict[tuple[Any, ...], Part] = {}
+        self.cache: dict[tuple[Any, ...], CachedAnswer] = {}
 
-    def __call__(self, *plain: Any) -> Part:
-        """Return the part for these arguments, from the cache or computed now."""
+    def __call__(self, *plain: Any) -> CachedAnswer:
+        """Return the answer for these arguments, from the cache or computed now."""
         if plain not in self.cache:
             self.cache[plain] = self._computed(plain)
             while len(self.cache) > _MAX_CACHED:
                 del self.cache[next(iter(self.cache))]
         return self.cache[plain]
 
-    def _computed(self, plain: tuple[Any, ...]) -> Part:
+    def _computed(self, plain: tuple[Any, ...]) -> CachedAnswer:
         """Return the computed part with its warnings, or the message of an `InputError`."""
         said: list[str] = []
         with pass_warnings(said.append):
             try:
                 value = self._compute(*plain)
             except InputError as error:
-                return Part(None, (str(error),))
-        return Part(value, tuple(said))
+                return CachedAnswer(None, (str(error),))
+        return CachedAnswer(value, tuple(said))
 
 
 @Cached
 def requirement(plan: StudyPlan) -> CaseRequirement:
-    """Return the requirement of the case, the one that `tvclin study` prints."""
+    """Return the requirement of the case as `tvclin study` prints it."""
     return case_requirement(plan, plan.dead_band)
 
 
 @Cached
 def loop_margins(plan: StudyPlan) -> Margins:
-    """Return the margins of the autopilot, those that `tvclin margins` prints."""
+    """Return the margins of the autopilot as `tvclin margins` prints them."""
     return plan.autopilot.margins(plan.plant)
 
 
@@ -165,7 +165,7 @@ def _times(plan: StudyPlan, wind: History) -> FloatArray:
     return np.linspace(float(wind.onset), float(wind.end) + after, _TIME_POINTS)
 
 
-_UNKNOWN = Part(None, ())
+_UNKNOWN = CachedAnswer(None, ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,18 +228,18 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
     )
 
 
-def _steps(choices: Choices) -> list[tuple[Callable[[], Part], bool]]:
+def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     """Return the steps to an answer, and whether each takes longer than a slider may wait."""
     inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
-    def in_placed_wind(part: Cached) -> Part:
+    def in_placed_wind(compute: Cached) -> CachedAnswer:
         at = placed(gust)
         if at.value is None:
             return at
-        return part(replace(choices.motion_inputs, wind=at.value), choices.law)
+        return compute(replace(choices.motion_inputs, wind=at.value), choices.law)
 
-    def requirement_step(plan: StudyPlan) -> tuple[Callable[[], Part], bool]:
+    def requirement_step(plan: StudyPlan) -> tuple[Callable[[], CachedAnswer], bool]:
         return (lambda: requirement(plan)), _slow(choices) and (plan,) not in requirement.cache
 
     lasting = (replace(wind, duration=duration) for duration in _durations(choices).tolist())

@@ -377,9 +377,9 @@ class SoundingCollection:
     def soundings(self, utc_offset: float) -> Soundings:
         """Return all soundings in the order of their times, without repeated times."""
         if len(self.stations) > 1:
-            (a, where), (b, other_file) = list(self.stations.items())[:2]
+            (a, where), (b, second_file) = list(self.stations.items())[:2]
             raise InputError(
-                f"soundings must be of one station; got {a} ({where}) and {b} ({other_file}), so"
+                f"soundings must be of one station; got {a} ({where}) and {b} ({second_file}), so"
                 " name one with station"
             )
         if not self.pieces:

@@ -126,7 +126,7 @@ def longest_interval(times: FloatArray, good: BoolArray) -> slice:
 
 
 def checked_flight(flight: FlightPath) -> list[FloatArray]:
-    """Return the four arrays of a flight; `InputError` if malformed or not ascending."""
+    """Return the four checked arrays of a flight; `InputError` if malformed or not ascending."""
     try:
         values = {name: getattr(flight, name) for name in _FLIGHT_ARRAYS}
     except AttributeError:

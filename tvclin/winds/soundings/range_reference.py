@@ -98,8 +98,7 @@ class RangeReference:
     def profile(self, percentile: float, azimuth: float) -> WindProfile:
         """Return the wind towards an azimuth [rad] with a percentile's `speed` at every height.
 
-        It is an envelope of speeds, whose shear is that of a mean, and not a wind that was
-        measured.
+        It is an envelope of speeds, with the shear of a mean, and not a measured wind.
         """
         speed, angle = self.speed(percentile), bearing("azimuth", azimuth)
         return WindProfile(

@@ -139,11 +139,11 @@ def _wind_column(heading: Heading) -> _Column | None:
         if first in _NAMES and len(words) >= size:
             quantity = _NAMES[first]
             unit = [word for word in qualifiers if word not in _QUALIFIERS[quantity]]
-            known_unit = unit_of(" ".join(unit), WRITTEN[_KINDS[quantity]]) if unit else None
+            si_unit = unit_of(" ".join(unit), WRITTEN[_KINDS[quantity]]) if unit else None
             return _Column(
                 heading,
                 quantity,
-                known_unit.factor if known_unit is not None and not known_unit.mangled else None,
+                si_unit.factor if si_unit is not None and not si_unit.mangled else None,
                 first.startswith("geopotential"),
                 not _SEA.isdisjoint(qualifiers),
                 not _GROUND.isdisjoint(qualifiers),
