@@ -74,6 +74,14 @@ def without(keys: set[str], document: Any) -> Any:
     return {key: without(keys, value) for key, value in document.items() if key not in keys}
 
 
+@pytest.mark.parametrize("arguments", [("--plane", "yaw"), ("--peak-deg", "1")])
+def test_the_study_of_coefficients_is_at_nominal_dynamic_pressure(arguments, slopes: str) -> None:
+    """In yaw and in a weak wind too, where no note on a head wind says so."""
+    assert "at nominal dynamic pressure), set by" in " ".join(
+        run("study", slopes, *arguments).output.split()
+    )
+
+
 @pytest.mark.thorough
 def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
     study = json.loads(run("study", slopes, "--json").stdout)

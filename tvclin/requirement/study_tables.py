@@ -47,7 +47,7 @@ from tvclin.linear.response import Responses, attitude_responses
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study
 from tvclin.vehicle.linear_vehicle import AnyVehicle
-from tvclin.winds.wind_angles import BEYOND_LINEAR, CROSS
+from tvclin.winds.wind_angles import BEYOND_LINEAR, CROSS, FROZEN
 
 if TYPE_CHECKING:
     from tvclin.linear.extremes import Extremes
@@ -264,7 +264,7 @@ def verdict(s: Study) -> Iterator[Line]:
     needed = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
     switch = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
     air = f", dynamic pressure {AIR[s.sign]}" if s.sign and s.direction != CROSS else ""
-    if s.unknown:
+    if s.at_nominal_pressure and s.sign != FROZEN:
         air = f", {NOMINAL}"
     basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
     reason = "" if s.limit is not None else f": {s.beyond}"
