@@ -473,7 +473,8 @@ def test_a_server_that_opened_its_page_ends_some_time_after_it(started: list[lis
 def test_a_jupyterlab_that_cannot_start_is_one_sentence(
     started: list[list[str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("jupyterlab.labapp.LabApp.launch_instance", lambda _: sys.exit(1))
+    lab = sys.modules["jupyterlab.labapp"].LabApp
+    monkeypatch.setattr(lab, "launch_instance", lambda _: sys.exit(1))
     told = CliRunner().invoke(app, ["explore"])
     assert told.exit_code == 2
     assert "JupyterLab ended with exit code 1, see above" in told.stderr
