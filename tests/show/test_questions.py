@@ -124,7 +124,7 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     assert "more than the limit" not in str(verdict.basis(wide))
     (said,) = (one for one in questions(wide) if one.name == "autopilot")
     assert said.measure.required == pytest.approx(needs, rel=1e-12)
-    assert f"without a limit it would turn the nozzle by {asks:.3f} deg" in said.text
+    assert f"without a limit the autopilot would turn the nozzle by {asks:.3f} deg" in said.text
 
 
 @pytest.mark.thorough
