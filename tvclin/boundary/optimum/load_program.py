@@ -203,7 +203,11 @@ class LoadProgram:
         return rows, base, base
 
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
-        """Inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate."""
+        """Inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
+
+        `aim`: `PEAK` or `LOAD`, the last variable, which is minimised. `bound`: bound [rad] of the
+        other.
+        """
         from scipy import sparse
 
         loads, high, low = self._loads

@@ -101,11 +101,15 @@ def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 
 
 def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the steps of flights, ``(k, n, n)``; each signal is rows of coefficients on states."""
+    """Return the step matrices of k flights, ``(k, n, n)``, on the states of `equilibrium_step`.
+
+    Each signal is rows of coefficients on these states. The last `command_count` commands [rad],
+    of which all but one are pending, are states.
+    """
     k, arrays = cases.size, (f.now.y, f.now.states, f.now.commands)
-    order, law_order, ring = (array.shape[1] for array in arrays)
+    order, law_order, command_count = (array.shape[1] for array in arrays)
     vehicles, n = f.cases.vehicle[cases], f.vehicles.A.shape[1]
-    size = order + law_order + ring - 1
+    size = order + law_order + command_count - 1
     x, law_states, pending = np.split(np.eye(size), [order, order + law_order])
 
     def per_case(rows: FloatArray) -> FloatArray:
@@ -133,7 +137,7 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
         J = f.steps.joint[vehicles, index]
         stepped = J[..., :order] @ stepped + J[..., order : order + 1] @ now
     states = per_case(f.laws.memory) @ signals
-    return np.concatenate([stepped, states, commands[:, : ring - 1]], axis=1)
+    return np.concatenate([stepped, states, commands[:, : command_count - 1]], axis=1)
 
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
@@ -155,14 +159,21 @@ def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 
 
 def _of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
-    """Return the derivatives of a law with numbers, by finite differences."""
+    """Return the derivatives of a demand by measurements and law states, ``(8 + s,)``.
+
+    `numbers`: numbers of the law. `small`: finite difference. `limit`: deflection limit [rad].
+    """
     rows = (small * np.eye(width + 1, width)).tolist()
     values = [law_demand(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
     return [(value - values[-1]) / small for value in values[:-1]]
 
 
 def _of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
-    """Return the derivatives of a law in Python, by finite differences, for flights at once."""
+    """Return the derivatives of m demands by measurements and law states, ``(m, 8 + s)``.
+
+    `law`: law in Python. `small`: finite differences, ``(m,)``. `limit`: deflection limits [rad],
+    ``(m,)``. `width`: 8 + s.
+    """
     order = len(law.states[0])
     rows = small * np.eye(width + 1, width)[..., np.newaxis]
     values = [

@@ -360,7 +360,9 @@ def closed_loop_boundary(
         if progress is not None:
             progress(min(next(flown), total), total)
 
-    def survives(limits: FloatArray) -> NDArray[np.str_]:
+    def status_at(limits: FloatArray) -> NDArray[np.str_]:
+        """Return the status of flights at limits over trim ``(n,)``, in all winds."""
+
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
             deflections = np.minimum(limits[chosen] * scale, MAX_DEFLECTION_LIMIT)
             return outcomes(wind=wind, deflection_limit=deflections).status
@@ -368,7 +370,7 @@ def closed_loop_boundary(
         return status_in_all_winds(winds, status, limits.size, tell)
 
     with repeated(total):
-        scan = limit_above_losses(survives, np.linspace(low, high, STEPS + 1))
+        scan = limit_above_losses(status_at, np.linspace(low, high, STEPS + 1))
     at = scan.limit if np.isfinite(scan.limit) else high
     hardware = Hardware(length, delays, actuator, max_rate)
     batch = one_flight(plant, law, wind, at * scale, hardware, factor)
