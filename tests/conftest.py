@@ -36,11 +36,11 @@ def _what_plain_python_can_carry(monkeypatch):
 
     tests/kernels holds the two against each other, and what is shorter runs here as well.
     """
-    asked, swiftest = [], choice.fastest
+    request, swiftest = [], choice.fastest
 
     def counted(function, seconds):
-        asked.append(seconds)
-        if sum(asked) > LONGEST:
+        request.append(seconds)
+        if sum(request) > LONGEST:
             pytest.skip(f"needs numba: plain Python takes more than {LONGEST:g} s")
         return swiftest(function, seconds)
 

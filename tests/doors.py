@@ -225,8 +225,8 @@ def doors(folder: Path) -> dict[str, Door]:
     done = folder / "done"
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
-    asked = tv.requirement.SizingRequest(schedule=schedule, every=30.0)
-    along = asked.turbulence(study.case, tv.case.TurbulenceRequest(intensity=6.0))
+    request = tv.requirement.SizingRequest(schedule=schedule, every=30.0)
+    along = request.turbulence(study.case, tv.case.TurbulenceRequest(intensity=6.0))
     once = tv.requirement.SizingRequest(schedule=schedule, start=66.0, stop=66.0)
     carded = tv.Case(vehicle=booster, nozzle=tv.Nozzle(limit=0.02))
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
@@ -321,7 +321,7 @@ def doors(folder: Path) -> dict[str, Door]:
     steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
     easy = tv.control.Criteria.custom(aero_margin_dB=1.0)
     sought = {"winds": wind, "criteria": easy, "actuator": actuator, "delay": 0.02}
-    found = hasty(tv.minimum_deflection_gains)(plant=plant, **sought)
+    result = hasty(tv.minimum_deflection_gains)(plant=plant, **sought)
     detuned = {"autopilot": steered, "plant": flexible, "factors": [1.1]}
     of_stops = {
         f"{name}.{method}": Door(getattr(stop, method), {argument: [1.0, 0.5 + 1.0j]})
@@ -1073,7 +1073,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "gain_trade_off": Door(
-            hasty(tv.design.gain_trade_off), {"gains": found, "disk_margin": [0.1, 0.2]}
+            hasty(tv.design.gain_trade_off), {"gains": result, "disk_margin": [0.1, 0.2]}
         ),
         "margin_bounds": Door(
             tv.control.margin_bounds, {"plant": plant, "actuator": actuator, "delay": 0.02}
@@ -1247,7 +1247,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "SizingRequest": Door(
             tv.requirement.SizingRequest,
             {
-                **{f.name: getattr(asked, f.name) for f in dataclasses.fields(asked)},
+                **{f.name: getattr(request, f.name) for f in dataclasses.fields(request)},
                 "others": (shaped,),
                 "soundings": {"west": tv.requirement.SoundingRequest(west, 1.5)},
                 "window": 20.0,
@@ -1258,19 +1258,19 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_noise": 1e-4,
             },
         ),
-        "SizingRequest.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
-        "SizingRequest.counted": Door(asked.counted, {"sizing": sizing, "sign": "head"}),
-        "SizingRequest.pulses": Door(asked.pulses, {"case": study.case}),
-        "SizingRequest.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
-        "SizingRequest.times": Door(asked.times, {"case": study.case}),
+        "SizingRequest.at": Door(request.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
+        "SizingRequest.counted": Door(request.counted, {"sizing": sizing, "sign": "head"}),
+        "SizingRequest.pulses": Door(request.pulses, {"case": study.case}),
+        "SizingRequest.sizing": Door(request.sizing, {"case": study.case, "progress": None}),
+        "SizingRequest.times": Door(request.times, {"case": study.case}),
         "SizingRequest.total": Door(
-            asked.total, {"case": study.case, "sizing": sizing, "turbulence": None}
+            request.total, {"case": study.case, "sizing": sizing, "turbulence": None}
         ),
         "SizingRequest.turbulence": Door(
-            asked.turbulence,
+            request.turbulence,
             {"case": study.case, "turbulence": tv.case.TurbulenceRequest(intensity=6.0)},
         ),
-        "SizingRequest.winds": Door(asked.winds, {"case": study.case}),
+        "SizingRequest.winds": Door(request.winds, {"case": study.case}),
         "Soundings": Door(
             tv.winds.Soundings,
             {f.name: getattr(archive, f.name) for f in dataclasses.fields(archive)},
@@ -1329,7 +1329,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "method": "sobol",
                 "probability": 0.9,
                 "confidence": 0.9,
-                "sizing": asked,
+                "sizing": request,
                 "availability": days_asked,
                 "document": tv.studyfile.Document(project="Booster 1"),
                 "turbulence": tv.case.TurbulenceRequest(intensity=6.0),
@@ -1684,7 +1684,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "FlightDuty.to_csv": Door(
             tv.nozzle.flight_duty(carded, once).to_csv, {"path": folder / "card.csv"}
         ),
-        "SizingRequest.ratio": Door(asked.ratio, {"case": carded, "sizing": sizing}),
+        "SizingRequest.ratio": Door(request.ratio, {"case": carded, "sizing": sizing}),
         "controllability_ratio": Door(
             tv.requirement.controllability_ratio,
             {

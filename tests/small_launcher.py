@@ -17,7 +17,7 @@ STEP, ROW, BURNOUT = 0.01, 50, 122.0
 
 def rows() -> FloatArray:
     """A row of `KEYS` every half second; in the first the vehicle stands still."""
-    mass, speed, path, height, found = 25e3, 0.0, np.pi / 2, 0.0, []
+    mass, speed, path, height, computed = 25e3, 0.0, np.pi / 2, 0.0, []
     for k in range(round(BURNOUT / STEP) + 1):
         t = k * STEP
         air = standard_atmosphere(min(height, 80e3))
@@ -26,7 +26,7 @@ def rows() -> FloatArray:
         if k % ROW == 0:
             part, mach = t / BURNOUT, speed / 300.0
             arm = 4.2 - 1.2 * part + 0.8 * np.exp(-(((mach - 1.2) / 0.4) ** 2))
-            found.append(
+            computed.append(
                 [
                     t,
                     9.80665 * mass,
@@ -48,7 +48,7 @@ def rows() -> FloatArray:
         speed += ((thrust - drag) / mass - 9.80665 * np.sin(path)) * STEP
         height += speed * np.sin(path) * STEP
         mass -= 118.0 * STEP
-    return np.array(found, dtype=float)
+    return np.array(computed, dtype=float)
 
 
 def write(path: Path) -> Path:

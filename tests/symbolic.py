@@ -32,15 +32,15 @@ def linear(expression, nominal, signals):
 
 def exponentials(expression):
     """Return {(rate, power): coefficient} of a sum of terms c t^k e^(rate t)."""
-    found = {}
+    computed = {}
     for term in sp.Add.make_args(sp.expand(sp.sympify(expression).rewrite(sp.exp))):
         constant, moving = term.as_independent(t)
         rate = sum(sp.diff(f.exp, t) for f in sp.Mul.make_args(moving) if isinstance(f, sp.exp))
         rest = sp.simplify(moving * sp.exp(-rate * t))
         power = sp.degree(rest, t) if rest.has(t) else 0
         key = (sp.expand(rate), power)
-        found[key] = found.get(key, 0) + constant * (rest / t**power)
-    return found
+        computed[key] = computed.get(key, 0) + constant * (rest / t**power)
+    return computed
 
 
 def transform(pieces):

@@ -37,8 +37,8 @@ def drawn(few: int, many: int, *strategies: Any, **options: Any) -> Callable[...
     def draw(claim: Callable[..., None]) -> Callable[..., None]:
         @pytest.mark.parametrize("examples", usual([few, many], 0))
         def test(examples: int) -> None:
-            asked = {"max_examples": examples, "deadline": None, "derandomize": True} | options
-            settings(**asked)(given(*strategies)(claim))()
+            request = {"max_examples": examples, "deadline": None, "derandomize": True} | options
+            settings(**request)(given(*strategies)(claim))()
 
         return test
 

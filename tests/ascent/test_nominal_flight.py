@@ -58,8 +58,8 @@ def test_the_density_alone_is_that_of_the_air():
     heights = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
     bases = 6_356_766.0 * heights / (6_356_766.0 - heights)
     altitudes = np.concatenate([bases, bases - 1e-6, np.linspace(-7e3, 90e3, 500)])
-    found = [density_at(float(altitude)) for altitude in altitudes]
-    np.testing.assert_allclose(found, air_at(altitudes).density, rtol=1e-13)
+    computed = [density_at(float(altitude)) for altitude in altitudes]
+    np.testing.assert_allclose(computed, air_at(altitudes).density, rtol=1e-13)
 
 
 def test_the_air_is_in_hydrostatic_balance():
@@ -84,8 +84,8 @@ def test_the_assumed_altitude_is_where_the_report_bounds_the_pressure(name):
 
 def test_it_passes_through_table_i(flight):
     v = flight.vehicle
-    found = flight.states(v.time)
-    assert tuple(found) == (v.velocity, v.attitude, flight.condition.altitude)
+    result = flight.states(v.time)
+    assert tuple(result) == (v.velocity, v.attitude, flight.condition.altitude)
     assert flight.mass(v.time) == v.mass
     assert flight.vehicle_at(v.time).replace(name=v.name) == v
 
@@ -194,5 +194,5 @@ def test_a_condition_is_read_in_other_units(tmp_path):
     path = tmp_path / "mine.toml"
     text = "[vehicle]\n[flight]\naltitude_ft = 10000\nspecific_impulse_s = 300\n"
     path.write_text(text, encoding="utf-8")
-    found = load_flight_condition(path)
-    assert found == FlightCondition(altitude=3048.0, specific_impulse=300.0)
+    result = load_flight_condition(path)
+    assert result == FlightCondition(altitude=3048.0, specific_impulse=300.0)

@@ -74,9 +74,9 @@ def test_a_jet_over_the_flight_knows_the_rate_of_the_inertia_from_the_table(tmp_
     """M_q = m' l_e^2 + I', in which I' = -2e4 kg m^2/s of the straight line, once."""
     falling = TOML.replace("kg_m2 = 2.25e7", "kg_m2 = [2.25e7, 2.23e7, 2.21e7]")
     jet = "jet_mass_flow_kg_per_s = [800, 900, 900]\nexit_arm_m = 24\n"
-    found = read(tmp_path, falling + jet, "jet.toml").vehicle.pitch_damping
+    computed = read(tmp_path, falling + jet, "jet.toml").vehicle.pitch_damping
     expected = np.array([800.0, 900.0, 900.0]) * 24.0**2 - 2e4
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    np.testing.assert_allclose(computed, expected, rtol=1e-12)
     given = read(tmp_path, falling + jet + "inertia_rate_kg_m2_per_s = 0\n", "bound.toml")
     np.testing.assert_allclose(given.vehicle.pitch_damping, expected + 2e4, rtol=1e-14)
     slugs = "jet_mass_flow_lb_per_s = [1760, 1980, 1980]\n"

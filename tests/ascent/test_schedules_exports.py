@@ -35,10 +35,10 @@ def test_an_optional_column_never_blocks_a_file(sample, tmp_path) -> None:
         ("Air density (furlong)", lambda _: "1.2"),
         ("Air temperature (furlong)", lambda _: "288"),
     ):
-        found = read(written(tmp_path, with_column(name, cell)))
-        same(found, sample, 0.0)
-        assert not np.any(found.vehicle.pitch_damping)
-        (note,) = [one for one in found.notes if one.startswith("not read")]
+        result = read(written(tmp_path, with_column(name, cell)))
+        same(result, sample, 0.0)
+        assert not np.any(result.vehicle.pitch_damping)
+        (note,) = [one for one in result.notes if one.startswith("not read")]
         assert f"not read: column {name.partition(' (')[0]}, which is not needed: " in note
     lines = [one.replace("Vertical velocity (m/s)", "Vertical velocity (1)") for one in LINES]
     same(read(written(tmp_path, lines)), sample, 0.0)

@@ -30,15 +30,15 @@ def written(folder: Path, **changes: object) -> Path:
 
 
 def test_a_log_is_a_schedule_and_a_wind() -> None:
-    found = tv.ascent.read_log(LOG)
-    v = found.schedule.vehicle
+    result = tv.ascent.read_log(LOG)
+    v = result.schedule.vehicle
     np.testing.assert_allclose(v.weight, COLUMNS["mass_kg"] * 9.80665)
     np.testing.assert_allclose(v.thrust, 2400.0)
     np.testing.assert_allclose(v.control_arm, 2.95 - COLUMNS["gravity_station_m"])
-    np.testing.assert_allclose(found.schedule.height, COLUMNS["altitude (m)"])
-    np.testing.assert_allclose(found.wind.time, COLUMNS["time_s"])
-    np.testing.assert_allclose(np.degrees(found.wind.angle), COLUMNS["wind_angle_deg"])
-    assert "left out: roll_deg" in found.schedule.notes
+    np.testing.assert_allclose(result.schedule.height, COLUMNS["altitude (m)"])
+    np.testing.assert_allclose(result.wind.time, COLUMNS["time_s"])
+    np.testing.assert_allclose(np.degrees(result.wind.angle), COLUMNS["wind_angle_deg"])
+    assert "left out: roll_deg" in result.schedule.notes
 
 
 @pytest.mark.parametrize("whole", [False, True])
@@ -59,27 +59,27 @@ def test_a_mat_file_is_the_same(tmp_path, whole) -> None:
 def test_the_wind_is_that_of_its_speed_or_of_the_angle_of_attack(tmp_path) -> None:
     speed, V, path = np.array([0.0, 2, 5, 9, 5, 2, 0]), COLUMNS["velocity_m_per_s"], 84.0
     none = {"wind_angle_deg": None}
-    found = tv.ascent.read_log(written(tmp_path, wind_speed_m_per_s=speed, **none))
+    result = tv.ascent.read_log(written(tmp_path, wind_speed_m_per_s=speed, **none))
     turned = np.arcsin(speed * np.sin(np.radians(path)) / V)  # eq (B1e)
-    np.testing.assert_allclose(found.wind.angle, turned, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(result.wind.angle, turned, rtol=1e-9, atol=1e-12)
 
     alpha = np.array([0.0, -1.0, -2.0, -3.0, -2.0, -1.0, 0.0])
-    found = tv.ascent.read_log(written(tmp_path, angle_of_attack_deg=alpha, **none))
-    np.testing.assert_allclose(np.degrees(found.wind.angle), -alpha)
-    assert any("motion of the vehicle in it" in note for note in found.schedule.notes)
+    result = tv.ascent.read_log(written(tmp_path, angle_of_attack_deg=alpha, **none))
+    np.testing.assert_allclose(np.degrees(result.wind.angle), -alpha)
+    assert any("motion of the vehicle in it" in note for note in result.schedule.notes)
     drifts = {"angle_of_attack_deg": alpha, "flight_path_angle_deg": 84.5}
-    found = tv.ascent.read_log(written(tmp_path, **drifts, **none))
-    np.testing.assert_allclose(np.degrees(found.wind.angle), -0.5 - alpha)
+    result = tv.ascent.read_log(written(tmp_path, **drifts, **none))
+    np.testing.assert_allclose(np.degrees(result.wind.angle), -0.5 - alpha)
 
 
 def test_the_wind_over_height_meets_the_flight_at_the_same_angle(tmp_path) -> None:
-    found = tv.ascent.read_log(LOG)
-    found.write_wind(tmp_path / "wind.csv")
+    result = tv.ascent.read_log(LOG)
+    result.write_wind(tmp_path / "wind.csv")
     profile = tv.read_sounding(tmp_path / "wind.csv")
-    met = tv.fly_through(profile, found.schedule, azimuth=0.0)
+    met = tv.fly_through(profile, result.schedule, azimuth=0.0)
     inside = np.interp(COLUMNS["time_s"], met.wind.time, met.wind.angle)
-    np.testing.assert_allclose(inside, found.wind.angle, atol=1e-6)
-    sized = tv.size(found.schedule, {"log": found.wind}, times=[5.0], placing="flight")
+    np.testing.assert_allclose(inside, result.wind.angle, atol=1e-6)
+    sized = tv.size(result.schedule, {"log": result.wind}, times=[5.0], placing="flight")
     assert np.isfinite(sized.required["K = 1"]).all()
 
 

@@ -38,15 +38,15 @@ OTHERS = {
 @pytest.mark.parametrize("packed", [False, True])
 def test_numbers_are_those_that_scipy_reads(tmp_path: Path, packed: bool) -> None:
     savemat(file := tmp_path / "log.mat", VARIABLES | OTHERS, do_compression=packed)
-    found, theirs = read_matlab(file), loadmat(file, squeeze_me=True)
-    assert list(found) == [*VARIABLES, *OTHERS]
-    assert all(found[name] is None for name in OTHERS)
-    record = found.pop("record")
+    computed, theirs = read_matlab(file), loadmat(file, squeeze_me=True)
+    assert list(computed) == [*VARIABLES, *OTHERS]
+    assert all(computed[name] is None for name in OTHERS)
+    record = computed.pop("record")
     assert sorted(record) == ["a", "time_s"]
     for name, values in record.items():
         np.testing.assert_array_equal(values, theirs["record"][name].item())
     for name in VARIABLES.keys() - {"record"}:
-        np.testing.assert_array_equal(found[name], np.asarray(theirs[name]), name, strict=True)
+        np.testing.assert_array_equal(computed[name], np.asarray(theirs[name]), name, strict=True)
 
 
 def element(order: str, kind: int, content: bytes) -> bytes:
@@ -83,11 +83,11 @@ def test_any_flipped_bit_is_read_or_told_in_one_sentence(
         bad[at // 8] ^= 1 << (at % 8)
         file.write_bytes(bad)
         try:
-            found = read_matlab(file)
+            result = read_matlab(file)
         except tv.InputError:
             told += 1
             continue
-        assert not packed or {name: str(value) for name, value in found.items()} == before
+        assert not packed or {name: str(value) for name, value in result.items()} == before
     assert told > (0.95 if packed else 0.4) * 8 * (len(good) - begin) / each
 
 

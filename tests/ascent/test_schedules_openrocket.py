@@ -174,9 +174,9 @@ def test_mangled_units_are_told_by_their_quantity(sample, tmp_path, told) -> Non
     lines = list(LINES)
     for proper, damaged in swaps.items():
         lines[HEADER] = lines[HEADER].replace(proper, damaged)
-    found = read(written(tmp_path, lines))
-    same(found, sample, 0.0)
-    assert any("damaged" in note for note in found.notes) == (inertia != "kgm2")
+    result = read(written(tmp_path, lines))
+    same(result, sample, 0.0)
+    assert any("damaged" in note for note in result.notes) == (inertia != "kgm2")
 
 
 def test_a_file_of_another_encoding_is_read(sample, tmp_path) -> None:
@@ -208,9 +208,9 @@ def test_symbols_behind_names_are_read(sample, tmp_path) -> None:
 def test_of_two_rows_at_one_time_the_later_counts(sample, tmp_path) -> None:
     at = number_of("3,")
     first = LINES[at - 1].replace("196.503", "150")
-    found = read(written(tmp_path, [*LINES[: at - 1], first, *LINES[at - 1 :]]))
-    same(found, sample, 0.0)
-    assert any("1 row at the time of the next row" in note for note in found.notes)
+    result = read(written(tmp_path, [*LINES[: at - 1], first, *LINES[at - 1 :]]))
+    same(result, sample, 0.0)
+    assert any("1 row at the time of the next row" in note for note in result.notes)
 
 
 def test_rows_before_the_rod_is_cleared_are_left_out(tmp_path) -> None:
@@ -221,11 +221,11 @@ def test_rows_before_the_rod_is_cleared_are_left_out(tmp_path) -> None:
 
 def test_the_path_stands_for_an_attitude_that_is_not_there(sample, tmp_path) -> None:
     """Vertical over total velocity is sin 84 deg in the sample, both to 5e-4 m/s."""
-    found = read(written(tmp_path, changed("Vertical orient", kept, "Lateral direction (°)")))
+    result = read(written(tmp_path, changed("Vertical orient", kept, "Lateral direction (°)")))
     # d(theta) = tan(theta) d(sin)/sin, largest at the lowest speed
     off = np.tan(np.radians(84.0)) * 2 * 5e-4 / 29.944
-    np.testing.assert_allclose(found.vehicle.attitude, np.radians(84.0), rtol=0.0, atol=off)
-    assert any("that of the path" in note for note in found.notes)
+    np.testing.assert_allclose(result.vehicle.attitude, np.radians(84.0), rtol=0.0, atol=off)
+    assert any("that of the path" in note for note in result.notes)
 
 
 def test_density_gives_the_same_dynamic_pressure_as_pressure(sample, tmp_path) -> None:
@@ -233,10 +233,10 @@ def test_density_gives_the_same_dynamic_pressure_as_pressure(sample, tmp_path) -
     rows = {line.split(",")[0]: line.split(",") for line in LINES if not line.startswith("#")}
     air = {float(k): 1.4 * float(v[column("Air")]) * 100 / 340.0**2 for k, v in rows.items()}
     lines = changed("Air pressure", lambda _, t: repr(air[t] / 1e3), "Air density (g/cm³)")
-    found = read(written(tmp_path, lines))
+    result = read(written(tmp_path, lines))
     # M has six digits, the first of them in the fifth place behind the point: 5e-7/0.088
     np.testing.assert_allclose(
-        found.vehicle.normal_force_slope, sample.vehicle.normal_force_slope, rtol=2.2e-5
+        result.vehicle.normal_force_slope, sample.vehicle.normal_force_slope, rtol=2.2e-5
     )
 
 
@@ -254,13 +254,13 @@ def test_pressure_and_temperature_give_the_dynamic_pressure_of_the_density(
     """Of air of 216.65 K, where the tool's speed of sound makes 0.7 p M^2 1.4 percent less."""
     T, a = 216.65, 165.77 + 0.606 * 216.65
     lines = with_column(f"Air temperature ({unit})", lambda _: repr((T - zero) / factor))
-    found = read(written(tmp_path, lines))
+    result = read(written(tmp_path, lines))
     row = LINES[number_of("3,") - 1].split(",")
     p, V = 100.0 * float(row[column("Air pressure")]), float(row[column("Total velocity")])
     q = p / (R * T) * V**2 / 2
     # the offset of a temperature costs a digit more than the products do
-    assert found.at(3.0).normal_force_slope == pytest.approx(q * S * 2.0, rel=20 * ROUNDING)
-    assert any("q = p V^2/(2 R T) of column Air pressure (mbar) and" in one for one in found.notes)
+    assert result.at(3.0).normal_force_slope == pytest.approx(q * S * 2.0, rel=20 * ROUNDING)
+    assert any("q = p V^2/(2 R T) of column Air pressure (mbar) and" in one for one in result.notes)
     assert 0.7 * p * (V / a) ** 2 / q == pytest.approx(1.0 - 0.0134, abs=5e-5)
 
 
@@ -269,9 +269,9 @@ def test_a_density_of_few_decimals_is_told_and_pressure_with_temperature_counts_
     plain = read(written(tmp_path, [line.replace("Air pressure", "Pressure") for line in lines]))
     assert any("3 decimals, 50 percent of it" in note for note in plain.notes)
     lines = with_column("Air temperature (K)", lambda _: "288.15", lines)
-    found = read(written(tmp_path, lines))
-    assert not any("decimals" in note for note in found.notes)
-    assert any("p V^2/(2 R T)" in note for note in found.notes)
+    result = read(written(tmp_path, lines))
+    assert not any("decimals" in note for note in result.notes)
+    assert any("p V^2/(2 R T)" in note for note in result.notes)
 
 
 @pytest.mark.parametrize("decimals", [repr, lambda x: f"{x:.6e}"])
@@ -301,17 +301,17 @@ def test_its_own_slope_is_read_where_it_is_there(sample, tmp_path) -> None:
 @pytest.mark.parametrize("table", ["rasaero-aerodynamics.csv", "component-analysis.csv"])
 def test_slopes_over_mach_come_from_other_tables(sample, table) -> None:
     """Both hold 2 per rad at zero angle; the secant to 4 deg of the first is 2.42."""
-    found = read(OPENROCKET, normal_force_coefficient_slope=FOLDER / table)
-    same(found, sample, 1e-7)  # seven digits are written
-    assert any(table in note for note in found.notes)
+    result = read(OPENROCKET, normal_force_coefficient_slope=FOLDER / table)
+    same(result, sample, 1e-7)  # seven digits are written
+    assert any(table in note for note in result.notes)
 
 
 def test_slopes_over_mach_are_straight_between_and_held_only_at_low_speed(sample) -> None:
     mach, slope = [0.2, 1.2], [2.0, 4.0]
-    found = read(OPENROCKET, normal_force_coefficient_slope=(mach, slope))
-    ratio = found.at(3.0).normal_force_slope / sample.at(3.0).normal_force_slope
+    result = read(OPENROCKET, normal_force_coefficient_slope=(mach, slope))
+    ratio = result.at(3.0).normal_force_slope / sample.at(3.0).normal_force_slope
     assert ratio == pytest.approx((2.0 + 2.0 * (0.57795 - 0.2)) / 2.0, rel=10 * ROUNDING)
-    assert found.at(0.5).normal_force_slope == pytest.approx(
+    assert result.at(0.5).normal_force_slope == pytest.approx(
         sample.at(0.5).normal_force_slope, rel=10 * ROUNDING
     )
     for short in ([0.2, 0.9], [0.4, 1.2]):
@@ -320,32 +320,32 @@ def test_slopes_over_mach_are_straight_between_and_held_only_at_low_speed(sample
 
 
 def test_a_slope_on_another_area_counts_on_that(sample) -> None:
-    found = read(OPENROCKET, reference_area=0.02)
+    result = read(OPENROCKET, reference_area=0.02)
     np.testing.assert_allclose(
-        found.vehicle.normal_force_slope,
+        result.vehicle.normal_force_slope,
         sample.vehicle.normal_force_slope * 0.02 / 0.0165,
         rtol=10 * ROUNDING,
     )
-    np.testing.assert_array_equal(found.vehicle.axial_force, sample.vehicle.axial_force)
-    assert any("S = 0.02 m^2 as given (the file has 0.0165)" in note for note in found.notes)
+    np.testing.assert_array_equal(result.vehicle.axial_force, sample.vehicle.axial_force)
+    assert any("S = 0.02 m^2 as given (the file has 0.0165)" in note for note in result.notes)
 
 
 def test_a_centre_of_pressure_ahead_of_the_nose_is_legal(tmp_path) -> None:
-    found = read(written(tmp_path, changed("CP location", lambda x, _: x - 100.0)))
-    assert found.at(3.0).aerodynamic_arm == pytest.approx(1.736 + 0.04, rel=10 * ROUNDING)
+    result = read(written(tmp_path, changed("CP location", lambda x, _: x - 100.0)))
+    assert result.at(3.0).aerodynamic_arm == pytest.approx(1.736 + 0.04, rel=10 * ROUNDING)
 
 
 def test_a_stable_rocket_is_told(tmp_path) -> None:
-    found = read(written(tmp_path, changed("CP location", lambda x, _: x + 150.0)))
-    assert found.at(3.0).aerodynamic_arm == pytest.approx(1.736 - 2.46, rel=10 * ROUNDING)
-    assert any("stable throughout" in note and "fins?" in note for note in found.notes)
+    result = read(written(tmp_path, changed("CP location", lambda x, _: x + 150.0)))
+    assert result.at(3.0).aerodynamic_arm == pytest.approx(1.736 - 2.46, rel=10 * ROUNDING)
+    assert any("stable throughout" in note and "fins?" in note for note in result.notes)
     some = read(written(tmp_path, changed("CP location", lambda x, _: x + 78.0)))
     assert any(note.startswith("stable at 9 of 19 times") for note in some.notes)
 
 
 def test_wind_in_the_simulation_is_told(tmp_path) -> None:
-    found = read(written(tmp_path, changed("Speed of sound", lambda x, _: 1.03 * x)))
-    assert any("has wind" in note and "3 percent" in note for note in found.notes)
+    result = read(written(tmp_path, changed("Speed of sound", lambda x, _: 1.03 * x)))
+    assert any("has wind" in note and "3 percent" in note for note in result.notes)
     assert not any("has wind" in note for note in read(OPENROCKET).notes)
 
 
@@ -367,11 +367,11 @@ DAMPING = "Damping moment coefficient (kg·m²/s)"
 
 
 def test_the_damping_of_the_file_is_that_of_the_vehicle(tmp_path) -> None:
-    found = read(written(tmp_path, changed("Normal force", lambda _, t: 20.0 + t, DAMPING)))
-    assert found.at(3.0).pitch_damping == pytest.approx(23.0, rel=ROUNDING)
-    assert any("the damping is that of column Damping" in note for note in found.notes)
-    assert not any("mostly less" in note for note in found.notes)
-    damping = tv.Coefficients.from_vehicle(found.at(3.0)).damping
+    result = read(written(tmp_path, changed("Normal force", lambda _, t: 20.0 + t, DAMPING)))
+    assert result.at(3.0).pitch_damping == pytest.approx(23.0, rel=ROUNDING)
+    assert any("the damping is that of column Damping" in note for note in result.notes)
+    assert not any("mostly less" in note for note in result.notes)
+    damping = tv.Coefficients.from_vehicle(result.at(3.0)).damping
     assert damping == pytest.approx(23.0 / 21.6, rel=10 * ROUNDING)
     assert not np.any(read(OPENROCKET).vehicle.pitch_damping)
 
@@ -387,9 +387,9 @@ def test_the_damping_is_the_whole_and_not_one_of_its_parts(tmp_path, part) -> No
     assert not np.any(parts.vehicle.pitch_damping)
     assert sum("a part of the damping" in note for note in parts.notes) == 2
     for name in (DAMPING, "Damping moment coefficient (Cdm) (kg·m²/s)"):
-        found = read(written(tmp_path, with_column(name, lambda _: "23", lines)))
-        assert np.all(found.vehicle.pitch_damping == 23.0)
-        assert not any("a part of" in note for note in found.notes)
+        result = read(written(tmp_path, with_column(name, lambda _: "23", lines)))
+        assert np.all(result.vehicle.pitch_damping == 23.0)
+        assert not any("a part of" in note for note in result.notes)
         again = [*lines[:HEADER], *with_column(name, lambda _: "23", lines)[HEADER:]]
         twice = read(written(tmp_path, with_column(name, lambda _: "23", again)))
         assert not np.any(twice.vehicle.pitch_damping)
@@ -399,13 +399,13 @@ def test_the_damping_is_the_whole_and_not_one_of_its_parts(tmp_path, part) -> No
 def test_a_damping_of_the_wrong_sign_is_left_out_and_one_below_the_jets_doubted(tmp_path) -> None:
     """The jet alone has 1.2 kg/s times (2.95 - 1.74)^2 m^2, some 1.8 kg m^2/s."""
     lines = changed("Normal force", lambda _, t: 2.0 - t, DAMPING)
-    found = read(written(tmp_path, lines))
-    assert not np.any(found.vehicle.pitch_damping)
-    assert any("negative at 5 s" in note and "August 2026" in note for note in found.notes)
+    result = read(written(tmp_path, lines))
+    assert not np.any(result.vehicle.pitch_damping)
+    assert any("negative at 5 s" in note and "August 2026" in note for note in result.notes)
     lines = changed("Normal force", lambda *_: 1.0, DAMPING)
-    found = read(written(tmp_path, lines))
-    assert np.all(found.vehicle.pitch_damping == 1.0)
-    assert any("mostly less than that of the jet alone" in note for note in found.notes)
+    result = read(written(tmp_path, lines))
+    assert np.all(result.vehicle.pitch_damping == 1.0)
+    assert any("mostly less than that of the jet alone" in note for note in result.notes)
 
 
 def test_many_rows_are_thinned_to_straight_lines_within_a_thousandth(tmp_path) -> None:
@@ -429,13 +429,13 @@ def test_many_rows_are_thinned_to_straight_lines_within_a_thousandth(tmp_path) -
 
 def test_one_stage_of_two_is_read_by_its_times(tmp_path) -> None:
     lines = changed("Mass", lambda x, t: x + 20e3 * (t < 2.9))
-    found = read(written(tmp_path, lines), start=3.0)
-    assert found.span == (3.0, 5.0)
+    result = read(written(tmp_path, lines), start=3.0)
+    assert result.span == (3.0, 5.0)
     assert read(written(tmp_path, lines), stop=2.8).span == (0.5, 2.75)
 
 
 def test_the_schedule_can_be_sized() -> None:
-    found = read(OPENROCKET)
+    result = read(OPENROCKET)
     wind = tv.TriangularWind(peak=np.radians(3.0), duration=0.5)
-    need = tv.size(found, wind, times=[3.0], model="fixed-path", dead_bands=1.0)
+    need = tv.size(result, wind, times=[3.0], model="fixed-path", dead_bands=1.0)
     assert 0.0 < np.degrees(need.required["K = 1"][0, 0]) < 0.6046  # 3 deg times B = 0.20151

@@ -19,8 +19,10 @@ G = 9.80665
 def test_numbers_are_those_of_point_masses_and_forces(forward: float) -> None:
     """At any time by moments about the nose, in both of RocketPy's orientations."""
     flight = Flight(Rocket(forward))
-    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=forward * -1.2, max_rows=401)
-    t = float(found.times[200])
+    schedule = tv.ascent.schedule_from_rocketpy(
+        flight, gimbal_position=forward * -1.2, max_rows=401
+    )
+    t = float(schedule.times[200])
     mass = 23.0 + 6.0 * (1.0 - t / BURN)
     p = mass - 23.0
     x = 0.8 * p / mass  # aft of the centre of dry mass
@@ -30,7 +32,7 @@ def test_numbers_are_those_of_point_masses_and_forces(forward: float) -> None:
     centre = (nose * (1.7 - 0.28) + fins * (-1.0 - 0.05)) / (nose + fins)
     mach = 65.0 * t / 340.0
     N = 0.5 * (65.0 * t) ** 2 * np.pi * RADIUS**2 * (nose + fins) * (1.0 + 0.1 * mach)
-    vehicle = found.at(t)
+    vehicle = schedule.at(t)
     expected = {
         "weight": mass * G,
         "moment_of_inertia": inertia,
@@ -43,18 +45,18 @@ def test_numbers_are_those_of_point_masses_and_forces(forward: float) -> None:
     }
     for name, value in expected.items():
         assert getattr(vehicle, name) == pytest.approx(value, rel=1e-13), name  # a dozen roundings
-    assert found.height[0] == pytest.approx(flight.z(0.4), rel=1e-15)
-    assert found.times[-1] < BURN
-    assert any("stable throughout" in note for note in found.notes)
+    assert schedule.height[0] == pytest.approx(flight.z(0.4), rel=1e-15)
+    assert schedule.times[-1] < BURN
+    assert any("stable throughout" in note for note in schedule.notes)
 
 
 def test_surfaces_are_left_out_by_name() -> None:
     """Without fins the nose alone pulls, 0.28 m behind its tip."""
-    found = tv.ascent.schedule_from_rocketpy(Flight(), gimbal_position=-1.2, without=("Fins",))
-    t = float(found.times[0])
+    schedule = tv.ascent.schedule_from_rocketpy(Flight(), gimbal_position=-1.2, without=("Fins",))
+    t = float(schedule.times[0])
     x = -Rocket().center_of_mass(t)
-    assert found.at(t).aerodynamic_arm == pytest.approx(1.7 - 0.28 + x, rel=1e-13)
-    assert any("left out of slope and centre of pressure: Fins" in note for note in found.notes)
+    assert schedule.at(t).aerodynamic_arm == pytest.approx(1.7 - 0.28 + x, rel=1e-13)
+    assert any("left out of slope and centre of pressure: Fins" in note for note in schedule.notes)
     with pytest.raises(tv.InputError, match="surfaces of the rocket, Nose Cone, Fins; got 'Wings'"):
         tv.ascent.schedule_from_rocketpy(Flight(), gimbal_position=-1.2, without=("Wings",))
     with pytest.raises(tv.InputError, match="nothing is left"):
@@ -65,10 +67,10 @@ def test_surfaces_are_left_out_by_name() -> None:
 
 def test_generic_surfaces_are_told() -> None:
     surfaces = (*Rocket().surfaces, (GenericSurface("Canards", 1.0, 0.0), 0.5))
-    found = tv.ascent.schedule_from_rocketpy(
+    schedule = tv.ascent.schedule_from_rocketpy(
         Flight(Rocket(surfaces=surfaces)), gimbal_position=-1.2
     )
-    assert any("leaves generic surfaces out" in n and "Canards" in n for n in found.notes)
+    assert any("leaves generic surfaces out" in n and "Canards" in n for n in schedule.notes)
 
 
 @pytest.mark.parametrize(
@@ -140,8 +142,10 @@ def test_inertia_and_arms_of_the_package_itself(real: tuple[float, Any]) -> None
     """From its parts, each about the common centre of mass, by parallel axes."""
     forward, flight = real
     rocket, motor = flight.rocket, flight.rocket.motor
-    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=-1.2 * forward, max_rows=401)
-    for t in found.times[[0, 200, -2]]:
+    schedule = tv.ascent.schedule_from_rocketpy(
+        flight, gimbal_position=-1.2 * forward, max_rows=401
+    )
+    for t in schedule.times[[0, 200, -2]]:
         parts = [
             (23.0, 0.0, 18.0),
             (2.0, -0.8, 0.2),
@@ -150,7 +154,7 @@ def test_inertia_and_arms_of_the_package_itself(real: tuple[float, Any]) -> None
         mass = sum(m for m, _, _ in parts)
         x = sum(m * at for m, at, _ in parts) / mass
         inertia = sum(own + m * (at - x) ** 2 for m, at, own in parts)
-        vehicle = found.at(t)
+        vehicle = schedule.at(t)
         # RocketPy keeps products of its functions as samples, a hundred over the burn
         assert vehicle.weight == pytest.approx(mass * G, rel=1e-6)
         assert vehicle.control_arm == pytest.approx(x + 1.2, rel=1e-4)
@@ -163,12 +167,12 @@ def test_inertia_and_arms_of_the_package_itself(real: tuple[float, Any]) -> None
 
 def test_without_fins_the_nose_of_the_package_pulls_alone(real: tuple[float, Any]) -> None:
     forward, flight = real
-    found = tv.ascent.schedule_from_rocketpy(
+    schedule = tv.ascent.schedule_from_rocketpy(
         flight, gimbal_position=-1.2 * forward, without=("Fins",)
     )
-    t = float(found.times[0])
+    t = float(schedule.times[0])
     nose = flight.rocket.nosecones[0]
     N = flight.dynamic_pressure(t) * np.pi * RADIUS**2 * nose.clalpha(flight.mach_number(t))
-    assert found.at(t).normal_force_slope == pytest.approx(N, rel=1e-9)
+    assert schedule.at(t).normal_force_slope == pytest.approx(N, rel=1e-9)
     x = forward * flight.rocket.center_of_mass(t)
-    assert found.at(t).aerodynamic_arm == pytest.approx(1.7 - nose.cpz - x, rel=1e-9)
+    assert schedule.at(t).aerodynamic_arm == pytest.approx(1.7 - nose.cpz - x, rel=1e-9)

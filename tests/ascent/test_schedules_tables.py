@@ -28,43 +28,43 @@ FIELDS = (
 
 def test_rasaero_gives_what_openrocket_gives_for_the_same_flight() -> None:
     """In pounds of force, inches and feet; q S as drag over its coefficient."""
-    found, other = tv.ascent.read_rasaero(FLIGHT, **ASKED), read(OPENROCKET)
-    assert found.span == (0.2, 5.0)  # it knows a centre of pressure on the rail
+    computed, other = tv.ascent.read_rasaero(FLIGHT, **ASKED), read(OPENROCKET)
+    assert computed.span == (0.2, 5.0)  # it knows a centre of pressure on the rail
     for name in FIELDS:
-        one = np.asarray(getattr(found.vehicle, name))[1:]
+        one = np.asarray(getattr(computed.vehicle, name))[1:]
         # seven digits in either file; six in the Mach number, squared, of the other's q
         np.testing.assert_allclose(one, getattr(other.vehicle, name), rtol=2e-5, err_msg=name)
-    np.testing.assert_allclose(found.height[1:], other.height, rtol=5e-7)  # seven digits of feet
+    np.testing.assert_allclose(computed.height[1:], other.height, rtol=5e-7)  # seven digits of feet
 
 
 def test_a_secant_over_four_degrees_is_not_the_slope_at_zero() -> None:
     """The column of that name holds 2.419 per rad; 2 per rad is the slope."""
     exact = tv.ascent.read_rasaero(FLIGHT, **(ASKED | {"normal_force_coefficient_slope": 2.0}))
-    found = tv.ascent.read_rasaero(FLIGHT, **ASKED)
+    result = tv.ascent.read_rasaero(FLIGHT, **ASKED)
     np.testing.assert_allclose(
-        found.vehicle.normal_force_slope, exact.vehicle.normal_force_slope, rtol=1e-6
+        result.vehicle.normal_force_slope, exact.vehicle.normal_force_slope, rtol=1e-6
     )
 
 
 def test_the_inertia_is_straight_between_its_times_and_held_beyond() -> None:
     given = {"moment_of_inertia": ([1.0, 3.0], [24.0, 20.0])}
-    found = tv.ascent.read_rasaero(FLIGHT, **(ASKED | given))
-    assert [found.at(t).moment_of_inertia for t in (0.5, 2.0, 5.0)] == [24.0, 22.0, 20.0]
-    assert any("given at 2 times from 1 to 3 s" in note for note in found.notes)
+    result = tv.ascent.read_rasaero(FLIGHT, **(ASKED | given))
+    assert [result.at(t).moment_of_inertia for t in (0.5, 2.0, 5.0)] == [24.0, 22.0, 20.0]
+    assert any("given at 2 times from 1 to 3 s" in note for note in result.notes)
 
 
 def test_a_map_may_name_the_damping() -> None:
-    found = tv.ascent.read_table(
+    schedule = tv.ascent.read_table(
         FOLDER / "table.csv", MAP | {"pitch_damping_lbf_ft_s_per_rad": 30.0}
     )
-    assert found.at(3.0).pitch_damping == pytest.approx(30.0 * 4.4482216152605 * 0.3048)
-    assert any("pitch_damping: given" in note for note in found.notes)
+    assert schedule.at(3.0).pitch_damping == pytest.approx(30.0 * 4.4482216152605 * 0.3048)
+    assert any("pitch_damping: given" in note for note in schedule.notes)
 
 
 def test_a_map_gives_what_openrocket_gives_for_the_same_flight() -> None:
-    found, other = tv.ascent.read_table(FOLDER / "table.csv", MAP), read(OPENROCKET)
+    computed, other = tv.ascent.read_table(FOLDER / "table.csv", MAP), read(OPENROCKET)
     for t in (1.0, 3.0, 5.0):
-        one, same = found.at(t), other.at(t)
+        one, same = computed.at(t), other.at(t)
         for name in FIELDS:
             if name != "axial_force":
                 expected = getattr(same, name)
@@ -79,7 +79,7 @@ def test_coefficients_and_arms_may_be_mapped(tmp_path: Path) -> None:
     file.write_text(
         "made up\nTIME GAMMA WEIGHT QBAR\n1 1.2 300 100\n2 1.1 290 200\n3 1.0 280 300\n"
     )
-    found = tv.ascent.read_table(
+    schedule = tv.ascent.read_table(
         file,
         {
             "time_s": "TIME",
@@ -99,14 +99,14 @@ def test_coefficients_and_arms_may_be_mapped(tmp_path: Path) -> None:
         },
     )
     q = 200.0 * 4.4482216152605 / 0.3048**2
-    vehicle = found.at(2.0)
+    vehicle = schedule.at(2.0)
     assert vehicle.normal_force_slope == pytest.approx(q * 0.5 * 0.05 * 180 / np.pi, rel=1e-14)
     assert vehicle.axial_force == pytest.approx(q * 0.5 * 0.4, rel=1e-14)
     assert vehicle.weight == pytest.approx(290.0 * 4.4482216152605, rel=1e-14)
-    assert found.height[0] == pytest.approx(1524.0, rel=1e-14)
-    assert found.nominal_at(2.0) == pytest.approx(np.radians(0.1), rel=1e-14)
+    assert schedule.height[0] == pytest.approx(1524.0, rel=1e-14)
+    assert schedule.nominal_at(2.0) == pytest.approx(np.radians(0.1), rel=1e-14)
     written = tmp_path / "my.csv"
-    found.to_csv(written)
+    schedule.to_csv(written)
     again = tv.load_schedule(written)
     assert again.nominal_at(2.0) == pytest.approx(np.radians(0.1), rel=1e-11)
 
@@ -121,8 +121,8 @@ def test_a_mapped_coefficient_is_not_taken_for_its_slope(tmp_path: Path) -> None
     slope = "normal_force_coefficient_slope_per_rad"
     with pytest.raises(tv.InputError, match="CN is a coefficient and not its slope"):
         tv.ascent.read_table(file, rest | {slope: "CN"})
-    found = tv.ascent.read_table(file, rest | {slope: "CN_alpha"})
-    assert found.at(1.0).normal_force_slope == pytest.approx(1000 * 0.0165 * 2, rel=1e-15)
+    schedule = tv.ascent.read_table(file, rest | {slope: "CN_alpha"})
+    assert schedule.at(1.0).normal_force_slope == pytest.approx(1000 * 0.0165 * 2, rel=1e-15)
 
 
 def test_an_angle_of_attack_that_is_mapped_is_looked_at(tmp_path: Path) -> None:
@@ -138,8 +138,8 @@ def test_pounds_of_force_are_not_read_as_newtons(tmp_path: Path) -> None:
     names = {key: name for key, name in MAP.items() if not key.startswith("thrust")}
     with pytest.raises(tv.InputError, match=r"T \(lb\) is not in the unit of thrust_N"):
         tv.ascent.read_table(path, names | {"thrust_N": "T (lb)"})
-    found = tv.ascent.read_table(path, names | {"thrust_lbf": "T (lb)"})
-    assert found.at(3.0).thrust == pytest.approx(540 * 4.4482216152605, rel=1e-12)
+    schedule = tv.ascent.read_table(path, names | {"thrust_lbf": "T (lb)"})
+    assert schedule.at(3.0).thrust == pytest.approx(540 * 4.4482216152605, rel=1e-12)
 
 
 @pytest.mark.parametrize("mark", ["(kft)", "[kft]", "(zenith)", "(m/s)", "(°)"])
@@ -157,8 +157,8 @@ def test_units_in_brackets_are_units(tmp_path: Path) -> None:
     path = tmp_path / "flight.csv"
     path.write_text(_with_column("h [ft]", 40.0))
     for key in ("altitude", "altitude_ft"):
-        found = tv.ascent.read_table(path, MAP | {key: "h [ft]"})
-        np.testing.assert_allclose(found.height, 40.0 * 0.3048, rtol=1e-15)
+        schedule = tv.ascent.read_table(path, MAP | {key: "h [ft]"})
+        np.testing.assert_allclose(schedule.height, 40.0 * 0.3048, rtol=1e-15)
     with pytest.raises(tv.InputError, match=r"h \[ft\] is not in the unit of altitude_m"):
         tv.ascent.read_table(path, MAP | {"altitude_m": "h [ft]"})
 
@@ -170,8 +170,8 @@ def test_every_unit_of_our_names_is_known_behind_theirs(tmp_path: Path) -> None:
         text = (FOLDER / "table.csv").read_text().replace("T (kN)", f"T ({unit})")
         path.write_text(text.replace(";2.4;", f";{2400.0 / factor!r};"))
         names = {key: name for key, name in MAP.items() if key != "thrust"}
-        found = tv.ascent.read_table(path, names | {f"thrust_{unit}": f"T ({unit})"})
-        assert found.at(3.0).thrust == pytest.approx(2400.0, rel=1e-14)
+        schedule = tv.ascent.read_table(path, names | {f"thrust_{unit}": f"T ({unit})"})
+        assert schedule.at(3.0).thrust == pytest.approx(2400.0, rel=1e-14)
     for kind in set(QUANTITIES.values()) - {"number"}:
         for unit, factor in UNITS[kind].items():
             written = unit.replace("_per_", "/").replace("per_", "1/").replace("_", " ")
@@ -185,8 +185,8 @@ def test_a_damaged_unit_is_itself_or_none(kind: str) -> None:
     for unit, factor in known.items():
         for mark in ("?", "\ufffd", "≤", "", " "):
             damaged = "".join(c if c.isascii() else mark for c in unit)
-            found = unit_of(damaged, known)
-            assert found is None or found.factor == pytest.approx(factor), (unit, damaged)
+            result = unit_of(damaged, known)
+            assert result is None or result.factor == pytest.approx(factor), (unit, damaged)
 
 
 def _with_column(name: str, value: float) -> str:
@@ -230,12 +230,12 @@ def test_marks_and_repeated_times_of_mapped_tables_are_read(tmp_path: Path) -> N
     lines[1] = f"# {lines[1]}"
     lines.insert(4, lines[4].replace("756.601", "1"))
     path.write_text("\n".join(lines), encoding="utf-8-sig")
-    found, plain = (
+    computed, plain = (
         tv.ascent.read_table(path, MAP),
         tv.ascent.read_table(FOLDER / "table.csv", MAP),
     )
     np.testing.assert_array_equal(
-        found.vehicle.normal_force_slope, plain.vehicle.normal_force_slope
+        computed.vehicle.normal_force_slope, plain.vehicle.normal_force_slope
     )
 
 

@@ -43,13 +43,13 @@ WIND = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 
 
 def test_a_boundary_shows_its_numbers():
-    found = tv.boundary_limit(PLANT, WIND)
-    shown = cells(found)
+    boundary = tv.boundary_limit(PLANT, WIND)
+    shown = cells(boundary)
 
-    assert float(shown["limit over trim"][0]) == pytest.approx(found.limit, rel=1e-5)
-    assert float(shown["deflection"][0]) == pytest.approx(np.degrees(found.deflection), abs=5e-4)
+    assert float(shown["limit over trim"][0]) == pytest.approx(boundary.limit, rel=1e-5)
+    assert float(shown["deflection"][0]) == pytest.approx(np.degrees(boundary.deflection), abs=5e-4)
     assert shown["deflection"][1] == "deg"
-    assert shown["status"][0] == found.status
+    assert shown["status"][0] == boundary.status
 
 
 def test_margins_are_shown_in_the_units_they_name():
@@ -72,7 +72,7 @@ def test_a_quantile_shows_its_bounds():
 
 
 def test_the_boundary_of_a_law_shows_degrees():
-    found = tv.flights.ClosedLoopBoundary(
+    boundary = tv.flights.ClosedLoopBoundary(
         limit=0.8,
         deflection=np.radians(0.4),
         scan=np.array([0.7, 0.9]),
@@ -82,7 +82,7 @@ def test_the_boundary_of_a_law_shows_degrees():
         has_unstable_mode=False,
         status="ok",
     )
-    assert list(cells(found).values()) == [
+    assert list(cells(boundary).values()) == [
         ("0.8", ""),
         ("0.400", "deg"),
         ("0.01, 0.9, 0.001, 0.83", ""),

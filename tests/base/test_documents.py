@@ -38,9 +38,9 @@ def test_every_value_of_a_mapping_is_converted():
 def test_json_holds_records_and_no_number_that_does_not_exist():
     given = {"all": [OUTER.inner, OUTER], "z": np.array([1 + 2j]), "n": np.int64(3), "no": np.nan}
 
-    found = json.loads(json.dumps(plain(given), allow_nan=False))
+    answer = json.loads(json.dumps(plain(given), allow_nan=False))
 
-    assert found["all"][0] == {"angle": np.pi}
-    assert found["all"][1]["each"] == [0.5, None]
-    assert found["z"] == [{"real": 1.0, "imag": 2.0}]
-    assert (found["n"], found["no"]) == (3, None)
+    assert answer["all"][0] == {"angle": np.pi}
+    assert answer["all"][1]["each"] == [0.5, None]
+    assert answer["z"] == [{"real": 1.0, "imag": 2.0}]
+    assert (answer["n"], answer["no"]) == (3, None)

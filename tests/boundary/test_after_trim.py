@@ -57,7 +57,7 @@ class Judge:
         hit = np.flatnonzero(np.abs(self.trim) >= height)
         k = int(hit[0]) if hit.size else len(self.trim) - 1
         t, f = self.t[k:] - self.t[k], self.f[k:]
-        rows, asked = [], []
+        rows, calls = [], []
         last = 40.0 / self.poles.real.min()
         edges = np.append(0.0, np.geomspace(1e-3 / np.abs(self.poles).max(), last, cells))
         for p, row in zip(self.poles, self.left, strict=True):
@@ -68,36 +68,36 @@ class Judge:
             for part in parts:
                 size = np.abs(part(moments)).sum()
                 rows.append(part(moments) / size)
-                asked.append(float(part(want)) / size)
-        unit = max(np.abs(asked))
+                calls.append(float(part(want)) / size)
+        unit = max(np.abs(calls))
         one, count = eye_array(cells), -np.ones((cells, 1))
         for method in ("highs-ds", "highs-ipm"):  # badly scaled, one may end without an answer
-            found = linprog(
+            program = linprog(
                 np.append(np.zeros(cells), 1.0),
                 A_ub=bmat([[one, count], [-one, count]]).tocsr(),
                 b_ub=np.zeros(2 * cells),
                 A_eq=np.column_stack([np.array(rows), np.zeros(len(rows))]),
-                b_eq=np.array(asked) / unit,
+                b_eq=np.array(calls) / unit,
                 bounds=[(None, None)] * cells + [(0.0, None)],
                 method=method,
             )
-            if found.status == 0:
-                return found.fun * unit
+            if program.status == 0:
+                return program.fun * unit
         return reject()  # the program in cells has no answer to this draw
 
 
 def held_to(plant, wind, dead_band, above=(1.003, 1.1, 1.5)):
     """Assert that nothing above the requirement is lost, and what it says is lost, is."""
-    found = required_deflection(plant, wind, dead_band)
-    needed, judge = abs(float(found.deflection)), Judge(plant, wind)
+    requirement = required_deflection(plant, wind, dead_band)
+    needed, judge = abs(float(requirement.deflection)), Judge(plant, wind)
     for part in above:
         limit = part * needed
         if judge.least(dead_band * limit) > limit:  # of cells, which finer ones undercut
             assert judge.least(dead_band * limit, FINER) <= limit * (1.0 + LEAST), part
-    if found.governs == Reason.AFTER_TRIM:
+    if requirement.governs == Reason.AFTER_TRIM:
         limit = 0.995 * needed
         assert judge.least(dead_band * limit) > limit * (1.0 - LEAST)
-    return found
+    return requirement
 
 
 @pytest.mark.parametrize(
@@ -107,11 +107,11 @@ def held_to(plant, wind, dead_band, above=(1.003, 1.1, 1.5)):
 def test_a_long_wind_needs_more_than_the_minimum_from_its_onset(name, dead_band, before):
     plant = tv.Plant.from_vehicle(tv.load_vehicle(name), "drift-exact")
     wind = tv.TriangularWind(peak=PEAK, duration=90.0)
-    found = held_to(plant, wind, dead_band)
-    assert found.governs == Reason.AFTER_TRIM
+    result = held_to(plant, wind, dead_band)
+    assert result.governs == Reason.AFTER_TRIM
     least = np.degrees(tv.optimum_deflection(plant, wind).peak)
     assert least == pytest.approx(before, abs=5e-5)  # what was called required
-    assert abs(np.degrees(found.deflection)) > 1.02 * least
+    assert abs(np.degrees(result.deflection)) > 1.02 * least
     assert not tv.is_sufficient(plant, wind, np.radians(1.01 * least), dead_band)
 
 
@@ -126,8 +126,8 @@ def test_a_slow_vehicle_needs_half_as_much_again():
     plant = tv.Plant(c, "drift-exact")
     assert tv.unstable_modes(plant).poles == pytest.approx([fast, slow])
     wind = tv.TriangularWind(peak=PEAK, duration=240.0)
-    found = held_to(plant, wind, 0.5)
-    assert found.governs == Reason.AFTER_TRIM
+    result = held_to(plant, wind, 0.5)
+    assert result.governs == Reason.AFTER_TRIM
 
 
 def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
@@ -137,9 +137,9 @@ def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
     plant = tv.Plant.from_coefficients(c, "drift-exact")
     time = [0.0, 1.78016, 5.40902, 5.80530, 7.85176, 11.70395, 14.57010]
     wind = tv.SampledWind(time=time, angle=[0, 0.06518, 0.04169, 0.02614, 0.08609, 0.05809, 0])
-    found = required_deflection(plant, wind, 0.75)
-    judge, limit = Judge(plant, wind), abs(float(found.deflection))
-    assert found.governs == Reason.AFTER_TRIM
+    requirement = required_deflection(plant, wind, 0.75)
+    judge, limit = Judge(plant, wind), abs(float(requirement.deflection))
+    assert requirement.governs == Reason.AFTER_TRIM
     assert judge.least(0.75 * 0.9955 * limit) > 0.9955 * limit
     assert judge.least(0.75 * 1.3 * limit) > judge.trim.max() < 0.75 * 1.3 * limit
     held_to(plant, wind, 0.75)
@@ -150,16 +150,16 @@ def test_trim_leaves_its_dead_band_to_the_other_side_too():
     plant, wind, dead_band = drawn(np.random.default_rng(500246))
     judge = Judge(plant, wind)
     assert judge.trim.min() < -judge.trim.max()
-    found = held_to(plant, wind, dead_band)
-    assert found.governs == Reason.AFTER_TRIM
+    result = held_to(plant, wind, dead_band)
+    assert result.governs == Reason.AFTER_TRIM
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])
 def test_with_one_mode_it_is_the_boundary(model, configuration_i):
     plant = tv.Plant.from_vehicle(configuration_i, model)
     for duration in (7.5, 60.0):
-        found = held_to(plant, tv.TriangularWind(peak=PEAK, duration=duration), 0.5)
-        assert (found.governs, found.needs[Reason.AFTER_TRIM]) == (Reason.BOUNDARY, 0.0)
+        result = held_to(plant, tv.TriangularWind(peak=PEAK, duration=duration), 0.5)
+        assert (result.governs, result.needs[Reason.AFTER_TRIM]) == (Reason.BOUNDARY, 0.0)
 
 
 @pytest.mark.thorough

@@ -57,19 +57,19 @@ def brackets(residual, y, error, *numbers):
 
 def test_eq_7_and_eq_16_to_thirteen_digits():
     tau_beta, K1 = cases(1000, 1)
-    found = rectangular_limit(tau_beta, K1)
+    result = rectangular_limit(tau_beta, K1)
     with workdps(50):
         expected = [float(-mpf(k) * expm1(-mpf(x))) for x, k in zip(tau_beta, K1, strict=True)]
-    np.testing.assert_allclose(found, expected, rtol=1e-13)
+    np.testing.assert_allclose(result, expected, rtol=1e-13)
     np.testing.assert_array_equal(rectangular_limit(tau_beta), rectangular_limit(tau_beta, 1.0))
 
 
 def test_eq_12_as_printed_to_thirteen_digits():
     tau_beta, dead_band = cases(2000, 2)
-    found = triangular_limit(tau_beta, dead_band)
+    result = triangular_limit(tau_beta, dead_band)
     missed = [
         (x, K)
-        for y, x, K in zip(found, tau_beta, dead_band, strict=True)
+        for y, x, K in zip(result, tau_beta, dead_band, strict=True)
         if not brackets(eq_12, y, 1e-13, x, K)
     ]
     assert missed == []
@@ -121,8 +121,8 @@ def test_eq_18_has_a_limit_for_b1_equal_to_zero(dead_band):
 
 def test_without_drift_eq_18_is_eq_12():
     tau_beta, dead_band = cases(200, 4)
-    found = triangular_limit_with_drift(tau_beta, dead_band, 0.5, 0.03, 0.03)
-    np.testing.assert_allclose(found, triangular_limit(tau_beta, dead_band), rtol=1e-13)
+    result = triangular_limit_with_drift(tau_beta, dead_band, 0.5, 0.03, 0.03)
+    np.testing.assert_allclose(result, triangular_limit(tau_beta, dead_band), rtol=1e-13)
 
 
 def test_very_short_winds_have_the_limit_of_their_area():
@@ -182,9 +182,9 @@ def test_the_switch_comes_in_the_first_half_of_the_wind():
 def test_a_root_beyond_its_usual_ends_is_found_beside_a_plain_one():
     # With K1 > 1 the root z = y tau beta/2 of eq (18) may lie beyond 1/(1 - K).
     numbers = [20.0, 4.0], [0.1, 0.5], 0.5, 0.01, [0.2, 0.005]
-    found = solve_triangular_with_drift(*numbers)
-    assert found.limit[0] * 10.0 > 1.0 / (1.0 - 0.1)
-    for y, *at in zip(found.limit, *np.broadcast_arrays(*numbers), strict=True):
+    result = solve_triangular_with_drift(*numbers)
+    assert result.limit[0] * 10.0 > 1.0 / (1.0 - 0.1)
+    for y, *at in zip(result.limit, *np.broadcast_arrays(*numbers), strict=True):
         assert brackets(eq_18, y, 1e-11, *at)
 
 

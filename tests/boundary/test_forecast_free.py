@@ -90,17 +90,17 @@ def bisected(survives, low=0.0, high=2.0):
 
 @pytest.mark.parametrize(("tau_beta", "published"), PUBLISHED.items())
 def test_the_triangle_has_the_closed_form_and_the_published_row(tau_beta, published):
-    found = tv.forecast_free_limit(plant_of(), triangle(tau_beta))
+    bound = tv.forecast_free_limit(plant_of(), triangle(tau_beta))
     half = np.exp(-tau_beta / 2.0)
     wind_known = 2.0 / tau_beta * (1.0 - half) ** 2
     expected = max(wind_known, 0.5 - np.log(2.0 - half) / tau_beta)
-    assert found.limit == pytest.approx(expected, rel=1e-12)
-    assert found.limit == pytest.approx(published, abs=5e-5)
-    assert found.wind_known == pytest.approx(wind_known, rel=1e-12)
+    assert bound.limit == pytest.approx(expected, rel=1e-12)
+    assert bound.limit == pytest.approx(published, abs=5e-5)
+    assert bound.wind_known == pytest.approx(wind_known, rel=1e-12)
     # Sup W is where W is the wind itself, on the way up.
     instant = (tau_beta / 2.0 - np.log(2.0 - half)) / BETA
-    assert found.worst_stop_time == pytest.approx(instant, rel=1e-9)
-    assert found.kind == EXACT == "exact"
+    assert bound.worst_stop_time == pytest.approx(instant, rel=1e-9)
+    assert bound.kind == EXACT == "exact"
 
 
 def test_the_two_branches_of_the_triangle_meet():
@@ -113,10 +113,10 @@ def test_the_two_branches_of_the_triangle_meet():
 def test_nothing_is_gained_in_a_rectangle(tau_beta):
     """It is strongest at its onset, where all of it is still to come."""
     wind = tv.RectangularWind(peak=0.05, duration=tau_beta / BETA)
-    found = tv.forecast_free_limit(plant_of(), wind)
-    assert found.limit == pytest.approx(-np.expm1(-tau_beta), rel=1e-12)
-    assert found.limit == pytest.approx(rectangular_limit(tau_beta), rel=1e-12)
-    assert found.worst_stop_time == 0.0
+    bound = tv.forecast_free_limit(plant_of(), wind)
+    assert bound.limit == pytest.approx(-np.expm1(-tau_beta), rel=1e-12)
+    assert bound.limit == pytest.approx(rectangular_limit(tau_beta), rel=1e-12)
+    assert bound.worst_stop_time == 0.0
 
 
 SMOOTH = (
@@ -130,10 +130,10 @@ SMOOTH = (
     "wind", usual([*(random_wind(seed) for seed in range(12)), *SMOOTH], 0, 5, 12, 14)
 )
 def test_any_wind_against_quadrature(wind):
-    found = tv.forecast_free_limit(plant_of(), wind)
-    assert found.wind_known == pytest.approx(ahead(wind, float(wind.onset)), rel=1e-9)
-    worst = ahead(wind, found.worst_stop_time)
-    assert found.limit == pytest.approx(max(found.wind_known, worst / 2.0), rel=1e-9)
+    bound = tv.forecast_free_limit(plant_of(), wind)
+    assert bound.wind_known == pytest.approx(ahead(wind, float(wind.onset)), rel=1e-9)
+    worst = ahead(wind, bound.worst_stop_time)
+    assert bound.limit == pytest.approx(max(bound.wind_known, worst / 2.0), rel=1e-9)
     every = np.linspace(float(wind.onset), float(wind.end), 50)
     assert max(ahead(wind, t) for t in every) <= worst * (1.0 + 1e-9)
 
@@ -167,27 +167,27 @@ def test_the_greedy_law_survives_just_above_and_not_just_below(seed):
 def test_foresight_is_appendix_c_and_costs_less(seed):
     wind = random_wind(seed)
     plant = plant_of()
-    found = tv.forecast_free_limit(plant, wind)
+    bound = tv.forecast_free_limit(plant, wind)
     least = tv.optimum_deflection(plant, wind, start=float(wind.onset)).peak
-    assert found.wind_known == pytest.approx(least / (plant.coefficients.B * wind.peak), rel=1e-9)
-    assert found.limit >= found.wind_known
-    assert found.limit <= 1.0
-    assert found.deflection == pytest.approx(-found.limit * plant.coefficients.B * wind.peak)
+    assert bound.wind_known == pytest.approx(least / (plant.coefficients.B * wind.peak), rel=1e-9)
+    assert bound.limit >= bound.wind_known
+    assert bound.limit <= 1.0
+    assert bound.deflection == pytest.approx(-bound.limit * plant.coefficients.B * wind.peak)
     assert limit_of(wind) <= tv.boundary_limit(plant, wind).limit * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_only_the_shape_counts_and_neither_its_sign_nor_its_date(seed):
     wind, plant = random_wind(seed), plant_of()
-    found = tv.forecast_free_limit(plant, wind)
+    bound = tv.forecast_free_limit(plant, wind)
     for other, factor, later in ((3.0 * wind, 3.0, 0.0), (-wind, -1.0, 0.0), (wind, 1.0, 500.0)):
         again = tv.forecast_free_limit(plant, other.shift(later))
-        assert again.limit == pytest.approx(found.limit, rel=1e-9)
-        assert again.deflection == pytest.approx(factor * found.deflection, rel=1e-9)
-        assert again.worst_stop_time == pytest.approx(found.worst_stop_time + later, abs=1e-6)
+        assert again.limit == pytest.approx(bound.limit, rel=1e-9)
+        assert again.deflection == pytest.approx(factor * bound.deflection, rel=1e-9)
+        assert again.worst_stop_time == pytest.approx(bound.worst_stop_time + later, abs=1e-6)
     slow = Plant.from_coefficients(Coefficients(mu_alpha=BETA**2 / 9.0, mu_delta=-2.6))
     stretched = SampledWind(time=3.0 * wind.time, angle=wind.angle)
-    assert tv.forecast_free_limit(slow, stretched).limit == pytest.approx(found.limit, rel=1e-9)
+    assert tv.forecast_free_limit(slow, stretched).limit == pytest.approx(bound.limit, rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -207,12 +207,12 @@ def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
 def test_a_reversal_is_reserved_for(seed, reversal):
     """With z above y - R a reversal instead of a stop would be lost, and z begins at zero."""
     wind = random_wind(seed)
-    found = limit_of(wind, reversal=reversal)
+    result = limit_of(wind, reversal=reversal)
     plain = tv.forecast_free_limit(plant_of(), wind)
     largest = ahead(wind, plain.worst_stop_time)
     expected = max(plain.wind_known, (largest + reversal) / 2.0, reversal)
-    assert found == pytest.approx(expected, rel=1e-9)
-    assert bisected(lambda y: viable(wind, y, reversal)) == pytest.approx(found, abs=1e-3)
+    assert result == pytest.approx(expected, rel=1e-9)
+    assert bisected(lambda y: viable(wind, y, reversal)) == pytest.approx(result, abs=1e-3)
 
 
 def test_long_winds_need_half_and_never_more():
@@ -232,15 +232,15 @@ def test_with_drift_it_is_the_bound_of_the_fast_mode(name, model):
     strength = (pole + c.b2) / (pole + c.b1)
     for seed in range(3):
         wind = random_wind(seed)
-        found = tv.forecast_free_limit(plant, wind)
-        assert found.kind == BOUND != EXACT
+        bound = tv.forecast_free_limit(plant, wind)
+        assert bound.kind == BOUND != EXACT
         wind_known = ahead(wind, float(wind.onset), pole)
-        every = [ahead(wind, t, pole) for t in (found.worst_stop_time, *wind.knots[:-1])]
+        every = [ahead(wind, t, pole) for t in (bound.worst_stop_time, *wind.knots[:-1])]
         expected = strength * max(wind_known, every[0] / 2.0)
-        assert found.limit == pytest.approx(expected, rel=1e-8)
+        assert bound.limit == pytest.approx(expected, rel=1e-8)
         assert every[0] == max(every)
-        assert found.wind_known == pytest.approx(strength * wind_known, rel=1e-8)
-        assert found.deflection == pytest.approx(-found.limit * c.B * float(wind.peak))
+        assert bound.wind_known == pytest.approx(strength * wind_known, rel=1e-8)
+        assert bound.deflection == pytest.approx(-bound.limit * c.B * float(wind.peak))
 
 
 @pytest.mark.parametrize(
@@ -285,7 +285,7 @@ def test_a_batch_gives_what_each_case_gives_alone():
     winds = TriangularWind(peak=[[0.08], [-0.05]], duration=durations)
     for model in MODELS:
         plant = Plant.from_vehicle(vehicle.replace(velocity=slow), model)
-        found = tv.forecast_free_limit(plant, winds)
+        bound = tv.forecast_free_limit(plant, winds)
         for i, peak in enumerate((0.08, -0.05)):
             for k, V in enumerate(slow):
                 one = Plant.from_vehicle(vehicle.replace(velocity=V), model)
@@ -293,7 +293,7 @@ def test_a_batch_gives_what_each_case_gives_alone():
                 alone = tv.forecast_free_limit(one, wind)
                 for name in ("limit", "deflection", "wind_known", "worst_stop_time"):
                     expected = pytest.approx(getattr(alone, name), rel=1e-12)
-                    assert getattr(found, name)[i, k] == expected, (model, name)
+                    assert getattr(bound, name)[i, k] == expected, (model, name)
 
 
 def test_in_a_batch_a_stable_case_needs_nothing_and_a_pair_has_no_bound():
@@ -301,7 +301,7 @@ def test_in_a_batch_a_stable_case_needs_nothing_and_a_pair_has_no_bound():
     three = COEFFICIENTS.replace(
         mu_alpha=[beta**2, -0.3, beta**2], C2=[0.1 * beta**3, 0.0, 0.39 * beta**3]
     )
-    found = tv.forecast_free_limit(plant_of("drift-exact", coefficients=three), triangle(4.0))
-    assert found.limit[0] > 0.0
-    assert found.limit[1] == 0.0
-    assert np.isnan(found.limit[2])
+    bound = tv.forecast_free_limit(plant_of("drift-exact", coefficients=three), triangle(4.0))
+    assert bound.limit[0] > 0.0
+    assert bound.limit[1] == 0.0
+    assert np.isnan(bound.limit[2])

@@ -45,20 +45,20 @@ def test_rectangular_winds_have_the_limit_of_eq_7_and_with_drift_of_eq_16(switch
 
 def test_triangular_winds_have_the_limit_of_eq_12():
     wind = tvclin.TriangularWind(peak=-0.1, duration=TAU_BETA / BETA)
-    found = boundary_limit(plant_of(), wind, DEAD_BANDS)
+    boundary = boundary_limit(plant_of(), wind, DEAD_BANDS)
     expected = triangular_limit(TAU_BETA, DEAD_BANDS)
-    np.testing.assert_allclose(found.limit, expected, rtol=1e-12)
+    np.testing.assert_allclose(boundary.limit, expected, rtol=1e-12)
     np.testing.assert_allclose(
-        found.switch_time, expected * DEAD_BANDS / 2 * TAU_BETA / BETA, rtol=1e-11
+        boundary.switch_time, expected * DEAD_BANDS / 2 * TAU_BETA / BETA, rtol=1e-11
     )
-    assert np.all(found.status == "ok")
+    assert np.all(boundary.status == "ok")
 
 
 def test_triangular_winds_with_drift_have_the_limit_of_eq_18():
     wind = tvclin.TriangularWind(peak=-0.1, duration=TAU_BETA / BETA)
-    found = boundary_limit(plant_of("drift"), wind, DEAD_BANDS)
+    boundary = boundary_limit(plant_of("drift"), wind, DEAD_BANDS)
     expected = triangular_limit_with_drift(TAU_BETA, DEAD_BANDS, BETA, **DRIFT)
-    np.testing.assert_allclose(found.limit, expected, rtol=1e-12)
+    np.testing.assert_allclose(boundary.limit, expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -71,8 +71,8 @@ def test_triangular_winds_with_drift_have_the_limit_of_eq_18():
 def test_the_exact_cubic_has_the_limits_computed_in_50_digits(name, limits, request):
     plant = Plant.from_vehicle(request.getfixturevalue(name), "drift-exact")
     wind = tvclin.TriangularWind(peak=0.1, duration=4.0 / plant.coefficients.beta)
-    found = boundary_limit(plant, wind, [1.0, 0.5, 0.0]).limit
-    np.testing.assert_allclose(found, limits, rtol=0, atol=5.1e-6)
+    computed = boundary_limit(plant, wind, [1.0, 0.5, 0.0]).limit
+    np.testing.assert_allclose(computed, limits, rtol=0, atol=5.1e-6)
 
 
 @pytest.mark.parametrize(
@@ -102,9 +102,9 @@ def trim_at(t, b1, b2):
 @pytest.mark.parametrize("switch", ["report", "literal"])
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])
 def test_the_limit_of_a_sampled_wind_satisfies_eq_4b(model, switch, dead_band):
-    found = boundary_limit(plant_of(model), sampled(), dead_band, switch)
+    boundary = boundary_limit(plant_of(model), sampled(), dead_band, switch)
     b1, b2 = DRIFT.values() if model == "drift" else (0.0, 0.0)
-    a = found.switch_time
+    a = boundary.switch_time
 
     def integrand(t):
         """The wind at the pole; up to the switch also its trim, integrated by parts."""
@@ -116,19 +116,19 @@ def test_the_limit_of_a_sampled_wind_satisfies_eq_4b(model, switch, dead_band):
 
     to_come = mpmath.quad(integrand, sorted({*TIME, a}))
     expected = to_come * BETA * mpmath.exp(BETA * a) / (BETA + b1)
-    assert found.limit == pytest.approx(float(expected), rel=1e-12)  # quad works in 15 digits
+    assert boundary.limit == pytest.approx(float(expected), rel=1e-12)  # quad works in 15 digits
     if dead_band:
         level = trim_at(a, b1, b2) if switch == "literal" else np.interp(a, TIME, GUST)
-        assert dead_band * found.limit == pytest.approx(float(level), rel=1e-12)
+        assert dead_band * boundary.limit == pytest.approx(float(level), rel=1e-12)
     else:
         assert a == 0.0
 
 
 def test_without_dead_band_the_control_starts_with_the_wind_not_with_its_samples():
     wind = sampled(0.08, [0.0, 3.0, 4.0, 5.0, 9.0], [0.0, 0.0, 1.0, 0.0, 0.0])
-    found = boundary_limit(plant_of(), wind, 0.0)
-    assert found.switch_time == 3.0
-    assert found.limit == pytest.approx(triangular_limit(2.0 * BETA, 0.0), rel=1e-12)
+    boundary = boundary_limit(plant_of(), wind, 0.0)
+    assert boundary.switch_time == 3.0
+    assert boundary.limit == pytest.approx(triangular_limit(2.0 * BETA, 0.0), rel=1e-12)
 
 
 def excess(time, gust, dead_band, y):
@@ -148,13 +148,13 @@ def excess(time, gust, dead_band, y):
 
 def assert_least_sufficient(time, gust, dead_band):
     """Every limit above the one found meets the demand, and one just below does not."""
-    found = boundary_limit(plant_of(), sampled(0.08, time, gust), dead_band)
-    assert found.status == "ok"
-    assert excess(time, gust, dead_band, found.limit) == pytest.approx(0.0, abs=1e-12)
-    assert excess(time, gust, dead_band, found.limit * (1 - 1e-9)) < 0.0
-    higher = np.linspace(found.limit * (1 + 1e-9), 0.999, 200)
+    boundary = boundary_limit(plant_of(), sampled(0.08, time, gust), dead_band)
+    assert boundary.status == "ok"
+    assert excess(time, gust, dead_band, boundary.limit) == pytest.approx(0.0, abs=1e-12)
+    assert excess(time, gust, dead_band, boundary.limit * (1 - 1e-9)) < 0.0
+    higher = np.linspace(boundary.limit * (1 + 1e-9), 0.999, 200)
     short = [y for y in higher if excess(time, gust, dead_band, y) < 0.0]
-    assert short == [], (time.tolist(), gust.tolist(), dead_band, found.limit)
+    assert short == [], (time.tolist(), gust.tolist(), dead_band, boundary.limit)
 
 
 def test_of_two_peaks_the_one_that_needs_more_counts():
@@ -237,10 +237,10 @@ def test_a_batch_equals_a_loop(model):
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])
 def test_a_stable_vehicle_needs_no_deflection_alone_or_in_a_batch(model):
     stable = Plant.from_coefficients(Coefficients(mu_alpha=-0.3, mu_delta=2.6, **DRIFT), model)
-    found = boundary_limit(stable, sampled())
-    assert (found.limit, found.deflection) == (0.0, 0.0)
-    assert np.isnan(found.switch_time)
-    assert found.status == STABLE
+    boundary = boundary_limit(stable, sampled())
+    assert (boundary.limit, boundary.deflection) == (0.0, 0.0)
+    assert np.isnan(boundary.switch_time)
+    assert boundary.status == STABLE
     assert is_sufficient(stable, sampled(), 1e-9) is True
     assert np.degrees(survivable_peak(stable, sampled(), 1e-9)) == pytest.approx(30.0)
     both = Coefficients(mu_alpha=[-0.3, BETA**2], mu_delta=[2.6, BETA**2 / B], **DRIFT)
@@ -311,8 +311,8 @@ def test_vehicles_with_more_and_fewer_unstable_poles_stand_in_one_batch():
 
 def test_a_batch_of_stable_vehicles_needs_no_deflection():
     stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.6), "fixed-path")
-    found = boundary_limit(stable, sampled())
-    assert found.limit.tolist() == found.deflection.tolist() == [0.0, 0.0]
+    boundary = boundary_limit(stable, sampled())
+    assert boundary.limit.tolist() == boundary.deflection.tolist() == [0.0, 0.0]
     rate, paired = leading_pole(stable)
     assert np.isnan(rate).tolist() == [True, True]
     assert paired.tolist() == [False, False]
@@ -359,14 +359,14 @@ def test_a_jump_to_a_new_height_after_a_calm_is_not_overlooked():
 def test_where_trim_never_saturates_the_limit_is_the_largest_trim(b2, most):
     drifting = Coefficients.from_beta(beta=0.5, B=0.1, b1=0.0, b2=b2)
     plant = Plant.from_coefficients(drifting, "drift")
-    found = boundary_limit(plant, tvclin.TriangularWind(peak=0.1, duration=60.0))
-    assert found.status.startswith("trim never saturates")
-    assert np.isnan(found.switch_time)
-    assert found.limit == pytest.approx(most, rel=1e-12)
-    assert found.deflection == pytest.approx(-most * 0.1 * 0.1, rel=1e-12)
+    boundary = boundary_limit(plant, tvclin.TriangularWind(peak=0.1, duration=60.0))
+    assert boundary.status.startswith("trim never saturates")
+    assert np.isnan(boundary.switch_time)
+    assert boundary.limit == pytest.approx(most, rel=1e-12)
+    assert boundary.deflection == pytest.approx(-most * 0.1 * 0.1, rel=1e-12)
     ordinary = tvclin.TriangularWind(peak=0.1, duration=[60.0, 4.0])
     both = boundary_limit(plant, ordinary, [1.0, 0.5])
-    assert both.status.tolist() == [found.status, "ok"]
+    assert both.status.tolist() == [boundary.status, "ok"]
     assert both.limit[0] == pytest.approx(most, rel=1e-12)
 
 
@@ -376,16 +376,18 @@ def test_where_the_demand_jumps_every_limit_above_the_first_pulse_is_sufficient(
     )
     second = tvclin.RectangularWind(peak=0.06, duration=0.5).shift(40.0)
     wind = tvclin.RectangularWind(peak=0.05, duration=20.0) + second
-    found = boundary_limit(plant, wind, [1.0, 0.0])
+    boundary = boundary_limit(plant, wind, [1.0, 0.0])
     # Held from the first pulse on, more than its height is needed, for trim rises in it; a limit
     # above that height trims it all, and the short second pulse needs less.
-    assert found.limit[0] == pytest.approx(5.0 / 6.0, rel=1e-12)
-    assert [status.split(":")[0] for status in found.status] == [
+    assert boundary.limit[0] == pytest.approx(5.0 / 6.0, rel=1e-12)
+    assert [status.split(":")[0] for status in boundary.status] == [
         "no limit satisfies (4b) exactly",
         "ok",
     ]
     for part, sign in ((1.0 - 1e-9, -1.0), (1.0 + 1e-9, 1.0)):
-        held = tvclin.trim_then_hold(plant, wind, limit=part * found.deflection[0], dead_band=1.0)
+        held = tvclin.trim_then_hold(
+            plant, wind, limit=part * boundary.deflection[0], dead_band=1.0
+        )
         over = tvclin.residues(plant, held, wind)[0] / tvclin.residues(plant, held, 0.0 * wind)[0]
         assert np.sign(over) == sign
 
@@ -409,9 +411,9 @@ def test_a_pair_counts_from_a_twentieth_of_the_rate_and_real_poles_that_are_toge
 ):
     _, C1, stiffness, C2 = np.real(np.poly(poles))
     c = Coefficients(mu_alpha=-stiffness, mu_delta=2.0, C1=C1, C2=C2)
-    found = leading_pole(Plant.from_coefficients(c, "drift-exact"))
-    np.testing.assert_allclose(found[0], rate, rtol=1e-10)
-    assert found[1] == paired
+    result = leading_pole(Plant.from_coefficients(c, "drift-exact"))
+    np.testing.assert_allclose(result[0], rate, rtol=1e-10)
+    assert result[1] == paired
 
 
 @pytest.mark.parametrize("peak", [0.08, -0.08])
@@ -444,11 +446,11 @@ def test_a_path_that_grows_without_an_aerodynamic_moment_has_no_limit_over_trim(
 def test_a_table_has_a_row_for_each_place_and_a_column_for_each_dead_band():
     durations, dead_bands = np.array([5.0, 10.0]), np.array([0.0, 0.5, 1.0])
     wind = tvclin.TriangularWind(peak=0.05, duration=durations[:, np.newaxis])
-    found = boundary_limit(plant_of(), wind, dead_bands)
-    table = found.table("y", "tau [s]", durations, dead_bands)
+    boundary = boundary_limit(plant_of(), wind, dead_bands)
+    table = boundary.table("y", "tau [s]", durations, dead_bands)
     assert table.head == ("tau [s]", "K = 0", "K = 0.5", "K = 1")
     shown = [[number.value for (number,) in row] for row in table.rows]
-    np.testing.assert_array_equal(shown, np.column_stack([durations, found.limit]))
+    np.testing.assert_array_equal(shown, np.column_stack([durations, boundary.limit]))
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -45,11 +45,11 @@ def test_the_gauge_follows_from_the_support(stop):
     """g(v) = max d.v/h(d): looked for among many directions, it is approached from below."""
     fine = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 40001))
     sought = (np.real(np.conj(fine) * AROUND[:, np.newaxis]) / stop.support(fine)).max(axis=1)
-    found = stop.gauge(AROUND)
-    assert np.all(sought <= found * (1.0 + ROUNDING))
+    result = stop.gauge(AROUND)
+    assert np.all(sought <= result * (1.0 + ROUNDING))
     # a corner of the polar shape is missed by a slope of at most 8 times half a step
-    assert np.all(sought >= found * (1.0 - 8.0 * np.pi / 40000))
-    assert tv.boundary.LimitShape.gauge(stop, AROUND) == pytest.approx(found, rel=ROUNDING)
+    assert np.all(sought >= result * (1.0 - 8.0 * np.pi / 40000))
+    assert tv.boundary.LimitShape.gauge(stop, AROUND) == pytest.approx(result, rel=ROUNDING)
     assert stop.gauge(stop.farthest(AROUND)) == pytest.approx(1.0, rel=ROUNDING)
     reached = np.real(np.conj(AROUND) * stop.farthest(AROUND))
     assert reached == pytest.approx(stop.support(AROUND), rel=ROUNDING)
@@ -129,10 +129,10 @@ PLACES = (1.0 + 0.2j, -0.3 + 1.1j, -1.0 + 0.0j, 0.4 - 0.8j)
 @pytest.mark.parametrize("hold_roll", usual([True, False], 1))
 def test_a_linear_program_finds_the_same_limit_with_square_stops(dead, hold_roll):
     stop = SquareShape(0.2)
-    found = cluster(dead, PLACES, stop, hold_roll)
+    result = cluster(dead, PLACES, stop, hold_roll)
     for v in unit(np.array([10.0, 100.0, 200.0, 305.0])):
         expected = least_limit(PLACES, complex(v), stop.corners, dead, hold_roll)
-        assert found.gauge(v) == pytest.approx(expected, rel=1e-8)  # HiGHS: 1e-7 feasible, vertex
+        assert result.gauge(v) == pytest.approx(expected, rel=1e-8)  # HiGHS: 1e-7 feasible, vertex
 
 
 @pytest.mark.parametrize("dead", [(0,), (1, 2)])
@@ -141,16 +141,16 @@ def test_linear_programs_enclose_the_limit_with_round_stops(dead):
     inside = np.exp(2j * np.pi * np.arange(sides) / sides)
     for v in unit(np.array([10.0, 77.0, 205.0])):
         above = least_limit(PLACES, complex(v), inside, dead)
-        found = cluster(dead, PLACES).gauge(v)
-        assert above * np.cos(np.pi / sides) <= found * (1.0 + 1e-9)
-        assert found <= above * (1.0 + 1e-9)
+        result = cluster(dead, PLACES).gauge(v)
+        assert above * np.cos(np.pi / sides) <= result * (1.0 + 1e-9)
+        assert result <= above * (1.0 + 1e-9)
 
 
 def test_clusters_with_engines_that_are_centred():
     three = cluster([0])
-    found = three.gauge(unit(np.array([0.0, 45.0, 90.0])))
-    assert found[[0, 2]] == pytest.approx([4 / 3, 4 / (1 + 3**0.5)], rel=1e-12)
-    assert found[1] == pytest.approx(1.4047, abs=5e-5)
+    result = three.gauge(unit(np.array([0.0, 45.0, 90.0])))
+    assert result[[0, 2]] == pytest.approx([4 / 3, 4 / (1 + 3**0.5)], rel=1e-12)
+    assert result[1] == pytest.approx(1.4047, abs=5e-5)
     assert cluster([0], hold_roll=False).gauge(AROUND) == pytest.approx(4 / 3, rel=1e-12)
     two = cluster([0, 1]).gauge(unit(np.array([0.0, 90.0, 45.0])))
     assert two == pytest.approx([8**0.5, 8**0.5, 2.0], rel=1e-12)
@@ -158,8 +158,8 @@ def test_clusters_with_engines_that_are_centred():
     assert square == pytest.approx([4 / 3, 4 / 3 * 1.2 / 2**0.5], rel=1e-9)
     five = (*unit(np.array([45.0, 135.0, 225.0, 315.0])), 0.0)
     assert cluster([4], five).gauge(AROUND) == pytest.approx(1.25, rel=1e-12)
-    found = cluster([0, 4], five).gauge(unit(np.array([0.0, 135.0])))
-    assert found == pytest.approx([1.7558, 1.8301], abs=5e-5)
+    result = cluster([0, 4], five).gauge(unit(np.array([0.0, 135.0])))
+    assert result == pytest.approx([1.7558, 1.8301], abs=5e-5)
 
 
 def test_an_engine_hard_over_the_wrong_way_takes_two():

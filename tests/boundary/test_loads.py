@@ -94,7 +94,7 @@ def program(tau_beta, load, h, mu=0.0, rho=np.inf):
         turning = sparse.hstack([0.0 * now, 0.0 * now, then - now, none])
         below, most = [*below, turning, -turning], [*most, np.full(2 * n, rho * h)]
     cost = np.append(np.zeros(3 * n + 3), 1.0)
-    found = linprog(
+    result = linprog(
         cost,
         sparse.vstack(below).tocsr(),
         np.concatenate(most),
@@ -103,8 +103,8 @@ def program(tau_beta, load, h, mu=0.0, rho=np.inf):
         (None, None),
         method="highs-ipm",
     )
-    assert found.status == 0
-    return found.fun
+    assert result.status == 0
+    return result.fun
 
 
 @pytest.mark.parametrize(

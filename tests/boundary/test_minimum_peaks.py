@@ -66,10 +66,10 @@ def test_a_batch_of_peaks_takes_plants_of_every_kind_together():
     kinds = [(0.5, 0.013), (0.2, 0.2), (0.1 + 0.1j, 0.1 - 0.1j), (0.3, -0.1)]
     plants = [plant_of_poles(*two) for two in kinds]
     every = Coefficients(**{n: [getattr(p.coefficients, n) for p in plants] for n in NUMBERS})
-    found = minimum_peaks(Plant(every, "drift-exact"), WIND)
+    result = minimum_peaks(Plant(every, "drift-exact"), WIND)
     alone = [float(minimum_peaks(p, WIND)) for p in plants]
     # Conditions of poles set apart by 2e-6 are known to rounding over that.
-    np.testing.assert_allclose(found, alone, rtol=np.finfo(float).eps / 2e-6 * 4.0)
+    np.testing.assert_allclose(result, alone, rtol=np.finfo(float).eps / 2e-6 * 4.0)
 
 
 def test_without_an_unstable_pole_nothing_is_needed():

@@ -30,11 +30,11 @@ def scaled_grid_peak(constraints, cells=4000):
     sizes = np.abs(rows).sum(axis=1)
     matrix = np.column_stack([rows, -constraints.demands]) / sizes[:, None]
     bounds = [*[(-1.0, 1.0)] * cells, (0.0, None)]
-    found = linprog(
+    program = linprog(
         np.append(np.zeros(cells), -1.0), A_eq=matrix, b_eq=np.zeros(len(rows)), bounds=bounds
     )
-    assert found.status == 0
-    return 1.0 / found.x[-1]
+    assert program.status == 0
+    return 1.0 / program.x[-1]
 
 
 def cases(count):

@@ -94,7 +94,7 @@ def grid_peak(plant, wind, rate, count=1200):
     difference = np.eye(count) - np.eye(count, k=-1)
     unit, column = np.abs(demands * modes.poles).max(), np.ones((count, 1))
     zero = np.zeros((count, 1))
-    found = linprog(
+    program = linprog(
         np.append(np.zeros(count), 1.0),
         A_ub=np.vstack(
             [
@@ -109,8 +109,8 @@ def grid_peak(plant, wind, rate, count=1200):
         b_eq=demands / sizes / unit,
         bounds=[*[(None, None)] * count, (0.0, None)],
     )
-    assert found.status == 0
-    return found.x[-1] * unit
+    assert program.status == 0
+    return program.x[-1] * unit
 
 
 @pytest.mark.parametrize(("tau_beta", "rate"), usual([(4.0, 4e-3), (17.0, 2e-3), (20.0, 8e-4)], 1))
@@ -118,9 +118,9 @@ def test_two_poles_against_another_program(tau_beta, rate):
     plant = configuration("drift-exact")
     wind = triangle(plant, tau_beta)
     other = grid_peak(plant, wind, rate)
-    found = with_limit(plant, wind, rate).peak
-    assert found == pytest.approx(other, rel=2e-3)
-    assert found <= other * (1.0 + 1e-4)
+    computed = with_limit(plant, wind, rate).peak
+    assert computed == pytest.approx(other, rel=2e-3)
+    assert computed <= other * (1.0 + 1e-4)
 
 
 @pytest.mark.thorough

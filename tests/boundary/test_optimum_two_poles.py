@@ -62,12 +62,12 @@ def pairs(count):
 def test_two_poles_agree_with_sixty_digits():
     for poles, demands in pairs(200):
         peak, switch = precise_pair(poles, demands)
-        found = switch_time(tuple(poles), tuple(demands))
-        shares = 1.0 - 2.0 * np.exp(-poles * found)
+        result = switch_time(tuple(poles), tuple(demands))
+        shares = 1.0 - 2.0 * np.exp(-poles * result)
         i = int(np.argmax(np.abs(shares)))
         assert abs(poles[i] * demands[i] / shares[i]) == pytest.approx(float(peak), rel=1e-11)
-        if poles.min() * found < 10.0 and found > 1e-3 / poles.max():
-            assert found == pytest.approx(float(switch), rel=1e-10)
+        if poles.min() * result < 10.0 and result > 1e-3 / poles.max():
+            assert result == pytest.approx(float(switch), rel=1e-10)
 
 
 @pytest.mark.thorough
@@ -129,9 +129,9 @@ def test_approximations_of_the_switch():
 def test_the_duration_up_to_which_one_pole_decides():
     for name, tau, tau_beta in (("configuration-i", 31.8, 16.8), ("configuration-ii", 40.7, 16.1)):
         coefficients = Coefficients.from_vehicle(tvclin.load_vehicle(name))
-        found = single_pole_validity(coefficients)
-        assert found == pytest.approx(tau, abs=0.05)
-        assert found * coefficients.beta == pytest.approx(tau_beta, abs=0.05)
+        result = single_pole_validity(coefficients)
+        assert result == pytest.approx(tau, abs=0.05)
+        assert result * coefficients.beta == pytest.approx(tau_beta, abs=0.05)
     printed = longest_single_pole_duration(0.01, 0.5)
     assert printed == pytest.approx(30.479, abs=5e-4)
     assert duration_without_fast_pole(0.01, 0.5) == pytest.approx(30.495, abs=5e-4)
@@ -144,9 +144,9 @@ def test_the_duration_up_to_which_one_pole_decides():
 
 
 def test_where_the_fast_pole_leaves_no_trace_its_neglect_is_exact():
-    found = longest_single_pole_duration(1e-6, 1.0)  # e^(-tau beta2/2) is e^(-1000)
-    assert found == pytest.approx(-2e6 * np.log1p(-1e-3), rel=1e-12)
-    assert duration_without_fast_pole(1e-6, 1.0) == pytest.approx(found, rel=1e-12)
+    result = longest_single_pole_duration(1e-6, 1.0)  # e^(-tau beta2/2) is e^(-1000)
+    assert result == pytest.approx(-2e6 * np.log1p(-1e-3), rel=1e-12)
+    assert duration_without_fast_pole(1e-6, 1.0) == pytest.approx(result, rel=1e-12)
 
 
 def test_the_switching_ratio_is_that_of_the_demands():
@@ -194,10 +194,10 @@ def test_only_two_real_unstable_poles_have_a_validity():
     # A slow pole beside the fast one, none, and the pair of s^3 - 0.05 s + 0.1.
     numbers = {"mu_alpha": [0.3, 0.3, 0.05], "C1": [0.025, 0.2, 0.0], "C2": [0.004, -0.1, 0.1]}
     common = {"mu_delta": 2.6, "b1": 0.03, "b2": 0.02}
-    found = single_pole_validity(Coefficients(**common, **numbers))
+    result = single_pole_validity(Coefficients(**common, **numbers))
     alone = Coefficients(**common, **{name: values[0] for name, values in numbers.items()})
-    assert found[0] == pytest.approx(single_pole_validity(alone), rel=1e-12)
-    assert np.isnan(found[1:]).all()
+    assert result[0] == pytest.approx(single_pole_validity(alone), rel=1e-12)
+    assert np.isnan(result[1:]).all()
 
 
 NUMBERS = {"duration": 9.0, "beta1": 0.01, "beta2": 0.5, "K1_ratio": 1.0}

@@ -56,11 +56,11 @@ def test_other_winds_and_an_acceleration_limit():
     )
     gust = tv.OneMinusCosineGust(peak=-PEAK, duration=length)
     least = tv.optimum_deflection(FIXED, gust).peak
-    found = relative(FIXED, gust, pole * least * np.array([1.25, 5.0]))
-    assert found == pytest.approx([0.70269, 0.38970], abs=6e-6)
+    result = relative(FIXED, gust, pole * least * np.array([1.25, 5.0]))
+    assert result == pytest.approx([0.70269, 0.38970], abs=6e-6)
     wind = triangle(FIXED, 4.0)
-    found = relative(FIXED, wind, [2.0 * pole * unit], acceleration_limit=4.0 * pole**2 * unit)
-    assert found == pytest.approx([0.53249], abs=6e-6)
+    result = relative(FIXED, wind, [2.0 * pole * unit], acceleration_limit=4.0 * pole**2 * unit)
+    assert result == pytest.approx([0.53249], abs=6e-6)
 
 
 @pytest.mark.parametrize("acceleration", [None, 0.5])
@@ -83,7 +83,7 @@ def test_a_linear_program_on_a_fine_grid_needs_the_same(acceleration):
         apart = np.r_[0.5, np.ones(count - 2), 0.5]  # half a step to and from rest
         below += [acceleration * rate * h**2 * apart] * 2
     first = np.eye(1, count + 1)
-    found = linprog(
+    program = linprog(
         np.append(np.zeros(count), 1.0),
         A_ub=sparse.vstack(rows),
         b_ub=np.concatenate(below),
@@ -91,9 +91,9 @@ def test_a_linear_program_on_a_fine_grid_needs_the_same(acceleration):
         b_eq=[demand, 0.0],
         bounds=(None, None),
     )
-    assert found.status == 0
+    assert program.status == 0
     least = rate_trade_off(FIXED, wind, [rate], **most).limits[0]
-    assert least == pytest.approx(found.fun, rel=1e-4)
+    assert least == pytest.approx(program.fun, rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -104,9 +104,9 @@ def test_at_any_rate_it_is_the_minimum_of_appendix_c(model):
     for tau_beta in (2.0, 8.0, 20.0):
         wind = triangle(plant, tau_beta)
         least = tv.optimum_deflection(plant, wind).peak
-        found = rate_trade_off(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
+        computed = rate_trade_off(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
         programmed = model == "drift-and-speed" or (model == "drift-exact" and tau_beta == 20.0)
-        assert found == pytest.approx(least, rel=1e-6 if programmed else 2e-9)
+        assert computed == pytest.approx(least, rel=1e-6 if programmed else 2e-9)
     assert ramped_deflection(0.3, 0.5, np.inf) == 0.3
     assert ramped_deflection(0.3, 0.5, np.inf, np.inf) == 0.3
 
@@ -168,9 +168,9 @@ def test_the_verdict_says_whether_a_forecast_would_help():
         (None, 1.1 * front.minimum_rate, "no forecast"),
         (1.1 * front.minimum_deflection, 1.1 * front.minimum_rate, "wind known"),
     ):
-        found = rate_trade_off(FIXED, wind, limit=limit, rate_limit=rate)
-        assert found.above_lower_bound is False
-        assert found.verdict == f"NOT SUFFICIENT, below the lower bound, {words}"
+        result = rate_trade_off(FIXED, wind, limit=limit, rate_limit=rate)
+        assert result.above_lower_bound is False
+        assert result.verdict == f"NOT SUFFICIENT, below the lower bound, {words}"
 
 
 def test_what_no_rate_or_acceleration_survives_is_refused_with_the_least():

@@ -56,19 +56,19 @@ def test_each_coordinate_moves_on_its_own_as_promised(name, model):
     """The promise is z' = s (z - u - k w); here are complex steps of the equations of motion."""
     vehicle = tv.load_vehicle(name)
     plant = plant_of(name, model)
-    found = unstable_coordinates(plant)
+    result = unstable_coordinates(plant)
     B = vehicle.normal_force_slope * vehicle.aerodynamic_arm / vehicle.thrust / vehicle.control_arm
-    assert found.left_eigenvectors.shape == (found.poles.size, len(plant.states))
-    assert found.poles.size == (2 if model == "drift-exact" else 1)
+    assert result.left_eigenvectors.shape == (result.poles.size, len(plant.states))
+    assert result.poles.size == (2 if model == "drift-exact" else 1)
     rng = np.random.default_rng(7)
     for _ in range(5):
         state, (deflection, wind) = rng.normal(size=len(plant.states)), rng.normal(size=2)
         small = 1e-30j
         rates = motion(vehicle, model, small * state, small * deflection, small * wind)
-        z = found.left_eigenvectors @ state
-        expected = found.poles * (z - deflection / B - found.wind * wind)
+        z = result.left_eigenvectors @ state
+        expected = result.poles * (z - deflection / B - result.wind * wind)
         np.testing.assert_allclose(
-            found.left_eigenvectors @ rates.imag / 1e-30, expected, atol=2e-12
+            result.left_eigenvectors @ rates.imag / 1e-30, expected, atol=2e-12
         )
 
 
@@ -76,15 +76,17 @@ def test_each_coordinate_moves_on_its_own_as_promised(name, model):
 @EACH_MODEL
 def test_the_strength_of_the_wind_is_the_reports_K1_at_each_pole(name, model):
     plant = plant_of(name, model)
-    c, found = plant.coefficients, unstable_coordinates(plant_of(name, model))
+    c, computed = plant.coefficients, unstable_coordinates(plant_of(name, model))
     b1, b2 = (0.0, 0.0) if model == "fixed-path" else (c.b1, c.b2)
-    np.testing.assert_allclose(found.wind, (found.poles + b2) / (found.poles + b1), rtol=1e-9)
+    np.testing.assert_allclose(
+        computed.wind, (computed.poles + b2) / (computed.poles + b1), rtol=1e-9
+    )
     if model == "drift":
-        assert found.wind[0] == pytest.approx((c.beta + c.b2) / (c.beta + c.b1), rel=1e-12)
+        assert computed.wind[0] == pytest.approx((c.beta + c.b2) / (c.beta + c.b1), rel=1e-12)
     cubic = [1.0, c.C1, -(c.beta**2), c.C2] if model == "drift-exact" else [1, 0, -(c.beta**2)]
     roots = np.sort(np.roots(cubic))[::-1]
-    np.testing.assert_allclose(found.poles, roots[: found.poles.size], rtol=1e-10)
-    assert np.all(np.diff(found.poles) < 0.0)
+    np.testing.assert_allclose(computed.poles, roots[: computed.poles.size], rtol=1e-10)
+    assert np.all(np.diff(computed.poles) < 0.0)
 
 
 def test_an_effector_ahead_of_the_centre_of_gravity_changes_nothing():
@@ -171,10 +173,10 @@ def test_the_edge_touches_the_tightest_direction(poles):
             z = np.array([fast, slow])
             best = angles[np.argmin([short(a, z) for a in angles])]
             bounds = (best - 0.01, best + 0.01)
-            found = minimize_scalar(
+            minimum = minimize_scalar(
                 short, bounds=bounds, args=(z,), method="bounded", options={"xatol": 1e-11}
             )
-            assert found.fun == pytest.approx(0.0, abs=1e-9)
+            assert minimum.fun == pytest.approx(0.0, abs=1e-9)
 
 
 def back(poles, first, last, sign):

@@ -20,23 +20,23 @@ def study(configuration_i, **given):
 @pytest.mark.parametrize("shape", usual(SHAPES, 0))
 def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> None:
     """The limit is that of eq (4b) at each time; the time is known to 1e-4 of the duration."""
-    found = study(configuration_i, wind=shape, model=model)
+    result = study(configuration_i, wind=shape, model=model)
     times = np.linspace(0.0, 7.5, 61)
     wind = SHAPES[shape](peak=np.radians(5), duration=7.5) + GUST.shift(times - 1.0)
     plant = tv.Plant.from_vehicle(configuration_i, model)
     scanned = np.abs(tv.boundary_limit(plant, wind, switch="literal").deflection)
     middle = study(configuration_i, wind=shape, model=model, gust_at=3.75)
 
-    assert scanned.max() <= found.nominal_deflection * (1.0 + 1e-4)
-    assert abs(times[scanned.argmax()] - found.wind_in_plane.gust_at) <= times[1]
-    assert middle.nominal_deflection < found.nominal_deflection
-    assert any("at the worst time" in note for note in found.notes)
+    assert scanned.max() <= result.nominal_deflection * (1.0 + 1e-4)
+    assert abs(times[scanned.argmax()] - result.wind_in_plane.gust_at) <= times[1]
+    assert middle.nominal_deflection < result.nominal_deflection
+    assert any("at the worst time" in note for note in result.notes)
     assert not any("at the worst time" in note for note in middle.notes)
 
 
 def test_a_gust_against_the_wind_stays_in_its_middle(configuration_i) -> None:
-    found = study(configuration_i, gust=-0.2 * GUST, model="fixed-path")
-    assert (found.wind_in_plane.gust_at, found.gust.onset, found.gust.end) == (None, 2.75, 4.75)
+    result = study(configuration_i, gust=-0.2 * GUST, model="fixed-path")
+    assert (result.wind_in_plane.gust_at, result.gust.onset, result.gust.end) == (None, 2.75, 4.75)
 
 
 def test_dispersed_winds_have_the_gust_of_the_nominal_one(configuration_i) -> None:

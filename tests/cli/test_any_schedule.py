@@ -68,16 +68,16 @@ least_part = 0.9
 def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Return what the commands are asked of, by the names above."""
     folder = tmp_path_factory.mktemp("schedules")
-    found = {name: name for name in SCHEDULES[:2]}
-    found["from the pad"] = str(write(folder / "pad.csv"))
-    found["openrocket"] = str(folder / "rocket.csv")
-    tv.ascent.read_openrocket(OPENROCKET, **dict[str, Any](GIVEN)).to_csv(found["openrocket"])
-    flight = tv.load_schedule(found["from the pad"])
+    computed = {name: name for name in SCHEDULES[:2]}
+    computed["from the pad"] = str(write(folder / "pad.csv"))
+    computed["openrocket"] = str(folder / "rocket.csv")
+    tv.ascent.read_openrocket(OPENROCKET, **dict[str, Any](GIVEN)).to_csv(computed["openrocket"])
+    flight = tv.load_schedule(computed["from the pad"])
     for name, bent in ARMS.items():
         arm = np.interp(flight.times, *bent)
-        found[name] = str(folder / f"{len(found)}.csv")
+        computed[name] = str(folder / f"{len(computed)}.csv")
         turned = flight.vehicle.replace(aerodynamic_arm=arm)
-        tv.FlightSchedule(turned, altitude=flight.height).to_csv(found[name])
+        tv.FlightSchedule(turned, altitude=flight.height).to_csv(computed[name])
     wind = sounding()
     rows = np.column_stack([wind.height, wind.east, wind.north])
     lines = [",".join(f"{x:.9g}" for x in row) for row in rows]
@@ -85,15 +85,15 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         text = "\n".join(["height_m,east_m_per_s,north_m_per_s", *lines]) + "\n"
         (folder / f"2024-02-0{k + 1}.csv").write_text(text)
     (folder / "wind.csv").write_text(text)
-    return found | {"folder": str(folder)}
+    return computed | {"folder": str(folder)}
 
 
 def asked(*arguments: str) -> dict[str, Any]:
     """Return what a command says as JSON; it may say that a limit is not enough."""
     result = CliRunner().invoke(app, [*arguments, "--json"])
     assert result.exit_code in (0, 1), result.output
-    found: dict[str, Any] = json.loads(result.stdout)
-    return found
+    answer: dict[str, Any] = json.loads(result.stdout)
+    return answer
 
 
 def cut_of(source: str, cut: str, *, every: bool) -> list[str]:
@@ -117,17 +117,17 @@ def test_each_row_of_a_sizing_has_a_number_or_a_reason(
     source, folder = sources[schedule], Path(sources["folder"])
     options = [str(folder / one) if one.endswith("csv") else one for one in WINDS[wind]]
     toward = ["--azimuth-deg", "70"] if options and "--peak-speed" not in options else []
-    found = asked("ascent", source, *options, *toward, *cut_of(source, cut, every=True))
-    known = np.array(found["known"])
-    for name, needs in found["required_deg"].items():
+    result = asked("ascent", source, *options, *toward, *cut_of(source, cut, every=True))
+    known = np.array(result["known"])
+    for name, needs in result["required_deg"].items():
         there = np.array(needs, dtype=float)
         assert np.all(np.isnan(there[~known]))
         assert np.all(there[known & ~np.isnan(there)] >= 0.0)
         if np.any(np.isnan(there)):
-            assert found["notes"], name
+            assert result["notes"], name
     if not known.all():
-        assert found["verdict"]["not_sized"]
-        assert found["verdict"]["sufficient"] is not True
+        assert result["verdict"]["not_sized"]
+        assert result["verdict"]["sufficient"] is not True
 
 
 @by_turns("schedule, cut", SCHEDULES, ["as it is", "its first tenth"], each=11)
@@ -136,9 +136,9 @@ def test_each_sounding_is_judged_or_said_to_be_unknown(
 ) -> None:
     where = [sources["folder"], "--azimuth-deg", "70", "--limit-deg", "1"]
     part = cut_of(sources[schedule], cut, every=False)
-    (found,) = asked("availability", sources[schedule], *where, *part)["towards"]
-    assert found["flown"] <= found["judged"]
-    assert found["judged"] + found["unknown"] == 3
+    (computed,) = asked("availability", sources[schedule], *where, *part)["towards"]
+    assert computed["flown"] <= computed["judged"]
+    assert computed["judged"] + computed["unknown"] == 3
 
 
 @pytest.mark.thorough

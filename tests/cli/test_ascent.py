@@ -63,7 +63,7 @@ def test_json_equals_the_library() -> None:
         return tv.TriangularWind(peak=peak, duration=7.5)
 
     times = [60.0, 70.0, 80.0]
-    found = tv.size(schedule, {"w": met}, times=times, dead_bands=1.0)
+    sizing = tv.size(schedule, {"w": met}, times=times, dead_bands=1.0)
     counted = tv.requirement.Requirement(varying=True, direction="head")
     needs = np.radians(document["required_deg"][counted.label])
     pulse = tv.ShapedWind("triangular", 0.05, 7.5)
@@ -73,19 +73,19 @@ def test_json_equals_the_library() -> None:
     ]
     ratios = np.array([[study.ratio_to_nominal] for study in studies])
     # at 60 s the path is quick, and what a head wind adds is not a factor on what the flight does
-    expected = found.required["K = 1, varying"] * ratios
+    expected = sizing.required["K = 1, varying"] * ratios
     assert needs[1:] == pytest.approx(expected[1:], rel=0.005)
     assert needs[0] == pytest.approx(expected[0], rel=0.03)
-    found = replace(found, required=found.required | {counted: needs})
+    sizing = replace(sizing, required=sizing.required | {counted: needs})
     total = tv.worst_total(
-        found,
+        sizing,
         counted,
         dispersion=0.3,
         thrust_offset=np.radians(0.1),
         gravity_offset=0.05,
         limit=np.radians(0.4),
     )
-    for name, values in found.required.items():
+    for name, values in sizing.required.items():
         assert document["required_deg"][name.label] == np.degrees(values).tolist()
     assert document["total"]["total_deg"] == pytest.approx(np.degrees(total.total), rel=1e-12)
     assert document["verdict"]["sufficient"] is total.sufficient
@@ -127,8 +127,8 @@ def test_the_frozen_vehicle_stands_beside_the_one_that_changes_with_how_far_it_i
     along = ("ascent", "configuration-i", "--duration", "35", "--from", "66", "--to", "66")
     result = run(*along, "--more")
     assert any(line.split()[-1:] == ["1"] for line in result.output.splitlines())
-    found = json.loads(run(*along, "--json").stdout)["required_deg"]
-    off = 100.0 * (found["K = 1"][0][0] / found["K = 1, varying"][0][0] - 1.0)
+    computed = json.loads(run(*along, "--json").stdout)["required_deg"]
+    off = 100.0 * (computed["K = 1"][0][0] / computed["K = 1, varying"][0][0] - 1.0)
     table = result.output.split("frozen at each flight time")[1]
     assert f"{off:.1f}" in table.split()
 
@@ -242,16 +242,16 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
     height = np.concatenate([middle + np.array([-5e3, 0.0, 5e3]), [60e3]])
     jet = tv.WindProfile(height=height, east=[0.0, 69.4, 0.0, 0.0], north=np.zeros(4))
     met = tv.fly_through(jet, schedule, azimuth=np.radians(90))
-    found = tv.size(schedule, met, times=[time, 110.0, schedule.span[1]], dead_bands=1.0)
+    sizing = tv.size(schedule, met, times=[time, 110.0, schedule.span[1]], dead_bands=1.0)
 
-    assert (found.ends - found.begins)[0, 0] == pytest.approx(lasts, abs=0.05)
-    assert found.edge[0] == pytest.approx(edge, abs=0.05)
-    assert not found.beyond_single_pole.any()
+    assert (sizing.ends - sizing.begins)[0, 0] == pytest.approx(lasts, abs=0.05)
+    assert sizing.edge[0] == pytest.approx(edge, abs=0.05)
+    assert not sizing.beyond_single_pole.any()
     late = tv.fly_through(jet, schedule, azimuth=np.radians(90), window=10.0)
     assert tv.size(schedule, late, times=schedule.span[1]).required["K = 1"][0, 0] == 0.0
     plant = tv.Plant.from_vehicle(schedule.at(time), "drift-exact")
     whole = tv.required_deflection(plant, met.wind)
-    assert found.required["K = 1"][0, 0] == pytest.approx(abs(whole.deflection), rel=1e-9)
+    assert sizing.required["K = 1"][0, 0] == pytest.approx(abs(whole.deflection), rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -316,12 +316,12 @@ def test_a_figure_of_one_flight_time_is_refused_before_anything_is_computed(monk
 def test_the_figure_holds_the_worst_of_all_winds() -> None:
     schedule = tv.load_schedule("configuration-i")
     winds = {k: tv.TriangularWind(peak=p, duration=7.5) for k, p in (("a", 0.02), ("b", -0.06))}
-    found = tv.size(schedule, winds, times=[80.0, 60.0], dead_bands=1.0)
-    curves = curves_of(sizing_chart(found, np.radians(0.5)))
+    sizing = tv.size(schedule, winds, times=[80.0, 60.0], dead_bands=1.0)
+    curves = curves_of(sizing_chart(sizing, np.radians(0.5)))
 
     assert curves.abscissa.tolist() == [60.0, 80.0]
-    assert curves.column("K = 1").tolist() == np.degrees(found.required["K = 1"][::-1, 1]).tolist()
-    least = np.degrees(found.required["minimum"][::-1, 1]).tolist()
+    assert curves.column("K = 1").tolist() == np.degrees(sizing.required["K = 1"][::-1, 1]).tolist()
+    least = np.degrees(sizing.required["minimum"][::-1, 1]).tolist()
     assert curves.column("lower bound, wind known").tolist() == least
     assert curves.column("available limit") == pytest.approx([0.5, 0.5])
 
@@ -374,14 +374,14 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
     """Of a file of several, each by itself."""
     noon, midnight = "2024-02-15 12", "2024-02-16 00"
     given = ("--azimuth-deg", "90", "--from", "41", "--to", "42", "--dead-band", "1", "--json")
-    asked = [("--winds", OTHER, "--set", f"sounding.time={time}") for time in (noon, midnight)]
-    alone = [json.loads(run("ascent", *one, *given).stdout) for one in asked]
+    request = [("--winds", OTHER, "--set", f"sounding.time={time}") for time in (noon, midnight)]
+    alone = [json.loads(run("ascent", *one, *given).stdout) for one in request]
     schedule = tv.load_schedule("configuration-i")
     for k, time in enumerate((noon, midnight)):
         wind = tv.read_sounding(OTHER, time=time)
         met = tv.fly_through(wind, schedule, azimuth=np.pi / 2)
-        found = np.degrees(tv.size(schedule, met, times=[41.0, 42.0]).required["K = 1"])
-        assert alone[k]["required_deg"]["K = 1"] == found.tolist()
+        computed = np.degrees(tv.size(schedule, met, times=[41.0, 42.0]).required["K = 1"])
+        assert alone[k]["required_deg"]["K = 1"] == computed.tolist()
         assert not any("choose another by its time" in note for note in alone[k]["notes"])
     assert alone[0]["required_deg"] != alone[1]["required_deg"]
     for wrong, said in {
@@ -494,7 +494,7 @@ def test_a_flight_in_a_pulse_whose_pressure_is_not_known_is_not_known() -> None:
     """It lasts too long to be followed; nominal dynamic pressure alone refuses a limit."""
     arguments = ["ascent", "configuration-i", *FAST, "--duration", "6000", "--limit-deg"]
     for limit, word in (("2", "NOT KNOWN"), ("0.1", "NOT SUFFICIENT")):
-        found = CliRunner().invoke(app, [*arguments, limit])
-        assert found.exit_code == 1
-        assert f"{float(limit):.3f} deg: {word}" in found.stdout
-        assert "required deflection NOT KNOWN at the dynamic pressure encountered" in found.stdout
+        result = CliRunner().invoke(app, [*arguments, limit])
+        assert result.exit_code == 1
+        assert f"{float(limit):.3f} deg: {word}" in result.stdout
+        assert "required deflection NOT KNOWN at the dynamic pressure encountered" in result.stdout

@@ -53,8 +53,8 @@ def test_a_gain_margin_may_be_asked_for_in_decibels():
     rule = {"natural_frequency": 1.0, "damping": 0.7, "actuator": tv.Actuator()}
     margins = tv.design_gains(plant.coefficients, **rule).margins(plant)
     least = min(margins.aero_margin_dB, 20.0 * np.log10(margins.gain_increase))
-    for asked, code in ((least - 1e-6, 0), (least + 1e-6, 1)):
-        both = [("--set", f"criteria.{name}={float(asked)!r}") for name in GAIN_MARGINS]
+    for request, code in ((least - 1e-6, 0), (least + 1e-6, 1)):
+        both = [("--set", f"criteria.{name}={float(request)!r}") for name in GAIN_MARGINS]
         result = run("margins", "--natural-frequency", "1", *both[0], *both[1])
         assert result.exit_code == code
 
@@ -271,12 +271,12 @@ def test_a_boundary_beyond_the_range_is_no_number():
 def test_a_law_that_lets_a_mode_creep_away_is_marked():
     law = tv.TrimLaw(booster("drift-exact"))
     winds = {"triangle": tv.design.standard_winds(0.08, 7.0)["triangle"]}
-    (found,) = law_trials(booster("drift-exact"), {"trim": law}, winds, sample_rate=20.0)
-    assert found.creeps
-    assert found.growth == pytest.approx(0.0129, abs=1e-4)
-    assert found.status == "near rest a real mode grows with +0.0129 1/s"
-    assert (found.lowest, found.highest) == (0.02, 4.0)
-    assert text(_limit("", found, 1.0)) == f"{found.limit:.3f}!"
+    (computed,) = law_trials(booster("drift-exact"), {"trim": law}, winds, sample_rate=20.0)
+    assert computed.creeps
+    assert computed.growth == pytest.approx(0.0129, abs=1e-4)
+    assert computed.status == "near rest a real mode grows with +0.0129 1/s"
+    assert (computed.lowest, computed.highest) == (0.02, 4.0)
+    assert text(_limit("", computed, 1.0)) == f"{computed.limit:.3f}!"
     for one in law_trials(
         booster("drift-exact"),
         standard_laws(booster("drift-exact"), 0.08),
@@ -334,8 +334,8 @@ def test_bad_input_is_one_sentence(arguments, message):
 
 @pytest.mark.thorough
 def test_flown_margins_stand_beside_the_linear_ones():
-    asked = ("margins", "--natural-frequency", "1", "--model", "fixed-path", "--delay-ms", "5")
-    flown = (*asked, "--limit-deg", "0.6", "--duration", "6", "--sample-rate", "60")
+    arguments = ("margins", "--natural-frequency", "1", "--model", "fixed-path", "--delay-ms", "5")
+    flown = (*arguments, "--limit-deg", "0.6", "--duration", "6", "--sample-rate", "60")
     document, plant = json.loads(run(*flown, "--json").stdout), booster("fixed-path")
     law = tv.SaturatedLaw(tv.design_gains(plant.coefficients, natural_frequency=1.0, damping=0.7))
     expected = tv.flights.flown_margins(
@@ -349,11 +349,11 @@ def test_flown_margins_stand_beside_the_linear_ones():
     )
     for name in ("gain_fall", "effectiveness_fall", "delay"):
         one = getattr(expected, name)
-        found = document["flown"][name]
-        assert found["value"] == pytest.approx(one.value, rel=1e-9)
-        assert (found["cause"], found["again"]) == (one.cause, one.survives_beyond)
+        computed = document["flown"][name]
+        assert computed["value"] == pytest.approx(one.value, rel=1e-9)
+        assert (computed["cause"], computed["again"]) == (one.cause, one.survives_beyond)
     assert document["flown"]["spare"] == pytest.approx(expected.spare, rel=1e-12)
-    stepped = json.loads(run(*asked, "--sample-rate", "60", "--json").stdout)
+    stepped = json.loads(run(*arguments, "--sample-rate", "60", "--json").stdout)
     assert document["margins"] == stepped["margins"]
     shown = run(*flown).output
     wind = "In this triangular wind of 5 deg and 6 s, at nominal dynamic pressure"
@@ -376,11 +376,11 @@ def test_an_autopilot_says_by_what_it_is_judged() -> None:
     given += tuple(w for name in GAIN_MARGINS for w in ("--set", f"criteria.{name}=4"))
     told = json.loads(run(*given, "--json").stdout)["criteria"]
 
-    asked = {one["margin"]: (one["limit"], one["source"]) for one in told["limits"]}
-    assert asked["delay_margin"] == (0.02, "the study file")
-    assert asked["gain_increase_dB"] == (4.0, "the study file")
-    assert asked["phase_margin_deg"][0] == 30.0
-    assert asked["phase_margin_deg"][1] != "the study file"  # it was not changed
+    request = {one["margin"]: (one["limit"], one["source"]) for one in told["limits"]}
+    assert request["delay_margin"] == (0.02, "the study file")
+    assert request["gain_increase_dB"] == (4.0, "the study file")
+    assert request["phase_margin_deg"][0] == 30.0
+    assert request["phase_margin_deg"][1] != "the study file"  # it was not changed
 
 
 @pytest.mark.parametrize("vehicle", ["configuration-i", "made-up-launcher"])

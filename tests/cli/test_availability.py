@@ -32,18 +32,18 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     table = tmp_path / "all.csv"
     result = run(station, *EAST, "--limit-deg", "0.35", "--json", "--csv", str(table))
     document = json.loads(result.stdout)
-    found = tv.availability(
+    computed = tv.availability(
         tv.load_schedule("configuration-i"), tv.read_soundings(station),
         limit=np.radians(0.35), azimuth=np.radians([90.0]), plane="pitch",
     )  # fmt: skip
-    towards, part = document["towards"][0], found.fraction()[0]
+    towards, part = document["towards"][0], computed.fraction()[0]
 
     assert result.exit_code == 0
     assert (towards["flown"], towards["judged"]) == (part.flown, part.judged)
     assert [towards["lower"], towards["upper"]] == [part.lower, part.upper]
     assert sum(month["judged"] for month in towards["months"].values()) == 20
-    assert list(towards["placard_deg"].values()) == np.degrees(found.placard()[0]).tolist()
-    assert table.read_text() == found.to_csv()
+    assert list(towards["placard_deg"].values()) == np.degrees(computed.placard()[0]).tolist()
+    assert table.read_text() == computed.to_csv()
     said = " ".join(run(station, *EAST, "--limit-deg", "0.35", "--more").output.split())
     assert document["judged_s"] == [41.0, 116.0]
     assert "Judged from 41 to 116 s of the flight" in said
@@ -55,13 +55,13 @@ def test_a_gust_by_its_speed_is_that_of_the_library(station) -> None:
     keys = ("gust.peak_speed_m_per_s=9", "gust.duration_s=2", "gust.plateau_s=0.5")
     given = ("--limit-deg", "0.35", *(w for key in keys for w in ("--set", key)), "--json")
     document = json.loads(run(station, *EAST, *given).stdout)
-    found = tv.availability(
+    result = tv.availability(
         *(tv.load_schedule("configuration-i"), tv.read_soundings(station)),
         **{"limit": np.radians(0.35), "azimuth": np.radians([90.0]), "plane": "pitch"},
         gust=tv.winds.LayeredGust(peak=0.02, blend=0.75, plateau=0.5), gust_speed=9.0,
     )  # fmt: skip
     said = list(document["towards"][0]["placard_deg"].values())
-    assert said == pytest.approx(np.degrees(found.placard()[0]).tolist(), rel=1e-12)
+    assert said == pytest.approx(np.degrees(result.placard()[0]).tolist(), rel=1e-12)
 
 
 def test_one_month_is_that_month(station) -> None:
@@ -125,9 +125,9 @@ def test_the_figure_is_what_the_library_says(station, tmp_path) -> None:
     assert Path(picture).stat().st_size > 10_000
     flight, soundings = tv.load_schedule("configuration-i"), tv.read_soundings(station)
     for azimuth, names in ((1.5, ["flown"]), ([1.0, 1.5], ["57.3 deg", "85.94 deg"])):
-        found = tv.availability(flight, soundings, limit=0.006, azimuth=azimuth)
-        curves = curves_of(availability_chart(found))
-        parts = found.curve(np.radians(curves.abscissa))
+        result = tv.availability(flight, soundings, limit=0.006, azimuth=azimuth)
+        curves = curves_of(availability_chart(result))
+        parts = result.curve(np.radians(curves.abscissa))
         for name in names:
             column = next(one for one in curves.columns if one.label == name)
             own = [part[names.index(name)] if isinstance(part, tuple) else part for part in parts]

@@ -35,15 +35,15 @@ def place(tmp_path_factory):
 
 @pytest.mark.thorough
 def test_show_says_what_the_library_finds(place):
-    found = tv.ensembles.open_campaign(place / "results")
+    results = tv.ensembles.open_campaign(place / "results")
     document = json.loads(run(place / "results", "--json").stdout)
-    required = found.quantile()
+    required = results.quantile()
     assert document["estimate_deg"] == pytest.approx(np.degrees(required.estimate), rel=1e-15)
     assert document["upper_deg"] is None  # 600 cases prove nothing of 99.865 percent
     assert document["statuses"] == {"ok": 600}
-    assert document["drivers"] == pytest.approx(found.drivers())
-    assert document["success"] == pytest.approx(vars(found.success()))
-    answers = found.column("required_K1")
+    assert document["drivers"] == pytest.approx(results.drivers())
+    assert document["success"] == pytest.approx(vars(results.success()))
+    answers = results.column("required_K1")
     assert document["worst"][0]["case"] == np.argmax(answers)
     assert document["worst"][0]["deg"] == pytest.approx(np.degrees(answers.max()), rel=1e-15)
     assert [row["cases"] for row in document["convergence"]] == [37, 75, 150, 300, 600]
@@ -55,8 +55,8 @@ def test_show_says_what_the_library_finds(place):
 def test_show_answers_other_questions(place):
     options = ["--output", "minimum", "--probability", "0.9", "--limit-deg", "0.2", "--json"]
     document = json.loads(run(place / "results", *options).stdout)
-    found = tv.ensembles.open_campaign(place / "results")
-    values = found.column("minimum")
+    results = tv.ensembles.open_campaign(place / "results")
+    values = results.column("minimum")
     assert document["estimate_deg"] == np.degrees(np.quantile(values, 0.9, method="inverted_cdf"))
     assert document["success"]["estimate"] == np.mean(values <= np.radians(0.2))
     assert document["lower_deg"] <= document["estimate_deg"] <= document["upper_deg"]
@@ -70,22 +70,22 @@ def test_show_says_which_dead_band_trusts_a_forecast(place):
 
 
 def test_replay_is_the_case_to_the_bit(place):
-    found = tv.ensembles.open_campaign(place / "results")
-    worst = int(found.worst(1)[0])
+    results = tv.ensembles.open_campaign(place / "results")
+    worst = int(results.worst(1)[0])
     document = json.loads(run(place / "results", "--case", worst, "--json").stdout)
-    for name in found.outputs:
-        assert document["outputs"][name] == found.column(name)[worst]
-    for name in found.campaign.dispersions.parameters:
-        assert document["inputs"][name] == found.column(name)[worst]
-    one = found.replay(worst)
-    needs = found.column("required_K1")[worst]
+    for name in results.outputs:
+        assert document["outputs"][name] == results.column(name)[worst]
+    for name in results.campaign.dispersions.parameters:
+        assert document["inputs"][name] == results.column(name)[worst]
+    one = results.replay(worst)
+    needs = results.column("required_K1")[worst]
     assert abs(one.required) < needs == one.outputs["required_K1"]  # in a head wind's pressure
     # On the boundary the attitude stays bounded for ever; with a little less it does not.
     attitude, lost = (
         np.abs(one.response(capability).outputs["attitude"]).max() for capability in (1.0, 0.9)
     )
-    assert attitude < 2.0 * found.campaign.wind.peak < lost
-    limit = found.campaign.nozzle.limit
+    assert attitude < 2.0 * results.campaign.wind.peak < lost
+    limit = results.campaign.nozzle.limit
     assert limit is not None
     assert needs > limit
     said = f"lost with a limit of {np.degrees(limit):.4g} deg"
@@ -93,8 +93,8 @@ def test_replay_is_the_case_to_the_bit(place):
     fallen = np.abs(one.response(one.capability).outputs["attitude"])
     shown = np.radians(document["response"]["largest_attitude_deg"])
     assert np.isclose(fallen, shown, rtol=1e-12).any()
-    assert shown > 2.0 * found.campaign.wind.peak
-    easy = found.replay(int(np.argmin(found.column("required_K1"))))
+    assert shown > 2.0 * results.campaign.wind.peak
+    easy = results.replay(int(np.argmin(results.column("required_K1"))))
     assert (easy.capability, easy.fate) == (1.0, said.replace("lost", "survives"))
     assert document["fate"] == one.fate == said
     assert f"Case {worst}: {said}" in run(place / "results", "--case", worst).output

@@ -76,8 +76,8 @@ def test_a_shipped_vehicle_can_be_copied(tmp_path: Path) -> None:
 
 
 def test_the_study_prints_the_report_numbers() -> None:
-    asked = ("--duration", str(4 / 0.5292825), "--peak-deg", "5", "--model", "drift")
-    result = run("study", "configuration-i", *asked, "--more")
+    arguments = ("--duration", str(4 / 0.5292825), "--peak-deg", "5", "--model", "drift")
+    result = run("study", "configuration-i", *arguments, "--more")
 
     assert result.exit_code == 0
     for number in (
@@ -123,8 +123,8 @@ def test_json_equals_the_library() -> None:
         limit=np.radians(0.2),
     )
 
-    found = {name: one["limit"] for name, one in document["boundaries"].items()}
-    assert found == {name: one.limit.tolist() for name, one in expected.boundaries.items()}
+    computed = {name: one["limit"] for name, one in document["boundaries"].items()}
+    assert computed == {name: one.limit.tolist() for name, one in expected.boundaries.items()}
     assert expected.sufficient is document["verdict"]["sufficient"]
     assert document["verdict"]["required_deflection_deg"] == pytest.approx(
         np.degrees(expected.required_deflection), rel=1e-15
@@ -154,11 +154,11 @@ def test_boundary_prints_figure_two() -> None:
 
 
 def test_boundary_of_a_vehicle_includes_its_drift() -> None:
-    asked = ("boundary", "configuration-i", "--tau-beta", "4", "--dead-band", "1", "--json")
+    arguments = ("boundary", "configuration-i", "--tau-beta", "4", "--dead-band", "1", "--json")
 
     for model, expected in ((("--model", "drift"), 0.66484), ((), 0.65596)):
-        found = json.loads(run(*asked, *model).stdout)["limit"][0][0]
-        assert found == pytest.approx(expected, abs=5e-6)
+        computed = json.loads(run(*arguments, *model).stdout)["limit"][0][0]
+        assert computed == pytest.approx(expected, abs=5e-6)
 
 
 def test_poles_prints_every_model() -> None:
@@ -419,9 +419,9 @@ def test_no_help_holds_square_brackets_which_would_vanish() -> None:
         for one in getattr(command, "commands", {}).values():
             yield from texts(one)
 
-    found = list(texts(typer.main.get_command(app)))
-    assert len(found) > 100
-    assert [text for text in found if "[" in text] == []
+    result = list(texts(typer.main.get_command(app)))
+    assert len(result) > 100
+    assert [text for text in result if "[" in text] == []
 
 
 @pytest.mark.thorough
@@ -449,8 +449,8 @@ def test_a_limit_that_does_not_exist_is_said_in_the_same_words_everywhere(tmp_pa
 
 
 def test_a_table_of_boundaries_says_which_of_them_are_not_all_that_is_required() -> None:
-    asked = ("boundary", "configuration-i", "--tau-beta", "4", "--tau-beta", "20")
-    exact = " ".join(run(*asked, "--model", "drift-exact", "--more").output.split())
+    arguments = ("boundary", "configuration-i", "--tau-beta", "4", "--tau-beta", "20")
+    exact = " ".join(run(*arguments, "--model", "drift-exact", "--more").output.split())
 
     minimum = "the minimum over all unstable poles"
     assert f"Note: K = 0, tau*beta 20: {minimum} is larger." in exact

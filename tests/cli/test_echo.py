@@ -76,14 +76,14 @@ def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: st
 
 @pytest.mark.thorough
 def test_each_row_says_which_peak_the_limit_survives() -> None:
-    asked = ["study", "--limit-deg", "0.3", "--model", "drift", "--sign", "frozen"]
+    calls = ["study", "--limit-deg", "0.3", "--model", "drift", "--sign", "frozen"]
     rows = {
         line.split()[2]: line.split()
-        for line in CliRunner().invoke(app, asked).output.splitlines()
+        for line in CliRunner().invoke(app, calls).output.splitlines()
         if line.startswith("  K = ")
     }
     for K in ("0.75", "0.5", "0.25", "0"):
-        found = tv.Study.from_vehicle(
+        result = tv.Study.from_vehicle(
             tv.load_vehicle("configuration-i"),
             duration=7.5,
             peak=np.radians(float(rows[K][-1])),
@@ -91,9 +91,9 @@ def test_each_row_says_which_peak_the_limit_survives() -> None:
             model="drift",
             dead_band=float(K),
         )
-        deflection = np.degrees(abs(found.boundaries["drift"].deflection))
-        assert deflection[found.dead_bands == float(K)] == pytest.approx(0.3, rel=3e-4)
-    verdict = CliRunner().invoke(app, asked).output.split("survivable peak ")[1].split()[0]
+        deflection = np.degrees(abs(result.boundaries["drift"].deflection))
+        assert deflection[result.dead_bands == float(K)] == pytest.approx(0.3, rel=3e-4)
+    verdict = CliRunner().invoke(app, calls).output.split("survivable peak ")[1].split()[0]
     assert rows["1"][-1] == verdict
 
 

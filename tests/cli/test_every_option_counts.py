@@ -149,8 +149,8 @@ def options_of(command):
 
 @cache
 def asked(command, arguments):
-    found = CliRunner().invoke(app, [command, *arguments, "--json"])
-    return found.exit_code, found.stdout, found.stderr
+    result = CliRunner().invoke(app, [command, *arguments, "--json"])
+    return result.exit_code, result.stdout, result.stderr
 
 
 def draws(seed, count):

@@ -43,15 +43,15 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
     assert document["flexible"]
     assert document["model"] == "drift-exact"
     for name in ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin"):
-        found = document["margins"][name]
-        assert found == pytest.approx(getattr(expected.margins, name), rel=1e-12, nan_ok=True)
+        computed = document["margins"][name]
+        assert computed == pytest.approx(getattr(expected.margins, name), rel=1e-12, nan_ok=True)
     rigid = document["bands"]["rigid_body"]
     assert rigid["phase_margin_deg"] == pytest.approx(expected.rigid.phase_margin_deg, rel=1e-12)
     for mode in expected.modes:
-        found = document["bands"]["modes"][mode.name]
-        assert found["stabilised"] == mode.stabilised
-        assert found["distance"] == pytest.approx(mode.distance, rel=1e-12)
-        assert found["closed_pole"]["real"] == pytest.approx(mode.closed_pole.real, rel=1e-12)
+        computed = document["bands"]["modes"][mode.name]
+        assert computed["stabilised"] == mode.stabilised
+        assert computed["distance"] == pytest.approx(mode.distance, rel=1e-12)
+        assert computed["closed_pole"]["real"] == pytest.approx(mode.closed_pole.real, rel=1e-12)
     shown = margins("--more").output
     assert "Flexible vehicle (--set study.rigid true: without): 3 bending modes, 2 tanks" in shown
     for mode in expected.modes:
@@ -70,8 +70,8 @@ def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     document = json.loads(margins(*own, "--set", "criteria.mode_gain_margin_dB=6", "--json").stdout)
     judged = {(one["band"], one["margin"]): one for one in document["criteria"]["limits"]}
     second = autopilot().band_margins(booster()).mode("bending 2").gain_margin_dB
-    found = judged["bending 2", "mode_gain_margin_dB"]
-    assert found["surplus"] == pytest.approx(second - 6.0, rel=1e-9)
+    computed = judged["bending 2", "mode_gain_margin_dB"]
+    assert computed["surplus"] == pytest.approx(second - 6.0, rel=1e-9)
     assert [key[0] for key, one in judged.items() if not one["met"]] == ["bending 2"]
     free = margins(*own, "--set", "criteria.mode_gain_margin_dB=6").output
     assert "bending 1: phase-stabilised, without a required margin (mode_phase_margin_deg" in free
@@ -102,8 +102,8 @@ def test_rigid_leaves_the_structure_out():
     expected = autopilot().margins(booster().rigid)
     assert not document["flexible"]
     assert "bands" not in document
-    found = document["margins"]["gain_increase_dB"]
-    assert found == pytest.approx(expected.gain_increase_dB, rel=1e-12)
+    computed = document["margins"]["gain_increase_dB"]
+    assert computed == pytest.approx(expected.gain_increase_dB, rel=1e-12)
     assert json.loads(margins(*RIGID, "--json").stdout)["model"] == "drift-exact"
 
 
@@ -152,7 +152,7 @@ def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
     file = tmp_path / "one.toml"
     file.write_text(read_vehicle_text("configuration-i")[0] + ONE_MODE)
     loop = ("--natural-frequency", "1.5", "--delay-ms", "10", "--sample-rate", "100")
-    asked = (
+    arguments = (
         str(file),
         *loop,
         "--set",
@@ -160,27 +160,27 @@ def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
         "--set",
         "criteria.mode_gain_margin_dB=10",
     )
-    nominal, moved = run("margins", *asked), run("margins", *asked, "--detuned", "--json")
+    nominal, moved = run("margins", *arguments), run("margins", *arguments, "--detuned", "--json")
     assert (nominal.exit_code, moved.exit_code) == (0, 1)
     document = json.loads(moved.stdout)
-    found = document["detuned"]
+    computed = document["detuned"]
     assert document["criteria"]["met"]
-    missed = [row["change"] for row in found["rows"] if not row["met"]]
+    missed = [row["change"] for row in computed["rows"] if not row["met"]]
     assert missed
-    assert found["met"] is False
+    assert computed["met"] is False
     lower = ONE_MODE.replace("frequency_Hz = 9", f"frequency_Hz = {0.8 * 9.0}")
     file.write_text(read_vehicle_text("configuration-i")[0] + lower)
     assert "bending 1 x 0.8" in missed
-    assert run("margins", *asked).exit_code == 1
+    assert run("margins", *arguments).exit_code == 1
     file.write_text(read_vehicle_text("configuration-i")[0] + ONE_MODE)
-    shown = " ".join(run("margins", *asked, "--detuned").output.split())
-    assert f"with detuned modes: NOT MET in {len(missed)} of {len(found['rows'])} rows" in shown
+    shown = " ".join(run("margins", *arguments, "--detuned").output.split())
+    assert f"with detuned modes: NOT MET in {len(missed)} of {len(computed['rows'])} rows" in shown
     assert "Criteria classic, changed by the study file: MET" in shown
 
 
 @pytest.mark.thorough
 def test_detuned_modes_are_those_of_the_library():
-    asked = (
+    arguments = (
         "--detuned",
         "--set",
         "criteria.mode_gain_margin_dB=1",
@@ -191,7 +191,7 @@ def test_detuned_modes_are_those_of_the_library():
         "--set",
         "criteria.phase_margin_deg=20",
     )
-    document = json.loads(margins(*asked, "--json").stdout)["detuned"]
+    document = json.loads(margins(*arguments, "--json").stdout)["detuned"]
     limits = {"aero_margin_dB": 3, "gain_increase_dB": 3, "phase_margin_deg": 20}
     criteria = tv.control.Criteria.custom(**limits, mode_gain_margin_dB=1)
     expected = tv.control.detuned(autopilot(), booster(), criteria=criteria)
@@ -200,12 +200,12 @@ def test_detuned_modes_are_those_of_the_library():
     assert [row["met"] for row in document["rows"]] == expected.satisfied.tolist()
     assert "unstable" in expected.critical_margin
     for row, phase in zip(document["rows"], expected.margins.phase_margin_deg, strict=True):
-        found = row["phase_margin_deg"]
-        assert (found is None) == (row["status"] != "ok")
-        assert found is None or found == pytest.approx(phase, rel=1e-9)
+        computed = row["phase_margin_deg"]
+        assert (computed is None) == (row["status"] != "ok")
+        assert computed is None or computed == pytest.approx(phase, rel=1e-9)
     edge = expected.stable_ranges[1]
     assert document["edges"][1]["lower"] == pytest.approx(edge.lower, rel=1e-9)
-    shown = margins(*asked, "--more").output
+    shown = margins(*arguments, "--more").output
     assert f"bending 2: unstable at {edge.lower:.3f} of its frequency" in shown
     assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)
 

@@ -84,9 +84,9 @@ def test_a_schedule_at_a_time_is_answered_as_the_vehicle_between_its_rows(folder
     flight = run(*command.split(), "flight.csv", "--at", 52, *options)
     vehicle = run(*command.split(), "at-52.toml", *options)
     assert flight.exit_code == vehicle.exit_code != 2, flight.output
-    found, expected = (numbers(json.loads(one.stdout)) for one in (flight, vehicle))
+    computed, expected = (numbers(json.loads(one.stdout)) for one in (flight, vehicle))
     # roundings of the interpolation, times what a search between two of them may make of it
-    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(computed, expected, rtol=1e-6, atol=1e-9)
 
 
 @pytest.mark.parametrize("schedule", ["flight.csv", "flight.toml"])

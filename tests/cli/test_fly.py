@@ -35,10 +35,10 @@ def linear():
 
 
 def test_the_report_control_is_flown_beside_the_linear_theory():
-    found = document()
+    answer = document()
     plant, vehicle = linear(), tv.load_vehicle("configuration-i")
     least = tv.boundary_limit(plant, WIND, switch="literal").deflection
-    times, limit = np.linspace(0.0, 7.5, 201), found["limit_deg"]
+    times, limit = np.linspace(0.0, 7.5, 201), answer["limit_deg"]
     flown = tv.fly_planar(
         vehicle, tv.flights.ReportControl(), WIND, times, deflection_limit=np.radians(limit)
     )
@@ -46,11 +46,11 @@ def test_the_report_control_is_flown_beside_the_linear_theory():
     exact = tv.attitude_response(plant, held, WIND, times)
 
     assert limit == pytest.approx(1.1 * abs(np.degrees(least)), rel=1e-12)
-    assert found["boundary_deg"]["linear"] == pytest.approx(abs(np.degrees(least)), rel=1e-12)
-    assert found["boundary_deg"]["flown"] is None
-    assert (found["survived"], found["predicted"]) == (True, True)
+    assert answer["boundary_deg"]["linear"] == pytest.approx(abs(np.degrees(least)), rel=1e-12)
+    assert answer["boundary_deg"]["flown"] is None
+    assert (answer["survived"], answer["predicted"]) == (True, True)
     for name in ("attitude", "angle_of_attack"):
-        both = found["peaks_over_the_wind_deg"][name]
+        both = answer["peaks_over_the_wind_deg"][name]
         for one, source in (("flown", flown), ("linear", exact)):
             peak = np.degrees(np.abs(source.outputs[name]).max())
             assert both[one] == pytest.approx(peak, rel=1e-9)
@@ -86,16 +86,16 @@ def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_e
 
 def test_peaks_of_a_lost_flight_are_until_its_end_and_the_linear_ones_over_the_whole_wind():
     options = ("--limit-deg", 0.1)
-    found, plant, times = document(*options, code=1), linear(), np.linspace(0.0, 7.5, 2001)
+    computed, plant, times = document(*options, code=1), linear(), np.linspace(0.0, 7.5, 2001)
     held = tv.trim_then_hold(plant, WIND, -np.radians(0.1), 1.0, "literal")
     exact = np.degrees(np.abs(tv.attitude_response(plant, held, WIND, times).outputs["attitude"]))
 
-    attitude = found["peaks_over_the_wind_deg"]["attitude"]
+    attitude = computed["peaks_over_the_wind_deg"]["attitude"]
     assert attitude["flown"] == pytest.approx(25.0, rel=1e-12)
     assert attitude["linear"] == pytest.approx(exact.max(), rel=1e-12)
-    angle = found["peaks_over_the_wind_deg"]["angle_of_attack"]["flown"]
+    angle = computed["peaks_over_the_wind_deg"]["angle_of_attack"]["flown"]
     assert angle == pytest.approx(23.694, abs=1e-3)  # flown in steps of a tenth of that
-    assert found["ended_in_the_wind"] == {"flown": True, "linear": False}
+    assert computed["ended_in_the_wind"] == {"flown": True, "linear": False}
     text = run(*options).stdout
     assert "the largest values, flown, are until the attitude reaches 25 deg" in " ".join(
         text.split()
@@ -129,24 +129,24 @@ def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
     ),
 )
 def test_every_law_survives_in_one_plane_with_a_tenth_more_than_it_needs(law, needs):
-    found = document("--law", law, "--engine", "planar")
+    answer = document("--law", law, "--engine", "planar")
 
     least = np.degrees(needs * linear().coefficients.B * PEAK)
-    assert found["boundary_deg"]["linear"] == pytest.approx(least, rel=2e-3)
-    assert found["limit_deg"] == pytest.approx(1.1 * found["boundary_deg"]["linear"], rel=1e-12)
-    assert (found["survived"], found["predicted"]) == (True, True)
-    assert found["dead_band"] == (0.5 if law == "dead-band" else None)
-    for both in found["peaks_over_the_wind_deg"].values():
+    assert answer["boundary_deg"]["linear"] == pytest.approx(least, rel=2e-3)
+    assert answer["limit_deg"] == pytest.approx(1.1 * answer["boundary_deg"]["linear"], rel=1e-12)
+    assert (answer["survived"], answer["predicted"]) == (True, True)
+    assert answer["dead_band"] == (0.5 if law == "dead-band" else None)
+    for both in answer["peaks_over_the_wind_deg"].values():
         assert both["flown"] == pytest.approx(both["linear"], rel=0.05)
 
 
 def test_the_boundary_is_flown_where_it_is_asked_for():
     pytest.importorskip("jsbsim")
     options = ("--engine", "sixdof", "--plane", "yaw", "--peak-deg", 1, "--dead-band", 0.5)
-    found = document(*options, "--more")["boundary_deg"]
+    computed = document(*options, "--more")["boundary_deg"]
 
     trim = np.degrees(linear().coefficients.B * np.radians(1))
-    assert found["flown"] == pytest.approx(found["linear"], abs=7e-4 * trim)
+    assert computed["flown"] == pytest.approx(computed["linear"], abs=7e-4 * trim)
 
 
 def test_six_degrees_along_the_trajectory_are_those_of_one_plane(tmp_path):
@@ -247,15 +247,15 @@ def test_bad_input_is_exit_code_two_in_one_sentence(arguments, words):
 
 
 def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
-    asked = ("--duration", 60, "--dead-band", 0.5)
+    arguments = ("--duration", 60, "--dead-band", 0.5)
     wind = tv.TriangularWind(peak=PEAK, duration=60.0)
     least = np.degrees(tv.optimum_deflection(linear(), wind).peak)
     told = f"Note: {least:.3f} deg is the minimum of any control by linear theory"
 
-    assert run(*asked).output.startswith("SURVIVED with")
-    assert told in " ".join(run(*asked).output.split())
-    assert "minimum" not in run(*asked, "--limit-deg", 1.05 * least).output
-    assert document(*asked)["minimum_deg"] == pytest.approx(least, rel=1e-12)
+    assert run(*arguments).output.startswith("SURVIVED with")
+    assert told in " ".join(run(*arguments).output.split())
+    assert "minimum" not in run(*arguments, "--limit-deg", 1.05 * least).output
+    assert document(*arguments)["minimum_deg"] == pytest.approx(least, rel=1e-12)
 
 
 def test_no_attitude_is_written_once_the_linear_one_is_over_90_degrees(tmp_path):

@@ -81,8 +81,8 @@ def test_without_a_limit_the_flight_has_a_tenth_more_than_the_boundary_of_the_la
     plant = plant_of(mine)
     law = law_of(plant, tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5))
     for name, one in (("flown", plant), ("rigid", plant.rigid)):
-        found = tv.closed_loop_boundary(one, law, WIND, highest=4.0, **NOZZLE)
-        least = abs(np.degrees(found.deflection))
+        boundary = tv.closed_loop_boundary(one, law, WIND, highest=4.0, **NOZZLE)
+        least = abs(np.degrees(boundary.deflection))
         assert document["boundary_deg"][name] == pytest.approx(least, rel=1e-12)
     assert document["limit_deg"] == pytest.approx(1.1 * document["boundary_deg"]["flown"])
 
@@ -103,15 +103,15 @@ def test_a_mode_that_is_not_held_rings_and_has_not_survived(mine):
 
 @pytest.mark.thorough
 def test_margins_that_are_flown_are_those_of_the_flexible_vehicle(mine):
-    asked = ("margins", mine, *GAINS, *NOTCH, "--limit-deg", "0.5", "--json")
-    result = CliRunner().invoke(app, list(asked))
+    arguments = ("margins", mine, *GAINS, *NOTCH, "--limit-deg", "0.5", "--json")
+    result = CliRunner().invoke(app, list(arguments))
     assert not result.stderr
     plant = plant_of(mine)
     law = law_of(plant, tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5))
     expected = tv.flights.flown_margins(plant, law, WIND, limit=np.radians(0.5), **NOZZLE)
-    found = json.loads(result.stdout)["flown"]
+    computed = json.loads(result.stdout)["flown"]
     for name in ("gain_rise", "effectiveness_fall"):
-        assert found[name]["value"] == pytest.approx(getattr(expected, name).value, rel=1e-12)
+        assert computed[name]["value"] == pytest.approx(getattr(expected, name).value, rel=1e-12)
 
 
 @pytest.mark.thorough
@@ -176,7 +176,7 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
         "tvclin.cli.fly_laws.standard_laws",
         lambda plant, peak, *_: {"trim": every(plant, peak)["trim"]},
     )
-    asked = (
+    arguments = (
         "fly",
         mine,
         "--law",
@@ -188,7 +188,7 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
         "10",
         "--json",
     )
-    document = json.loads(CliRunner().invoke(app, list(asked)).stdout)
+    document = json.loads(CliRunner().invoke(app, list(arguments)).stdout)
     plant = plant_of(mine)
     law = tv.control.FilteredLaw(
         tv.design.standard_laws(plant.rigid, np.radians(5))["trim"],
@@ -199,6 +199,6 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     assert document["flexible"]
     assert trim["limit"] == pytest.approx(expected.limit, rel=1e-12)
     assert trim["status"] == expected.status == "ok"
-    drawn = CliRunner().invoke(app, [*asked[:4], "--plot", "laws.png", "--winds", "x.csv"])
+    drawn = CliRunner().invoke(app, [*arguments[:4], "--plot", "laws.png", "--winds", "x.csv"])
     assert drawn.exit_code == 2
     assert "--winds needs no --plot: that is drawn of pulses alone" in drawn.stderr

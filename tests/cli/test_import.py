@@ -59,8 +59,8 @@ def test_a_schedule_is_written_with_a_comment_on_every_column(tmp_path: Path) ->
     output = tmp_path / "my.csv"
     result = run("openrocket", OPENROCKET, *GIVEN, "-o", output, "--more")
     assert result.exit_code == 0, result.output
-    found, expected = tv.load_schedule(output), read(OPENROCKET)
-    np.testing.assert_allclose(found.vehicle.weight, expected.vehicle.weight, rtol=1e-11)
+    computed, expected = tv.load_schedule(output), read(OPENROCKET)
+    np.testing.assert_allclose(computed.vehicle.weight, expected.vehicle.weight, rtol=1e-11)
     text = output.read_text(encoding="utf-8")
     for note in expected.notes:
         assert f"# {note}\n" in text

@@ -29,9 +29,9 @@ def run(*arguments):
 
 @pytest.mark.thorough
 def test_gains_are_sought_and_their_winds_listed():
-    found = run("design", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
-    assert found.exit_code == 0
-    document = json.loads(found.stdout)
+    result = run("design", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
+    assert result.exit_code == 0
+    document = json.loads(result.stdout)
     least = document["least"]
     assert least["meaning"] == "peak"
     assert len(least["deflections_deg"]) == 3
@@ -50,9 +50,9 @@ def test_gains_are_sought_for_the_samples_and_filters_that_are_given():
         "--set",
         'autopilot.filter=[{kind="notch", frequency_Hz=9, zero_damping=0.05, pole_damping=0.5}]',
     )
-    found = run("design", "--least", "--crossover", "2", *loop, "--json")
-    assert found.exit_code == 0
-    document = json.loads(found.stdout)
+    result = run("design", "--least", "--crossover", "2", *loop, "--json")
+    assert result.exit_code == 0
+    document = json.loads(result.stdout)
     assert document["criteria"]["met"]
     own = document["autopilot"]
     gains = ("--attitude-gain", repr(own["attitude_gain"]), "--rate-gain", repr(own["rate_gain_s"]))
@@ -67,19 +67,19 @@ def test_a_study_file_designs_with_its_samples_and_filters(tmp_path):
     lag = '[[autopilot.filter]]\nkind = "low-pass"\non = "rate"\nfrequency_rad_per_s = 60\n'
     file.write_text(STUDY + "sample_rate_Hz = 25\n" + lag)
     case = tv.load_study(file)
-    found = specified_autopilot(case, case.history, tv.CRITERIA["classic"])
-    assert found.sample_rate == 25.0
-    assert len(found.rate_filters) == 1
-    assert tv.CRITERIA["classic"].are_satisfied(found.margins(case.plant))
+    result = specified_autopilot(case, case.history, tv.CRITERIA["classic"])
+    assert result.sample_rate == 25.0
+    assert len(result.rate_filters) == 1
+    assert tv.CRITERIA["classic"].are_satisfied(result.margins(case.plant))
 
 
 @pytest.mark.thorough
 def test_a_study_file_asks_for_them(tmp_path):
     file = tmp_path / "least.toml"
     file.write_text(STUDY)
-    found = find(tv.load_study(file)).comparison
-    assert found.ratio_to_trim == pytest.approx(1.109, abs=2e-3)
-    assert tv.CRITERIA["classic"].are_satisfied(found.margins)
+    computed = find(tv.load_study(file)).comparison
+    assert computed.ratio_to_trim == pytest.approx(1.109, abs=2e-3)
+    assert tv.CRITERIA["classic"].are_satisfied(computed.margins)
 
 
 @pytest.mark.thorough
@@ -103,7 +103,7 @@ def test_the_keys_of_a_box_carry_their_units():
     """The same box in other units, or in percent of the nominal thrust, is the same."""
     thrust = tv.load_vehicle("configuration-i").thrust
     low, high = 0.97 * thrust, 1.03 * thrust
-    found = [
+    computed = [
         json.loads(run("design", "--delay-ms", "20", "--json", *box).stdout)["box"]["box"]
         for box in (
             ("--box", f"thrust_N={low}..{high}", "--box", "delay_s=0..0.04"),
@@ -111,7 +111,7 @@ def test_the_keys_of_a_box_carry_their_units():
             ("--box", "thrust=-3%..3%", "--box", "delay=-100%..100%"),
         )
     ]
-    for one in found:
+    for one in computed:
         assert one["thrust"] == pytest.approx([low, high], rel=1e-12)
         assert one["delay"] == pytest.approx([0.0, 0.04], rel=1e-12)
 
@@ -144,9 +144,9 @@ def test_the_keys_of_a_box_carry_their_units():
     ],
 )
 def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
-    found = run(*arguments)
-    assert found.exit_code == 2
-    assert words in " ".join(found.output.split())
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert words in " ".join(result.output.split())
 
 
 @pytest.mark.thorough
@@ -173,8 +173,8 @@ def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
         'autopilot.filter=[{kind="notch", frequency_Hz=5.6, zero_damping=0.05, pole_damping=0.7}]',
         "--json",
     )
-    found = json.loads(run("design", "--least", "--crossover", "2", *notch).stdout)
-    own = found["autopilot"]
+    answer = json.loads(run("design", "--least", "--crossover", "2", *notch).stdout)
+    own = answer["autopilot"]
     gains = ("--attitude-gain", own["attitude_gain"], "--rate-gain", own["rate_gain_s"])
     margins = run("margins", *map(str, gains), *notch)
-    assert found["criteria"]["met"] is json.loads(margins.stdout)["criteria"]["met"] is True
+    assert answer["criteria"]["met"] is json.loads(margins.stdout)["criteria"]["met"] is True

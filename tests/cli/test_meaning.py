@@ -62,8 +62,8 @@ def test_the_wind_gain_of_a_vehicle_that_bends_is_that_of_a_dense_sweep():
         plant.coefficients, natural_frequency=1.2, damping=0.7, actuator=tv.Actuator()
     )
     wind = tv.TriangularWind(peak=0.05, duration=6.0)
-    found = tv.compare_with_trim(plant, autopilot, wind)
+    result = tv.compare_with_trim(plant, autopilot, wind)
     loop = autopilot.close(plant)["deflection", "wind"]
     omega = np.concatenate([np.geomspace(1e-3, 300.0, 40_000), np.linspace(30.0, 40.0, 40_000)])
-    assert found.wind_gain == pytest.approx(np.abs(loop(1j * omega)).max(), rel=1e-4)
-    assert found.margins.gain_increase_dB == autopilot.margins(plant).gain_increase_dB
+    assert result.wind_gain == pytest.approx(np.abs(loop(1j * omega)).max(), rel=1e-4)
+    assert result.margins.gain_increase_dB == autopilot.margins(plant).gain_increase_dB

@@ -42,9 +42,9 @@ def test_no_line_is_wider_than_the_terminal(name) -> None:
 
 
 def test_no_width_breaks_json() -> None:
-    asked = (*COMMANDS["study"], "--json")
+    arguments = (*COMMANDS["study"], "--json")
 
-    assert json.loads(words(*asked, columns="40")) == json.loads(words(*asked))
+    assert json.loads(words(*arguments, columns="40")) == json.loads(words(*arguments))
 
 
 def begun(*arguments: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
@@ -86,8 +86,8 @@ def test_no_escape_sequence_of_a_file_reaches_terminal_csv_or_figure(
 ) -> None:
     file, table, chart = tmp_path / f"a{letter}.csv", tmp_path / "a.csv", tmp_path / "a.svg"
     file.write_text("height_m,east_m_per_s,north_m_per_s\n0,0,0\n12000,40,0\n40000,0,0\n")
-    asked = ["--azimuth-deg", "90", "--every", "60", "--csv", str(table), "--plot", str(chart)]
-    done = CliRunner().invoke(app, ["ascent", "configuration-i", "--winds", str(file), *asked])
+    calls = ["--azimuth-deg", "90", "--every", "60", "--csv", str(table), "--plot", str(chart)]
+    done = CliRunner().invoke(app, ["ascent", "configuration-i", "--winds", str(file), *calls])
     assert done.exit_code == 0, done.output
     name = f"a{letter}.csv".replace(letter[0], "?")
     assert name in done.output

@@ -29,14 +29,16 @@ def front(vehicle: tv.Vehicle | None = None, **nozzle: float) -> tv.boundary.Rat
 
 
 def test_json_equals_the_library() -> None:
-    found = json.loads(run("--limit-deg", "0.35", "--rate-limit-deg", "2", "--json").stdout)
+    answer = json.loads(run("--limit-deg", "0.35", "--rate-limit-deg", "2", "--json").stdout)
     expected = front(limit=0.35, rate_limit=2.0)
-    assert found["trade_off"]["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
-    assert found["trade_off"]["lower_bound_deg"] == pytest.approx(
+    assert answer["trade_off"]["limits_deg"] == pytest.approx(
+        np.degrees(expected.limits), rel=1e-12
+    )
+    assert answer["trade_off"]["lower_bound_deg"] == pytest.approx(
         np.degrees(expected.lower_bound), rel=1e-12
     )
-    assert found["trade_off"]["above_lower_bound"] is True
-    assert found["flown"] == []
+    assert answer["trade_off"]["above_lower_bound"] is True
+    assert answer["flown"] == []
 
 
 def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -> None:
@@ -209,7 +211,7 @@ def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, 
     text = file.read_text().replace("= 0.6", f"= {limit}").replace("= 10", f"= {rate}")
     file.write_text(text)
     result = CliRunner().invoke(app, ["study", str(file), "--json"])
-    (asked,) = (
+    (request,) = (
         one for one in json.loads(result.stdout)["questions"] if one["name"] == "nozzle rate"
     )
     vehicle, angle = tv.load_vehicle("configuration-i"), np.radians(-5.0)
@@ -226,10 +228,10 @@ def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, 
     )
     if limit == 0.3:
         assert (round(calm, 3), round(needed, 3)) == (0.173, 0.314)
-    assert f"at the nominal one {calm:.3f} deg/s" in asked["why"]
-    assert asked["yes"] is (bool(needed <= rate) or (None if calm <= rate else False))
-    assert asked["yes"] is yes
-    assert asked["measure"] == {
+    assert f"at the nominal one {calm:.3f} deg/s" in request["why"]
+    assert request["yes"] is (bool(needed <= rate) or (None if calm <= rate else False))
+    assert request["yes"] is yes
+    assert request["measure"] == {
         "required": pytest.approx(needed),
         "available": pytest.approx(rate),
         "unit": "deg/s",

@@ -37,9 +37,9 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
     expected = tv.boundary.load_trade_off(plant, wind, limit=np.radians(0.3), load=np.radians(3.0))
     file = tmp_path / "front.csv"
     options = ("--limit-deg", "0.3", "--load-deg", "3", "--json", "--csv", str(file))
-    found = json.loads(run(*options, "--plot", str(tmp_path / "a.png")).stdout)["trade_off"]
-    assert found["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
-    assert found["lower_bound_deg"] == pytest.approx(np.degrees(expected.lower_bound), rel=1e-12)
+    computed = json.loads(run(*options, "--plot", str(tmp_path / "a.png")).stdout)["trade_off"]
+    assert computed["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
+    assert computed["lower_bound_deg"] == pytest.approx(np.degrees(expected.lower_bound), rel=1e-12)
     rows = list(
         csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#"))
     )
@@ -106,12 +106,12 @@ def test_a_gain_on_the_angle_of_attack_relieves_the_load() -> None:
 def test_a_study_file_asks_the_same_in_each_unit(table: str, tmp_path: Path) -> None:
     file = tmp_path / "a.toml"
     file.write_text(STUDY + table)
-    found = json.loads(run(str(file), "--json").stdout)["trade_off"]
-    assert found["load_deg"] == pytest.approx(3.0)
+    computed = json.loads(run(str(file), "--json").stdout)["trade_off"]
+    assert computed["load_deg"] == pytest.approx(3.0)
     own = find(load_study(str(file)))
-    (asked,) = [one for one in questions(own) if one.name == "load"]
-    assert asked.yes
-    assert asked.required_deflection == pytest.approx(np.radians(found["lower_bound_deg"]))
+    (request,) = [one for one in questions(own) if one.name == "load"]
+    assert request.yes
+    assert request.required_deflection == pytest.approx(np.radians(computed["lower_bound_deg"]))
 
 
 @pytest.mark.parametrize(

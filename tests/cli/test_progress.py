@@ -61,9 +61,9 @@ def test_the_time_left_counts_neither_compiling_nor_what_was_done_before(
 
 def test_a_page_tells_of_each_part() -> None:
     plan = tv.load_study("configuration-i")
-    asked = tv.studyfile.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
+    request = tv.studyfile.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
     told: list[tuple[float, float]] = []
-    find(asked, lambda done, total: told.append((done, total)))
+    find(request, lambda done, total: told.append((done, total)))
 
     assert told[-1] == (1.0, 1.0)
 

@@ -39,8 +39,8 @@ def case(model="fixed-path", factor=1.1, dead_band=1.0, duration=7.5, shape=tv.T
 
 def attitude(parts, *times):
     plant, deflection, wind, _ = parts
-    found = tv.attitude_responses(plant, deflection, wind, np.array(times))
-    return np.degrees(found["attitude"])
+    result = tv.attitude_responses(plant, deflection, wind, np.array(times))
+    return np.degrees(result["attitude"])
 
 
 @pytest.mark.parametrize(
@@ -56,25 +56,25 @@ def attitude(parts, *times):
     ),
 )
 def test_json_equals_the_library(model, factor):
-    found = document("--model", model, "--capability", factor)
+    answer = document("--model", model, "--capability", factor)
     parts = case(model, factor)
     plant, deflection, wind, limit = parts
     verdict = tv.linear.judge(plant, deflection, wind)
     loads = wind_loads(plant, deflection, wind)
 
-    assert found["limit_deg"] == pytest.approx(abs(np.degrees(limit)), rel=1e-14)
-    assert found["survived"] is (factor >= 1.0)
-    assert found["verdict"]["stable"] is verdict.stable
-    assert found["verdict"]["final_motion"] == str(verdict.final_motion)
-    assert found["peak_angle_of_attack"]["deg"] == pytest.approx(
+    assert answer["limit_deg"] == pytest.approx(abs(np.degrees(limit)), rel=1e-14)
+    assert answer["survived"] is (factor >= 1.0)
+    assert answer["verdict"]["stable"] is verdict.stable
+    assert answer["verdict"]["final_motion"] == str(verdict.final_motion)
+    assert answer["peak_angle_of_attack"]["deg"] == pytest.approx(
         np.degrees(loads.peak_angle_of_attack), rel=1e-14
     )
-    end = found["shown_until"]["time_s"]
+    end = answer["shown_until"]["time_s"]
     assert end <= 22.5
-    assert (end == 22.5) == (found["shown_until"]["why"] == "whole")
+    assert (end == 22.5) == (answer["shown_until"]["why"] == "whole")
     for name, time in (("at_wind_end", 7.5), ("at_end", end)):
         expected = pytest.approx(float(attitude(parts, time)[0]), abs=1e-9)
-        assert found["attitude"][name] == {"deg": expected, "time_s": time}
+        assert answer["attitude"][name] == {"deg": expected, "time_s": time}
 
 
 @by_turns("model,factor", ["fixed-path", "drift", "drift-exact"], [0.5, 1.0, 1.1, 1.5, 3.0], each=3)
@@ -82,32 +82,32 @@ def test_a_response_ends_where_the_limit_is_let_go_or_the_vehicle_has_fallen(
     model, factor, tmp_path
 ):
     file = tmp_path / "response.csv"
-    asked = ("--model", model, "--capability", factor, "--until", 12)
-    found = document(*asked, "--csv", file)
-    end, why = found["shown_until"]["time_s"], found["shown_until"]["why"]
+    arguments = ("--model", model, "--capability", factor, "--until", 12)
+    answer = document(*arguments, "--csv", file)
+    end, why = answer["shown_until"]["time_s"], answer["shown_until"]["why"]
     left = float(attitude(case(model, factor), end)[0])
     if why == "let go":
-        assert found["survived"]
-        if found["attitude"]["back_at_zero"] is None:  # never on the side of the wind
+        assert answer["survived"]
+        if answer["attitude"]["back_at_zero"] is None:  # never on the side of the wind
             assert end == 7.5
         else:
             assert left == pytest.approx(0.0, abs=1e-8)
-            assert end == found["attitude"]["back_at_zero"]["time_s"]
+            assert end == answer["attitude"]["back_at_zero"]["time_s"]
     if why == "fallen":
         assert abs(left) == pytest.approx(90.0)
-        assert not found["survived"]
+        assert not answer["survived"]
     rows = np.genfromtxt(file, delimiter=",", skip_header=2)
     assert np.abs(rows[:, 1]).max() <= 90.0 + 1e-6
     assert rows[-1, 0] == pytest.approx(end)
-    assert ("an autopilot lets go" in run(*asked).output) == (why == "let go")
+    assert ("an autopilot lets go" in run(*arguments).output) == (why == "let go")
 
 
 def test_the_peak_is_the_one_that_the_report_quotes():
-    found = document("--duration", TAU, "--capability", 1.1)["attitude"]
+    computed = document("--duration", TAU, "--capability", 1.1)["attitude"]
 
-    assert found["with_wind"]["deg"] == pytest.approx(-5.0 * 0.16420, abs=5e-4)
-    assert found["with_wind"]["time_s"] / TAU == pytest.approx(0.8770, abs=1e-3)
-    assert found["back_at_zero"]["time_s"] / TAU == pytest.approx(1.0802, abs=1e-3)
+    assert computed["with_wind"]["deg"] == pytest.approx(-5.0 * 0.16420, abs=5e-4)
+    assert computed["with_wind"]["time_s"] / TAU == pytest.approx(0.8770, abs=1e-3)
+    assert computed["back_at_zero"]["time_s"] / TAU == pytest.approx(1.0802, abs=1e-3)
 
 
 @pytest.mark.parametrize("peak", usual([5.0, -5.0], 0))
@@ -124,34 +124,34 @@ def test_extremes_do_not_depend_on_the_points(peak, shape):
 
 def test_the_peak_is_a_peak_and_the_zero_a_zero():
     parts = case()
-    found = document("--capability", 1.1)["attitude"]
-    peak = found["with_wind"]
+    computed = document("--capability", 1.1)["attitude"]
+    peak = computed["with_wind"]
     near = attitude(parts, *(peak["time_s"] + np.linspace(-0.5, 0.5, 101)))
 
     assert abs(peak["deg"]) >= np.abs(near).max()
-    assert attitude(parts, found["back_at_zero"]["time_s"]) == pytest.approx(0.0, abs=1e-9)
+    assert attitude(parts, computed["back_at_zero"]["time_s"]) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_on_the_boundary_the_attitude_is_that_of_equation_13():
-    found = document("--duration", TAU, "--capability", 1, "--until", 1.5)
-    limit = found["limit_deg"] / (5.0 * case()[0].coefficients.B)
+    answer = document("--duration", TAU, "--capability", 1, "--until", 1.5)
+    limit = answer["limit_deg"] / (5.0 * case()[0].coefficients.B)
 
     expected = -5.0 * triangular_attitude(1.5, TAU * case()[0].coefficients.beta, limit)
-    assert found["attitude"]["at_end"]["deg"] == pytest.approx(expected, rel=1e-9)
-    assert found["attitude"]["against_wind"] is None
-    assert found["attitude"]["back_at_zero"] is None
-    assert found["verdict"]["stable"] is True
-    assert "constant attitude error" in found["verdict"]["final_motion"]
+    assert answer["attitude"]["at_end"]["deg"] == pytest.approx(expected, rel=1e-9)
+    assert answer["attitude"]["against_wind"] is None
+    assert answer["attitude"]["back_at_zero"] is None
+    assert answer["verdict"]["stable"] is True
+    assert "constant attitude error" in answer["verdict"]["final_motion"]
 
 
 def test_trim_throughout_leaves_nothing():
-    found = document("--limit-deg", 1)
+    answer = document("--limit-deg", 1)
 
-    assert found["attitude"]["with_wind"] is None
-    assert found["attitude"]["against_wind"] is None
-    assert found["survived"] is True
-    assert found["verdict"]["stable"] is True
-    assert found["verdict"]["final_motion"] == "nothing"
+    assert answer["attitude"]["with_wind"] is None
+    assert answer["attitude"]["against_wind"] is None
+    assert answer["survived"] is True
+    assert answer["verdict"]["stable"] is True
+    assert answer["verdict"]["final_motion"] == "nothing"
 
 
 def test_a_short_response_has_no_end_of_the_wind():
@@ -160,14 +160,14 @@ def test_a_short_response_has_no_end_of_the_wind():
 
 def test_the_csv_is_the_exact_response(tmp_path):
     file = tmp_path / "response.csv"
-    asked = ["--model", "drift", "--capability", 1.1, "--until", 2]
-    result = run(*asked, "--points", 31, "--csv", file)
+    calls = ["--model", "drift", "--capability", 1.1, "--until", 2]
+    result = run(*calls, "--points", 31, "--csv", file)
     plant, deflection, wind, _ = case("drift")
 
     assert result.exit_code == 0
     comment, headings, *rows = file.read_text(encoding="utf-8").splitlines()
     values = np.array([row.split(",") for row in rows], dtype=float)
-    end = document(*asked)["shown_until"]["time_s"]
+    end = document(*calls)["shown_until"]["time_s"]
     expected = tv.attitude_responses(plant, deflection, wind, np.linspace(0.0, end, 31))
     assert "Configuration I" in comment
     assert "model drift, K = 1, limit 0.391 deg" in comment
@@ -238,20 +238,20 @@ def test_the_table_says_it_in_words():
 
 
 def test_without_a_limit_it_shows_the_boundary():
-    found, on_it = document(), document("--capability", 1)
+    computed, on_it = document(), document("--capability", 1)
 
-    assert found == on_it
-    assert found["limit_deg"] == found["nominal_deflection_deg"]
-    assert found["verdict"]["stable"] is True
+    assert computed == on_it
+    assert computed["limit_deg"] == computed["nominal_deflection_deg"]
+    assert computed["verdict"]["stable"] is True
 
 
 def test_a_stable_vehicle_needs_a_limit(stable_vehicle):
     result = run(stable_vehicle)
     assert result.exit_code == 2
     assert "--limit-deg" in result.output
-    found = document(stable_vehicle, "--limit-deg", "0.1")
-    assert found["survived"] is True
-    assert "oscillation" in found["verdict"]["final_motion"]
+    answer = document(stable_vehicle, "--limit-deg", "0.1")
+    assert answer["survived"] is True
+    assert "oscillation" in answer["verdict"]["final_motion"]
 
 
 @pytest.mark.parametrize(
@@ -289,9 +289,9 @@ def test_bad_input_is_exit_code_two_without_a_traceback(arguments):
 
 
 def test_a_limit_that_survives_and_turns_the_vehicle_over_is_explained():
-    asked = ("--duration", 60, "--dead-band", 0.5, "--model", "drift-exact")
+    arguments = ("--duration", 60, "--dead-band", 0.5, "--model", "drift-exact")
     words = "survived with a control that lets go of it"
-    enough, short = (run(*asked, "--capability", part).output for part in (1.1, 0.9))
+    enough, short = (run(*arguments, "--capability", part).output for part in (1.1, 0.9))
 
     assert "\nSURVIVED: " in enough
     assert "exceeds 90 deg" in enough
@@ -324,13 +324,13 @@ def test_what_a_table_of_winds_does_not_say_is_told_or_given(tmp_path):
     metres.write_text(
         "Altitude MSL (m),Speed (m/s),Direction (deg)\n160,0,270\n12160,30,270\n27592,0,0\n"
     )
-    asked = ("--azimuth-deg", 90)
+    arguments = ("--azimuth-deg", 90)
     site = ("--set", "sounding.units=ft,mph", "--set", "sounding.above_ground_m=160")
-    given = document("--winds", feet, *site, *asked)
-    written = document("--winds", metres, *asked)
+    given = document("--winds", feet, *site, *arguments)
+    written = document("--winds", metres, *arguments)
     assert given["wind"]["peak_deg"] == pytest.approx(written["wind"]["peak_deg"], rel=1e-9)
-    named = run("--winds", feet, "--set", "sounding.format=openrocket", *asked)
+    named = run("--winds", feet, "--set", "sounding.format=openrocket", *arguments)
     assert "feet.csv: assumed, as the file does not say: altitudes in m, speeds" in named.stderr
-    assert "--set sounding.format openrocket" in run("--winds", feet, *asked).stderr
+    assert "--set sounding.format openrocket" in run("--winds", feet, *arguments).stderr
     for key in ("units=ft,mph", "above_ground_m=160", "format=csv"):
         assert "[sounding] needs a sounding: --winds" in run("--set", f"sounding.{key}").stderr

@@ -107,9 +107,9 @@ def run(*arguments):
 
 
 def asked(*arguments):
-    found = run(*arguments)
-    assert found.exit_code in (0, 1), found.output
-    return json.loads(found.stdout)
+    result = run(*arguments)
+    assert result.exit_code in (0, 1), result.output
+    return json.loads(result.stdout)
 
 
 def test_a_study_file_and_python_make_the_same_case(file):
@@ -123,9 +123,9 @@ def test_a_study_file_and_python_make_the_same_case(file):
 
 @pytest.mark.thorough
 def test_every_command_answers_for_the_case_of_the_study(file):
-    found, study = find(tv.load_study(file)), tv.Study.of(CASE, 0.5)
+    computed, study = find(tv.load_study(file)), tv.Study.of(CASE, 0.5)
     required = np.degrees(study.required_deflection)
-    assert np.degrees(found.study.required_deflection) == pytest.approx(required, rel=1e-13)
+    assert np.degrees(computed.study.required_deflection) == pytest.approx(required, rel=1e-13)
     assert asked("study", file)["verdict"]["required_deflection_deg"] == pytest.approx(required)
     responded, nominal = asked("respond", file), np.degrees(study.nominal_deflection)
     assert (responded["nominal_deflection_deg"], responded["limit_deg"]) == pytest.approx(
@@ -134,13 +134,13 @@ def test_every_command_answers_for_the_case_of_the_study(file):
     least = np.degrees(study.minima["drift"])
     assert asked("boundary", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
     controlled = asked("fly", file, "--law", "autopilot")["comparison"]
-    comparison = found.comparison
+    comparison = computed.comparison
     assert controlled["peak_deflection_deg"] == np.degrees(comparison.peak_deflection)
     margins = asked("margins", file, "--limit-deg", "2")
     whole = comparison.margins
     assert margins["margins"]["phase_margin_deg"] == whole.phase_margin_deg
     assert margins["criteria"]["name"] == controlled["criteria"]["name"] == "aircraft"
-    assert margins["flown"]["spare"] == found.flown.spare
+    assert margins["flown"]["spare"] == computed.flown.spare
     flown = fly_sampled(
         CASE.plant,
         tv.SaturatedLaw.of(CASE.autopilot),
@@ -161,9 +161,9 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
         STUDY.replace("[gust]\npeak_deg = 0.5\nduration_s = 1.0\npeak_time_s = 2.5\n", "")
     )
     trials = find(tv.load_study(calm)).trials
-    found = asked("fly", str(calm), "--law", "all")
-    assert found["sample_rate_Hz"] == 50
-    assert {one["law"]: one["limit"] for one in found["trials"]} == {
+    result = asked("fly", str(calm), "--law", "all")
+    assert result["sample_rate_Hz"] == 50
+    assert {one["law"]: one["limit"] for one in result["trials"]} == {
         one.law: one.limit for one in trials
     }
 
@@ -201,9 +201,9 @@ def test_a_model_that_is_not_flown_is_told():
 @pytest.mark.thorough
 def test_an_option_counts_more_than_the_file(file):
     over = ("--natural-frequency", "1.5", "--delay-ms", "0", "--limit-deg", "3", "--plane", "pitch")
-    found = asked("fly", file, *over)
-    gains = found["comparison"]["autopilot"]
-    assert (gains["delay_s"], found["limit_deg"], found["plane"]) == (
+    result = asked("fly", file, *over)
+    gains = result["comparison"]["autopilot"]
+    assert (gains["delay_s"], result["limit_deg"], result["plane"]) == (
         0.0,
         pytest.approx(3),
         "pitch",
@@ -249,8 +249,8 @@ def test_a_sounding_meets_the_flight_of_the_study_file(tmp_path):
     path = tmp_path / "my.toml"
     path.write_text(STUDY.partition("[wind]")[0] + "[wind]\npeak_deg = 4\nduration_s = 5\n")
     beside = ("--model", "drift", "--plane", "yaw", "--dead-band", "0.5")
-    found = asked("respond", str(path), *sounding)
-    assert found == asked("respond", "configuration-i", *sounding, *beside)
+    result = asked("respond", str(path), *sounding)
+    assert result == asked("respond", "configuration-i", *sounding, *beside)
     flight = asked("fly", str(path), *sounding, *VARYING, "--dead-band", "1")
     assert flight == asked("fly", "configuration-i", *sounding, *VARYING, "--plane", "yaw")
 

@@ -36,9 +36,9 @@ def run(path: Path, turbulence: str, *arguments: str, study: str = STUDY) -> Res
 
 def test_the_criterion_is_the_peak_in_the_wind_and_k_sigma(tmp_path: Path) -> None:
     keys = "intensity_m_per_s = 6\nsigmas = 2"
-    found = run(tmp_path, keys, "--json")
-    assert found.exit_code == 0, found.output
-    answer = json.loads(found.stdout)
+    result = run(tmp_path, keys, "--json")
+    assert result.exit_code == 0, result.output
+    answer = json.loads(result.stdout)
     vehicle = tv.load_vehicle("configuration-i")
     plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
     autopilot = tv.load_study(str(tmp_path / "study.toml")).autopilot
@@ -58,10 +58,10 @@ def test_the_criterion_is_the_peak_in_the_wind_and_k_sigma(tmp_path: Path) -> No
 
 
 def test_more_standard_deviations_than_the_limit_covers_are_not_met(tmp_path: Path) -> None:
-    found = run(tmp_path, "intensity_m_per_s = 20\nsigmas = 6", "--more")
-    assert found.exit_code == 1
-    assert "NOT MET: turbulence" in found.stdout
-    assert "wind + 6 sigma" in found.stdout
+    result = run(tmp_path, "intensity_m_per_s = 20\nsigmas = 6", "--more")
+    assert result.exit_code == 1
+    assert "NOT MET: turbulence" in result.stdout
+    assert "wind + 6 sigma" in result.stdout
 
 
 @pytest.mark.parametrize(
@@ -109,11 +109,11 @@ def test_a_cutoff_leaves_less_turbulence(tmp_path: Path) -> None:
 
 def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
     study = f'{STUDY}[schedule]\nsource = "configuration-i"\n[size]\nfrom_s = 66\nto_s = 66\n'
-    found = json.loads(run(tmp_path, 'severity = "severe"', "--json", study=study).stdout)
+    answer = json.loads(run(tmp_path, 'severity = "severe"', "--json", study=study).stdout)
     schedule = tv.load_schedule("configuration-i")
     height = np.interp(66.0, schedule.times, schedule.height)
     severe = tv.winds.Turbulence.mil_f_8785c("severe").at(float(height))
-    air = found["turbulence"]["turbulence"]
+    air = answer["turbulence"]["turbulence"]
     assert air["intensity_m_per_s"] == pytest.approx(severe.intensity, rel=1e-9)
 
 
@@ -127,22 +127,22 @@ def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
     ],
 )
 def test_bad_keys_are_refused_in_a_sentence(tmp_path: Path, keys: str, sentence: str) -> None:
-    found = run(tmp_path, keys)
-    assert found.exit_code == 2
-    assert sentence in " ".join(found.output.replace("│", " ").split())
+    result = run(tmp_path, keys)
+    assert result.exit_code == 2
+    assert sentence in " ".join(result.output.replace("│", " ").split())
 
 
 @pytest.mark.thorough
 def test_in_a_head_wind_the_dynamic_pressure_at_its_peak_is_an_upper_bound(tmp_path: Path) -> None:
     study = STUDY.replace('sign = "frozen"\n', "")
     nominal = json.loads(run(tmp_path, "intensity_m_per_s = 6", "--json").stdout)
-    found = json.loads(run(tmp_path, "intensity_m_per_s = 6", "--json", study=study).stdout)
+    result = json.loads(run(tmp_path, "intensity_m_per_s = 6", "--json", study=study).stdout)
     answers = [
         next(q for q in answer["questions"] if q["name"] == "turbulence")
-        for answer in (nominal, found)
+        for answer in (nominal, result)
     ]
     low, high = (answer["measure"]["required"] for answer in answers)
-    assert low == nominal["turbulence"]["deflection_deg"] == found["turbulence"]["deflection_deg"]
+    assert low == nominal["turbulence"]["deflection_deg"] == result["turbulence"]["deflection_deg"]
     assert 1.1 * low < high
     between = str(0.5 * (low + high))
     unknown = json.loads(
@@ -155,10 +155,10 @@ def test_in_a_head_wind_the_dynamic_pressure_at_its_peak_is_an_upper_bound(tmp_p
 
 def test_without_a_stationary_covariance_it_is_not_known(tmp_path: Path) -> None:
     study = f"{STUDY}[autopilot]\nattitude_gain = 0.05\nrate_gain_s = 0.3\n"
-    found = run(tmp_path, "intensity_m_per_s = 6", study=study)
-    assert found.exit_code == 1, found.output
-    assert re.search(r"turbulence +NOT KNOWN", found.stdout)
-    assert "turbulence: the loop is not stable: it has a pole at" in found.stdout
+    result = run(tmp_path, "intensity_m_per_s = 6", study=study)
+    assert result.exit_code == 1, result.output
+    assert re.search(r"turbulence +NOT KNOWN", result.stdout)
+    assert "turbulence: the loop is not stable: it has a pole at" in result.stdout
 
 
 def test_without_the_speed_of_the_vehicle_it_is_not_known(tmp_path: Path) -> None:
@@ -166,19 +166,19 @@ def test_without_the_speed_of_the_vehicle_it_is_not_known(tmp_path: Path) -> Non
         "[coefficients]\nmu_alpha_per_s2 = 0.228\nmu_delta_per_s2 = 1.317\n"
     )
     study = STUDY.replace("configuration-i", "linear.toml").replace('sign = "frozen"\n', "")
-    found = run(tmp_path, "intensity_m_per_s = 6", study=study)
-    assert found.exit_code == 1, found.output
-    assert "turbulence: turbulence needs the speed of the vehicle" in found.stdout
+    result = run(tmp_path, "intensity_m_per_s = 6", study=study)
+    assert result.exit_code == 1, result.output
+    assert "turbulence: turbulence needs the speed of the vehicle" in result.stdout
 
 
 @pytest.mark.parametrize("command", ["disperse", "respond", "poles"])
 def test_a_command_without_turbulence_says_so(tmp_path: Path, command: str) -> None:
     file = tmp_path / "study.toml"
     file.write_text(f"{STUDY}\n[campaign]\ncases = 20\n[turbulence]\nintensity_m_per_s = 6\n")
-    found = CliRunner().invoke(app, [command, str(file)])
-    assert found.exit_code in (0, 1), found.output
-    left_out = re.search("what the file says of (.*?) is left out here", found.stderr)
-    assert left_out, found.stderr
+    result = CliRunner().invoke(app, [command, str(file)])
+    assert result.exit_code in (0, 1), result.output
+    left_out = re.search("what the file says of (.*?) is left out here", result.stderr)
+    assert left_out, result.stderr
     assert "turbulence" in left_out[1]
 
 
@@ -186,16 +186,16 @@ def flight(path: Path, keys: str, *options: str, study: str = STUDY) -> Any:
     """Return the document of the whole flight of a study file."""
     file = path / "flight.toml"
     file.write_text(f'{study}\n[schedule]\nsource = "configuration-i"\n[turbulence]\n{keys}\n')
-    found = CliRunner().invoke(app, ["ascent", str(file), *options, "--json"])
-    assert found.exit_code in (0, 1), found.output
-    return json.loads(found.stdout)
+    result = CliRunner().invoke(app, ["ascent", str(file), *options, "--json"])
+    assert result.exit_code in (0, 1), result.output
+    return json.loads(result.stdout)
 
 
 AT_66_S = ("--from", "66", "--to", "66")
 
 
 def test_the_budget_has_turbulence_at_its_own_quantile(tmp_path: Path) -> None:
-    found = flight(tmp_path, 'severity = "severe"\nprobability = 0.95', *AT_66_S)
+    result = flight(tmp_path, 'severity = "severe"\nprobability = 0.95', *AT_66_S)
     schedule = tv.load_schedule("configuration-i")
     times = np.linspace(*schedule.span, 31)
     plants = tv.Plant.from_vehicle(schedule.at(times), "drift-exact")
@@ -209,12 +209,12 @@ def test_the_budget_has_turbulence_at_its_own_quantile(tmp_path: Path) -> None:
     severe = tv.winds.Turbulence.mil_f_8785c("severe")
     along = tv.control.turbulence_along(schedule, law, severe)
     spread = np.interp(66.0, along.times, along.deviation())
-    lines = {line["name"].partition(",")[0]: line for line in found["total"]["lines"]}
+    lines = {line["name"].partition(",")[0]: line for line in result["total"]["lines"]}
     assert lines["turbulence"]["kind"] == "random"
     expected = np.degrees(1.959963984540054 * spread)  # the normal quantile of 0.975
     assert lines["turbulence"]["deflection_deg"] == pytest.approx(expected, rel=2e-3)  # designs
     total = sum(line["deflection_deg"] for line in lines.values())  # no other is random
-    assert found["total"]["total_deg"] == pytest.approx(total, rel=1e-12)
+    assert result["total"]["total_deg"] == pytest.approx(total, rel=1e-12)
 
 
 def test_a_pulse_of_one_flight_time_is_that_of_the_study(tmp_path: Path) -> None:
@@ -248,15 +248,15 @@ def test_a_sounding_is_flown_along_the_flight() -> None:
         stop=70.0,
     )
     design = tv.control.AutopilotDesign(attitude_gain=0.8, rate_gain=0.8)
-    asked = tv.case.TurbulenceRequest(intensity=6.0, sigmas=0.0)
+    options = tv.case.TurbulenceRequest(intensity=6.0, sigmas=0.0)
     wind = tv.ascent.fly_through(profile, schedule, azimuth=np.radians(90.0))
     for sign in ("frozen", None):
         case = tv.Case(vehicle=schedule.vehicle, design=design, sign=sign)
-        found = request.turbulence(case, asked)
-        assert isinstance(found, tv.requirement.FlightTurbulence)
+        result = request.turbulence(case, options)
+        assert isinstance(result, tv.requirement.FlightTurbulence)
         flown = tv.flights.fly_along(schedule, design_of(case), wind, sign=sign)
         largest = np.abs(flown.outputs["deflection"]).max()
-        assert found.winds[0].deflection == pytest.approx(largest, rel=1e-3)  # of other times
+        assert result.winds[0].deflection == pytest.approx(largest, rel=1e-3)  # of other times
 
 
 def test_waves_that_a_sounding_holds_are_named_until_a_cutoff_omits_them() -> None:
@@ -294,9 +294,9 @@ def test_a_flight_whose_turbulence_is_not_known_is_not_sized(tmp_path: Path) -> 
     study = f'{STUDY}limit_shape = "round"\n'.replace(
         "peak_deg = 5.0", "peak_deg = 5.0\ndirection_deg = 250\nazimuth_deg = 45"
     )
-    found = flight(tmp_path, "intensity_m_per_s = 6", *AT_66_S, study=study)
-    assert found["verdict"]["sufficient"] is None
-    assert "in turbulence: turbulence is answered in one plane" in found["verdict"]["not_sized"][0]
+    result = flight(tmp_path, "intensity_m_per_s = 6", *AT_66_S, study=study)
+    assert result["verdict"]["sufficient"] is None
+    assert "in turbulence: turbulence is answered in one plane" in result["verdict"]["not_sized"][0]
 
 
 SHEET = ("--over", "flight", "--limit-deg", "3", "--from", "60", "--to", "70")
@@ -305,20 +305,20 @@ SHEET = ("--over", "flight", "--limit-deg", "3", "--from", "60", "--to", "70")
 def sheet(*options: str) -> Any:
     """Return the document of the data sheet of configuration I, without a head wind."""
     words = ["nozzle", "configuration-i", *SHEET, "--set", "study.sign=frozen", *options, "--json"]
-    found = CliRunner().invoke(app, words)
-    assert found.exit_code in (0, 1), found.output
-    return json.loads(found.stdout)
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code in (0, 1), result.output
+    return json.loads(result.stdout)
 
 
 RANDOM = ("--set", "turbulence.intensity_m_per_s=6", "--set", "turbulence.sigmas=2")
 
 
 def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
-    calm, found = sheet("--law", "autopilot"), sheet("--law", "autopilot", *RANDOM)
+    calm, computed = sheet("--law", "autopilot"), sheet("--law", "autopilot", *RANDOM)
     lines, before = (
-        {line["name"]: line for line in answer["verdict"]["lines"]} for answer in (found, calm)
+        {line["name"]: line for line in answer["verdict"]["lines"]} for answer in (computed, calm)
     )
-    random = found["turbulence"]
+    random = computed["turbulence"]
     largest = max(
         point["angle_deg"] + 2.0 * random["deflection_rms_deg"][random["times_s"].index(time)]
         for point in calm["points"]
@@ -347,10 +347,10 @@ def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
 @pytest.mark.parametrize("law", ["trim", "half-relief"])
 def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law: str) -> None:
     """Gains by the formulas of the report: trim, a ten times larger feedback, and half relief."""
-    calm, found = sheet("--law", law), sheet("--law", law, *RANDOM)
+    calm, computed = sheet("--law", law), sheet("--law", law, *RANDOM)
     lines, before = (
         {line["name"]: line["required"] for line in answer["verdict"]["lines"]}
-        for answer in (found, calm)
+        for answer in (computed, calm)
     )
     schedule = tv.load_schedule("configuration-i")
     times = np.union1d(np.linspace(*schedule.span, 17), [60.0, 65.0, 70.0])
@@ -364,8 +364,8 @@ def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law
     flown = tv.control.turbulence_along(
         schedule, tv.control.GainSchedule(times, autopilot), tv.winds.Turbulence(6.0)
     )
-    rms = np.interp(found["turbulence"]["times_s"], flown.times, flown.deviation("deflection"))
-    assert found["turbulence"]["deflection_rms_deg"] == pytest.approx(np.degrees(rms), rel=1e-6)
+    rms = np.interp(computed["turbulence"]["times_s"], flown.times, flown.deviation("deflection"))
+    assert computed["turbulence"]["deflection_rms_deg"] == pytest.approx(np.degrees(rms), rel=1e-6)
     added = lines["travel of a flight"] - before["travel of a flight"]
     assert added > 0.8 * np.degrees(flown.travel())
     assert lines["rate limit"] > before["rate limit"]
@@ -373,9 +373,9 @@ def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law
 
 def test_a_data_sheet_of_a_law_that_switches_is_not_known_in_turbulence() -> None:
     assert sheet("--law", "dead-band")["verdict"]["satisfied"] is True
-    found = sheet("--law", "dead-band", *RANDOM)
-    assert found["verdict"]["satisfied"] is None
-    assert any("dead-band is not linear" in reason for reason in found["verdict"]["unknown"])
+    data_sheet = sheet("--law", "dead-band", *RANDOM)
+    assert data_sheet["verdict"]["satisfied"] is None
+    assert any("dead-band is not linear" in reason for reason in data_sheet["verdict"]["unknown"])
 
 
 def test_torque_in_turbulence_is_not_known() -> None:
@@ -400,16 +400,16 @@ def test_no_command_of_a_flight_schedule_is_silent_on_it(
     file = tmp_path / "flight.csv"
     tv.load_schedule("configuration-i").to_csv(file)
     command, *options = words
-    found = CliRunner().invoke(app, [command, str(file), *options, *RANDOM])
-    assert found.exit_code in (0, 1), found.output
-    assert "turbulence" in found.output
+    result = CliRunner().invoke(app, [command, str(file), *options, *RANDOM])
+    assert result.exit_code in (0, 1), result.output
+    assert "turbulence" in result.output
 
 
 def test_a_campaign_refuses_values_out_of_range() -> None:
     words = ["disperse", "configuration-i", "--set", "turbulence.intensity_m_per_s=-1"]
-    found = CliRunner().invoke(app, words)
-    assert found.exit_code == 2
-    assert "intensity must be zero or positive" in found.output
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 2
+    assert "intensity must be zero or positive" in result.output
 
 
 @pytest.mark.parametrize(

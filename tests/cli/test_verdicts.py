@@ -145,8 +145,8 @@ def test_page_and_campaign_of_one_case_say_what_the_study_says(tmp_path) -> None
 def test_json_has_the_required_deflection_under_one_name(command) -> None:
     limit = () if command == "boundary" else LIMIT
     document = json.loads(run(command, "configuration-i", *WIND, *limit, "--json").stdout)
-    found = document.get("verdict", document) if command == "study" else document
-    assert found["required_deflection_deg"] == pytest.approx(0.412, abs=5e-4)
+    result = document.get("verdict", document) if command == "study" else document
+    assert result["required_deflection_deg"] == pytest.approx(0.412, abs=5e-4)
 
 
 def test_the_front_door_of_python_has_the_digits_of_the_shell_and_plants_say_what_they_are() -> (
@@ -156,9 +156,9 @@ def test_the_front_door_of_python_has_the_digits_of_the_shell_and_plants_say_wha
     study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=peak, limit=np.radians(0.4))
     answer = json.loads(run("study", "configuration-i", *WIND, *LIMIT, "--json").stdout)
     assert ("sufficient" in answer, answer["all_answers_yes"]) == (False, False)
-    found = answer["verdict"]
-    assert found["required_deflection_deg"] == np.degrees(study.required_deflection)
-    assert (study.sufficient, found["sufficient"]) == (False, False)
+    computed = answer["verdict"]
+    assert computed["required_deflection_deg"] == np.degrees(study.required_deflection)
+    assert (study.sufficient, computed["sufficient"]) == (False, False)
     for function in (tv.required_deflection, tv.is_sufficient, tv.boundary_limit, tv.size):
         assert NOMINAL in " ".join(str(function.__doc__).split("\n\n")[1].split())
 

@@ -20,9 +20,9 @@ def flown(law, rate=100.0):
     design = tv.control.AutopilotDesign(sample_rate=rate)
     nozzle = tv.Nozzle(limit=LIMIT)
     case = tv.Case(vehicle=BOOSTER, model="fixed-path", nozzle=nozzle, design=design)
-    found = FlownLoad.of(case, "relief", law)
-    assert found.status == "survived"
-    return float(np.degrees(found.load))
+    result = FlownLoad.of(case, "relief", law)
+    assert result.status == "survived"
+    return float(np.degrees(result.load))
 
 
 @pytest.mark.parametrize("station", usual([-3.0, 0.0, 8.0], 2))
@@ -38,8 +38,8 @@ def test_the_load_is_that_of_an_integration_of_the_forces(station):
         lift = v.normal_force_slope * (theta - float(WIND(t)))
         spin = (lift * v.aerodynamic_arm - v.thrust * v.control_arm * delta) / v.moment_of_inertia
         felt = (lift + v.thrust * delta) / mass + station * spin
-        asked = own.attitude * theta + own.attitude_rate * rate + law.gain * read
-        swing = frequency**2 * (np.clip(asked, -LIMIT, LIMIT) - nozzle)
+        request = own.attitude * theta + own.attitude_rate * rate + law.gain * read
+        swing = frequency**2 * (np.clip(request, -LIMIT, LIMIT) - nozzle)
         return [
             rate,
             spin,

@@ -26,9 +26,9 @@ def booster(structure=STRUCTURE):
 )
 @pytest.mark.parametrize("s", [0.4 + 0.3j, 5j, 33j])
 def test_it_is_actuator_times_plant(plant, actuator, s):
-    found = plant_with_actuator(plant, actuator)
-    assert found.outputs == (*plant.outputs, "deflection")
-    system = transfer(found.matrices(), s)
+    result = plant_with_actuator(plant, actuator)
+    assert result.outputs == (*plant.outputs, "deflection")
+    system = transfer(result.matrices(), s)
     alone = transfer(plant.matrices(), s)
     lag = 1.0 if actuator is None else actuator.tf()(s)
     # What the command does, with the inertia of the engine; the disturbance turns the thrust alone.

@@ -109,10 +109,10 @@ def test_loop_and_closed_loop_are_those_of_hand_algebra(model, options, points):
     for s in points:
         L, expected = by_hand(plant, options, s)
         np.testing.assert_allclose(loop(s), L, rtol=1e-9)
-        found = closed(s)
-        assert found.size == len(expected)
+        result = closed(s)
+        assert result.size == len(expected)
         for (output, source), value in expected.items():
-            cell = found[closed.find_output(output), closed.find_input(source)]
+            cell = result[closed.find_output(output), closed.find_input(source)]
             np.testing.assert_allclose(cell, value, rtol=1e-9, atol=1e-12, err_msg=output)
 
 
@@ -171,8 +171,8 @@ def test_canonical_gains_make_the_natural_frequency_beta(mu_delta):
     autopilot = canonical_gains(c)
     assert autopilot.attitude_gain == pytest.approx(2 * c.B)
     assert autopilot.rate_gain == pytest.approx(c.B / c.beta)
-    found = _natural(autopilot, c)
-    np.testing.assert_allclose(found, [[c.beta] * 2, [0.5] * 2], rtol=1e-12)
+    result = _natural(autopilot, c)
+    np.testing.assert_allclose(result, [[c.beta] * 2, [0.5] * 2], rtol=1e-12)
 
 
 def _natural(autopilot, coefficients):
@@ -215,14 +215,14 @@ def test_the_attitude_follows_its_command():
     a0, B = GAINS["attitude_gain"], COEFFICIENTS.B
     for gain, expected in ((0.0, a0 / (a0 - B)), (0.05, 1.0)):
         closed = Autopilot(**GAINS, integral_gain=gain).close(plant_of())
-        found = control.dcgain(closed)[0, closed.find_input("attitude_command")]
-        assert found == pytest.approx(expected)
+        computed = control.dcgain(closed)[0, closed.find_input("attitude_command")]
+        assert computed == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("actuator", [Actuator(), Actuator(natural_frequency=4.0, damping=None)])
 def test_an_actuator_is_the_same_as_transfer_function_and_in_state_space(actuator, points):
-    found = control.ss(*actuator.matrices())(points)
-    np.testing.assert_allclose(found, actuator.tf()(points), rtol=1e-12)
+    result = control.ss(*actuator.matrices())(points)
+    np.testing.assert_allclose(result, actuator.tf()(points), rtol=1e-12)
     assert actuator.tf()(0.0) == 1.0
     assert actuator.tf().dt == 0
     assert actuator.tf().input_labels == ["deflection_command"]
@@ -232,17 +232,17 @@ def test_an_actuator_is_the_same_as_transfer_function_and_in_state_space(actuato
 def test_the_frequency_response_has_the_exact_delay(model, options):
     plant, autopilot = plant_of(model), Autopilot(**GAINS, **options)
     omega = np.array([[0.05, 0.3, 1.0], [4.0, 30.0, 200.0]])
-    found = autopilot.frequency_response(plant, omega)
+    result = autopilot.frequency_response(plant, omega)
     delay = options.get("delay", 0.0)
-    for w, value in zip(omega.flat, found.flat, strict=True):
+    for w, value in zip(omega.flat, result.flat, strict=True):
         exact, _ = by_hand(plant, options, 1j * w, late=np.exp(-1j * w * delay))
         np.testing.assert_allclose(value, exact, rtol=1e-11)
     few = omega.ravel()[:3]
     loop = autopilot.loop(plant)(1j * few)
-    np.testing.assert_allclose(loop, found.ravel()[:3], rtol=1e-7)
+    np.testing.assert_allclose(loop, result.ravel()[:3], rtol=1e-7)
     if not delay:
         np.testing.assert_allclose(
-            autopilot.loop(plant)(1j * omega.ravel()), found.ravel(), rtol=1e-9
+            autopilot.loop(plant)(1j * omega.ravel()), result.ravel(), rtol=1e-9
         )
 
 
@@ -422,5 +422,5 @@ def test_the_diagram_is_shown_where_it_is_needed():
 def test_the_closed_loop_poles_are_those_of_the_system_that_python_control_has(model, options):
     plant, autopilot = plant_of(model), Autopilot(**GAINS, **options)
     expected = np.sort_complex(autopilot.close(plant).poles())
-    found = np.sort_complex(autopilot.closed_loop_poles(plant))
-    np.testing.assert_array_equal(found, expected)
+    result = np.sort_complex(autopilot.closed_loop_poles(plant))
+    np.testing.assert_array_equal(result, expected)

@@ -78,7 +78,7 @@ def peaks(autopilot, plant, corners):
 
     It is refined by Taylor series of the states in the intervals about the highest sample.
     """
-    closed, found = autopilot.close(plant), {}
+    closed, computed = autopilot.close(plant), {}
     runs = list(flown(closed, corners, 0.01))
     for (i, label), rate in product(enumerate(closed.output_labels), (0, 1)):
         C, through, tops = closed.C[i], closed.D[i, 0], []
@@ -98,8 +98,8 @@ def peaks(autopilot, plant, corners):
             terms[1] += through * slope[j]
             values = np.abs(sum(c * u**k / factorial(k) for k, c in enumerate(terms[rate:])))
             best = max(best, (values.max(), t[j] + u[np.argmax(values)]))
-        found[label, rate] = sampled, *best
-    return found
+        computed[label, rate] = sampled, *best
+    return computed
 
 
 @pytest.mark.parametrize(
@@ -114,10 +114,10 @@ def test_the_answer_is_that_of_python_control(model, options, wind):
     runs = list(flown(closed, corners, 0.05))
     times = np.concatenate([run[0][:-1:4] for run in runs])
     expected = np.concatenate([run[3][:, :-1:4] for run in runs], axis=1)
-    found = autopilot.respond(plant, history, times)
+    result = autopilot.respond(plant, history, times)
     scale = np.abs(expected).max(axis=1, keepdims=True)
-    np.testing.assert_allclose(found.outputs / scale, expected / scale, atol=1e-9)
-    assert found.output_labels == closed.output_labels
+    np.testing.assert_allclose(result.outputs / scale, expected / scale, atol=1e-9)
+    assert result.output_labels == closed.output_labels
     early = np.nextafter(history.knots[0], -np.inf)
     assert not autopilot.wind_response(plant, history)([early - 1.0, early]).any()
 
@@ -139,8 +139,8 @@ def test_a_critically_damped_loop_in_closed_form():
     expected = [attitude, rate, attitude - wind, a0 * attitude + a1 * rate]
     np.testing.assert_allclose(answer(times), expected, rtol=1e-12, atol=1e-14)
     top = 2 * w / (w**2 - c.mu_alpha)
-    found, time = answer.peak("deflection")
-    assert found == pytest.approx(np.array([a0, a1]) @ held(top), rel=1e-12)
+    computed, time = answer.peak("deflection")
+    assert computed == pytest.approx(np.array([a0, a1]) @ held(top), rel=1e-12)
     assert time == pytest.approx(top, rel=1e-6)
     assert answer.peak("attitude_rate")[0] == pytest.approx(held(1 / w)[1], rel=1e-12)
 
@@ -154,11 +154,11 @@ def assert_peaks(autopilot, plant, history, corners):
             expected = np.inf if through[k] and jumps else refined
             assert answer.peak_rate(label) == pytest.approx(expected, rel=1e-9), label
             continue
-        found, when = answer.peak(label)
-        assert abs(found) >= sampled * (1 - 1e-12), label
-        assert abs(found) == pytest.approx(refined, rel=1e-9), label
+        computed, when = answer.peak(label)
+        assert abs(computed) >= sampled * (1 - 1e-12), label
+        assert abs(computed) == pytest.approx(refined, rel=1e-9), label
         assert when == pytest.approx(time, abs=1e-3), label
-        assert found * answer(when - 1e-12)[k] > 0, label
+        assert computed * answer(when - 1e-12)[k] > 0, label
 
 
 @EACH_OPTION
@@ -194,7 +194,7 @@ def test_the_higher_of_two_peaks_is_found(model, time, angle):
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
 def test_every_number_of_a_comparison(model):
     autopilot, plant = Autopilot(**GAINS, **EVERYTHING), plant_of(model)
-    found = tv.compare_with_trim(plant, autopilot, TRIANGLE)
+    result = tv.compare_with_trim(plant, autopilot, TRIANGLE)
     sizes = {k: top for k, (_, top, _) in peaks(autopilot, plant, WINDS["triangular"][1:]).items()}
     expected = {
         "trim_deflection": 0.28 / 2.6 * 0.1,
@@ -207,13 +207,13 @@ def test_every_number_of_a_comparison(model):
         "minimum": tv.optimum_deflection(plant, TRIANGLE).peak,
     }
     for name, value in expected.items():
-        assert getattr(found, name) == pytest.approx(value, rel=1e-9, nan_ok=True), name
+        assert getattr(result, name) == pytest.approx(value, rel=1e-9, nan_ok=True), name
     limits = {
         K: abs(tv.boundary_limit(plant, TRIANGLE, K, "literal").deflection) for K in (1.0, 0.5, 0.0)
     }
-    assert found.boundaries == pytest.approx(limits, rel=1e-13)
-    assert found.margins.phase_margin == autopilot.margins(plant).phase_margin
-    assert found.notes == ()
+    assert result.boundaries == pytest.approx(limits, rel=1e-13)
+    assert result.margins.phase_margin == autopilot.margins(plant).phase_margin
+    assert result.notes == ()
 
 
 GAIN_OPTIONS = {
@@ -251,9 +251,9 @@ def gain_by_hand(plant, options, omega):
 @pytest.mark.parametrize("options", GAIN_OPTIONS.values(), ids=GAIN_OPTIONS)
 def test_the_wind_gain_is_that_of_a_scan_with_the_exact_delay(options, model):
     plant = plant_of(model)
-    found = wind_gain(plant, Autopilot(**GAINS, **options))
+    result = wind_gain(plant, Autopilot(**GAINS, **options))
     if not Autopilot(**GAINS, **options).margins(plant).stable:
-        assert found == np.inf
+        assert result == np.inf
         return
     scan = np.concatenate([np.geomspace(1e-6, 1e4, 30_001), np.linspace(0.01, 60.0, 30_001)])
     scan = np.sort(scan)
@@ -263,7 +263,7 @@ def test_the_wind_gain_is_that_of_a_scan_with_the_exact_delay(options, model):
     near = minimize_scalar(
         lambda w: -gain_by_hand(plant, options, w)[0], bounds=ends, options={"xatol": 1e-9}
     )
-    assert found == pytest.approx(max(sizes.max(), -near.fun), rel=1e-10)
+    assert result == pytest.approx(max(sizes.max(), -near.fun), rel=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -279,18 +279,18 @@ def test_the_wind_gain_without_delay_is_the_norm_of_python_control(options):
 
 def test_an_unstable_loop_has_no_finite_numbers_but_the_theory_has():
     fallen, plant = Autopilot(attitude_gain=0.05, rate_gain=0.4), plant_of("drift")
-    found = tv.compare_with_trim(plant, fallen, TRIANGLE)
+    result = tv.compare_with_trim(plant, fallen, TRIANGLE)
     names = ("deflection", "deflection_rate", "angle_of_attack", "attitude", "flight_path_angle")
-    assert {getattr(found, f"peak_{name}") for name in names} == {np.inf}
-    assert found.wind_gain == found.ratio_to_trim == np.inf
-    assert found.notes == (found.margins.reason,)
-    assert "unstable: 2 closed-loop poles lie in the right half plane" in found.notes[0]
-    assert found.minimum == tv.optimum_deflection(plant, TRIANGLE).peak
-    assert 0 < found.boundaries[0.0] < found.boundaries[1.0] < found.trim_deflection
+    assert {getattr(result, f"peak_{name}") for name in names} == {np.inf}
+    assert result.wind_gain == result.ratio_to_trim == np.inf
+    assert result.notes == (result.margins.reason,)
+    assert "unstable: 2 closed-loop poles lie in the right half plane" in result.notes[0]
+    assert result.minimum == tv.optimum_deflection(plant, TRIANGLE).peak
+    assert 0 < result.boundaries[0.0] < result.boundaries[1.0] < result.trim_deflection
     answer = fallen.wind_response(plant, TRIANGLE)
     assert answer.peak("attitude")[0] == answer.peak_rate("attitude") == np.inf
     with pytest.raises(InputError, match="nothing to compare: .* 2 closed-loop poles"):
-        comparison_chart(found)
+        comparison_chart(result)
     with pytest.raises(InputError, match="no duration is the worst: .* unstable"):
         tv.control.worst_duration(
             plant, fallen, peak=0.1, shortest=1, longest=9, shape=tv.TriangularWind
@@ -299,14 +299,14 @@ def test_an_unstable_loop_has_no_finite_numbers_but_the_theory_has():
 
 def test_a_wind_of_two_signs_has_no_boundary():
     autopilot, history = Autopilot(**GAINS), WINDS["sampled"][0]
-    found = tv.compare_with_trim(plant_of(), autopilot, history)
-    assert np.isnan([*found.boundaries.values()]).tolist() == [True] * 3
-    assert [note.partition(":")[0] for note in found.notes] == ["no boundary"]
-    assert found.peak_deflection == abs(
+    result = tv.compare_with_trim(plant_of(), autopilot, history)
+    assert np.isnan([*result.boundaries.values()]).tolist() == [True] * 3
+    assert [note.partition(":")[0] for note in result.notes] == ["no boundary"]
+    assert result.peak_deflection == abs(
         autopilot.wind_response(plant_of(), history).peak("deflection")[0]
     )
-    assert found.minimum == tv.optimum_deflection(plant_of(), history).peak > 0
-    labels = [column.label for column in curves_of(comparison_chart(found)).columns]
+    assert result.minimum == tv.optimum_deflection(plant_of(), history).peak > 0
+    labels = [column.label for column in curves_of(comparison_chart(result)).columns]
     mpl.pyplot.close("all")
     assert "lower bound, wind known" in labels
     assert not any("boundary" in label for label in labels)
@@ -348,21 +348,21 @@ def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
 
     def sampled(duration):
         inputs = [SHAPES[shape](u), 0 * u, 0 * u]
-        found = control.forced_response(closed, duration * u, inputs).outputs["deflection"]
+        result = control.forced_response(closed, duration * u, inputs).outputs["deflection"]
         if shape is tv.RectangularWind:
-            found = found - np.append(np.zeros(300), found[:-300])
-        return np.abs(found).max()
+            result = result - np.append(np.zeros(300), result[:-300])
+        return np.abs(result).max()
 
     def worst(low, high):
-        asked = {"peak": 0.1, "shortest": low, "longest": high, "shape": shape}
-        return tv.control.worst_duration(plant, autopilot, **asked)
+        request = {"peak": 0.1, "shortest": low, "longest": high, "shape": shape}
+        return tv.control.worst_duration(plant, autopilot, **request)
 
-    found = worst(1.0, 20.0)
-    assert found.peak_deflection == pytest.approx(sampled(found.duration), rel=1e-4)
-    assert found.peak_deflection > max(map(sampled, np.geomspace(1.0, 20.0, 16))) * (1 - 1e-9)
-    assert not found.at_range_end
+    result = worst(1.0, 20.0)
+    assert result.peak_deflection == pytest.approx(sampled(result.duration), rel=1e-4)
+    assert result.peak_deflection > max(map(sampled, np.geomspace(1.0, 20.0, 16))) * (1 - 1e-9)
+    assert not result.at_range_end
     if shape is tv.TriangularWind:
-        low, high = 0.8 * found.duration, 1.2 * found.duration
+        low, high = 0.8 * result.duration, 1.2 * result.duration
         for ends, end in (((1.0, low), low), ((high, 20.0), high)):
             edge = worst(*ends)
             assert (edge.duration, edge.at_range_end) == (pytest.approx(end, rel=1e-12), True)
@@ -395,7 +395,7 @@ def test_the_worst_of_many_durations_at_which_a_loop_rings_is_found(damping, low
     pulses = np.arange(round(low / step), count)
     after = [np.abs(held[k + later] - held[later]).max() for k in pulses]
     expected = np.maximum(during[pulses], after)
-    found = tv.control.worst_duration(
+    worst = tv.control.worst_duration(
         plant_of(),
         autopilot,
         peak=1.0,
@@ -403,19 +403,19 @@ def test_the_worst_of_many_durations_at_which_a_loop_rings_is_found(damping, low
         longest=high,
         shape=tv.RectangularWind,
     )
-    assert found.peak_deflection == pytest.approx(expected.max(), rel=1e-4)
-    assert found.peak_deflection >= expected.max() * (1 - 1e-9)
-    there = np.interp(found.duration, step * pulses, expected)
-    assert there == pytest.approx(found.peak_deflection, rel=1e-4)
+    assert worst.peak_deflection == pytest.approx(expected.max(), rel=1e-4)
+    assert worst.peak_deflection >= expected.max() * (1 - 1e-9)
+    there = np.interp(worst.duration, step * pulses, expected)
+    assert there == pytest.approx(worst.peak_deflection, rel=1e-4)
 
 
 def test_a_warning_points_to_who_asked():
     soft, plant = Autopilot(attitude_gain=0.3, rate_gain=-0.4), plant_of()
-    asked = {"peak": 0.1, "shortest": 1.0, "longest": 9.0, "shape": tv.TriangularWind}
+    request = {"peak": 0.1, "shortest": 1.0, "longest": 9.0, "shape": tv.TriangularWind}
     schedule = tv.control.GainSchedule(np.array([0.0, 1.0]), soft)
     calls = [
         lambda: tv.compare_with_trim(plant, soft, TRIANGLE),
-        lambda: tv.control.worst_duration(plant, soft, **asked),
+        lambda: tv.control.worst_duration(plant, soft, **request),
         lambda: schedule.margins(plant),
     ]
     for call in calls:
@@ -443,9 +443,9 @@ def test_a_boundary_that_is_no_solution_is_noted():
     ],
 )
 def test_durations_that_cannot_be(changes, message):
-    asked = {"peak": 0.1, "shortest": 1.0, "longest": 9.0, "shape": tv.TriangularWind} | changes
+    request = {"peak": 0.1, "shortest": 1.0, "longest": 9.0, "shape": tv.TriangularWind} | changes
     with pytest.raises(InputError, match=message):
-        tv.control.worst_duration(plant_of(), Autopilot(**GAINS), **asked)
+        tv.control.worst_duration(plant_of(), Autopilot(**GAINS), **request)
 
 
 def test_a_pade_approximation_of_another_stability_is_refused():
@@ -464,8 +464,8 @@ def test_attitude_hold_makes_the_angle_of_attack_larger_than_a_steady_wind():
     for options in ({}, {"actuator": Actuator(), "delay": 0.1}):
         steady = tv.RectangularWind(peak=0.1, duration=400.0)
         answer = Autopilot(**GAINS, **options).wind_response(plant_of(), steady)
-        found = answer(399.0)[answer.labels.index("angle_of_attack")]
-        assert found == pytest.approx(-0.1 * 0.3 / (0.3 - 0.28 / 2.6), rel=1e-11)
+        computed = answer(399.0)[answer.labels.index("angle_of_attack")]
+        assert computed == pytest.approx(-0.1 * 0.3 / (0.3 - 0.28 / 2.6), rel=1e-11)
 
 
 @pytest.mark.parametrize(("model", "peak"), [("fixed-path", 0.1), ("drift", -0.1)])

@@ -109,9 +109,9 @@ def test_systems_of_python_control_have_the_same_margins(model):
     autopilot = Autopilot(attitude_gain=0.3, rate_gain=0.4, actuator=Actuator())
     system, expected = autopilot.loop(plant), autopilot.margins(plant)
     for loop in (Loop.from_system(system), Loop.from_system(control.tf(system))):
-        found = loop_margins(loop)
+        margins = loop_margins(loop)
         for name in NUMBERS:
-            assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=1e-6), name
+            assert getattr(margins, name) == pytest.approx(getattr(expected, name), rel=1e-6), name
     late = loop_margins(Loop.from_system(system, 0.05))
     assert late.delay_margin == pytest.approx(expected.delay_margin - 0.05, rel=1e-6)
 

@@ -59,7 +59,7 @@ def table(text=TABLES):
 
 
 def test_a_file_names_the_filters_of_each_place():
-    asked = AutopilotDesign.from_table(table())
+    request = AutopilotDesign.from_table(table())
     s = 1j * np.array([0.3, 5.0, 75.0])
     w = 24.0 * np.pi
     notch = (s**2 + 0.1 * w * s + w**2) / (s**2 + 1.0 * w * s + w**2)
@@ -70,7 +70,7 @@ def test_a_file_names_the_filters_of_each_place():
     }
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     for name, values in wanted.items():
-        chain = getattr(asked.autopilot(plant), name)
+        chain = getattr(request.autopilot(plant), name)
         assert len(chain) == len(values)
         for one, value in zip(chain, values, strict=True):
             np.testing.assert_allclose(one(s), value, rtol=1e-13)
@@ -159,10 +159,10 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
         sample_rate=rate,
     ).margins(plant)
     assert document["stable"]
-    found = document["margins"]
+    computed = document["margins"]
     for margin in ("gain_increase_dB", "phase_margin_deg"):
-        assert found[margin] == pytest.approx(getattr(expected, margin), rel=1e-9)
-    assert found["delay_margin_s"] == pytest.approx(expected.delay_margin, rel=1e-9)
+        assert computed[margin] == pytest.approx(getattr(expected, margin), rel=1e-9)
+    assert computed["delay_margin_s"] == pytest.approx(expected.delay_margin, rel=1e-9)
     poles = document["closed_loop_poles" if rate is None else "closed_loop_poles_z"]
     values = [complex(p["real"], p["imag"]) for p in poles]
     assert max(abs(z) for z in values) < 1 if rate else max(s.real for s in values) < 0
@@ -178,16 +178,16 @@ def test_a_filter_can_be_built_again_from_the_numbers_that_tables_show(filter):
     numbers = {part.name: part.value for part in cells if not isinstance(part, str)}
 
     def powers(kind):
-        found = np.ones(1)
+        result = np.ones(1)
         for key, value in numbers.items():
             if not key.startswith(f"f.{kind}"):
                 continue
             if key.endswith(".frequency"):
                 damping = numbers[key.replace("frequency", "damping")]
-                found = np.polymul(found, [1.0, 2.0 * damping * value, value**2])
+                result = np.polymul(result, [1.0, 2.0 * damping * value, value**2])
             elif not key.endswith(".damping"):
-                found = np.polymul(found, [1.0, -value])
-        return found
+                result = np.polymul(result, [1.0, -value])
+        return result
 
     above, below = powers("zeros"), powers("poles")
     gain = numbers.get("f.lead", numbers.get("f.rest", 0.0) * below[-1] / (above[-1] or 1.0))

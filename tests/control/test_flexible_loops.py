@@ -82,9 +82,9 @@ def course(hertz, k=5e-4, filters=()):
     ],
 )
 def test_the_course_example(hertz, k, filters, unstable, peak, at, closed):
-    found = course(hertz, k, filters)
-    mode = found.mode("bending 1")
-    assert found.margins.unstable_poles == unstable
+    result = course(hertz, k, filters)
+    mode = result.mode("bending 1")
+    assert result.margins.unstable_poles == unstable
     assert mode.peak_dB == pytest.approx(peak, abs=0.51e-4)
     if at is not None:
         assert mode.peak_frequency / (2 * np.pi) == pytest.approx(at, abs=0.51e-4)
@@ -151,28 +151,28 @@ def test_the_margins_of_the_booster():
 
 
 def test_the_bands_of_the_booster():
-    found = AUTOPILOT.band_margins(booster())
-    assert [mode.name for mode in found.modes] == [
+    result = AUTOPILOT.band_margins(booster())
+    assert [mode.name for mode in result.modes] == [
         *("bending 1", "bending 2", "bending 3", "slosh 1", "slosh 2")
     ]
-    words = [mode.stabilised for mode in found.modes]
+    words = [mode.stabilised for mode in result.modes]
     assert words == ["phase", "gain", "gain", "with the rigid body", "with the rigid body"]
-    one = found.mode("bending 1")
+    one = result.mode("bending 1")
     assert (one.peak_dB, one.peak_frequency) == (to_margin(24.220428), to_margin(13.789344))
     assert np.degrees(one.lag_margin) == to_margin(51.984558)
     assert np.degrees(one.lead_margin) == to_margin(105.386982)
     assert 20 * np.log10(one.gain_increase) == to_margin(17.355766)
     assert one.phase_margin_deg == to_margin(51.984558)
     assert np.isnan(one.gain_margin_dB)
-    margins = [found.mode(f"bending {k}").gain_margin_dB for k in (2, 3)]
+    margins = [result.mode(f"bending {k}").gain_margin_dB for k in (2, 3)]
     assert margins == [to_margin(16.816351), to_margin(19.243885)]
-    distances = [found.mode(f"slosh {k}").distance for k in (1, 2)]
+    distances = [result.mode(f"slosh {k}").distance for k in (1, 2)]
     assert distances == [to_margin(0.640864), to_margin(0.535212)]
     assert one.closed_pole == pytest.approx(-0.97433769 + 14.72192906j, abs=1e-8)
-    assert found.rigid.gain_increase_dB == found.margins.gain_increase_dB
-    assert "bending 3, stabilised" in found._repr_html_()
+    assert result.rigid.gain_increase_dB == result.margins.gain_increase_dB
+    assert "bending 3, stabilised" in result._repr_html_()
     with pytest.raises(tv.InputError, match="name must be one of bending 1, bending 2"):
-        found.mode("bending")
+        result.mode("bending")
 
 
 @pytest.mark.parametrize(
@@ -206,17 +206,17 @@ def test_what_each_part_of_the_booster_does(plant, margin, number):
 
 @pytest.mark.thorough
 def test_detuned_modes_of_the_booster():
-    found = tv.control.detuned(AUTOPILOT, booster())
-    m, row = found.margins, found.row
+    result = tv.control.detuned(AUTOPILOT, booster())
+    m, row = result.margins, result.row
     assert m.gain_increase_dB[row("bending 1 x 0.8")] == pytest.approx(5.603, abs=0.51e-3)
     far = row("bending 1 x 1.2")
     assert m.phase_margin_deg[far] == pytest.approx(26.700, abs=0.51e-3)
     assert m.crossover_frequency[far] == pytest.approx(17.227, abs=0.51e-3)
-    assert found.critical_margin[far] == "phase_margin_deg"
-    assert found.critical_margin[row("bending 1 x 0.8")] == "gain_increase_dB"
+    assert result.critical_margin[far] == "phase_margin_deg"
+    assert result.critical_margin[row("bending 1 x 0.8")] == "gain_increase_dB"
     turned = [row(f"bending {k}, slopes at the sensors turned") for k in (1, 2)]
     assert m.unstable_poles[turned[0]] == 2
-    assert found.critical_margin[turned[0]] == "unstable"
+    assert result.critical_margin[turned[0]] == "unstable"
     assert m.gain_increase_dB[turned[1]] == pytest.approx(5.657, abs=0.51e-3)
     plant = booster(
         bending=(
@@ -228,37 +228,37 @@ def test_detuned_modes_of_the_booster():
     assert AUTOPILOT.band_margins(plant).mode("bending 2").peak_dB == pytest.approx(
         -4.861, abs=0.51e-3
     )
-    assert all(np.isnan([edge.lower, edge.upper]).all() for edge in found.stable_ranges)
-    assert "bending 1 x 0.8" in found._repr_html_()
+    assert all(np.isnan([edge.lower, edge.upper]).all() for edge in result.stable_ranges)
+    assert "bending 1 x 0.8" in result._repr_html_()
 
 
 @pytest.mark.thorough
 def test_detuned_modes_are_held_to_what_is_asked_of_modes():
     """4.861 dB are left of the second mode at 0.9 of its frequency, of 16.816 dB at its place."""
-    asked = tv.control.Criteria.custom(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
-    found = tv.control.detuned(AUTOPILOT, booster(), factors=[0.9, 1.0], criteria=asked)
-    off, home = found.row("bending 2 x 0.9"), found.row("bending 2 x 1")
+    criteria = tv.control.Criteria.custom(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
+    result = tv.control.detuned(AUTOPILOT, booster(), factors=[0.9, 1.0], criteria=criteria)
+    off, home = result.row("bending 2 x 0.9"), result.row("bending 2 x 1")
     assert (
-        found.critical_margin[off]
-        == found.critical_margin[home]
+        result.critical_margin[off]
+        == result.critical_margin[home]
         == "mode_gain_margin_dB of bending 2"
     )
-    assert not found.satisfied[off]
-    assert found.satisfied[home]
-    assert found.satisfied[found.row("nominal")]
+    assert not result.satisfied[off]
+    assert result.satisfied[home]
+    assert result.satisfied[result.row("nominal")]
     lower = tv.control.detuned(
         AUTOPILOT, booster(), [0.9], tv.control.Criteria.custom(mode_gain_margin_dB=4.8)
     )
     assert lower.satisfied[lower.row("bending 2 x 0.9")]
-    turned = found.row("bending 1, slopes at the sensors turned")
-    assert found.critical_margin[turned] == "unstable"
-    assert not found.satisfied[turned]
+    turned = result.row("bending 1, slopes at the sensors turned")
+    assert result.critical_margin[turned] == "unstable"
+    assert not result.satisfied[turned]
 
 
 def test_the_edge_of_a_detuned_loop_is_where_its_mode_leaves_the_left_half_plane():
     loud = replace(AUTOPILOT, delay=0.07)
-    found = tv.control.detuned(loud, booster(), factors=[0.8, 1.3])
-    upper = found.stable_ranges[0].upper
+    result = tv.control.detuned(loud, booster(), factors=[0.8, 1.3])
+    upper = result.stable_ranges[0].upper
     assert 1.0 < upper < 1.3
     mode = STRUCTURE.bending[0]
     for factor, unstable in ((upper * (1 - 1e-5), 0), (upper * (1 + 1e-5), 2)):
@@ -285,11 +285,11 @@ def test_the_exact_loop_is_the_product_of_its_blocks():
             attitude, rate, angle = (
                 transfer(seen.matrices(), s)[seen.outputs.index(name), 0] for name in names
             )
-            asked = (0.36 + 0.05 / s) * attitude * extra(s) * FILTERS[1](s)
-            asked += 0.56 * rate * FILTERS[0](s) + 0.1 * angle
-            expected = -asked * FILTERS[0](s) * FILTERS[1](s) * np.exp(-0.02 * s)
-            found = autopilot.frequency_response(plant, omega)
-            assert found == pytest.approx(expected, rel=1e-9)
+            request = (0.36 + 0.05 / s) * attitude * extra(s) * FILTERS[1](s)
+            request += 0.56 * rate * FILTERS[0](s) + 0.1 * angle
+            expected = -request * FILTERS[0](s) * FILTERS[1](s) * np.exp(-0.02 * s)
+            result = autopilot.frequency_response(plant, omega)
+            assert result == pytest.approx(expected, rel=1e-9)
             system = replace(autopilot, delay=0.0).loop(plant)
             assert system(s) == pytest.approx(expected / np.exp(-0.02 * s), rel=1e-9)
 
@@ -314,16 +314,16 @@ def test_filters_reach_the_answer_to_a_wind():
         .outputs[-1]
         .ravel()
     )
-    found = autopilot.wind_response(plant, wind)(times)[-1]
-    np.testing.assert_allclose(found, expected, atol=1e-7)
+    computed = autopilot.wind_response(plant, wind)(times)[-1]
+    np.testing.assert_allclose(computed, expected, atol=1e-7)
 
 
 def test_criteria_know_bands():
-    asked = tv.control.Criteria.custom(
+    criteria = tv.control.Criteria.custom(
         aero_margin_dB=6.0, mode_gain_margin_dB=18.0, mode_phase_margin_deg=45.0
     )
-    found = AUTOPILOT.band_margins(booster())
-    judged = {(one.criterion.margin, one.band): one for one in asked.judge(found)}
+    result = AUTOPILOT.band_margins(booster())
+    judged = {(one.criterion.margin, one.band): one for one in criteria.judge(result)}
     assert len(judged) == 1 + 2 * 5
     assert not judged["mode_gain_margin_dB", "bending 2"].satisfied
     assert judged["mode_gain_margin_dB", "bending 2"].surplus == to_margin(16.816351 - 18.0)
@@ -331,16 +331,16 @@ def test_criteria_know_bands():
     assert judged["mode_gain_margin_dB", "bending 1"].surplus == np.inf
     assert judged["mode_phase_margin_deg", "bending 1"].satisfied
     assert judged["aero_margin_dB", ""].satisfied
-    assert not asked.are_satisfied(found)
+    assert not criteria.are_satisfied(result)
     just = judged["mode_gain_margin_dB", "bending 2"].value
     for spare, met in ((0.1, True), (0.0, True), (-0.1, False)):
-        every = tv.control.Criteria.custom(mode_gain_margin_dB=just - spare).judge(found)
+        every = tv.control.Criteria.custom(mode_gain_margin_dB=just - spare).judge(result)
         assert [one.satisfied for one in every if one.band == "bending 2"] == [met]
     with pytest.raises(tv.InputError, match="is asked of modes"):
-        asked.judge(found.margins)
+        criteria.judge(result.margins)
     turned = replace(STRUCTURE.bending[0], attitude_slope=-0.2724, rate_slope=-0.2548)
     lost = AUTOPILOT.band_margins(booster(bending=(turned, *STRUCTURE.bending[1:])))
-    assert not any(one.satisfied for one in asked.judge(lost))
+    assert not any(one.satisfied for one in criteria.judge(lost))
     assert lost.mode("bending 1").stabilised == "unstable"
 
 
@@ -365,17 +365,17 @@ def test_a_batch_of_plants_is_each_of_them():
     factors = np.array([0.9, 1.0, 1.1])
     first = STRUCTURE.bending[0]
     many = booster(bending=(replace(first, frequency=factors * 13.58), *STRUCTURE.bending[1:]))
-    found = AUTOPILOT.band_margins(many)
+    result = AUTOPILOT.band_margins(many)
     for k, factor in enumerate(factors):
         one = booster(bending=(replace(first, frequency=factor * 13.58), *STRUCTURE.bending[1:]))
         alone = AUTOPILOT.band_margins(one)
-        assert found.margins.gain_increase[k] == pytest.approx(
+        assert result.margins.gain_increase[k] == pytest.approx(
             alone.margins.gain_increase, rel=1e-9
         )
         for name in ("peak", "lag_margin", "closed_pole", "distance"):
-            pair = [getattr(b.mode("bending 1"), name) for b in (found, alone)]
+            pair = [getattr(b.mode("bending 1"), name) for b in (result, alone)]
             assert pair[0][k] == pytest.approx(pair[1], rel=1e-8)
-        assert found.mode("slosh 2").stabilised[k] == alone.mode("slosh 2").stabilised
+        assert result.mode("slosh 2").stabilised[k] == alone.mode("slosh 2").stabilised
 
 
 def test_what_does_not_go_together_is_refused():
@@ -397,9 +397,9 @@ def test_the_worst_wind_of_a_loop_with_filters_is_that_of_a_fine_grid():
     autopilot = replace(AUTOPILOT, delay=0.0, alpha_gain=0.1, rate_filters=(FILTERS[0],))
     omega = np.geomspace(1e-3, 1e2, 20_001)
     highest = np.abs(autopilot.close(plant)["deflection", "wind"](1j * omega)).max()
-    found = wind_gain(plant, autopilot)
-    assert highest <= found * (1.0 + 1e-12)
-    assert highest == pytest.approx(found, rel=1e-6)  # the grid's step, squared
+    result = wind_gain(plant, autopilot)
+    assert highest <= result * (1.0 + 1e-12)
+    assert highest == pytest.approx(result, rel=1e-6)  # the grid's step, squared
 
 
 @pytest.mark.thorough
@@ -409,8 +409,8 @@ def test_the_distance_of_a_mode_is_the_least_of_a_much_finer_look(factor):
     plant = booster()
     gains = {"attitude_gain": 0.36 * factor, "rate_gain": 0.56 * factor}
     autopilot = replace(AUTOPILOT, **gains)
-    found = autopilot.band_margins(plant)
-    for mode in found.modes:
+    result = autopilot.band_margins(plant)
+    for mode in result.modes:
         half = 8.0 * abs(mode.pole.real)
         omega = np.linspace(mode.pole.imag - half, mode.pole.imag + half, 400_001)
         brute = np.abs(1.0 + autopilot.frequency_response(plant, omega)).min()

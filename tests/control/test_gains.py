@@ -376,10 +376,10 @@ def test_the_answer_to_a_triangular_wind_is_that_of_python_control(model, option
     wind, closed = tv.TriangularWind(peak=-0.1, duration=8.0), autopilot.close(plant)
     times = np.linspace(0, 30, 601)  # 4 s and 8 s are among them
     expected = control.forced_response(closed, times, [wind(times), 0 * times, 0 * times])
-    found = autopilot.respond(plant, wind, times)
-    assert found.output_labels == closed.output_labels
-    np.testing.assert_allclose(found.outputs, expected.outputs, rtol=1e-9, atol=1e-9 * 0.1)
-    np.testing.assert_array_equal(autopilot.wind_response(plant, wind)(times), found.outputs)
+    result = autopilot.respond(plant, wind, times)
+    assert result.output_labels == closed.output_labels
+    np.testing.assert_allclose(result.outputs, expected.outputs, rtol=1e-9, atol=1e-9 * 0.1)
+    np.testing.assert_array_equal(autopilot.wind_response(plant, wind)(times), result.outputs)
 
 
 @pytest.mark.parametrize("model", usual(MODELS, 2))
@@ -398,8 +398,8 @@ def test_the_answer_to_a_smooth_gust_is_that_of_an_integrator(model):
     second = solve_ivp(motion, (6, 25), first.y[:, -1], t_eval=times[5:], **options)
     wind = 0.05 * (1 - np.cos(2 * np.pi * times / 6)) * (times < 6)
     expected = closed.C @ np.hstack([first.y, second.y]) + closed.D[:, :1] * wind
-    found = autopilot.wind_response(plant, gust)(times)
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10)
+    result = autopilot.wind_response(plant, gust)(times)
+    np.testing.assert_allclose(result, expected, rtol=1e-9, atol=1e-10)
 
 
 def assert_peaks_of_dense_sampling(autopilot, plant, duration):

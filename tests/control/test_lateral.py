@@ -175,11 +175,11 @@ OMEGA = np.geomspace(0.01, 300.0, 40)
 def check_loop(seed: int, modes: int) -> None:
     """Assert that the continuous loop is that of own equations."""
     case = drawn(seed, modes)
-    found = case.autopilot.frequency_response(case.plant, OMEGA)
+    result = case.autopilot.frequency_response(case.plant, OMEGA)
     s = 1j * OMEGA[:, np.newaxis, np.newaxis]
     own = -np.linalg.solve(s * np.eye(len(case.A)) - case.A, case.B[:, np.newaxis])[..., 0]
     expected = own @ case.row * np.exp(-1j * OMEGA * case.autopilot.delay)
-    assert np.abs(found / expected - 1.0).max() < 1e-6
+    assert np.abs(result / expected - 1.0).max() < 1e-6
     ideal = replace(case.autopilot, delay=0.0)
     closed = np.linalg.eigvals(case.A + np.outer(case.B, case.row))
     poles = ideal.closed_loop_poles(case.plant)
@@ -207,8 +207,8 @@ def check_sampled_loop(seed: int, modes: int) -> None:
     for z in np.exp(1j * omega * h):
         driven = (new + old / z) * z**-late
         expected.append(-case.row @ np.linalg.solve(z * np.eye(n) - F, driven))
-    found = sampled.frequency_response(case.plant, omega)
-    assert np.abs(found / np.array(expected) - 1.0).max() < 1e-6
+    result = sampled.frequency_response(case.plant, omega)
+    assert np.abs(result / np.array(expected) - 1.0).max() < 1e-6
 
 
 def over_a_flight(case: Case) -> tuple[tv.FlightSchedule, tv.control.GainSchedule]:
@@ -247,8 +247,8 @@ def test_scheduled_gains_of_drift_and_their_bands_are_those_of_own_equations(see
         x = np.linalg.solve(s * np.eye(len(case.A)) - case.A, case.B[:, np.newaxis])[..., 0]
         return -x @ case.row * np.exp(-1j * np.atleast_1d(omega) * case.autopilot.delay)
 
-    found = schedule.along(flight, 8.0).frequency_response(case.plant, OMEGA)
-    assert np.abs(found / own(OMEGA) - 1.0).max() < 1e-6
+    result = schedule.along(flight, 8.0).frequency_response(case.plant, OMEGA)
+    assert np.abs(result / own(OMEGA) - 1.0).max() < 1e-6
     swept = tv.control.sweep(flight, schedule, [8.0])
     compared = 0
     for band in swept.modes:
@@ -296,8 +296,8 @@ def test_a_plant_from_a_state_space_has_the_same_loop_by_its_outputs():
     own = tv.linear.SystemPlant(system, PLANT.coefficients)
     for autopilot in (ALL, replace(ALL, sample_rate=40.0)):
         expected = autopilot.frequency_response(PLANT, OMEGA[:30])
-        found = autopilot.frequency_response(own, OMEGA[:30])
-        np.testing.assert_allclose(found, expected, rtol=1e-9)
+        result = autopilot.frequency_response(own, OMEGA[:30])
+        np.testing.assert_allclose(result, expected, rtol=1e-9)
     flights = [
         tv.fly(plant, LAW, WIND, np.linspace(0, 20, 41), **HARDWARE, sample_rate=40.0).outputs
         for plant in (PLANT, own)
@@ -311,15 +311,15 @@ def test_a_plant_from_a_state_space_has_the_same_loop_by_its_outputs():
 
 def test_the_closed_loop_in_turbulence_has_drift_sampled_or_not():
     air = tv.winds.Turbulence(2.0, 500.0)
-    found = []
+    computed = []
     for autopilot in (ALL, replace(ALL, sample_rate=400.0, delay=0.015 - 0.5 / 400.0)):
         covariance = tv.control.turbulence_covariance(autopilot, PLANT, air, SPEED)
         names = ("attitude", "sensed_drift_rate", "sensed_drift", "sensed_acceleration")
-        found.append([covariance.rms(name) for name in names])
+        computed.append([covariance.rms(name) for name in names])
         assert covariance.rms("sensed_drift_rate") == pytest.approx(
             covariance.rms("drift_rate"), rel=1e-9
         )
-    assert found[1] == pytest.approx(found[0], rel=1e-3)
+    assert computed[1] == pytest.approx(computed[0], rel=1e-3)
 
 
 def test_a_plant_with_lateral_outputs_has_the_drift_rate_of_turbulence_once():
@@ -355,9 +355,9 @@ def test_the_steady_drift_is_the_static_gain_of_the_closed_loop(model, gains):
         row = closed.find_output("flight_path_angle")
         static = closed.D[row, 0] - closed.C[row] @ np.linalg.solve(closed.A, closed.B[:, 0])
         expected = static * float(plant.coefficients.velocity)
-        found = tv.control.steady_drift(autopilot, plant)
-        assert found == pytest.approx(expected, rel=1e-8, abs=1e-9)
-        assert (found == 0.0) == (gains == "drift")
+        result = tv.control.steady_drift(autopilot, plant)
+        assert result == pytest.approx(expected, rel=1e-8, abs=1e-9)
+        assert (result == 0.0) == (gains == "drift")
 
 
 def test_quadratic_gains_with_weights_on_drift_are_those_of_the_hamiltonian():

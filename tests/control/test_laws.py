@@ -150,8 +150,8 @@ def test_the_recoverable_law_is_its_formula(model, options, coefficients):
         seen, wind = random_seen(rng, model)
         limit = abs(coefficients.B) * rng.uniform(0.01, 0.15)
         u, _ = by_hand(model, coefficients, seen, wind, limit, law)
-        found = law.demand(seen, NONE, limit)
-        assert found == pytest.approx(coefficients.B * u, rel=1e-7, abs=1e-10)
+        result = law.demand(seen, NONE, limit)
+        assert result == pytest.approx(coefficients.B * u, rel=1e-7, abs=1e-10)
 
 
 def leans(law, model, count=20000, seed=4):
@@ -180,11 +180,11 @@ def test_it_never_leans_beyond_its_reach(model, reach):
 def test_it_leans_no_further_than_the_design_wind_asks(trust):
     law = LeanLaw(plant_of(), design_peak=0.05, trust=trust)
     Z, felt, wind, D = leans(law, "fixed-path")
-    asked = np.maximum(np.maximum(0.05, 1.1 * np.abs(wind)) - trust * D, 0.0)
-    most = np.maximum(asked, np.abs(felt) - 0.9 * D)  # less would lose the fast mode
+    request = np.maximum(np.maximum(0.05, 1.1 * np.abs(wind)) - trust * D, 0.0)
+    most = np.maximum(request, np.abs(felt) - 0.9 * D)  # less would lose the fast mode
     assert np.all(np.abs(Z) <= most + 1e-12)
     assert np.all(Z * wind >= -1e-15)
-    assert np.any((asked == 0.0) & (Z == 0.0) & (np.abs(wind) > 0.01))
+    assert np.any((request == 0.0) & (Z == 0.0) & (np.abs(wind) > 0.01))
     free, *_ = leans(LeanLaw(plant_of()), "fixed-path")
     assert np.all(np.abs(Z) <= np.abs(free) + 1e-12)
     assert np.mean(np.abs(Z) < 0.5 * np.abs(free)) > 0.1
@@ -197,8 +197,8 @@ def test_the_demand_of_minus_everything_is_minus_the_demand(model, options):
         law = kind(plant_of(model), **(options if kind is LeanLaw else {}))
         seen, _ = random_seen(np.random.default_rng(5), model, (500,))
         mirrored = Measurement(*(-value for value in seen))
-        found = [law.demand(one, NONE, 0.005) for one in (seen, mirrored)]
-        np.testing.assert_allclose(found[1], -found[0], rtol=1e-12, atol=1e-15)
+        computed = [law.demand(one, NONE, 0.005) for one in (seen, mirrored)]
+        np.testing.assert_allclose(computed[1], -computed[0], rtol=1e-12, atol=1e-15)
 
 
 @EACH_MODEL
@@ -213,8 +213,8 @@ def test_near_rest_it_is_linear(model):
         held = np.clip(felt + slow, min(slow, 0.0), max(slow, 0.0))
         for peak, Z in ((None, felt + slow), (0.1, felt + slow), (0.02, held)):
             law = LeanLaw(plant_of(model), gain=7.0, design_peak=peak)
-            found = law.demand(seen, NONE, 0.05 * COEFFICIENTS.B) / COEFFICIENTS.B
-            assert found == pytest.approx(z[0] - felt + 7.0 * (z[0] - Z), rel=1e-7, abs=1e-11)
+            computed = law.demand(seen, NONE, 0.05 * COEFFICIENTS.B) / COEFFICIENTS.B
+            assert computed == pytest.approx(z[0] - felt + 7.0 * (z[0] - Z), rel=1e-7, abs=1e-11)
 
 
 @EACH_MODEL
@@ -233,12 +233,12 @@ def test_many_flights_at_once_are_as_one_by_one(model, options):
     ]
     for law in laws:
         states = rng.normal(scale=0.05, size=(len(law.states[0]), 3, 4))
-        found = law.demand(seen, states, limit)
-        assert found.shape == (3, 4)
+        result = law.demand(seen, states, limit)
+        assert result.shape == (3, 4)
         for i, j in np.ndindex(3, 4):
             one = Measurement(*(m[i, j].item() for m in seen))
             alone = law.demand(one, states[:, i, j], limit[i, j].item())
-            assert alone == pytest.approx(found[i, j], rel=1e-12, abs=1e-15)
+            assert alone == pytest.approx(result[i, j], rel=1e-12, abs=1e-15)
 
 
 @EACH_MODEL
@@ -262,9 +262,9 @@ def test_the_estimate_follows_the_wind_as_a_second_order_lag(model, bandwidth):
     system = control.ss(together, driven, outputs, [[0.0, 0.0], wind_row])
     rng = np.random.default_rng(9)
     for s in rng.normal(size=4) + 2j * rng.normal(size=4):
-        found, true = system(s)
+        computed, true = system(s)
         lag = bandwidth**2 / (s**2 + 1.4 * bandwidth * s + bandwidth**2)
-        np.testing.assert_allclose(found, lag * true, rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(computed, lag * true, rtol=1e-8, atol=1e-9)
     assert np.abs(np.linalg.eigvals(F)) == pytest.approx(bandwidth)
     assert -np.linalg.eigvals(F).real / bandwidth == pytest.approx(0.7)
 
@@ -382,8 +382,8 @@ def test_a_speed_that_moves_nothing_need_not_be_seen(kind):
         for model in ("drift-and-speed", "drift-exact")
     )
     seen, _ = random_seen(np.random.default_rng(11), "drift-exact", (40,))
-    found, expected = (law.demand(seen, NONE, 0.005) for law in (with_speed, without))
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-15)
+    computed, expected = (law.demand(seen, NONE, 0.005) for law in (with_speed, without))
+    np.testing.assert_allclose(computed, expected, rtol=1e-9, atol=1e-15)
     descending = plant_of("drift-and-speed", COEFFICIENTS.replace(C2=-0.0036))
     with pytest.raises(InputError, match="does not measure the speed.*law on .drift-exact"):
         kind(descending)

@@ -29,7 +29,7 @@ def least_norm(points, values):
 @pytest.mark.parametrize("growth", [0.1, 0.3, 0.8])
 def test_the_least_peaks_are_those_of_interpolation(growth):
     """A delay as the all-pass of Pade of order 3: T is zero at its zeros and one at the pole."""
-    found = tv.control.margin_bounds(
+    bounds = tv.control.margin_bounds(
         tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=growth**2, mu_delta=1.0)), delay=1.0
     )
     order = 3
@@ -38,7 +38,7 @@ def test_the_least_peaks_are_those_of_interpolation(growth):
     ]
     zeros = -np.roots(below)
     points = np.append(zeros, growth)
-    most = found.peak_sensitivity
+    most = bounds.peak_sensitivity
     assert most == pytest.approx(np.exp(growth))
     at_zeros = np.ones(order)
     for name, values, expected in (
@@ -47,7 +47,7 @@ def test_the_least_peaks_are_those_of_interpolation(growth):
         ("S - T", np.append(at_zeros, -1.0), most + np.sqrt(most**2 - 1.0)),
     ):
         assert least_norm(points, values.astype(complex)) == pytest.approx(expected, rel=1e-4), name
-    assert found.disk_margin == pytest.approx(2.0 / (most + np.sqrt(most**2 - 1.0)))
+    assert bounds.disk_margin == pytest.approx(2.0 / (most + np.sqrt(most**2 - 1.0)))
 
 
 def test_no_gains_have_more_than_the_bounds():
@@ -89,9 +89,9 @@ def test_the_rule_for_attitude_and_rate_gains_is_good_to_3_percent(
 
 def test_without_delay_nothing_is_bounded_and_without_growth_nothing_is_said():
     plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=1.0, mu_delta=1.0))
-    found = tv.control.margin_bounds(plant)
-    assert (found.disk_margin, found.rule_disk_margin, found.gain_range) == (2.0, 2.0, np.inf)
-    assert found.sentence == ""
+    bounds = tv.control.margin_bounds(plant)
+    assert (bounds.disk_margin, bounds.rule_disk_margin, bounds.gain_range) == (2.0, 2.0, np.inf)
+    assert bounds.sentence == ""
     stable = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-1.0, mu_delta=1.0))
     with pytest.raises(tv.InputError, match="by unstable poles only"):
         tv.control.margin_bounds(stable)
@@ -101,8 +101,10 @@ def test_a_flexible_vehicle_is_bounded_by_its_own_pole() -> None:
     """Which is slower than that of the rigid one here, and leaves more."""
     plant = tv.FlexiblePlant.from_vehicle(BOOSTER, STRUCTURE, "drift-exact")
     own = np.linalg.eigvals(plant.matrices()[0]).real.max()
-    found = tv.control.margin_bounds(plant, delay=0.1)
-    assert found.pole == pytest.approx(own, rel=1e-9)
+    bounds = tv.control.margin_bounds(plant, delay=0.1)
+    assert bounds.pole == pytest.approx(own, rel=1e-9)
     M = np.exp(own * 0.1)
-    assert found.disk_margin == pytest.approx(2.0 / (M + np.sqrt(M**2 - 1.0)), rel=1e-9)
-    assert found.disk_margin > tv.control.margin_bounds(plant.rigid, delay=0.1).disk_margin * 1.0005
+    assert bounds.disk_margin == pytest.approx(2.0 / (M + np.sqrt(M**2 - 1.0)), rel=1e-9)
+    assert (
+        bounds.disk_margin > tv.control.margin_bounds(plant.rigid, delay=0.1).disk_margin * 1.0005
+    )

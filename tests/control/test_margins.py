@@ -92,20 +92,20 @@ def greatest(loop, function, values, ends):
     summit = np.where((inner >= values[:, :-2]) & (inner > values[:, 2:]), inner, 0.0)
     case, place = np.nonzero(summit > 0.5 * summit.max(axis=1, keepdims=True))
     low, high = OMEGA[place], OMEGA[place + 2]
-    found = np.maximum(ends, values.max(axis=1))
+    result = np.maximum(ends, values.max(axis=1))
     for _ in range(5):
         omega = np.linspace(low, high, 30, axis=-1)
         heights = function(*parts(loop, case, omega))
         top = np.clip(np.argmax(heights, axis=1), 1, 28)
         low, high = omega[np.arange(len(top)), top - 1], omega[np.arange(len(top)), top + 1]
-        np.maximum.at(found, case, heights.max(axis=1))
-    return found
+        np.maximum.at(result, case, heights.max(axis=1))
+    return result
 
 
 def least(count, case, values):
-    found = np.full(count, np.inf)
-    np.minimum.at(found, case, values)
-    return found
+    result = np.full(count, np.inf)
+    np.minimum.at(result, case, values)
+    return result
 
 
 def unstable_by_argument(loop, omega=OMEGA):
@@ -139,27 +139,27 @@ def brute_force(loop):
     def imaginary(n, d):
         return np.imag(n * np.conj(d))
 
-    found = {"unstable_poles": unstable_by_argument(loop)}
+    computed = {"unstable_poles": unstable_by_argument(loop)}
     case, omega, L = zeros_between(loop, ratio, ratio(above, below))
     phase = np.angle(-L)
-    found["phase_margin"] = least(count, case, np.abs(phase))
-    found["delay_margin"] = least(count, case, phase % (2 * np.pi) / omega)
+    computed["phase_margin"] = least(count, case, np.abs(phase))
+    computed["delay_margin"] = least(count, case, phase % (2 * np.pi) / omega)
     case, omega, L = zeros_between(loop, imaginary, imaginary(above, below))
     real = (L.real < 0) & (np.abs(L.imag) < 1e-4 * np.abs(L))  # not where L passes a pole or zero
     at_zero = np.flatnonzero(n0 * d0 < 0)
     case = np.append(case[real], at_zero)
     size = np.append(np.abs(L[real]), np.abs(n0[at_zero] / d0[at_zero]))
-    found["aero_margin"] = least(count, case[size > 1], size[size > 1])
-    found["gain_increase"] = least(count, case[size < 1], 1 / size[size < 1])
+    computed["aero_margin"] = least(count, case[size > 1], size[size > 1])
+    computed["gain_increase"] = least(count, case[size < 1], 1 / size[size < 1])
     for name, function, limit in (
         ("peak_sensitivity", lambda n, d: np.abs(d / (n + d)), 1.0),
         ("peak_complementary_sensitivity", lambda n, d: np.abs(n / (n + d)), 0.0),
         ("disk_margin", lambda n, d: np.abs((d - n) / (n + d) / 2), 0.5),
     ):
         ends = np.maximum(function(n0, d0), limit)
-        found[name] = greatest(loop, function, function(above, below), ends)
-    found["disk_margin"] = 1 / found["disk_margin"]
-    return found
+        computed[name] = greatest(loop, function, function(above, below), ends)
+    computed["disk_margin"] = 1 / computed["disk_margin"]
+    return computed
 
 
 def test_the_published_course_booster():
@@ -177,16 +177,16 @@ def test_the_published_course_booster():
 @pytest.mark.thorough
 def test_a_thousand_random_loops_have_the_margins_of_brute_force():
     loop = random_loops(1000)
-    found, expected = loop_margins(loop), brute_force(loop)
-    np.testing.assert_array_equal(found.unstable_poles, expected["unstable_poles"])
+    computed, expected = loop_margins(loop), brute_force(loop)
+    np.testing.assert_array_equal(computed.unstable_poles, expected["unstable_poles"])
     for k in np.flatnonzero(loop.delay == 0.0):
         poles = np.roots(loop.numerator[k] + loop.denominator[k])
-        assert found.unstable_poles[k] == np.sum(poles.real > 0)
+        assert computed.unstable_poles[k] == np.sum(poles.real > 0)
     good = expected["unstable_poles"] == 0
     assert 100 < good.sum() < 950
-    np.testing.assert_array_equal(found.status, np.where(good, "ok", "unstable"))
+    np.testing.assert_array_equal(computed.status, np.where(good, "ok", "unstable"))
     for name in NUMBERS:
-        values = getattr(found, name)
+        values = getattr(computed, name)
         assert np.all(np.isnan(values[~good]))
         np.testing.assert_allclose(values[good], expected[name][good], rtol=1e-7, err_msg=name)
 
@@ -222,7 +222,7 @@ def test_poles_that_begin_on_the_axis_are_counted_whichever_way_a_delay_moves_th
 
 def test_a_high_order_pade_has_as_many_unstable_poles():
     loop = random_loops(100, seed=4)
-    found = loop_margins(loop).unstable_poles
+    computed = loop_margins(loop).unstable_poles
     late = np.flatnonzero((loop.delay > 0) & (loop.delay <= 0.1))
     assert len(late) > 40
     for k in late:
@@ -232,19 +232,19 @@ def test_a_high_order_pade_has_as_many_unstable_poles():
             np.polymul(loop.denominator[k] * powers, bottom),
             np.polymul(loop.numerator[k] * powers, top),
         )
-        assert np.sum(np.roots(closed).real > 0) == found[k]
+        assert np.sum(np.roots(closed).real > 0) == computed[k]
 
 
 def test_a_delay_may_stabilise():
     """With s^2 + 1 - 0.3 (1 + 0.1 s) e^(-s T) a short delay damps what nothing else does."""
     delays = np.array([0.0, 0.05, 0.5, 2.0, 4.0, 5.0, 9.0])
     loop = Loop([-0.03, -0.3], [1, 0, 1], delays)
-    found = loop_margins(loop)
-    assert found.unstable_poles[0] == np.sum(np.roots([1, -0.03, 0.7]).real > 0) == 2
-    np.testing.assert_array_equal(found.unstable_poles, unstable_by_argument(loop))
-    assert found.status[2] == found.status[3] == "ok"
-    edge = delays[2] + found.delay_margin[2]
-    assert edge == pytest.approx(delays[3] + found.delay_margin[3], rel=1e-12)
+    margins = loop_margins(loop)
+    assert margins.unstable_poles[0] == np.sum(np.roots([1, -0.03, 0.7]).real > 0) == 2
+    np.testing.assert_array_equal(margins.unstable_poles, unstable_by_argument(loop))
+    assert margins.status[2] == margins.status[3] == "ok"
+    edge = delays[2] + margins.delay_margin[2]
+    assert edge == pytest.approx(delays[3] + margins.delay_margin[3], rel=1e-12)
     after = loop_margins(Loop([-0.03, -0.3], [1, 0, 1], edge * np.array([1 - 1e-9, 1 + 1e-9])))
     assert after.status.tolist() == ["ok", "unstable"]
 
@@ -351,14 +351,14 @@ def test_the_poles_of_a_loop_with_a_delay_are_exact():
     """K e^(-s T)/s has its closed poles at W(-k T)/T, all branches of Lambert's W."""
     k, late = 1.3, 0.8
     loop = Loop([k], [1.0, 0.0], late)
-    found = loop.closed_loop_poles
+    computed = loop.closed_loop_poles
     branches = range(-8, 8)
     exact = np.array([lambertw(-k * late, branch) / late for branch in branches])
-    exact = exact[np.argsort(-exact.real, kind="stable")][: found.size]
-    assert found.size >= 8
-    apart = np.abs(found[:8, np.newaxis] - exact).min(axis=1)
-    np.testing.assert_array_less(apart, 1e-11 * np.abs(found[:8]))
-    np.testing.assert_allclose(found[:8].real, exact[:8].real, rtol=1e-10)
+    exact = exact[np.argsort(-exact.real, kind="stable")][: computed.size]
+    assert computed.size >= 8
+    apart = np.abs(computed[:8, np.newaxis] - exact).min(axis=1)
+    np.testing.assert_array_less(apart, 1e-11 * np.abs(computed[:8]))
+    np.testing.assert_allclose(computed[:8].real, exact[:8].real, rtol=1e-10)
 
 
 def test_poles_with_a_delay_are_those_of_a_high_pade_approximation():

@@ -26,8 +26,8 @@ def test_the_booster_sampled_at_25_hertz():
     loop = SAMPLED.exact_loop(plant)
     assert loop.response(14.0) == pytest.approx(-2.24657083 - 4.72188699j, abs=1e-8)
     assert np.abs(loop.closed_loop_poles).max() == pytest.approx(0.99815586, abs=1e-8)
-    found = SAMPLED.band_margins(plant)
-    m = found.margins
+    result = SAMPLED.band_margins(plant)
+    m = result.margins
     assert m.aero_margin_dB == to_margin(9.952950)
     assert (m.gain_increase_dB, m.gain_increase_frequency) == (
         to_margin(7.774023),
@@ -37,8 +37,8 @@ def test_the_booster_sampled_at_25_hertz():
         to_margin(38.082280),
         to_margin(14.859371),
     )
-    assert found.rigid.phase_margin_deg == to_margin(41.333057)
-    assert found.rigid.crossover_frequency == to_margin(1.412942)
+    assert result.rigid.phase_margin_deg == to_margin(41.333057)
+    assert result.rigid.crossover_frequency == to_margin(1.412942)
     assert m.disk_margin == pytest.approx(0.62741270, abs=1e-8)
     # A delay of 1.1 samples more is a little less than phase over frequency says.
     late = np.radians(m.phase_margin_deg) / m.crossover_frequency
@@ -55,10 +55,10 @@ def test_the_booster_sampled_at_12_hertz_and_a_half():
     loop = slow.exact_loop(plant)
     assert np.sum(np.abs(loop.closed_loop_poles) > 1.0) == 2
     with pytest.warns(UserWarning, match=SLOW):
-        found = slow.band_margins(plant)
+        result = slow.band_margins(plant)
     # 64.96 rad/s is seen at 2 pi 12.5 - 64.96 rad/s.
-    assert found.mode("bending 3").alias == pytest.approx(25 * np.pi - 64.96177493, abs=1e-7)
-    assert np.isnan(found.mode("bending 1").alias)
+    assert result.mode("bending 3").alias == pytest.approx(25 * np.pi - 64.96177493, abs=1e-7)
+    assert np.isnan(result.mode("bending 1").alias)
 
 
 def by_aliases(autopilot, plant, omega, terms=640):
@@ -153,8 +153,8 @@ def test_a_rigid_loop_and_its_margins_are_those_of_python_control(model, late):
     chain = [held, sums, control.ss(warped), *([waits] if late else [])]
     loop = control.series(*chain)
     omega = np.array([0.3, 1.4, 5.0, 30.0, 60.0])
-    found = autopilot.frequency_response(plant, omega)
-    np.testing.assert_allclose(found, loop(np.exp(1j * omega * h)), rtol=1e-9)
+    result = autopilot.frequency_response(plant, omega)
+    np.testing.assert_allclose(result, loop(np.exp(1j * omega * h)), rtol=1e-9)
     poles = autopilot.exact_loop(plant).closed_loop_poles
     theirs = control.feedback(loop, 1).poles()
     assert np.abs(poles).max() == pytest.approx(np.abs(theirs).max(), rel=1e-9)
@@ -221,8 +221,8 @@ def test_filters_are_exact_at_their_own_frequency():
         (tv.vehicle.Filter.lead_lag(4.0, 9.0), 9.0),
     ):
         bare = replace(SAMPLED, filters=()).frequency_response(plant, own)
-        found = replace(SAMPLED, filters=(one,)).frequency_response(plant, own)
-        assert found / bare == pytest.approx(one(1j * own)[()], rel=1e-10)
+        result = replace(SAMPLED, filters=(one,)).frequency_response(plant, own)
+        assert result / bare == pytest.approx(one(1j * own)[()], rel=1e-10)
 
 
 def test_the_vehicle_moves_in_steps_as_it_does_between_them():

@@ -116,11 +116,11 @@ def test_a_flight_with_the_structure_of_its_vehicle_has_the_modes_of_that() -> N
     coefficients = tv.Coefficients.from_vehicle(flight.at(65.0))
     law = tv.design_gains(coefficients, natural_frequency=1.5, damping=0.7)
     law, times = replace(law, actuator=tv.control.Actuator()), [60.0, 65.0]
-    found = tv.control.sweep(flight, law, times, factors=())
+    margin_sweep = tv.control.sweep(flight, law, times, factors=())
     for k, time in enumerate(times):
         vehicle = flight.at(time)
         plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
         alone = law.band_margins(plant)
         expected = alone.margins.phase_margin_deg
-        assert found.margins.phase_margin_deg[k] == pytest.approx(expected, rel=1e-9)
-        assert [mode.name for mode in found.modes] == [mode.name for mode in alone.modes]
+        assert margin_sweep.margins.phase_margin_deg[k] == pytest.approx(expected, rel=1e-9)
+        assert [mode.name for mode in margin_sweep.modes] == [mode.name for mode in alone.modes]

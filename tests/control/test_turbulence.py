@@ -46,11 +46,11 @@ NOTCHES = tuple(tv.vehicle.Filter.notch(w, 0.06, 0.6) for w in (13.6, 30.0))
 def test_configuration_i_in_6_m_per_s(model, rms, travel):
     """By a program of its own: Lyapunov's equation of filter and loop."""
     plant = tv.Plant.from_vehicle(BOOSTER, model)
-    found = turbulence_covariance(AUTOPILOT, plant, AIR, SPEED)
+    result = turbulence_covariance(AUTOPILOT, plant, AIR, SPEED)
     names = ["attitude", "attitude_rate", "angle_of_attack", "deflection", "deflection_rate"]
-    degrees = np.degrees([found.rms(name) for name in names])
+    degrees = np.degrees([result.rms(name) for name in names])
     assert np.allclose(degrees, rms, rtol=0.0, atol=0.6 * 10.0 ** -np.array([6, 6, 6, 7, 7]))
-    assert np.degrees(found.mean_absolute_rate()) == pytest.approx(travel, abs=6e-8)
+    assert np.degrees(result.mean_absolute_rate()) == pytest.approx(travel, abs=6e-8)
 
 
 def deflection_response(autopilot, plant, omega, noise=None):
@@ -78,7 +78,7 @@ def frequency_integral(function, corners):
 @pytest.mark.parametrize("alpha_gain", [0.0, 0.3])
 def test_a_variance_is_the_integral_of_the_spectrum_with_the_exact_delay(alpha_gain):
     autopilot = replace(AUTOPILOT, delay=0.06, alpha_gain=alpha_gain)
-    found = turbulence_covariance(autopilot, EXACT, AIR, SPEED)
+    result = turbulence_covariance(autopilot, EXACT, AIR, SPEED)
 
     def power(omega):
         size = abs(deflection_response(autopilot, EXACT, omega)) / SPEED
@@ -86,17 +86,17 @@ def test_a_variance_is_the_integral_of_the_spectrum_with_the_exact_delay(alpha_g
 
     corners = [1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]
     variance = frequency_integral(power, corners)
-    assert np.isclose(found.rms(), np.sqrt(variance), rtol=1e-6)  # Pade of order four
+    assert np.isclose(result.rms(), np.sqrt(variance), rtol=1e-6)  # Pade of order four
     rate = frequency_integral(lambda w: w**2 * power(w), corners)
-    assert np.isclose(found.rms("deflection_rate"), np.sqrt(rate), rtol=1e-5)
+    assert np.isclose(result.rms("deflection_rate"), np.sqrt(rate), rtol=1e-5)
     omega = np.array([0.05, 0.7, 5.0])
-    assert np.allclose(found.spectrum(omega), [power(w) for w in omega], rtol=1e-5)
+    assert np.allclose(result.spectrum(omega), [power(w) for w in omega], rtol=1e-5)
 
 
 def test_noise_of_the_sensors_adds_its_integral():
     noise = SensorNoise(attitude=2e-4, rate=3e-4)
     calm = replace(AIR, intensity=0.0)
-    found = turbulence_covariance(AUTOPILOT, EXACT, calm, SPEED, noise=noise)
+    result = turbulence_covariance(AUTOPILOT, EXACT, calm, SPEED, noise=noise)
 
     def power(omega):
         parts = {"attitude": noise.attitude, "attitude_rate": noise.rate}
@@ -104,28 +104,28 @@ def test_noise_of_the_sensors_adds_its_integral():
         return float(np.sum(np.square(sizes))) / (2.0 * np.pi)  # one-sided, per Hz
 
     variance = frequency_integral(power, [1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3])
-    assert np.isclose(found.rms(), np.sqrt(variance), rtol=1e-7)
-    assert "deflection_acceleration" not in found.outputs
+    assert np.isclose(result.rms(), np.sqrt(variance), rtol=1e-7)
+    assert "deflection_acceleration" not in result.outputs
     both = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED, noise=noise)
     alone = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
-    assert np.isclose(both.rms() ** 2, found.rms() ** 2 + alone.rms() ** 2, rtol=1e-9)
+    assert np.isclose(both.rms() ** 2, result.rms() ** 2 + alone.rms() ** 2, rtol=1e-9)
     sampled = replace(AUTOPILOT, sample_rate=5000.0)
     fast = turbulence_covariance(sampled, EXACT, calm, SPEED, noise=noise)
-    assert np.isclose(fast.rms(), found.rms(), rtol=1e-3)
+    assert np.isclose(fast.rms(), result.rms(), rtol=1e-3)
 
 
 def test_loads_are_sums_of_angle_and_deflection():
     slopes = LoadSlopes(dynamic_pressure=3e4, alpha_moment=2e7, deflection_moment=-1e7)
-    found = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED, loads=slopes)
-    assert np.isclose(found.rms("q_alpha"), 3e4 * found.rms("angle_of_attack"))
-    assert np.isclose(found.rms("drift_rate"), SPEED * found.rms("flight_path_angle"))
+    result = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED, loads=slopes)
+    assert np.isclose(result.rms("q_alpha"), 3e4 * result.rms("angle_of_attack"))
+    assert np.isclose(result.rms("drift_rate"), SPEED * result.rms("flight_path_angle"))
     tilted = [
         turbulence_covariance(
             AUTOPILOT, EXACT, AIR, SPEED, loads=LoadSlopes(alpha_moment=a, deflection_moment=d)
         ).rms("bending_moment")
         for a, d in ((1.0, 1.0), (1.0, -1.0))
     ]
-    squares = found.rms("angle_of_attack") ** 2 + found.rms() ** 2
+    squares = result.rms("angle_of_attack") ** 2 + result.rms() ** 2
     assert np.isclose(sum(np.square(tilted)), 2.0 * squares)
 
 
@@ -161,53 +161,53 @@ def flown_in_a_triangle(runs):
 @pytest.mark.parametrize("runs", [400, pytest.param(10_000, marks=pytest.mark.thorough)])
 def test_flights_in_sampled_turbulence_have_mean_spread_travel_and_crossings(runs):
     times, deflections, rates = flown_in_a_triangle(runs)
-    found = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 20.0, wind=WIND)
-    assert np.degrees(found.travel()) == pytest.approx(2.0484, abs=5e-5)
+    result = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 20.0, wind=WIND)
+    assert np.degrees(result.travel()) == pytest.approx(2.0484, abs=5e-5)
     limit = np.radians(0.82)
-    assert found.crossings(limit) == pytest.approx(0.02914, abs=5e-6)
-    assert found.probability_of_none(limit) == pytest.approx(np.exp(-0.02914), abs=5e-6)
-    at = np.searchsorted(found.times, times - 1e-9)[50::50]
+    assert result.crossings(limit) == pytest.approx(0.02914, abs=5e-6)
+    assert result.probability_of_none(limit) == pytest.approx(np.exp(-0.02914), abs=5e-6)
+    at = np.searchsorted(result.times, times - 1e-9)[50::50]
     here = slice(50, None, 50)
-    spread = found.deviation()[at]
-    assert np.all(np.abs(deflections[:, here].mean(0) - found.mean()[at]) < 5 * spread / runs**0.5)
+    spread = result.deviation()[at]
+    assert np.all(np.abs(deflections[:, here].mean(0) - result.mean()[at]) < 5 * spread / runs**0.5)
     deviation = deflections[:, here].std(0)
     assert np.all(np.abs(deviation / spread - 1.0) < 5.0 / np.sqrt(2.0 * runs))
     travels = np.trapezoid(np.abs(rates), times, axis=1)
-    assert abs(travels.mean() - found.travel()) < 5.0 * travels.std() / np.sqrt(runs)
-    assert abs(travels.std() / found.travel_deviation() - 1.0) < 5.0 / np.sqrt(2.0 * runs)
+    assert abs(travels.mean() - result.travel()) < 5.0 * travels.std() / np.sqrt(runs)
+    assert abs(travels.std() / result.travel_deviation() - 1.0) < 5.0 / np.sqrt(2.0 * runs)
     low = np.radians(0.6)  # crossed often, so that few flights suffice
     outside = np.abs(deflections) > low
     counts = np.sum(outside[:, 1:] & ~outside[:, :-1], axis=1)
-    missed = 0.02 * found.crossings(low)  # two crossings within a step
-    assert abs(counts.mean() - found.crossings(low)) < 5.0 * counts.std() / np.sqrt(runs) + missed
+    missed = 0.02 * result.crossings(low)  # two crossings within a step
+    assert abs(counts.mean() - result.crossings(low)) < 5.0 * counts.std() / np.sqrt(runs) + missed
 
 
 def test_a_history_becomes_stationary_about_the_exact_mean_response():
-    found = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 60.0, wind=WIND)
+    result = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 60.0, wind=WIND)
     stationary = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
     for output in ("attitude", "angle_of_attack", "deflection_acceleration"):
-        assert np.isclose(found.deviation(output)[-1], stationary.rms(output), rtol=2e-2)
-    mean = AUTOPILOT.wind_response(EXACT, WIND)(found.times)
+        assert np.isclose(result.deviation(output)[-1], stationary.rms(output), rtol=2e-2)
+    mean = AUTOPILOT.wind_response(EXACT, WIND)(result.times)
     # of fourth order in 25 rad/s times 0.02 s: 0.5^4/720 of the wind's share in a step
-    assert np.allclose(found.mean(), mean[-1], rtol=0.0, atol=1e-9)
-    alpha = found.outputs.index("angle_of_attack")
-    assert np.allclose(found.mean("angle_of_attack"), mean[alpha], rtol=0.0, atol=1e-9)
-    size, time = found.largest(3.0)
-    k = np.searchsorted(found.times, time)
-    assert np.isclose(size, abs(found.mean()[k]) + 3.0 * found.deviation()[k])
-    assert np.all(np.diff(found.deviation("drift")) > 0.0)  # an integral has no limit
-    assert np.allclose(found.quantile(0.5), found.mean())
+    assert np.allclose(result.mean(), mean[-1], rtol=0.0, atol=1e-9)
+    alpha = result.outputs.index("angle_of_attack")
+    assert np.allclose(result.mean("angle_of_attack"), mean[alpha], rtol=0.0, atol=1e-9)
+    size, time = result.largest(3.0)
+    k = np.searchsorted(result.times, time)
+    assert np.isclose(size, abs(result.mean()[k]) + 3.0 * result.deviation()[k])
+    assert np.all(np.diff(result.deviation("drift")) > 0.0)  # an integral has no limit
+    assert np.allclose(result.quantile(0.5), result.mean())
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.03, 0.04])
 def test_a_sampled_loop_is_near_the_continuous_one_with_half_a_sample_more_delay(delay):
     sampled = replace(AUTOPILOT, sample_rate=50.0, delay=delay)
-    found = turbulence_covariance(sampled, EXACT, AIR, SPEED)
+    result = turbulence_covariance(sampled, EXACT, AIR, SPEED)
     near = turbulence_covariance(replace(AUTOPILOT, delay=delay + 0.01), EXACT, AIR, SPEED)
     for output in ("attitude", "angle_of_attack", "deflection"):
-        assert np.isclose(found.rms(output), near.rms(output), rtol=2e-4)
-    assert np.isclose(found.mean_absolute_rate(), near.mean_absolute_rate(), rtol=2e-3)
-    assert np.isclose(found.spectrum(1.0), near.spectrum(1.0), rtol=1e-2)
+        assert np.isclose(result.rms(output), near.rms(output), rtol=2e-4)
+    assert np.isclose(result.mean_absolute_rate(), near.mean_absolute_rate(), rtol=2e-3)
+    assert np.isclose(result.spectrum(1.0), near.spectrum(1.0), rtol=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -240,11 +240,11 @@ def test_a_sampled_covariance_is_that_of_its_flights(autopilot, plant):
         )
         squares.append(np.mean(flight.outputs**2, axis=-1).ravel())
     labels = list(flight.output_labels)
-    found = turbulence_covariance(autopilot, plant, AIR, SPEED)
+    result = turbulence_covariance(autopilot, plant, AIR, SPEED)
     for name in ("attitude", "attitude_rate", "deflection"):
         power = np.array(squares)[:, labels.index(name)]
         error = 5.0 * power.std() / np.sqrt(runs)
-        assert abs(power.mean() - found.rms(name) ** 2) < error + 0.01 * power.mean(), name
+        assert abs(power.mean() - result.rms(name) ** 2) < error + 0.01 * power.mean(), name
         assert error < 0.5 * power.mean()
 
 
@@ -252,13 +252,13 @@ def test_a_sampled_history_settles_at_its_stationary_covariance():
     autopilot = replace(AUTOPILOT, sample_rate=10.0, delay=0.13)
     noise = SensorNoise(rate=1e-3)
     plant = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
-    found = turbulence_history(autopilot, plant, AIR, SPEED, 40.0, noise=noise)
+    result = turbulence_history(autopilot, plant, AIR, SPEED, 40.0, noise=noise)
     stationary = turbulence_covariance(autopilot, plant, AIR, SPEED, noise=noise)
-    last = found.times > 39.0
+    last = result.times > 39.0
     for output in ("deflection", "attitude_rate", "angle_of_attack"):
-        assert np.isclose(found.deviation(output)[last].max(), stationary.rms(output), rtol=2e-3)
+        assert np.isclose(result.deviation(output)[last].max(), stationary.rms(output), rtol=2e-3)
     settled = (
-        found.travel()
+        result.travel()
         - turbulence_history(autopilot, plant, AIR, SPEED, 30.0, noise=noise).travel()
     )
     assert np.isclose(settled, 10.0 * stationary.mean_absolute_rate(), rtol=5e-3)  # (25 h)^2/12
@@ -267,10 +267,10 @@ def test_a_sampled_history_settles_at_its_stationary_covariance():
 @pytest.mark.parametrize("sample_rate", [None, 20.0])
 def test_settled_turbulence_has_its_stationary_covariance_throughout(sample_rate):
     autopilot = replace(AUTOPILOT, sample_rate=sample_rate, delay=0.03)
-    found = turbulence_history(autopilot, EXACT, AIR, SPEED, 4.0, wind=WIND, settled=True)
+    result = turbulence_history(autopilot, EXACT, AIR, SPEED, 4.0, wind=WIND, settled=True)
     stationary = turbulence_covariance(autopilot, EXACT, AIR, SPEED)
     for output in ("deflection", "deflection_rate", "angle_of_attack"):
-        assert np.isclose(found.deviation(output).max(), stationary.rms(output), rtol=2e-3)
+        assert np.isclose(result.deviation(output).max(), stationary.rms(output), rtol=2e-3)
     calm = turbulence_history(autopilot, EXACT, AIR, SPEED, 4.0, settled=True)
     assert np.isclose(
         calm.travel(), 4.0 * stationary.mean_absolute_rate(), rtol=5e-3
@@ -284,9 +284,9 @@ def test_welch_finds_the_spectrum_of_the_deflection_in_flights():
     winds = AIR.winds(times, SPEED, seed=4, runs=runs).angle
     deflection = sampled_motion(AUTOPILOT, winds, step)[:, 0, 400:]
     hertz, density = welch(deflection, 1.0 / step, nperseg=1024)
-    found = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
+    result = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
     band = slice(5, 60)  # windows blur below, straight winds between times damp above
-    expected = 2.0 * np.pi * found.spectrum(2.0 * np.pi * hertz[band])
+    expected = 2.0 * np.pi * result.spectrum(2.0 * np.pi * hertz[band])
     spread = np.sqrt(1.0 / (0.55 * runs * 15))
     ratio = density.mean(axis=0)[band] / expected
     assert np.abs(ratio - 1.0).max() < 5.0 * spread
@@ -295,12 +295,12 @@ def test_welch_finds_the_spectrum_of_the_deflection_in_flights():
 
 @pytest.mark.parametrize("sample_rate", [None, 40.0])
 def test_the_curves_of_the_chart_integrate_to_the_variances(sample_rate):
-    found = turbulence_covariance(replace(AUTOPILOT, sample_rate=sample_rate), EXACT, AIR, SPEED)
-    curves = tv.plots.spectrum_curves(found)
+    result = turbulence_covariance(replace(AUTOPILOT, sample_rate=sample_rate), EXACT, AIR, SPEED)
+    curves = tv.plots.spectrum_curves(result)
     assert curves.abscissa[-1] <= (sample_rate or 200.0) / 2.0
     for label, panel in (("deflection", "angles"), ("attitude rate", "rates")):
         variance = np.trapezoid(curves.column(label, panel) ** 2, curves.abscissa)
-        rms = np.degrees(found.rms(label.replace(" ", "_")))
+        rms = np.degrees(result.rms(label.replace(" ", "_")))
         assert np.isclose(np.sqrt(variance), rms, rtol=5e-3), label
 
 
@@ -319,7 +319,7 @@ def test_along_a_flight_it_is_the_solution_of_the_differential_equation():
     air = tv.winds.Turbulence.mil_f_8785c("severe")
     start, stop = 60.2, 62.7
     wind = tv.TriangularWind(peak=0.05, duration=1.5).shift(60.5)
-    found = turbulence_along(schedule, gains, air, start=start, stop=stop, wind=wind)
+    result = turbulence_along(schedule, gains, air, start=start, stop=stop, wind=wind)
     a, b, c = air.normalised_filter
     n = 5  # attitude, its rate, flight path, deflection and its rate
 
@@ -349,8 +349,8 @@ def test_along_a_flight_it_is_the_solution_of_the_differential_equation():
     m, P = solution[: n + 2], solution[n + 2 :].reshape(n + 2, n + 2)
     states = ("attitude", "attitude_rate", "flight_path_angle", "deflection", "deflection_rate")
     for k, output in enumerate(states):
-        assert np.isclose(found.deviation(output)[-1], np.sqrt(P[k, k]), rtol=2e-5), output
-        assert np.isclose(found.mean(output)[-1], m[k], rtol=1e-4, atol=1e-8), output
+        assert np.isclose(result.deviation(output)[-1], np.sqrt(P[k, k]), rtol=2e-5), output
+        assert np.isclose(result.mean(output)[-1], m[k], rtol=1e-4, atol=1e-8), output
 
 
 def test_along_a_flight_a_constant_vehicle_is_a_history():
@@ -367,20 +367,20 @@ def test_along_a_flight_a_constant_vehicle_is_a_history():
 def test_turbulence_below_a_cutoff_is_the_part_of_the_spectrum_below_it():
     air = replace(AIR, cutoff_wavelength=500.0)
     whole = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
-    found = turbulence_covariance(AUTOPILOT, EXACT, air, SPEED)
+    result = turbulence_covariance(AUTOPILOT, EXACT, air, SPEED)
 
     def power(omega):
         ratio = (omega * 500.0 / (2.0 * np.pi * SPEED)) ** 4
         return float(whole.spectrum(omega)) * ratio / (1.0 + ratio)
 
     variance = frequency_integral(power, [0.1, 1.0, 3.0, 6.0, 10.0, 30.0, 100.0])
-    assert np.isclose(found.rms(), np.sqrt(variance), rtol=1e-6)
+    assert np.isclose(result.rms(), np.sqrt(variance), rtol=1e-6)
     schedule = tv.FlightSchedule(BOOSTER.replace(time=[60.0, 70.0]))
     along = turbulence_along(schedule, AUTOPILOT, air)
     alone = turbulence_history(AUTOPILOT, EXACT, air, SPEED, 10.0)
     for output in ("deflection", "angle_of_attack"):
         assert np.isclose(along.deviation(output)[-1], alone.deviation(output)[-1], rtol=1e-9)
-    assert np.isclose(alone.deviation()[-1], found.rms(), rtol=1e-2)
+    assert np.isclose(alone.deviation()[-1], result.rms(), rtol=1e-2)
 
 
 def test_along_a_flight_a_structure_and_drift_count():
@@ -430,22 +430,22 @@ def test_along_a_flight_a_sampled_autopilot_has_the_covariance_of_its_flights(ru
     schedule, gains = flight()
     air = tv.winds.Turbulence.mil_f_8785c("severe")
     sampled = replace(gains, autopilot=replace(gains.autopilot, sample_rate=12.5, delay=0.02))
-    found = turbulence_along(schedule, sampled, air, start=60.0, stop=66.0)
+    result = turbulence_along(schedule, sampled, air, start=60.0, stop=66.0)
     times = 60.0 + 0.01 * np.arange(601)
     deflection, attitude = np.moveaxis(flown_along(schedule, gains, air, times, runs, 8, 2), 1, 0)
-    at = np.searchsorted(found.times, times - 1e-6)
-    assert np.allclose(found.times[at], times, atol=1e-9)
+    at = np.searchsorted(result.times, times - 1e-6)
+    assert np.allclose(result.times[at], times, atol=1e-9)
     later = slice(100, None, 37)  # at and between samples
     for name, values in (("deflection", deflection), ("attitude", attitude)):
-        ratio = values.std(axis=0)[later] / found.deviation(name)[at][later]
+        ratio = values.std(axis=0)[later] / result.deviation(name)[at][later]
         assert np.abs(ratio - 1.0).max() < 5.0 / np.sqrt(2.0 * runs), name
     rates = np.diff(deflection) / 0.01
     travels = np.abs(rates).sum(axis=1) * 0.01
     assert (
-        abs(travels.mean() / found.travel() - 1.0)
+        abs(travels.mean() / result.travel() - 1.0)
         < 5.0 * travels.std() / (travels.mean() * np.sqrt(runs)) + 2e-3
     )  # (25 x 0.01)^2/12 of differences within steps
-    assert abs(travels.std() / found.travel_deviation() - 1.0) < 5.0 / np.sqrt(2.0 * runs) + 0.02
+    assert abs(travels.std() / result.travel_deviation() - 1.0) < 5.0 / np.sqrt(2.0 * runs) + 0.02
 
 
 def test_along_a_flight_a_constant_sampled_loop_is_a_history():
@@ -496,7 +496,7 @@ def test_along_a_flight_a_structure_and_its_notch_vary():
     """By integration of the covariance of loops that are closed anew at each time."""
     schedule, structure, gains = bending_flight()
     start, stop = 65.9, 66.1
-    found = turbulence_along(schedule, gains, AIR, structure=structure, start=start, stop=stop)
+    result = turbulence_along(schedule, gains, AIR, structure=structure, start=start, stop=stop)
     soft = replace(schedule, structure=structure)
     a, b, c = AIR.normalised_filter
 
@@ -520,9 +520,9 @@ def test_along_a_flight_a_structure_and_its_notch_vary():
         whole = solve_ivp(slope, ends, P.ravel(), method="RK45", rtol=1e-6, atol=1e-13)
         P = whole.y[:, -1].reshape(P.shape)
     spread = np.sqrt(P[names.index("actuator_deflection"), names.index("actuator_deflection")])
-    assert np.isclose(found.deviation()[-1], spread, rtol=1e-4)
+    assert np.isclose(result.deviation()[-1], spread, rtol=1e-4)
     itself = turbulence_along(soft, gains, AIR, start=start, stop=stop)
-    assert np.allclose(itself.deviation(), found.deviation(), rtol=1e-12)
+    assert np.allclose(itself.deviation(), result.deviation(), rtol=1e-12)
 
 
 def test_loads_along_a_flight_are_those_of_its_times():
@@ -530,14 +530,14 @@ def test_loads_along_a_flight_are_those_of_its_times():
     air = tv.winds.Turbulence.mil_f_8785c("severe")
     slopes = np.linspace(1e7, 3e7, schedule.times.size)
     loads = LoadSlopes(alpha_moment=slopes, deflection_moment=-1e7)
-    found = turbulence_along(schedule, gains, air, loads=loads, start=50.0, stop=70.0)
-    pressure = tv.ascent.flight_variable(schedule, "dynamic_pressure", found.times)
-    alpha = found.deviation("angle_of_attack")
-    assert np.allclose(found.deviation("q_alpha"), pressure * alpha, rtol=1e-9)
-    slope = np.interp(found.times, schedule.times, slopes)
-    low = np.abs(slope * alpha - 1e7 * found.deviation())
-    high = slope * alpha + 1e7 * found.deviation()
-    moment = found.deviation("bending_moment")
+    result = turbulence_along(schedule, gains, air, loads=loads, start=50.0, stop=70.0)
+    pressure = tv.ascent.flight_variable(schedule, "dynamic_pressure", result.times)
+    alpha = result.deviation("angle_of_attack")
+    assert np.allclose(result.deviation("q_alpha"), pressure * alpha, rtol=1e-9)
+    slope = np.interp(result.times, schedule.times, slopes)
+    low = np.abs(slope * alpha - 1e7 * result.deviation())
+    high = slope * alpha + 1e7 * result.deviation()
+    moment = result.deviation("bending_moment")
     assert np.all((low * (1.0 - 1e-9) <= moment) & (moment <= high * (1.0 + 1e-9)))
 
 
@@ -546,29 +546,29 @@ def test_behind_a_low_pass_the_angle_of_attack_has_crossings(sample_rate):
     """The variances are integrals of spectra, times that of the low-pass."""
     loads = LoadSlopes(dynamic_pressure=3e4, alpha_moment=2e7, bandwidth=4.0)
     autopilot = replace(AUTOPILOT, sample_rate=sample_rate)
-    found = turbulence_covariance(autopilot, EXACT, AIR, SPEED, loads=loads)
+    result = turbulence_covariance(autopilot, EXACT, AIR, SPEED, loads=loads)
     filtered = "filtered_angle_of_attack"
-    assert np.isclose(found.rms("filtered_q_alpha"), 3e4 * found.rms(filtered), rtol=1e-9)
-    assert np.isclose(found.rms("filtered_bending_moment"), 2e7 * found.rms(filtered), rtol=1e-9)
-    assert found.rms(filtered) < found.rms("angle_of_attack")
+    assert np.isclose(result.rms("filtered_q_alpha"), 3e4 * result.rms(filtered), rtol=1e-9)
+    assert np.isclose(result.rms("filtered_bending_moment"), 2e7 * result.rms(filtered), rtol=1e-9)
+    assert result.rms(filtered) < result.rms("angle_of_attack")
     if sample_rate is None:
 
         def power(omega):
-            return float(found.spectrum(omega, "angle_of_attack")) / (1.0 + (omega / 4.0) ** 2)
+            return float(result.spectrum(omega, "angle_of_attack")) / (1.0 + (omega / 4.0) ** 2)
 
         corners = [1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]
         variance = frequency_integral(power, corners)
         motion = frequency_integral(lambda w: w**2 * power(w), corners)
-        assert np.isclose(found.rms(filtered), np.sqrt(variance), rtol=1e-5)
-        limit = 2.5 * found.rms(filtered)
+        assert np.isclose(result.rms(filtered), np.sqrt(variance), rtol=1e-5)
+        limit = 2.5 * result.rms(filtered)
         rate = np.sqrt(motion / variance) / np.pi * np.exp(-0.5 * 2.5**2)  # Rice, both sides
-        assert np.isclose(found.crossing_rate(limit, filtered), rate, rtol=1e-3)  # 1/s above 1e5
+        assert np.isclose(result.crossing_rate(limit, filtered), rate, rtol=1e-3)  # 1/s above 1e5
     history = turbulence_history(autopilot, EXACT, AIR, SPEED, 30.0, loads=loads, wind=WIND)
-    limit = 3.0 * found.rms(filtered)
+    limit = 3.0 * result.rms(filtered)
     calm = turbulence_history(autopilot, EXACT, AIR, SPEED, 30.0, loads=loads)
     assert history.crossings(limit, filtered) > calm.crossings(limit, filtered)
     rates = calm.crossing_rate(limit, filtered)[-20:]
-    assert np.isclose(rates.mean(), found.crossing_rate(limit, filtered), rtol=2e-2)
+    assert np.isclose(rates.mean(), result.crossing_rate(limit, filtered), rtol=2e-2)
 
 
 UNSTABLE = tv.Autopilot(attitude_gain=0.05, rate_gain=0.3, actuator=ACTUATOR)

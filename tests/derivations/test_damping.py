@@ -82,8 +82,8 @@ def damped_attitude(model):
     path, speed = paths(model)
     change = 0 if speed is None else solved(s * V - speed, V)
     turn = 0 if path is None else solved(s * gamma - path.subs(V, change), gamma)
-    found = solved(inertia * s**2 * Theta + Mq * s * Theta - moment.subs(gamma, turn), Theta)
-    return found, sp.sympify(turn).subs(Theta, found)
+    result = solved(inertia * s**2 * Theta + Mq * s * Theta - moment.subs(gamma, turn), Theta)
+    return result, sp.sympify(turn).subs(Theta, result)
 
 
 @pytest.mark.parametrize("model", usual(MODELS, 0, 2))
@@ -189,8 +189,8 @@ def test_closed_forms_of_drift_hold_with_the_pole_in_the_place_of_beta():
     expected = triangular_limit_with_drift(x, K_, c.pole, c.b1, c.b2)
     np.testing.assert_allclose(tv.boundary_limit(plant, triangle, K_).limit, expected, rtol=1e-12)
     rectangle = tv.RectangularWind(peak=PEAK, duration=x / c.pole)
-    found = tv.boundary_limit(plant, rectangle, 1.0).limit
-    np.testing.assert_allclose(found, rectangular_limit(x, c.K1), rtol=1e-12)
+    computed = tv.boundary_limit(plant, rectangle, 1.0).limit
+    np.testing.assert_allclose(computed, rectangular_limit(x, c.K1), rtol=1e-12)
     poles = np.sort(np.real(plant.poles), axis=-1)
     np.testing.assert_allclose(poles[:, -1], c.pole, rtol=1e-12)
     np.testing.assert_allclose(poles[:, 0], -(c.pole + c.damping), rtol=1e-12)
@@ -218,8 +218,10 @@ def test_the_bound_without_forecast_and_the_minimum_are_those_of_the_pole(tau_po
 
 @pytest.mark.parametrize(("K", "where"), [(0.5, 4.09), (0.0, 2.51)])
 def test_a_slower_pole_asks_for_more_beyond_the_largest_limit(K, where):
-    found = minimize_scalar(lambda x: -triangular_limit(x, K), bounds=(0.5, 12.0), method="bounded")
-    assert found.x == pytest.approx(where, abs=5e-3)
+    minimum = minimize_scalar(
+        lambda x: -triangular_limit(x, K), bounds=(0.5, 12.0), method="bounded"
+    )
+    assert minimum.x == pytest.approx(where, abs=5e-3)
     assert triangular_limit(0.96 * 14.0, K) > triangular_limit(14.0, K)
     assert triangular_limit(0.96 * 2.0, K) < triangular_limit(2.0, K)
 
@@ -248,8 +250,8 @@ def test_what_a_jet_changes_at_full_scale(name, damping, tau_beta, K, limit, bef
     triangle = tv.TriangularWind(peak=PEAK, duration=tau_beta / c.beta)
     for value, expected in ((damping, limit), (0.0, before)):
         plant = tv.Plant(c.replace(damping=value), "drift-exact")
-        found = tv.boundary_limit(plant, triangle, K).limit
-        assert found == pytest.approx(expected, abs=6e-5)
+        computed = tv.boundary_limit(plant, triangle, K).limit
+        assert computed == pytest.approx(expected, abs=6e-5)
 
 
 def test_the_response_is_two_unlike_exponentials():
@@ -260,10 +262,10 @@ def test_the_response_is_two_unlike_exponentials():
     times = np.linspace(0.0, 4.0, 9)
     step = tv.linear.ConstantDeflection(limit=-plant.coefficients.B * PEAK)
     calm = 0.0 * tv.RectangularWind(peak=PEAK, duration=1.0)
-    found = tv.attitude_responses(plant, step, calm, times)["attitude"] / PEAK
+    computed = tv.attitude_responses(plant, step, calm, times)["attitude"] / PEAK
     numbers = {p: fast_pole(0.28, 0.4), d: 0.4}
     np.testing.assert_allclose(
-        found, sp.lambdify(t, c.subs(numbers) - 1)(times), rtol=1e-11, atol=1e-15
+        computed, sp.lambdify(t, c.subs(numbers) - 1)(times), rtol=1e-11, atol=1e-15
     )
 
 
@@ -285,8 +287,8 @@ def test_what_a_pole_four_percent_slower_changes_is_what_the_page_says():
     page = {1.0: (0.6885, 0.6786, 0.9010, 0.8969), 0.5: (0.5588, 0.5580, 0.2843, 0.2957)}
     page[0.0] = (0.3738, 0.3793, 0.1426, 0.1485)
     for K_, numbers in page.items():
-        found = triangular_limit(np.array([4.0, 0.96 * 4.0, 14.0, 0.96 * 14.0]), K_)
-        np.testing.assert_allclose(found, numbers, atol=5e-5)
+        result = triangular_limit(np.array([4.0, 0.96 * 4.0, 14.0, 0.96 * 14.0]), K_)
+        np.testing.assert_allclose(result, numbers, atol=5e-5)
 
 
 @pytest.mark.parametrize("ratio", [1e2, 1e4])
@@ -294,6 +296,8 @@ def test_a_damping_so_large_that_hardly_anything_grows_is_no_rounding(ratio):
     """The pole goes to mu_alpha/d, and the limit to the wind's mean: p tau/2 for each K."""
     c = tv.Coefficients(mu_alpha=0.28, mu_delta=2.6, damping=ratio * np.sqrt(0.28))
     triangle = tv.TriangularWind(peak=PEAK, duration=7.5)
-    found = tv.boundary_limit(tv.Plant(c, "fixed-path"), triangle, [1.0, 0.5, 0.0]).limit
-    np.testing.assert_allclose(found, 7.5 / 2 * 0.28 / c.damping, rtol=2 * 7.5 * 0.28 / c.damping)
-    np.testing.assert_allclose(found, triangular_limit(7.5 * c.pole, [1.0, 0.5, 0.0]), rtol=1e-9)
+    computed = tv.boundary_limit(tv.Plant(c, "fixed-path"), triangle, [1.0, 0.5, 0.0]).limit
+    np.testing.assert_allclose(
+        computed, 7.5 / 2 * 0.28 / c.damping, rtol=2 * 7.5 * 0.28 / c.damping
+    )
+    np.testing.assert_allclose(computed, triangular_limit(7.5 * c.pole, [1.0, 0.5, 0.0]), rtol=1e-9)

@@ -92,8 +92,8 @@ def test_trim_with_drift_is_the_wind_through_a_lag():
     times = np.linspace(0.0, 3.7, 9)
     trim = -B * SLOPE * TRIM_SHAPE
     numbers = {B: 0.107, peak: -0.1, tau: 7.5, b1: 0.028, b2: 0.017}
-    found = tvclin.trim_deflection(tvclin.Plant(c, "drift"), gust)(times)
-    np.testing.assert_allclose(found, sp.lambdify(t, trim.subs(numbers))(times), atol=1e-15)
+    result = tvclin.trim_deflection(tvclin.Plant(c, "drift"), gust)(times)
+    np.testing.assert_allclose(result, sp.lambdify(t, trim.subs(numbers))(times), atol=1e-15)
 
 
 def printed_17():
@@ -144,8 +144,8 @@ def test_the_package_solves_the_printed_equation_with_drift(tau_beta, band):
     with workdps(40):
         residual = (LEFT_OF_18 - K1 * R).subs(a, SWITCH).subs(numbers)
         printed = sp.lambdify(y, residual, "mpmath")
-        found = mpf(triangular_limit_with_drift(tau_beta, band, 0.53, 0.028, 0.017))
-        assert printed(found * (1 - mpf("1e-12"))) > 0 > printed(found * (1 + mpf("1e-12")))
+        result = mpf(triangular_limit_with_drift(tau_beta, band, 0.53, 0.028, 0.017))
+        assert printed(result * (1 - mpf("1e-12"))) > 0 > printed(result * (1 + mpf("1e-12")))
 
 
 def test_the_reports_switch_leaves_the_dead_band_early():
@@ -174,10 +174,10 @@ def test_a_dead_band_meant_literally_has_other_limits(configuration_i, tau_beta,
     assert equal(total * sp.exp(A), condition)
     plant = tvclin.Plant.from_vehicle(configuration_i, "drift")
     wind = tvclin.TriangularWind(peak=-0.1, duration=tau_beta / plant.coefficients.beta)
-    found = tvclin.boundary_limit(plant, wind, 1.0, switch="literal")
-    assert found.limit == pytest.approx(limit, abs=6e-5)
+    boundary = tvclin.boundary_limit(plant, wind, 1.0, switch="literal")
+    assert boundary.limit == pytest.approx(limit, abs=6e-5)
     c = plant.coefficients
     numbers = {beta: c.beta, b1: c.b1, b2: c.b2, tau: wind.duration, K: 1}
-    numbers |= {y: found.limit, a: found.switch_time}
+    numbers |= {y: boundary.limit, a: boundary.switch_time}
     for equation in (literal, condition):
         assert float(equation.subs(numbers)) == pytest.approx(0.0, abs=1e-9)

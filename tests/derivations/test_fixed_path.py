@@ -70,11 +70,11 @@ def test_on_the_boundary_the_attitude_does_not_return_to_zero():
     assert equal(sp.limit(s**2 * with_drift, s, 0), b1 * y)
     for model, field in (("fixed-path", "offset"), ("drift", "rate")):
         c = tvclin.Coefficients.from_beta(beta=0.53, B=0.107, b1=0.028, b2=0.017)
-        found, wind = tvclin.Plant(c, model), tvclin.TriangularWind(peak=-0.1, duration=7.5)
-        limit = tvclin.boundary_limit(found, wind)
-        held = tvclin.trim_then_hold(found, wind, limit.deflection)
+        computed, wind = tvclin.Plant(c, model), tvclin.TriangularWind(peak=-0.1, duration=7.5)
+        limit = tvclin.boundary_limit(computed, wind)
+        held = tvclin.trim_then_hold(computed, wind, limit.deflection)
         expected = 0.1 * limit.limit * (1.0 if field == "offset" else 0.028)
-        verdict = tvclin.linear.judge(found, held, wind)
+        verdict = tvclin.linear.judge(computed, held, wind)
         assert verdict.stable
         assert getattr(verdict.final_motion, field) == pytest.approx(expected, rel=1e-12)
 
@@ -173,8 +173,10 @@ def test_the_package_solves_the_printed_triangular_equation(tau_beta, band):
     with workdps(40):
         numbers = {beta: 1, tau: sp.Rational(tau_beta), K: sp.Rational(band)}
         printed = sp.lambdify(y, (LEFT_OF_12 - R).subs(numbers), "mpmath")
-        found = mpf(triangular_limit(tau_beta, band))
-        assert printed(found * mpf("0.9999999999999")) > 0 > printed(found * mpf("1.0000000000001"))
+        result = mpf(triangular_limit(tau_beta, band))
+        assert (
+            printed(result * mpf("0.9999999999999")) > 0 > printed(result * mpf("1.0000000000001"))
+        )
 
 
 def test_the_triangular_limit_in_terms_of_lambert_s_function():

@@ -168,13 +168,13 @@ def test_the_package_has_the_equations_of_lagrange(seed):
         ),
     )
     engine = tv.vehicle.Engine(mass=f["m_E"], arm=f["l_E"], moment_of_inertia=f["I_E"])
-    found = motions(vehicle, tv.Structure(bending=(mode,), slosh=tanks, engine=engine))
-    columns = [found.deflection, found.deflection_acceleration, found.angle_of_attack]
+    result = motions(vehicle, tv.Structure(bending=(mode,), slosh=tanks, engine=engine))
+    columns = [result.deflection, result.deflection_acceleration, result.angle_of_attack]
     expected = np.array(stiffness.tolist(), float), np.array(follows.tolist(), float)
     rounding = 1e-15 * float(np.linalg.cond(np.array(mass.tolist(), float))) * 10
-    for mine, exact in zip((found.displacement, np.stack(columns, -1)), expected, strict=True):
+    for mine, exact in zip((result.displacement, np.stack(columns, -1)), expected, strict=True):
         np.testing.assert_allclose(mine, exact, rtol=0.0, atol=rounding * np.abs(exact).max())
-    assert not np.any(found.rate)
+    assert not np.any(result.rate)
 
 
 def swinging(t, state, push, numbers):
@@ -205,8 +205,8 @@ def swinging(t, state, push, numbers):
     left[3:5, 5] = -along / mass
     right[3:5] = hinge * rate**2 * axis - length * turning**2 * along
     left[5, 3], left[5, 2], left[5, 4], right[5] = -1.0, 1.0, -1.0, 0.0  # psi'' = theta'' - angle''
-    found = np.linalg.solve(left, right)
-    return [*state[2:4], *found[:2], rate, swing, found[2], found[4]]
+    result = np.linalg.solve(left, right)
+    return [*state[2:4], *result[:2], rate, swing, result[2], result[4]]
 
 
 def test_a_pendulum_in_a_turning_accelerating_body_swings_as_the_plant_says():

@@ -79,10 +79,10 @@ def test_the_wind_angle_turns_the_velocity_relative_to_the_air():
     """Eq (B1e), (B1f), (B2d), (B2e): V_R is the speed relative to the air."""
     speed, path, gust = 540.0, 0.8, 30.0
     air = np.array([speed * np.cos(path) - gust, speed * np.sin(path)])
-    found = tvclin.angle_from_speed(gust, np.hypot(*air), path)
-    assert np.arctan2(air[1], air[0]) == pytest.approx(path + found, rel=1e-14)
+    result = tvclin.angle_from_speed(gust, np.hypot(*air), path)
+    assert np.arctan2(air[1], air[0]) == pytest.approx(path + result, rel=1e-14)
     wrong = tvclin.angle_from_speed(gust, speed, path)  # with the speed over the ground
-    assert abs(wrong / found - 1.0) > 0.03
+    assert abs(wrong / result - 1.0) > 0.03
     small = 1e-4 / 500.0 * np.sin(path)
     assert tvclin.angle_from_speed(1e-4, 500.0, path) == pytest.approx(small, rel=1e-13)
 
@@ -128,10 +128,10 @@ def test_the_moment_equation_gives_the_attitude_with_the_factor_one_over_b(seed)
     assert equal(derived, front * (gamma + (delta + B * wind) / B))
     assert not equal(derived, front * (gamma + (delta + B * wind)))
     vehicle, exact = random_vehicle(seed)
-    found = tvclin.Coefficients.from_vehicle(vehicle)
-    assert found.mu_alpha == pytest.approx(value(beta_squared, exact), rel=1e-13)
-    assert found.mu_delta == pytest.approx(value(T * lc / inertia, exact), rel=1e-13)
-    assert found.B == pytest.approx(value(B, exact), rel=1e-13)
+    result = tvclin.Coefficients.from_vehicle(vehicle)
+    assert result.mu_alpha == pytest.approx(value(beta_squared, exact), rel=1e-13)
+    assert result.mu_delta == pytest.approx(value(T * lc / inertia, exact), rel=1e-13)
+    assert result.B == pytest.approx(value(B, exact), rel=1e-13)
 
 
 def test_a_path_that_stays_nominal_leaves_the_fixed_path_model():

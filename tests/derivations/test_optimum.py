@@ -39,12 +39,12 @@ def test_each_pole_has_its_own_k1(named):
     assert equal(solved(bracket.subs(s, pole), deflection), -B * K1_at(pole) * wind)
     name, plant, *poles = named
     c = plant.coefficients
-    found = [(p + c.b2) / (p + c.b1) for p in poles]
+    computed = [(p + c.b2) / (p + c.b1) for p in poles]
     expected = {"configuration-i": [0.7211, 0.9787], "configuration-ii": [0.7857, 0.9754]}
-    assert found == pytest.approx(expected[name], abs=5e-5)
+    assert computed == pytest.approx(expected[name], abs=5e-5)
     modes = tvclin.unstable_modes(plant)
     gains = modes.wind_residues / modes.deflection_residues / c.B
-    np.testing.assert_allclose(gains[::-1], found, rtol=1e-9)
+    np.testing.assert_allclose(gains[::-1], computed, rtol=1e-9)
 
 
 def test_a_bounded_deflection_is_one_with_a_real_slack():
@@ -170,8 +170,8 @@ def test_y_of_a_triangular_wind_carries_the_ratio_of_both_k1(named):
         "configuration-i": [0.737, 0.0186, 29.2],
         "configuration-ii": [0.806, 0.0210, 30.9],
     }
-    found = [factor, factor * slow / fast, factor * fast / slow]
-    assert found == pytest.approx(expected[name], rel=2e-3)
+    computed = [factor, factor * slow / fast, factor * fast / slow]
+    assert computed == pytest.approx(expected[name], rel=2e-3)
 
 
 def test_the_single_pole_solution_ends_at_30_seconds():

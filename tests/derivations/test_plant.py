@@ -64,8 +64,8 @@ def test_the_cubic_and_its_numerators_follow(seed):
         assert equal(gain, numerator / P)
         assert_polynomial(plant.numerator("attitude", name), numerator, exact)
     c = plant.coefficients
-    for found, symbol in ((c.C1, C1), (c.C2, C2), (c.b1, b1), (c.b2, b2), (c.q, q)):
-        assert found == pytest.approx(value(symbol, exact), rel=1e-12)
+    for computed, symbol in ((c.C1, C1), (c.C2, C2), (c.b1, b1), (c.b2, b2), (c.q, q)):
+        assert computed == pytest.approx(value(symbol, exact), rel=1e-12)
 
 
 def test_the_printed_equation_of_the_cubic_lacks_one_over_b():
@@ -130,10 +130,10 @@ def test_the_short_denominator_keeps_one_over_b(seed):
     derived = [gain * P / short for gain in gains(attitude(path_rate.subs(V, 0)))]
     for wrong, right, name in zip(gains(printed), derived, NUMERATORS, strict=True):
         assert equal(wrong, B * right)
-        found = plant.numerator("attitude", name)
-        assert_polynomial(found, NUMERATORS[name], exact)
+        numerator = plant.numerator("attitude", name)
+        assert_polynomial(numerator, NUMERATORS[name], exact)
         point = sp.Rational(1, 3)
-        assert np.polyval(found, 1 / 3) / np.polyval(plant.denominator, 1 / 3) == pytest.approx(
+        assert np.polyval(numerator, 1 / 3) / np.polyval(plant.denominator, 1 / 3) == pytest.approx(
             value(right.subs(s, point), exact), rel=1e-12
         )
 

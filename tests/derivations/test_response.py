@@ -79,15 +79,15 @@ def integrated(point, times):
     slope = 2 * P[peak] / P[tau]
     switch = P[y] * P[tau] / 2 * P[K]
     wind_rates = {P[tau] / 2: -slope, P[tau]: mpf(0)}
-    state, now, trimmed, found = mpmath.matrix([0, 0, 0, 0, 0, slope]), mpf(0), True, []
+    state, now, trimmed, computed = mpmath.matrix([0, 0, 0, 0, 0, slope]), mpf(0), True, []
     for stop in sorted({switch, *wind_rates, *times}):
         state, now = mpmath.expm(motion(trimmed) * (stop - now)) * state, stop
         if stop == switch:
             trimmed, state[3] = False, -P[y] * P[B] * P[peak]
         state[5] = wind_rates.get(stop, state[5])
         if stop in times:
-            found.append(state[0] / -P[peak])
-    return found
+            computed.append(state[0] / -P[peak])
+    return computed
 
 
 def test_the_corrected_response_transforms_back():
@@ -133,9 +133,9 @@ def test_the_package_gives_the_corrected_response(case):
     plant = tvclin.Plant(c, "drift")
     held = tvclin.trim_then_hold(plant, wind, 0.1 * c.B * point[y], point[K], switch="report")
     times = np.linspace(0.0, 1.5 * point[tau], 13)
-    found = tvclin.attitude_responses(plant, held, wind, times)["attitude"]
+    computed = tvclin.attitude_responses(plant, held, wind, times)["attitude"]
     expected = [float(evaluate(equation_b9(), mpf(time), numbers(*case))) for time in times]
-    np.testing.assert_allclose(found, 0.1 * np.array(expected), rtol=1e-9, atol=1e-13)
+    np.testing.assert_allclose(computed, 0.1 * np.array(expected), rtol=1e-9, atol=1e-13)
     numbers_of_b9 = (point[tau] * c.beta, point[y], point[K], c.beta, c.b1, c.b2)
     closed = triangular_attitude_with_drift(times / point[tau], *numbers_of_b9)
     np.testing.assert_allclose(closed, expected, rtol=1e-9, atol=1e-12)

@@ -34,7 +34,7 @@ def triangles(*tau_beta):
 
 
 def problem(**changes):
-    asked = {
+    options = {
         "plant": plant(),
         "winds": tuple(triangles(4)),
         "criteria": tv.CRITERIA["classic"],
@@ -46,7 +46,7 @@ def problem(**changes):
         "stops": 0,
         "sample_rate": None,
     }
-    return GainProblem(**(asked | changes))
+    return GainProblem(**(options | changes))
 
 
 @pytest.fixture(scope="module")
@@ -76,12 +76,12 @@ def hasty(monkeypatch):
 )
 def test_least_gains_are_those_of_another_search(model, gains, crossover, tau_beta, peak, held):
     """Found before the package, by differential evolution; gains of flat minima to 3 percent."""
-    found = tv.minimum_deflection_gains(
+    design = tv.minimum_deflection_gains(
         plant(model), triangles(*tau_beta), gains=gains, crossover=crossover, **NOZZLE
     )
-    assert found.relative == pytest.approx(peak, abs=2e-3)
-    assert found.meaning == "peak"
-    a = found.autopilot
+    assert design.relative == pytest.approx(peak, abs=2e-3)
+    assert design.meaning == "peak"
+    a = design.autopilot
     assert (a.attitude_gain, a.rate_gain, a.alpha_gain) == pytest.approx(held, rel=0.03, abs=2e-3)
     assert tv.CRITERIA["classic"].are_satisfied(a.margins(plant(model)))
 
@@ -91,8 +91,8 @@ def test_a_differential_evolution_with_single_loops_finds_the_same(two):
     """It asks `answer` and `margins` one by one, in a box around, and finds nothing less."""
     from scipy.optimize import differential_evolution
 
-    wind, found = triangles(4)[0], two
-    assert found.active == ("phase_margin_deg", "crossover")
+    wind, computed = triangles(4)[0], two
+    assert computed.active == ("phase_margin_deg", "crossover")
 
     def cost(gains):
         one = tv.Autopilot(attitude_gain=gains[0], rate_gain=gains[1], **NOZZLE)
@@ -111,24 +111,24 @@ def test_a_differential_evolution_with_single_loops_finds_the_same(two):
     other = differential_evolution(
         cost, [(0.8, 1.6), (0.4, 0.8)], popsize=5, maxiter=9, seed=1, polish=False, tol=0.0
     )
-    assert found.relative - 1e-4 <= other.fun <= found.relative + 0.02
+    assert computed.relative - 1e-4 <= other.fun <= computed.relative + 0.02
 
 
 @pytest.mark.thorough
 def test_a_brute_scan_finds_nothing_less(two):
     """Over the whole box, 50 by 50, in the batch engines and the best then exactly."""
-    asked, found = problem(crossover=2.0), two
+    request, computed = problem(crossover=2.0), two
     axes = np.meshgrid(*2 * [np.linspace(0.0, 1.0, 50)], indexing="ij")
     points = np.stack([one.ravel() for one in axes], axis=-1)
-    good = points[asked.missing_fractions(points) <= 0.0]
-    peaks = deflection_peaks(asked.autopilot(good), asked.plant, asked.winds[0], 8.0 / BETA)
+    good = points[request.missing_fractions(points) <= 0.0]
+    peaks = deflection_peaks(request.autopilot(good), request.plant, request.winds[0], 8.0 / BETA)
     assert good.shape[0] > 60
     best = (
-        asked.autopilot(good[np.argmin(peaks)])
-        .wind_response(asked.plant, asked.winds[0])
+        request.autopilot(good[np.argmin(peaks)])
+        .wind_response(request.plant, request.winds[0])
         .peak("deflection")
     )
-    assert found.deflection < abs(best[0]) < 1.1 * found.deflection
+    assert computed.deflection < abs(best[0]) < 1.1 * computed.deflection
 
 
 @pytest.mark.parametrize("gust", ["triangle", "rectangle", "cosine"])
@@ -146,12 +146,12 @@ def test_peaks_of_many_loops_are_those_of_each(gust):
         c, natural_frequency=frequency, damping=0.9, alpha_ratio=[1.2, 0.5, 0.8], **NOZZLE
     )
     many = deflection_peaks(rows, plant(), wind, 8.0 / BETA)
-    for k, found in enumerate(many):
+    for k, computed in enumerate(many):
         one = replace(
             rows,
             **{n: getattr(rows, n)[k] for n in ("attitude_gain", "rate_gain", "alpha_gain")},
         )
-        assert found == pytest.approx(
+        assert computed == pytest.approx(
             abs(one.wind_response(plant(), wind).peak("deflection")[0]), rel=5e-4
         )
 
@@ -173,19 +173,19 @@ def test_the_share_of_alpha_is_affine_on_a_fixed_path():
 @pytest.mark.thorough
 def test_a_limit_that_flies_is_below_the_peak_and_is_that_of_the_boundary():
     wind = triangles(4)[0]
-    found = tv.minimum_deflection_gains(
+    design = tv.minimum_deflection_gains(
         plant(), wind, crossover=2.0, limits=True, sample_rate=60.0, **NOZZLE
     )
-    law = tv.SaturatedLaw.of(found.autopilot)
+    law = tv.SaturatedLaw.of(design.autopilot)
     flown = tv.closed_loop_boundary(plant(), law, wind, sample_rate=60.0, **NOZZLE)
-    steady = replace(found.autopilot, sample_rate=None)
+    steady = replace(design.autopilot, sample_rate=None)
     peak = abs(steady.wind_response(plant(), wind).peak("deflection")[0])
     trim = float(plant().coefficients.B) * wind.peak
-    assert found.meaning == "boundary"
-    assert found.relative == pytest.approx(flown.limit, abs=1e-9)
-    assert found.relative == pytest.approx(0.766, abs=0.002)
-    assert 0.15 < peak / trim - found.relative < 0.4
-    assert found.many_stops >= found.deflection * (1.0 - 1e-9)
+    assert design.meaning == "boundary"
+    assert design.relative == pytest.approx(flown.limit, abs=1e-9)
+    assert design.relative == pytest.approx(0.766, abs=0.002)
+    assert 0.15 < peak / trim - design.relative < 0.4
+    assert design.many_stops >= design.deflection * (1.0 - 1e-9)
 
 
 def largest_z(autopilot, factor):
@@ -208,12 +208,12 @@ def largest_z(autopilot, factor):
 @pytest.mark.thorough
 def test_gains_of_a_sampled_autopilot_keep_their_margins_in_steps():
     """A gain twice as high, or half as high, by the exponential matrices of one sample."""
-    found = tv.minimum_deflection_gains(plant(), triangles(4)[0], sample_rate=15.0, **NOZZLE)
-    assert found.autopilot.sample_rate == 15.0
-    assert "gain_increase_dB" in found.active
+    design = tv.minimum_deflection_gains(plant(), triangles(4)[0], sample_rate=15.0, **NOZZLE)
+    assert design.autopilot.sample_rate == 15.0
+    assert "gain_increase_dB" in design.active
     twice = 10.0 ** (6.0 / 20.0)
-    assert all(largest_z(found.autopilot, k) < 1.0 for k in (1.0, twice, 1.0 / twice))
-    assert largest_z(found.autopilot, 1.01 * twice) > 1.0
+    assert all(largest_z(design.autopilot, k) < 1.0 for k in (1.0, twice, 1.0 / twice))
+    assert largest_z(design.autopilot, 1.01 * twice) > 1.0
 
 
 def test_filters_of_every_place_are_those_of_the_gains_that_are_tried():
@@ -228,13 +228,13 @@ def test_filters_of_every_place_are_those_of_the_gains_that_are_tried():
 
 @pytest.mark.thorough
 def test_the_race_finds_the_boundary_of_each_row():
-    asked = problem(limits=True, stops=2, sample_rate=60.0)
+    request = problem(limits=True, stops=2, sample_rate=60.0)
     points = np.array([[0.45, 0.5], [0.5, 0.6], [0.4, 0.55]])
-    found = required_limits(asked, points, np.inf, 60)
-    for point, one in zip(points, found, strict=True):
-        law = tv.SaturatedLaw.of(asked.autopilot(point))
+    result = required_limits(request, points, np.inf, 60)
+    for point, one in zip(points, result, strict=True):
+        law = tv.SaturatedLaw.of(request.autopilot(point))
         flown = tv.closed_loop_boundary(
-            asked.plant, law, asked.winds[0], sample_rate=60.0, cuts=2, **NOZZLE
+            request.plant, law, request.winds[0], sample_rate=60.0, cuts=2, **NOZZLE
         )
         assert one == pytest.approx(flown.limit, abs=2e-3)
 
@@ -252,10 +252,10 @@ def test_stops_are_the_winds_cut_at_even_instants():
 @pytest.mark.usefixtures("hasty")
 def test_what_is_overfitted_or_given_up_is_said():
     easy = tv.control.Criteria.custom(aero_margin_dB=6.0, phase_margin_deg=30.0)
-    found = tv.minimum_deflection_gains(
+    design = tv.minimum_deflection_gains(
         plant("fixed-path"), triangles(4), gains=THREE, criteria=easy, **NOZZLE
     )
-    said = " ".join(found.notes)
+    said = " ".join(design.notes)
     for words in ("below 0.45", "judge three gains on drift-exact", "one wind alone"):
         assert words in said
 
@@ -263,13 +263,13 @@ def test_what_is_overfitted_or_given_up_is_said():
 @pytest.mark.thorough
 def test_more_disk_margin_costs_what_another_search_says():
     """Found before the package."""
-    found = tv.minimum_deflection_gains(
+    design = tv.minimum_deflection_gains(
         plant("fixed-path"),
         triangles(4),
         criteria=tv.control.Criteria.custom(aero_margin_dB=0.0),
         **NOZZLE,
     )
-    front = tv.design.gain_trade_off(found, [1.2, 1.4])
+    front = tv.design.gain_trade_off(design, [1.2, 1.4])
     assert front.relative[0] == pytest.approx(1.1233, abs=1e-3)
     assert front.relative[1] == np.inf
     assert front.designs[1] is None
@@ -281,11 +281,11 @@ def test_more_disk_margin_costs_what_another_search_says():
 def test_a_flight_has_gains_at_each_time():
     c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     plants = tv.Plant.from_coefficients(c)
-    found = tv.design.minimum_gain_schedule(
+    design = tv.design.minimum_gain_schedule(
         [40.0, 66.0], plants, triangles(4), crossover=2.0, **NOZZLE
     )
-    assert tv.CRITERIA["classic"].are_satisfied(found.schedule.margins(plants)).all()
-    assert found.deflection == max(one.deflection for one in found.designs)
+    assert tv.CRITERIA["classic"].are_satisfied(design.schedule.margins(plants)).all()
+    assert design.deflection == max(one.deflection for one in design.designs)
 
 
 @pytest.mark.thorough
@@ -294,13 +294,13 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     criteria = tv.control.Criteria.custom(
         aero_margin_dB=6.0, phase_margin_deg=20.0, mode_gain_margin_dB=1.0
     )
-    asked = problem(plant=flexible, criteria=criteria)
+    request = problem(plant=flexible, criteria=criteria)
     whole = problem(plant=flexible, criteria=replace(criteria, limits=criteria.limits[:2]))
     points = np.array([[x, y] for x in (0.1, 0.3, 0.5) for y in (0.4, 0.5, 0.6)])
-    lacks, rigid = asked.missing_fractions(points), whole.missing_fractions(points)
+    lacks, rigid = request.missing_fractions(points), whole.missing_fractions(points)
     assert np.all(lacks >= rigid)
     for point, one in zip(points, lacks, strict=True):
-        met = criteria.are_satisfied(asked.autopilot(point).band_margins(flexible))
+        met = criteria.are_satisfied(request.autopilot(point).band_margins(flexible))
         assert bool(met) == (one <= 0.0)
 
 

@@ -61,7 +61,7 @@ def test_what_a_limit_leaves_over_grows_with_beta():
 
 
 def test_with_a_dead_band_nothing_is_proved():
-    found = tv.worst_case(
+    worst = tv.worst_case(
         COEFFICIENTS,
         LOOP,
         {"wind_duration": (5.0, 20.0)},
@@ -69,7 +69,7 @@ def test_with_a_dead_band_nothing_is_proved():
         wind=WIND,
         dead_band=0.5,
     )
-    assert found.deflection.method == "searched"
+    assert worst.deflection.method == "searched"
 
 
 def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
@@ -81,8 +81,8 @@ def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
         "wind_duration": (5.0, 10.0),
         "wind_peak": (0.07, 0.1),
     }
-    found = tv.worst_case(VEHICLE, LOOP, box, model="fixed-path", wind=WIND)
-    worst = found.deflection
+    result = tv.worst_case(VEHICLE, LOOP, box, model="fixed-path", wind=WIND)
+    worst = result.deflection
     assert (worst.method, worst.corner) == ("corners (proved)", True)
     least, most = (dict(zip(box, ends, strict=True)) for ends in zip(*box.values(), strict=True))
     rises = {"normal_force_slope", "wind_duration", "wind_peak"}
@@ -107,9 +107,9 @@ def test_no_margin_of_a_random_point_is_worse(model):
         "actuator_frequency": (15.0, 30.0),
         "gain": (0.7, 1.4),
     }
-    found = tv.worst_case(VEHICLE, LOOP, box, model=model)
-    assert found.stable
-    assert found.deflection is None
+    worst = tv.worst_case(VEHICLE, LOOP, box, model=model)
+    assert worst.stable
+    assert worst.deflection is None
     random = np.random.default_rng(2)
     drawn = {name: random.uniform(*ends, size=600) for name, ends in box.items()}
     plants = tv.Plant.from_vehicle(
@@ -123,7 +123,7 @@ def test_no_margin_of_a_random_point_is_worse(model):
         actuator=tv.Actuator(natural_frequency=drawn["actuator_frequency"], damping=0.7),
     )
     margins = loop_margins(loops.exact_loop(plants))
-    for name, one in found.margins.items():
+    for name, one in worst.margins.items():
         assert one.value <= np.min(getattr(margins, name)) < one.nominal, name
 
 
@@ -131,20 +131,20 @@ def test_a_worst_point_inside_is_found():
     """The phase margin has its crossover between two others: the least lies inside the box."""
     gains = tv.Autopilot(attitude_gain=0.3, rate_gain=0.3)
     box = {"gain": (0.4, 30.0)}
-    found = tv.worst_case(COEFFICIENTS, gains, box, model="fixed-path")
+    worst = tv.worst_case(COEFFICIENTS, gains, box, model="fixed-path")
     scan = np.linspace(0.4, 30.0, 2001)
     loops = tv.Autopilot(attitude_gain=0.3 * scan, rate_gain=0.3 * scan)
     plant = tv.Plant.from_coefficients(COEFFICIENTS, "fixed-path")
     margins = loop_margins(loops.exact_loop(plant))
     for name in ("phase_margin_deg", "disk_margin"):
-        assert found.margins[name].value <= np.min(getattr(margins, name)) + 1e-6
+        assert worst.margins[name].value <= np.min(getattr(margins, name)) + 1e-6
 
 
 def test_a_box_in_which_the_loop_falls_over_has_no_margins():
-    found = tv.worst_case(VEHICLE, LOOP, {"gain": (0.05, 1.0)})
-    assert not found.stable
-    assert found.margins["disk_margin"].value == 0.0
-    assert found.margins["disk_margin"].at == {"gain": 0.05}
+    worst = tv.worst_case(VEHICLE, LOOP, {"gain": (0.05, 1.0)})
+    assert not worst.stable
+    assert worst.margins["disk_margin"].value == 0.0
+    assert worst.margins["disk_margin"].at == {"gain": 0.05}
 
 
 @pytest.mark.parametrize(

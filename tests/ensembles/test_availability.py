@@ -64,14 +64,14 @@ def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST, pressure=Fal
     """Return what `size` says with varying parameters, frozen parts at the peak of the wind."""
     met = tv.fly_through(wind, flight, azimuth=azimuth, plane=plane, gust=gust, pressure=pressure)
     peak = float(met.wind.time[np.argmax(np.abs(met.wind.angle))])
-    found = tv.size(flight, met, times=[peak], dead_bands=1.0, varying=True, plane=plane)
-    return float(found.required["K = 1, varying"][0, 0])
+    sizing = tv.size(flight, met, times=[peak], dead_bands=1.0, varying=True, plane=plane)
+    return float(sizing.required["K = 1, varying"][0, 0])
 
 
 @pytest.mark.parametrize("i", usual([2, 14], 1))
 def test_each_sounding_needs_what_size_says(flight, archive, i) -> None:
-    found = tv.availability(flight, archive, limit=0.01, **PITCH)
-    assert found.required[i] == pytest.approx(size_says(flight, archive[i]), rel=JETS)
+    result = tv.availability(flight, archive, limit=0.01, **PITCH)
+    assert result.required[i] == pytest.approx(size_says(flight, archive[i]), rel=JETS)
 
 
 @pytest.mark.parametrize("azimuth", usual([EAST, -EAST], 1), ids=["tail", "head"])
@@ -79,12 +79,12 @@ def test_each_sounding_needs_what_size_says(flight, archive, i) -> None:
 def test_the_dynamic_pressure_met_counts_as_in_size(flight, archive, azimuth, plane) -> None:
     """Within what different steps leave of the ratio of two bounds, less than a thousandth."""
     where = {"azimuth": azimuth + (plane == "yaw"), "plane": plane}
-    found = tv.availability(flight, archive, limit=0.01, **where)
+    result = tv.availability(flight, archive, limit=0.01, **where)
     calm = tv.availability(flight, archive, limit=0.01, sign="frozen", **where)
     for i in (2, 14):
         said = size_says(flight, archive[i], pressure=True, **where)
-        assert found.required[i] == pytest.approx(said, rel=1e-3)
-    assert np.all((found.required > calm.required) == (azimuth < 0.0))
+        assert result.required[i] == pytest.approx(said, rel=1e-3)
+    assert np.all((result.required > calm.required) == (azimuth < 0.0))
     with pytest.raises(tv.InputError, match="have their own sign"):
         tv.availability(flight, archive, limit=0.01, sign="head", **where)
 
@@ -149,16 +149,16 @@ def test_a_wind_that_turns_where_the_path_is_quick_is_lost_as_its_flights_are(tr
     stiffer = lost_flown(booster, wind, EAST, "yaw", limits, feedback=100.0)
     assert stiffer.tolist() == [True, True, True, False, False, False]
     for limit, flies in zip(limits[tried], ~lost[tried], strict=True):
-        asked = {"limit": float(limit), "azimuth": EAST, "plane": "yaw"}
-        found = tv.availability(booster, one(wind), **asked)
-        assert found.flies[0] == flies
-        edge = found.required[0] if not flies else found.upper[0]
+        options = {"limit": float(limit), "azimuth": EAST, "plane": "yaw"}
+        result = tv.availability(booster, one(wind), **options)
+        assert result.flies[0] == flies
+        edge = result.required[0] if not flies else result.upper[0]
         assert edge == pytest.approx(np.radians(0.08815), rel=3e-3)
     # with gaps above two kilometres it is not known, and never said to fly
     gaps = tv.WindProfile(height=given, east=0.0 * given, north=-np.interp(given, height, cross))
     for limit in limits[tried[:-1]].tolist():
-        found = tv.availability(booster, one(gaps), limit=limit, azimuth=EAST, plane="yaw")
-        assert found.flies[0] != 1.0
+        result = tv.availability(booster, one(gaps), limit=limit, azimuth=EAST, plane="yaw")
+        assert result.flies[0] != 1.0
 
 
 def test_a_narrow_window_of_losses_above_a_limit_that_survives_is_seen(flight) -> None:
@@ -167,12 +167,12 @@ def test_a_narrow_window_of_losses_above_a_limit_that_survives_is_seen(flight) -
     cross = np.array([0.0, 2.3, 11.6, -11.6, 10.1, 13.5, -15.8, -8.0, -15.0, -0.5])
     height = np.unique(np.append(given, np.arange(0.0, 42e3, 500.0)))
     wind = tv.WindProfile(height=height, east=0.0 * height, north=-np.interp(height, given, cross))
-    asked = {"azimuth": EAST, "plane": "yaw"}
-    bound = tv.availability(flight, one(wind), limit=1e-4, **asked).lower[0]
+    options = {"azimuth": EAST, "plane": "yaw"}
+    bound = tv.availability(flight, one(wind), limit=1e-4, **options).lower[0]
     limits = bound * np.array([1.002, 1.006, 1.01])
     assert lost_flown(flight, wind, EAST, "yaw", limits).tolist() == [False, True, False]
     for limit, flies in zip(limits.tolist(), (0.0, 0.0, 1.0), strict=True):
-        assert tv.availability(flight, one(wind), limit=limit, **asked).flies[0] == flies
+        assert tv.availability(flight, one(wind), limit=limit, **options).flies[0] == flies
 
 
 @pytest.mark.thorough
@@ -205,8 +205,8 @@ def test_rough_soundings_are_judged_as_size_and_own_flights_say(name, plane, see
     lost = lost_flown(booster, wind, where["azimuth"], plane, parts * needed)
     assert lost.tolist() == [True, *(5 * [False])]
     for part, flies in ((0.98, 0.0), (1.02, 1.0)):
-        found = tv.availability(booster, one(wind), limit=part * needed, **where)
-        assert found.flies[0] == flies
+        result = tv.availability(booster, one(wind), limit=part * needed, **where)
+        assert result.flies[0] == flies
 
 
 @pytest.mark.thorough
@@ -220,14 +220,14 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
         winds.append(tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height))
     rough = tv.winds.Soundings.from_profiles(winds, days("2023-02-01T00", 5))
     needed = np.array([size_says(flight, wind) for wind in winds])
-    found = tv.availability(flight, rough, limit=1e-4, **PITCH)
-    doubted = found.upper > found.lower
+    result = tv.availability(flight, rough, limit=1e-4, **PITCH)
+    doubted = result.upper > result.lower
     assert np.any(doubted)
     assert not np.all(doubted)
-    assert found.lower[~doubted] == pytest.approx(needed[~doubted], rel=ROUGH)
-    assert np.all(needed <= found.upper)
+    assert result.lower[~doubted] == pytest.approx(needed[~doubted], rel=ROUGH)
+    assert np.all(needed <= result.upper)
     # what flights need less than trim and demand say is seen where it is asked about
-    fewer = np.flatnonzero(needed < found.lower * (1.0 - ROUGH))
+    fewer = np.flatnonzero(needed < result.lower * (1.0 - ROUGH))
     assert fewer.size == 1
     for limit, flies in ((1.01 * needed[fewer[0]], 1.0), (0.99 * needed[fewer[0]], 0.0)):
         assert tv.availability(flight, rough, limit=limit, **PITCH).flies[fewer[0]] == flies
@@ -237,13 +237,13 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     near = tv.availability(flight, rough, limit=limit, **PITCH)
     assert near.required[doubted][0] == pytest.approx(needed[doubted][0], rel=EDGE)
     assert any("were flown with trim" in note for note in near.notes)
-    between = found.with_limit(1.001 * found.lower[doubted][0])
+    between = result.with_limit(1.001 * result.lower[doubted][0])
     assert "was not flown" in np.array(between.why)[doubted][0]
     # so what one sounding asks for depends on the limit
-    assert found.required[doubted][0] == found.lower[doubted][0]
+    assert result.required[doubted][0] == result.lower[doubted][0]
     assert np.isnan(between.required[doubted][0])
-    assert found.lower[doubted][0] <= near.required[doubted][0] * (1.0 + EDGE)
-    assert near.required[doubted][0] <= found.upper[doubted][0]
+    assert result.lower[doubted][0] <= near.required[doubted][0] * (1.0 + EDGE)
+    assert near.required[doubted][0] <= result.upper[doubted][0]
     assert near.today(winds[int(np.argmax(needed))]).go is bool(limit > needed.max())
     fixed = tv.availability(flight, rough, limit=1e-4, model="fixed-path", **PITCH)
     assert np.array_equal(fixed.lower, fixed.upper)  # there nothing needs to be flown
@@ -257,25 +257,25 @@ def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     east = np.where((height > 9.2e3) & (height <= 10e3), -44.0, 0.0)
     east[(height > 10e3) & (height < 10.8e3)] = 50.0
     wind = tv.WindProfile(height=height, east=east, north=0.0 * height)
-    asked = PITCH | {"model": model}
-    bound = tv.availability(booster, one(wind), limit=1e-4, **asked).lower[0]
+    request = PITCH | {"model": model}
+    bound = tv.availability(booster, one(wind), limit=1e-4, **request).lower[0]
     met = tv.fly_through(wind, booster, azimuth=EAST).wind
     parts = np.array([0.55, 0.9, 0.95, 1.0])
     lost = trim_law_is_lost(booster, met, model, parts * bound)
     assert lost.tolist() == [True, False, False, False]
     for part, flies in ((0.9, True), (0.55, False), (0.4, False)):
-        found = tv.availability(booster, one(wind), limit=part * bound, **asked)
-        assert found.flies[0] == flies
-        assert found.required[0] == pytest.approx(bound * (part if flies else 1.0), rel=CLOSE)
-        assert any("a flight of the trim law survives" in note for note in found.notes) == flies
-        assert found.today(wind).go is flies
+        result = tv.availability(booster, one(wind), limit=part * bound, **request)
+        assert result.flies[0] == flies
+        assert result.required[0] == pytest.approx(bound * (part if flies else 1.0), rel=CLOSE)
+        assert any("a flight of the trim law survives" in note for note in result.notes) == flies
+        assert result.today(wind).go is flies
     for stop in ("square", "round"):
         turned = tv.WindProfile(height=height, east=east / 2**0.5, north=east / 2**0.5)
-        found = tv.availability(
+        result = tv.availability(
             booster, one(turned), limit=0.0, azimuth=EAST, limit_shape=stop, model=model
         ).lower[0]
         again = tv.availability(
-            booster, one(turned), limit=0.9 * found, azimuth=EAST, limit_shape=stop, model=model
+            booster, one(turned), limit=0.9 * result, azimuth=EAST, limit_shape=stop, model=model
         )
         assert again.flies[0] == 1.0
 
@@ -286,9 +286,9 @@ def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None
     times = np.linspace(*coarse.span, 151)
     height = np.interp(times, coarse.times, coarse.height)
     fine = tv.FlightSchedule(coarse.clamped_at(times), altitude=height)
-    found = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)
+    result = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)
 
-    assert found.required[0] == pytest.approx(size_says(fine, archive[6]), rel=JETS)
+    assert result.required[0] == pytest.approx(size_says(fine, archive[6]), rel=JETS)
 
 
 def test_of_the_two_sides_of_a_wind_the_one_counts_that_needs_more(flight) -> None:
@@ -320,42 +320,42 @@ def test_the_part_of_a_known_archive_is_known(flight, archive) -> None:
 
 @pytest.mark.thorough
 def test_a_placard_is_the_limit_with_which_so_many_fly(flight, archive) -> None:
-    found = tv.availability(flight, archive, limit=0.01, **PITCH)
+    result = tv.availability(flight, archive, limit=0.01, **PITCH)
     parts = np.array([0.05, 0.5, 0.9, 1.0])
-    for part, limit in zip(parts, found.placard(parts), strict=True):
-        assert found.with_limit(limit).fraction().fraction >= part
-        assert found.with_limit(limit * (1 - 1e-9)).fraction().fraction < part
-    assert [p.fraction for p in found.curve(found.placard(parts))] == parts.tolist()
+    for part, limit in zip(parts, result.placard(parts), strict=True):
+        assert result.with_limit(limit).fraction().fraction >= part
+        assert result.with_limit(limit * (1 - 1e-9)).fraction().fraction < part
+    assert [p.fraction for p in result.curve(result.placard(parts))] == parts.tolist()
 
 
 def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, archive) -> None:
     burst = archive[11].between(0.0, 5.9e3)
     both = tv.winds.Soundings.from_profiles([*archive, burst], days("2023-02-01T00", 21))
-    found = tv.availability(flight, both, limit=np.radians(0.3), **PITCH)
+    result = tv.availability(flight, both, limit=np.radians(0.3), **PITCH)
 
-    assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < found.required[11]
-    assert np.isnan(found.required[20])
-    assert found.why[20] == "its wind is not known far enough"
-    assert found.fraction().unknown == 1
-    below, above = found.fraction().bounds
-    assert below < found.fraction().fraction < above
-    assert found.today(burst).go is None
+    assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < result.required[11]
+    assert np.isnan(result.required[20])
+    assert result.why[20] == "its wind is not known far enough"
+    assert result.fraction().unknown == 1
+    below, above = result.fraction().bounds
+    assert below < result.fraction().fraction < above
+    assert result.today(burst).go is None
     # where even a wind as strong as that of others does not matter, it is known again
-    assert found.with_limit(np.radians(20.0)).fraction().unknown == 0
+    assert result.with_limit(np.radians(20.0)).fraction().unknown == 0
 
 
 def test_what_ends_below_the_largest_dynamic_pressure_is_never_judged(archive) -> None:
     flight = tv.load_schedule("configuration-ii")
     low = archive[3].between(0.0, 8e3)
-    found = tv.availability(flight, one(low), limit=1.0, **PITCH)
+    result = tv.availability(flight, one(low), limit=1.0, **PITCH)
 
-    assert found.why == ("the sounding ends below the height of the largest dynamic pressure",)
+    assert result.why == ("the sounding ends below the height of the largest dynamic pressure",)
     high = archive[3].between(14e3, 30e3)
-    found = tv.availability(flight, one(high), limit=1.0, **PITCH)
-    assert found.why == ("the sounding begins above the height of the largest dynamic pressure",)
-    assert np.isnan(found.fraction().fraction)
-    assert str(found.fraction()) == "none judged, 1 unknown"
-    assert np.all(np.isnan(found.placard()))
+    result = tv.availability(flight, one(high), limit=1.0, **PITCH)
+    assert result.why == ("the sounding begins above the height of the largest dynamic pressure",)
+    assert np.isnan(result.fraction().fraction)
+    assert str(result.fraction()) == "none judged, 1 unknown"
+    assert np.all(np.isnan(result.placard()))
 
 
 @pytest.mark.thorough
@@ -364,13 +364,15 @@ def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(
 ) -> None:
     cut = [wind.between(0.0, 16e3) for wind in archive]
     old = tv.winds.Soundings.from_profiles(cut, archive.times)
-    whole, found = (
+    whole, computed = (
         tv.availability(flight, some, limit=np.radians(0.3), **PITCH) for some in (archive, old)
     )
 
-    assert np.all(found.lower <= found.upper)
-    assert np.all((found.lower - CLOSE <= whole.required) & (whole.required <= found.upper + CLOSE))
-    assert found.fraction().unknown <= 2
+    assert np.all(computed.lower <= computed.upper)
+    assert np.all(
+        (computed.lower - CLOSE <= whole.required) & (whole.required <= computed.upper + CLOSE)
+    )
+    assert computed.fraction().unknown <= 2
     further = tv.availability(flight, old, limit=np.radians(0.3), known_to=20e3, **PITCH)
     assert set(further.why) == {"the sounding ends below known_to"}
 
@@ -382,18 +384,18 @@ def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archi
         gappy = tv.WindProfile(
             height=wind.height[keep], east=wind.east[keep], north=wind.north[keep]
         )
-        found = tv.availability(flight, one(gappy), limit=1.0, **PITCH)
-        assert (found.lower[0] == pytest.approx(found.upper[0], rel=1e-3)) == known
-        found = found.with_limit(0.5 * (found.lower[0] + found.upper[0]) + 1e-6 * known)
-        assert known == (found.fraction().unknown == 0)
+        result = tv.availability(flight, one(gappy), limit=1.0, **PITCH)
+        assert (result.lower[0] == pytest.approx(result.upper[0], rel=1e-3)) == known
+        result = result.with_limit(0.5 * (result.lower[0] + result.upper[0]) + 1e-6 * known)
+        assert known == (result.fraction().unknown == 0)
 
 
 def test_a_calm_flies_with_no_limit_at_all(flight) -> None:
     calm = tv.WindProfile(height=[0.0, 40e3], east=[0, 0], north=[0, 0])
-    found = tv.availability(flight, one(calm), limit=0.0, azimuth=EAST)
+    result = tv.availability(flight, one(calm), limit=0.0, azimuth=EAST)
 
-    assert found.required == [0.0]
-    assert found.fraction().flown == 1
+    assert result.required == [0.0]
+    assert result.fraction().flown == 1
 
 
 @pytest.mark.parametrize("ground", [5.0, 300.0, 1400.0])
@@ -401,10 +403,10 @@ def test_ground_above_the_start_of_the_flight_changes_little(flight, archive, gr
     """Below the first level the wind is not known either; there it is weak in this archive."""
     wind = archive[7]
     whole = tv.availability(flight, one(wind), limit=0.01, **PITCH)
-    found = tv.availability(flight, one(wind.between(ground, 31e3)), limit=0.01, **PITCH)
+    result = tv.availability(flight, one(wind.between(ground, 31e3)), limit=0.01, **PITCH)
 
-    assert found.fraction().unknown == 0
-    assert found.required[0] == pytest.approx(whole.required[0], rel=1e-3)
+    assert result.fraction().unknown == 0
+    assert result.required[0] == pytest.approx(whole.required[0], rel=1e-3)
 
 
 def test_both_planes_go_together_as_the_stop_is_round_or_square(flight, archive) -> None:
@@ -430,13 +432,13 @@ def test_both_planes_go_together_as_the_stop_is_round_or_square(flight, archive)
 @pytest.mark.thorough
 def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
     azimuths = np.radians([40.0, 90.0, 100.0])
-    found = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuths)
+    result = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuths)
     for a, azimuth in enumerate(azimuths):
         alone = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuth)
-        assert np.array_equal(found.required[a], alone.required)
-        assert found.fraction()[a] == alone.fraction()
-        assert found.by_month()[2][a] == alone.by_month()[2]
-        assert np.array_equal(found.placard()[a], alone.placard())
+        assert np.array_equal(result.required[a], alone.required)
+        assert result.fraction()[a] == alone.fraction()
+        assert result.by_month()[2][a] == alone.by_month()[2]
+        assert np.array_equal(result.placard()[a], alone.placard())
 
 
 @pytest.mark.thorough
@@ -453,11 +455,11 @@ def test_a_gust_costs_what_it_costs_at_the_peak_of_the_wind_or_more(flight, arch
 @pytest.mark.thorough
 def test_a_gust_by_its_speed_is_met_at_the_angle_of_its_time(flight, archive) -> None:
     gust, wind, speed = tv.OneMinusCosineGust(peak=0.01, duration=3.0), archive[9], 9.0
-    asked = {"limit": 1.0, "gust": gust, "gust_speed": speed}
+    options = {"limit": 1.0, "gust": gust, "gust_speed": speed}
     for plane in ("pitch", "yaw"):
         towards = EAST if plane == "pitch" else EAST + np.pi / 2
         where = {"plane": plane, "azimuth": towards, "sign": "frozen"}
-        need = tv.availability(flight, one(wind), **asked, **where).required[0]
+        need = tv.availability(flight, one(wind), **options, **where).required[0]
         bare = tv.availability(flight, one(wind), limit=1.0, **where).required[0]
         each = size_says(flight, wind, gust_of_speed(gust, speed, plane), plane, towards)
         assert need >= each - 4e-4 * (need - bare)
@@ -496,10 +498,10 @@ def test_where_the_speed_stays_a_gust_of_it_is_one_of_an_angle(archive) -> None:
     even = tv.FlightSchedule(vehicle, altitude=[8e3, 25e3])
     for plane, across in (("pitch", np.sin(1.0)), ("yaw", 1.0)):
         gust = tv.OneMinusCosineGust(peak=np.arcsin(9.0 / 500.0 * across), duration=3.0)
-        asked = {"limit": 1.0, "azimuth": 0.7, "plane": plane, "sign": "frozen"}
-        by_angle = tv.availability(even, archive, gust=gust, **asked).required
+        options = {"limit": 1.0, "azimuth": 0.7, "plane": plane, "sign": "frozen"}
+        by_angle = tv.availability(even, archive, gust=gust, **options).required
         other = gust * 0.3
-        by_speed = tv.availability(even, archive, gust=other, gust_speed=9.0, **asked).required
+        by_speed = tv.availability(even, archive, gust=other, gust_speed=9.0, **options).required
         # an angle and its sine are not proportional: by a part of angle^2/6 of the gust
         assert by_speed == pytest.approx(by_angle, rel=(9.0 / 500.0) ** 2 / 6.0)
 
@@ -521,13 +523,13 @@ def test_a_gust_that_no_horizontal_wind_makes_is_not_judged() -> None:
     flat = tv.FlightSchedule(vehicle, altitude=[8e3, 8.7e3])
     height = np.arange(7e3, 10e3, 500.0)
     gust = tv.OneMinusCosineGust(peak=np.radians(3.0), duration=3.0)
-    asked = {"limit": 1.0, "azimuth": EAST, "plane": "pitch", "gust": gust}
+    options = {"limit": 1.0, "azimuth": EAST, "plane": "pitch", "gust": gust}
     for east, known in ((-20.0, False), (20.0, True)):
         wind = tv.WindProfile(height=height, east=0.0 * height + east, north=0.0 * height)
-        found = tv.availability(flat, one(wind), **asked)
-        assert np.isfinite(found.required[0]) == known
-        assert (found.why[0] == "") == known
-        assert known or "no horizontal wind turns the flight so far" in found.why[0]
+        result = tv.availability(flat, one(wind), **options)
+        assert np.isfinite(result.required[0]) == known
+        assert (result.why[0] == "") == known
+        assert known or "no horizontal wind turns the flight so far" in result.why[0]
 
 
 def test_nothing_is_judged_where_wind_and_gust_are_too_steep() -> None:
@@ -538,10 +540,10 @@ def test_nothing_is_judged_where_wind_and_gust_are_too_steep() -> None:
     height = np.arange(0.0, 40e3, 100.0)
     steady = tv.WindProfile(height=height, east=np.full(400, 6.0), north=np.zeros(400))
     gust = tv.OneMinusCosineGust(peak=0.01, duration=3.0)
-    found = tv.availability(flight, one(steady), limit=1.0, gust=gust, gust_speed=-9.0, **PITCH)
+    result = tv.availability(flight, one(steady), limit=1.0, gust=gust, gust_speed=-9.0, **PITCH)
     calm = np.interp(2.0 * (6.0 + 9.0), flight.speed, flight.time)  # 30 deg: half of the speed
     # judged from the first level on, of which the flight meets one in less than half a second
-    assert calm <= found.judged[0, 0] <= calm + 0.5
+    assert calm <= result.judged[0, 0] <= calm + 0.5
 
 
 @pytest.mark.thorough
@@ -595,20 +597,20 @@ def test_what_cannot_be_used_is_unknown_with_its_reason(flight, tmp_path) -> Non
         Balloon(time, jet(v)) for time, v in (("2024-02-01T00", 40.0), ("2024-02-01T12", 400.0))
     )
     soundings = tv.read_soundings(write(tmp_path / "a-data.txt", [good, bad]))
-    found = tv.availability(flight, soundings, limit=1.0, **PITCH)
+    result = tv.availability(flight, soundings, limit=1.0, **PITCH)
 
-    assert (found.fraction().flown, found.fraction().unknown) == (1, 1)
-    assert "above 130" in found.why[1]
+    assert (result.fraction().flown, result.fraction().unknown) == (1, 1)
+    assert "above 130" in result.why[1]
 
 
 def test_a_wind_too_steep_at_the_largest_dynamic_pressure_is_unknown(flight) -> None:
     height = np.linspace(0.0, 40e3, 41)
     storm = tv.WindProfile(height=height, east=900.0 + 0.0 * height, north=0.0 * height)
-    found = tv.availability(flight, one(storm), limit=1.0, azimuth=EAST)
+    result = tv.availability(flight, one(storm), limit=1.0, azimuth=EAST)
 
-    assert "more than 30 deg" in found.why[0]
-    assert np.all(np.isnan(found.judged))
-    assert found.today(storm).go is None
+    assert "more than 30 deg" in result.why[0]
+    assert np.all(np.isnan(result.judged))
+    assert result.today(storm).go is None
 
 
 def test_where_a_wind_is_too_steep_the_rest_of_the_flight_is_judged(archive) -> None:
@@ -624,18 +626,18 @@ def test_where_a_wind_is_too_steep_the_rest_of_the_flight_is_judged(archive) -> 
         for v in (9.0, 15.0, 60.0)
     ]
     some = tv.winds.Soundings.from_profiles(winds, days("2023-02-01T00", 3))
-    found = tv.availability(slow, some, limit=1.0, **PITCH)
-    assert found.why == ("", "", "")
-    assert found.judged[0].tolist() == [10.0, 80.0]
+    result = tv.availability(slow, some, limit=1.0, **PITCH)
+    assert result.why == ("", "", "")
+    assert result.judged[0].tolist() == [10.0, 80.0]
     # the wind is straight over height, and known at the levels: at the first of them it is weak
     first = float(np.interp(1000.0, heights, times))
-    assert found.judged[1:, 0] == pytest.approx(first, rel=1e-12)
-    assert found.judged_in_all == (pytest.approx(first, rel=1e-12), 80.0)
-    (note,) = [one for one in found.notes if "30 deg" in one]
+    assert result.judged[1:, 0] == pytest.approx(first, rel=1e-12)
+    assert result.judged_in_all == (pytest.approx(first, rel=1e-12), 80.0)
+    (note,) = [one for one in result.notes if "30 deg" in one]
     assert "2 of 3 soundings" in note
     later = tv.availability(slow.between(first), some, limit=1.0, **PITCH)
-    assert found.required[1:] == pytest.approx(later.required[1:], rel=STRAIGHT)
-    assert found.today(winds[2]).judged == tuple(found.judged[2])
+    assert result.required[1:] == pytest.approx(later.required[1:], rel=STRAIGHT)
+    assert result.today(winds[2]).judged == tuple(result.judged[2])
 
 
 def test_a_schedule_without_altitude_is_refused(archive) -> None:
@@ -716,25 +718,25 @@ def test_no_flight_lost_and_none_flown_still_have_an_interval() -> None:
 @pytest.mark.thorough
 def test_a_csv_and_a_dataset_hold_every_number(flight, archive, tmp_path) -> None:
     pytest.importorskip("xarray")
-    found = tv.availability(
+    result = tv.availability(
         flight, archive, limit=np.radians(0.4), azimuth=np.radians([60.0, 90.0])
     )
-    rows = list(csv.DictReader(io.StringIO(found.to_csv(tmp_path / "all.csv"))))
-    data = found.to_xarray()
+    rows = list(csv.DictReader(io.StringIO(result.to_csv(tmp_path / "all.csv"))))
+    data = result.to_xarray()
 
-    assert (tmp_path / "all.csv").read_text() == found.to_csv()
+    assert (tmp_path / "all.csv").read_text() == result.to_csv()
     needs = np.radians([float(row["required_deg"]) for row in rows]).reshape(2, 20)
-    assert np.allclose(needs, found.required, rtol=1e-15, atol=0.0)
-    assert np.array_equal(data["flies"], found.flies)
+    assert np.allclose(needs, result.required, rtol=1e-15, atol=0.0)
+    assert np.array_equal(data["flies"], result.flies)
     assert np.array_equal(data["time"].values.astype("datetime64[m]"), archive.times)
-    assert "Launch availability" in found._repr_html_()
+    assert "Launch availability" in result._repr_html_()
 
 
 def test_today_is_judged_as_the_archive_is(flight, archive) -> None:
-    found = tv.availability(flight, archive, limit=np.radians(0.4), **PITCH)
+    result = tv.availability(flight, archive, limit=np.radians(0.4), **PITCH)
     for i in (2, 18):
-        said = found.today(archive[i])
-        assert said.go == bool(found.flies[i])
+        said = result.today(archive[i])
+        assert said.go == bool(result.flies[i])
         assert said.archive_fraction == pytest.approx(i / 20)
 
 

@@ -78,9 +78,9 @@ def test_the_quantile_bound_is_missed_as_seldom_as_it_promises():
     rng = np.random.default_rng(8)
     samples = rng.exponential(size=(4000, 300))
     true = -np.log(1 - 0.98)
-    found = [quantile_bound(sample, 0.98, 0.9) for sample in samples]
-    above = np.mean([one.upper >= true for one in found])
-    below = np.mean([one.lower <= true for one in found])
+    computed = [quantile_bound(sample, 0.98, 0.9) for sample in samples]
+    above = np.mean([one.upper >= true for one in computed])
+    below = np.mean([one.lower <= true for one in computed])
     # Binomial steps make the bounds a little safer than asked for.
     assert 0.9 - 0.02 < above < 0.97
     assert 0.9 - 0.02 < below < 0.97
@@ -92,9 +92,9 @@ def test_the_ranks_of_the_bounds_are_the_first_and_last_that_hold(n, p, c):
     ranks = np.arange(1, n + 1)
     at_least = np.array([stats.binom.cdf(r - 1, n, p) for r in ranks])  # rank r is no smaller
     above, below = ranks[at_least >= c], ranks[1.0 - at_least >= c]
-    found = quantile_bound(ranks[::-1], p, c)
-    assert found.upper == (above[0] if above.size else np.inf)
-    assert found.lower == (below[-1] if below.size else -np.inf)
+    result = quantile_bound(ranks[::-1], p, c)
+    assert result.upper == (above[0] if above.size else np.inf)
+    assert result.lower == (below[-1] if below.size else -np.inf)
 
 
 @pytest.mark.parametrize(("p", "needed"), [(0.95, 45), (0.99, 230), (0.9973, 852), (0.99865, 1705)])
@@ -107,10 +107,10 @@ def test_a_sample_below_the_published_size_has_no_upper_bound(p, needed):
 
 
 def test_success_is_clopper_and_pearson():
-    found = success_probability(47, 50, 0.9)
-    assert found.estimate == 0.94
-    assert found.lower == pytest.approx(stats.beta.ppf(0.05, 47, 4), rel=1e-10)
-    assert found.upper == pytest.approx(stats.beta.ppf(0.95, 48, 3), rel=1e-10)
+    result = success_probability(47, 50, 0.9)
+    assert result.estimate == 0.94
+    assert result.lower == pytest.approx(stats.beta.ppf(0.05, 47, 4), rel=1e-10)
+    assert result.upper == pytest.approx(stats.beta.ppf(0.95, 48, 3), rel=1e-10)
     assert success_probability(230, 230, 0.8).lower == pytest.approx(0.1 ** (1 / 230), rel=1e-10)
 
 
@@ -121,9 +121,9 @@ def test_sensitivities_are_spearmans_with_equal_and_infinite_values():
         "continuous": output_noise(random, output),
         "steps": np.append(random.integers(0, 4, 300), np.arange(5)) + 0.0,
     }
-    found = sensitivities(inputs, output)
+    result = sensitivities(inputs, output)
     for name, values in inputs.items():
-        assert found[name] == pytest.approx(stats.spearmanr(values, output).statistic, abs=1e-14)
+        assert result[name] == pytest.approx(stats.spearmanr(values, output).statistic, abs=1e-14)
 
 
 def output_noise(random, output):
@@ -134,24 +134,24 @@ def output_noise(random, output):
 def test_sensitivities_find_what_drives():
     rng = np.random.default_rng(4)
     inputs = {name: rng.normal(size=5000) for name in ("weak", "none", "strong")}
-    found = sensitivities(inputs, np.exp(inputs["strong"]) - 0.3 * inputs["weak"])
-    assert list(found) == ["strong", "weak", "none"]
-    assert found["strong"] > 0.8
-    assert found["weak"] < -0.1
-    assert abs(found["none"]) < 0.05
+    result = sensitivities(inputs, np.exp(inputs["strong"]) - 0.3 * inputs["weak"])
+    assert list(result) == ["strong", "weak", "none"]
+    assert result["strong"] > 0.8
+    assert result["weak"] < -0.1
+    assert abs(result["none"]) < 0.05
 
 
 def test_dispersed_cases_are_those_of_single_studies(nominal):
-    found = tv.ensembles.disperse_study(nominal, cases=50, seed=9)
+    result = tv.ensembles.disperse_study(nominal, cases=50, seed=9)
     for case in (0, 17, 49):
-        values = {name: float(column[case]) for name, column in found.values.items()}
+        values = {name: float(column[case]) for name, column in result.values.items()}
         duration = values.pop("wind_duration")
         vehicle = nominal.vehicle.replace(**values)
         alone = tv.Study.from_vehicle(
             vehicle, duration=duration, peak=np.radians(5), model="fixed-path", sign="frozen"
         )
-        assert found.deflection[case] == pytest.approx(alone.required_deflection, rel=1e-12)
-    assert set(found.status.tolist()) == {"ok"}
+        assert result.deflection[case] == pytest.approx(alone.required_deflection, rel=1e-12)
+    assert set(result.status.tolist()) == {"ok"}
 
 
 def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):
@@ -172,12 +172,12 @@ def _counts(found, limit):
 
 def test_one_bad_case_has_its_own_status(nominal):
     wild = tv.Dispersions((tv.Dispersion("thrust", "normal", 0.6),))
-    found = tv.ensembles.disperse_study(nominal, wild, cases=400, seed=1)
-    bad = found.values["thrust"] <= 0.0
+    result = tv.ensembles.disperse_study(nominal, wild, cases=400, seed=1)
+    bad = result.values["thrust"] <= 0.0
     assert 0 < bad.sum() < 50
-    np.testing.assert_array_equal(found.status == "impossible vehicle or wind", bad)
-    np.testing.assert_array_equal(np.isnan(found.deflection), bad)
-    assert found.required.cases == 400 - bad.sum()
+    np.testing.assert_array_equal(result.status == "impossible vehicle or wind", bad)
+    np.testing.assert_array_equal(np.isnan(result.deflection), bad)
+    assert result.required.cases == 400 - bad.sum()
 
 
 @pytest.mark.parametrize(
@@ -194,8 +194,8 @@ def test_one_bad_case_has_its_own_status(nominal):
 )
 def test_what_cannot_be_is_told(parameter, nominal, possible):
     wide = tv.Dispersions((tv.Dispersion(parameter, "normal", 0.7, relative=False),))
-    found = wide.apply({parameter: nominal}, draw(1, 0, 2000, 1))
-    np.testing.assert_array_equal(found.possible, possible(found.values[parameter]))
+    result = wide.apply({parameter: nominal}, draw(1, 0, 2000, 1))
+    np.testing.assert_array_equal(result.possible, possible(result.values[parameter]))
 
 
 @pytest.mark.parametrize(("limit", "word"), [("0.4", "NOT SUFFICIENT"), ("0.9", "NOT KNOWN")])
@@ -234,10 +234,10 @@ def test_the_command_line_says_the_same(nominal):
     arguments += ["--set", "campaign.seed=2", "--set", "study.sign=frozen"]
     text = CliRunner().invoke(app, arguments).output
     document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)
-    found = tv.ensembles.disperse_study(nominal, cases=1800, seed=2)
-    assert document["upper_deg"] == pytest.approx(np.degrees(found.required.upper), rel=1e-12)
+    result = tv.ensembles.disperse_study(nominal, cases=1800, seed=2)
+    assert document["upper_deg"] == pytest.approx(np.degrees(result.required.upper), rel=1e-12)
     assert f"{document['upper_deg']:.3f} deg" in text
-    assert document["drivers"] == pytest.approx(found.drivers)
+    assert document["drivers"] == pytest.approx(result.drivers)
     few = CliRunner().invoke(app, ["disperse", "--cases", "100"]).output
     assert "too few cases to say" in few
 

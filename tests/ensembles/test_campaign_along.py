@@ -132,8 +132,8 @@ def test_soundings_are_drawn_with_their_own_direction() -> None:
     nozzle = tv.Nozzle(limit=0.2, rate_limit=RATE)
     plan = FlightPlan(made, autopilot(sample_rate=20.0), start=45.0, stop=70.0)
     only = Dispersions((Dispersion("thrust", "normal", 0.01),))
-    asked = campaign(wind=winds, dispersions=only, nozzle=nozzle, along=plan)
-    answers = evaluate(read(json.loads(json.dumps(written(asked)))), 0, 4)
+    request = campaign(wind=winds, dispersions=only, nozzle=nozzle, along=plan)
+    answers = evaluate(read(json.loads(json.dumps(written(request)))), 0, 4)
     for k in range(4):
         factor = answers["thrust"][k] / made.at(55.0).thrust
         varied = replace(made, vehicle=made.vehicle.replace(thrust=made.vehicle.thrust * factor))
@@ -159,8 +159,8 @@ def test_modes_vary_and_notches_stay_at_the_nominal_frequency() -> None:
     )
     only = Dispersions((Dispersion("bending_1_frequency", "normal", 0.05),))
     plan = FlightPlan(made, laws, stop=62.0)
-    asked = campaign(flexible=True, dispersions=only, along=plan, cases=1, chunk=1)
-    factor = evaluate(asked, 0, 1)["bending_1_frequency"][0]
+    request = campaign(flexible=True, dispersions=only, along=plan, cases=1, chunk=1)
+    factor = evaluate(request, 0, 1)["bending_1_frequency"][0]
     structure = made.structure.structure
     first = replace(structure.bending[0], frequency=structure.bending[0].frequency * factor)
     bent = replace(structure, bending=(first, structure.bending[1]))
@@ -172,7 +172,7 @@ def test_modes_vary_and_notches_stay_at_the_nominal_frequency() -> None:
     options = {"deflection_limit": LIMIT, "rate_limit": RATE, "start": 51.5, "stop": 62.0}
     head = fly_along(varied, replace(laws, notches=(ratio,)), gust, **options)
     following = fly_along(varied, laws, gust, **options)
-    replayed = replay_case(asked, 0).flown_along()[0]
+    replayed = replay_case(request, 0).flown_along()[0]
     size = abs(head.largest("attitude").value)
     for made_by, same in ((head, True), (following, False)):
         difference = np.abs(replayed.outputs["attitude"] - made_by.outputs["attitude"]).max()
@@ -236,7 +236,7 @@ def test_a_file_flies_its_cases_along_the_flight_with_its_schedule_and_notches(t
         Dispersion("normal_force_slope", "normal", 0.1),
         Dispersion("bending_1_frequency", "uniform", 0.05),
     )
-    asked = campaign(
+    request = campaign(
         vehicle=made.at(55.0),
         dispersions=Dispersions(spread),
         cases=2,
@@ -245,7 +245,7 @@ def test_a_file_flies_its_cases_along_the_flight_with_its_schedule_and_notches(t
         along=plan,
     )
     own = evaluate(tv.studyfile.load_campaign(file), 0, 2)
-    for name, values in evaluate(asked, 0, 2).items():
+    for name, values in evaluate(request, 0, 2).items():
         if name == "status":
             assert own[name].tolist() == values.tolist()
         else:

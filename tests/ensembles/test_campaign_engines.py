@@ -83,9 +83,9 @@ def test_a_cluster_loses_a_worker_and_nothing_else(plan, whole, tmp_path):
                 os.kill(killed[0], signal.SIGKILL)
 
         with cluster(local.scheduler_address) as executor:
-            found = tv.run_campaign(plan, tmp_path, executor=executor, progress=kill_one)
+            results = tv.run_campaign(plan, tmp_path, executor=executor, progress=kill_one)
     assert killed
-    same(whole, found)
+    same(whole, results)
 
 
 @pytest.mark.thorough

@@ -55,15 +55,15 @@ def plant_of(values, structure=STRUCTURE):
 
 
 def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
-    asked = campaign()
-    found = evaluate(asked, 0, 12)
+    plan = campaign()
+    result = evaluate(plan, 0, 12)
     autopilot = DESIGN.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"), NOZZLE.actuator)
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     flying = tv.SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
     for k in range(0, 12, 3):
-        plant = plant_of(draw_case(asked, k).values)
+        plant = plant_of(draw_case(plan, k).values)
         bands = autopilot.band_margins(plant)
-        assert found["margin_stable"][k] == bands.margins.stable
+        assert result["margin_stable"][k] == bands.margins.stable
         pairs = {
             "margin_aero_dB": bands.margins.aero_margin_dB,
             "margin_gain_dB": bands.margins.gain_increase_dB,
@@ -72,7 +72,7 @@ def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
             "margin_bending_1_peak_dB": bands.mode("bending 1").peak_dB,
         }
         for name, value in pairs.items():
-            assert found[name][k] == pytest.approx(value, rel=1e-9, nan_ok=True)
+            assert result[name][k] == pytest.approx(value, rel=1e-9, nan_ok=True)
         flown = tv.fly_many(
             plant,
             flying,
@@ -82,35 +82,35 @@ def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
             sample_rate=100.0,
             delay=0.01,
         )
-        assert found["flight_survived"][k] == (flown.status == "survived")
+        assert result["flight_survived"][k] == (flown.status == "survived")
 
 
 def test_a_case_has_the_same_bits_alone_and_among_others():
-    asked = campaign()
-    together = evaluate(asked, 0, 12)
-    alone = evaluate(asked, 7, 1)
+    plan = campaign()
+    together = evaluate(plan, 0, 12)
+    alone = evaluate(plan, 7, 1)
     for name, values in alone.items():
         assert values[0] == together[name][7] or np.isnan(values[0])
 
 
 def test_a_flight_that_rings_has_not_survived():
     """Without a notch the mode grows near rest in every case."""
-    found = evaluate(campaign(design=replace(DESIGN, filters=())), 0, 6)
-    assert found["flight_survived"].tolist() == [0.0] * 6
-    assert found["margin_stable"].tolist() == [0.0] * 6
-    assert np.all(np.isinf(found["flight_peak_attitude"]))
+    result = evaluate(campaign(design=replace(DESIGN, filters=())), 0, 6)
+    assert result["flight_survived"].tolist() == [0.0] * 6
+    assert result["margin_stable"].tolist() == [0.0] * 6
+    assert np.all(np.isinf(result["flight_peak_attitude"]))
 
 
 def test_a_manifest_keeps_structure_and_autopilot_to_the_last_bit():
     engine = tv.vehicle.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
     whole = replace(STRUCTURE, engine=engine, rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7))
-    asked = campaign(vehicle=VEHICLE.replace(structure=whole))
-    again = read(written(asked))
-    assert written(again) == written(asked)
+    plan = campaign(vehicle=VEHICLE.replace(structure=whole))
+    again = read(written(plan))
+    assert written(again) == written(plan)
     assert again.vehicle.structure.bending == whole.bending
     assert again.vehicle.structure.slosh == whole.slosh
     assert again.vehicle.structure.engine == engine
-    one, other = evaluate(asked, 0, 3), evaluate(again, 0, 3)
+    one, other = evaluate(plan, 0, 3), evaluate(again, 0, 3)
     for name in one:
         np.testing.assert_array_equal(one[name], other[name])
 
@@ -126,10 +126,10 @@ def test_a_manifest_with_another_structure_is_refused(damaged):
 
 
 def test_a_case_is_flown_again_as_the_flexible_vehicle():
-    asked = campaign()
-    fates = evaluate(asked, 0, 12)["flight_survived"]
+    plan = campaign()
+    fates = evaluate(plan, 0, 12)["flight_survived"]
     assert set(fates) == {0.0, 1.0}
-    one = replay_case(asked, int(fates.argmax()))
+    one = replay_case(plan, int(fates.argmax()))
     values = {name: np.array([value]) for name, value in one.inputs.items()}
     np.testing.assert_allclose(
         one.planes["pitch"].made.flexible.poles, plant_of(values).poles, rtol=1e-12, atol=1e-12
@@ -158,10 +158,10 @@ def test_modes_that_are_not_there_cannot_be_dispersed():
 
 def test_margins_of_a_rigid_vehicle_are_an_output_as_well():
     spread = tv.Dispersions((tv.Dispersion("thrust", "uniform", 0.1),))
-    asked = campaign(vehicle=VEHICLE, dispersions=spread, outputs=("margins",))
-    found = evaluate(asked, 0, 2)
+    plan = campaign(vehicle=VEHICLE, dispersions=spread, outputs=("margins",))
+    result = evaluate(plan, 0, 2)
     autopilot = DESIGN.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"), NOZZLE.actuator)
-    thrust = float(draw_case(asked, 1).values["thrust"][0])
+    thrust = float(draw_case(plan, 1).values["thrust"][0])
     plant = tv.Plant.from_vehicle(VEHICLE.replace(thrust=thrust), "drift-exact")
     expected = autopilot.margins(plant).gain_increase_dB
-    assert found["margin_gain_dB"][1] == pytest.approx(expected, rel=1e-9)
+    assert result["margin_gain_dB"][1] == pytest.approx(expected, rel=1e-9)

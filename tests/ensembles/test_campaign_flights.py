@@ -72,13 +72,13 @@ def test_a_case_flies_with_its_own_gains_and_plant():
         cases=3,
     )
     nominal = tv.control.canonical_gains(plan.plant.coefficients)
-    found = evaluate(plan, 0, 3)
-    assert np.all(np.abs(found["attitude_gain"] / nominal.attitude_gain - 1.0) < 0.4)
-    assert len(set(found["rate_gain"])) == 3
+    result = evaluate(plan, 0, 3)
+    assert np.all(np.abs(result["attitude_gain"] / nominal.attitude_gain - 1.0) < 0.4)
+    assert len(set(result["rate_gain"])) == 3
     for i in range(3):
-        gains = {k: float(found[k][i]) for k in ("attitude_gain", "rate_gain")}
+        gains = {k: float(result[k][i]) for k in ("attitude_gain", "rate_gain")}
         plant = tv.Plant.from_vehicle(
-            plan.vehicle.replace(thrust=float(found["thrust"][i])), "drift"
+            plan.vehicle.replace(thrust=float(result["thrust"][i])), "drift"
         )
         flown = tv.fly(
             plant,
@@ -90,17 +90,17 @@ def test_a_case_flies_with_its_own_gains_and_plant():
             actuator=servo,
             sample_rate=50.0,
         )
-        assert found["flight_survived"][i] == 1.0
+        assert result["flight_survived"][i] == 1.0
         for name in ("attitude", "angle_of_attack", "deflection"):
             peak = np.abs(np.asarray(flown.outputs[name])).max()
-            assert found[f"flight_peak_{name}"][i] == pytest.approx(peak, rel=1e-9)
+            assert result[f"flight_peak_{name}"][i] == pytest.approx(peak, rel=1e-9)
 
 
 @pytest.mark.parametrize("law", ["dead-band", "recoverable-attitude", "half-relief"])
 def test_laws_that_lean_survive_where_trim_does_not(trimmed, law):
     plan = parse_campaign(TABLES | {"outputs": TABLES["outputs"] | {"law": law}})
-    found = evaluate(plan, 0, 12)
-    survived = found["flight_survived"] == 1.0
+    result = evaluate(plan, 0, 12)
+    survived = result["flight_survived"] == 1.0
     assert np.all(survived | (trimmed["flight_survived"] == 0.0))
     if law != "dead-band":
         assert survived.sum() > (trimmed["flight_survived"] == 1.0).sum()
@@ -118,10 +118,10 @@ def test_boundaries_flown_in_six_degrees_go_through_the_same_chunks():
             {"parameter": "wind_duration", "shape": "uniform", "percent": 30},
         ],
     }
-    found = evaluate(parse_campaign(tables), 0, 3)
-    assert list(found["status"]) == ["ok"] * 3
-    np.testing.assert_allclose(found["flown_K0"], found["required_K0"], rtol=3e-3)
-    assert np.ptp(found["flown_K0"]) > 0.01 * found["flown_K0"].max()
+    result = evaluate(parse_campaign(tables), 0, 3)
+    assert list(result["status"]) == ["ok"] * 3
+    np.testing.assert_allclose(result["flown_K0"], result["required_K0"], rtol=3e-3)
+    assert np.ptp(result["flown_K0"]) > 0.01 * result["flown_K0"].max()
 
 
 def test_a_document_keeps_the_flight():
@@ -145,16 +145,16 @@ def test_a_document_keeps_the_flight():
 def test_the_command_line_says_how_many_survive_and_replays_a_flight(tmp_path, trimmed):
     pytest.importorskip("pyarrow")
     plan = replace(parse_campaign(TABLES), cases=4)
-    found = tv.run_campaign(plan, tmp_path)
+    results = tv.run_campaign(plan, tmp_path)
     few = {name: values[:4] for name, values in trimmed.items()}
-    np.testing.assert_array_equal(found.column("flight_survived"), few["flight_survived"])
+    np.testing.assert_array_equal(results.column("flight_survived"), few["flight_survived"])
     share = few["flight_survived"].mean()
     shown = CliRunner().invoke(app, ["disperse", str(tmp_path), "--json"])
     assert json.loads(shown.stdout)["survival"]["estimate"] == share
     text = CliRunner().invoke(app, ["disperse", str(tmp_path)]).output
     assert f"{100 * share:.2f} %" in text
     case = int(np.argmax(few["flight_survived"]))
-    one = found.replay(case)
+    one = results.replay(case)
     peak = float(np.abs(np.asarray(one.flown().outputs["attitude"])).max())
     assert peak == pytest.approx(few["flight_peak_attitude"][case], rel=1e-11)
     refused = CliRunner().invoke(app, ["disperse", str(tmp_path), "--output", "flight"])
@@ -193,17 +193,17 @@ def test_losses_are_counted_with_clopper_and_pearsons_interval(flown_only):
 def test_what_drives_loss_is_asked_of_all_flights(flown_only):
     """The excess of mean ranks of those that are lost, and chance by permutation."""
     lost = flown_only.column("flight_survived") == 0.0
-    found = flown_only.loss_drivers()
-    assert list(found) == ["wind_duration", "velocity"]
-    for name, one in found.items():
+    result = flown_only.loss_drivers()
+    assert list(result) == ["wind_duration", "velocity"]
+    for name, one in result.items():
         ranks = np.argsort(np.argsort(flown_only.column(name))).astype(float)
         assert one.rank == pytest.approx(np.corrcoef(ranks, lost)[0, 1])
         rng = np.random.default_rng(1)
         means = [ranks[rng.permutation(lost)].mean() for _ in range(4000)]
         chance = 2 * np.mean(np.abs(np.subtract(means, 29.5)) >= abs(ranks[lost].mean() - 29.5))
         assert one.confidence == pytest.approx(max(1.0 - chance, 0.0), abs=0.05)
-    assert found["wind_duration"].rank > 0.5
-    assert found["velocity"].confidence < 0.9
+    assert result["wind_duration"].rank > 0.5
+    assert result["velocity"].confidence < 0.9
     peaks = flown_only.drivers()
     assert abs(peaks["wind_duration"]) > abs(peaks["velocity"])
 

@@ -65,28 +65,28 @@ def test_cases_are_those_of_single_studies(model, stop, direction, gust) -> None
     if gust:
         document["gust"] = {"peak_deg": 1.0, "duration_s": 2.0}
     plan = parse_campaign(document)
-    found = evaluate(plan, 0, 12)
-    assert set(found["status"]) == {"ok"}
+    result = evaluate(plan, 0, 12)
+    assert set(result["status"]) == {"ok"}
     for case in (0, 11):
         for K in plan.dead_bands:
-            study = tv.Study.of(of_case(plan, found, case), K)
+            study = tv.Study.of(of_case(plan, result, case), K)
             name = f"required_K{K:g}"
-            assert found[name][case] == pytest.approx(study.required_deflection, rel=1e-9)
+            assert result[name][case] == pytest.approx(study.required_deflection, rel=1e-9)
             (alone,) = encountered_requirements(study.case, study.placed, K).values()
             for plane, required in alone.items():
-                each = found[f"{name}_{plane}"][case]
+                each = result[f"{name}_{plane}"][case]
                 assert each == pytest.approx(required, rel=1e-9)
-                assert each <= found[name][case]
+                assert each <= result[name][case]
 
 
 @pytest.mark.thorough
 def test_in_calm_air_they_are_the_same_to_rounding() -> None:
     plan = replace(parse_campaign(TABLES), sign="frozen", cases=3)
-    found = evaluate(plan, 0, 3)
+    result = evaluate(plan, 0, 3)
     for case in range(3):
         for K in plan.dead_bands:
-            study = tv.Study.of(replace(of_case(plan, found, case), sign="frozen"), K)
-            needs = found[f"required_K{K:g}"][case]
+            study = tv.Study.of(replace(of_case(plan, result, case), sign="frozen"), K)
+            needs = result[f"required_K{K:g}"][case]
             assert needs == pytest.approx(study.required_deflection, rel=1e-12)
 
 
@@ -95,16 +95,16 @@ def test_what_nothing_undercuts_is_that_of_the_vectors() -> None:
     head = TABLES["campaign"] | {"model": "fixed-path", "cases": 3}
     names = ["minimum", "forecast-free"]
     plan = parse_campaign(TABLES | {"campaign": head, "outputs": {"names": names}})
-    found = evaluate(plan, 0, 3)
+    result = evaluate(plan, 0, 3)
     for case in range(3):
-        drawn = of_case(plan, found, case)
+        drawn = of_case(plan, result, case)
         plant = tv.Plant.from_vehicle(drawn.vehicle, "fixed-path")
         along = replace(drawn.wind, heading=None).history({})
         least = tv.optimum_deflection(plant, along).peak
         free = abs(tv.forecast_free_limit(plant, along).deflection)
-        assert found["minimum"][case] == pytest.approx(least, rel=1e-9)
-        assert found["forecast_free"][case] == pytest.approx(free, rel=1e-9)
-        parts = [found[f"minimum_{plane}"][case] for plane in ("pitch", "yaw")]
+        assert result["minimum"][case] == pytest.approx(least, rel=1e-9)
+        assert result["forecast_free"][case] == pytest.approx(free, rel=1e-9)
+        parts = [result[f"minimum_{plane}"][case] for plane in ("pitch", "yaw")]
         assert np.hypot(*parts) == pytest.approx(least, rel=1e-9)
 
 
@@ -118,11 +118,11 @@ FLOWN = TABLES | {
 
 def test_a_flight_of_both_planes_survives_where_one_along_the_wind_does() -> None:
     plan = replace(parse_campaign(FLOWN), sign="frozen")
-    found = evaluate(plan, 0, 12)
-    fates = found["flight_survived"]
+    result = evaluate(plan, 0, 12)
+    fates = result["flight_survived"]
     assert 0 < fates.sum() < 12
     for case in range(12):
-        drawn = of_case(plan, found, case)
+        drawn = of_case(plan, result, case)
         plant = tv.Plant.from_vehicle(drawn.vehicle, "fixed-path")
         along = replace(drawn.wind, heading=None).history({})
         flown = tv.fly_many(
@@ -132,37 +132,37 @@ def test_a_flight_of_both_planes_survives_where_one_along_the_wind_does() -> Non
         )
         assert fates[case] == float(flown.status == "survived")
         if fates[case]:
-            peak = found["flight_peak_deflection"][case]
+            peak = result["flight_peak_deflection"][case]
             assert peak == pytest.approx(flown.peak_deflection, rel=1e-9)
-    pitch, yaw = (found[f"flight_survived_{plane}"] for plane in ("pitch", "yaw"))
+    pitch, yaw = (result[f"flight_survived_{plane}"] for plane in ("pitch", "yaw"))
     np.testing.assert_array_equal(fates, np.minimum(pitch, yaw))
-    assert np.all(np.isinf(found["flight_peak_attitude"]) == (fates == 0.0))
+    assert np.all(np.isinf(result["flight_peak_attitude"]) == (fates == 0.0))
 
 
 def test_a_case_that_cannot_be_has_its_own_status_and_the_others_go_on() -> None:
     wide = [{"parameter": "attitude", "shape": "uniform", "spread_deg": 60}, *SPREAD[:1]]
     plan = parse_campaign(TABLES | {"dispersion": wide})
-    found = evaluate(plan, 0, 12)
-    bad = found["status"] != "ok"
+    result = evaluate(plan, 0, 12)
+    bad = result["status"] != "ok"
     assert 0 < bad.sum() < 12
-    np.testing.assert_array_equal(~np.isfinite(found["required_K1"]), bad)
+    np.testing.assert_array_equal(~np.isfinite(result["required_K1"]), bad)
     some = int(np.flatnonzero(~bad)[0])
     alone = evaluate(plan, some, 1)
-    assert alone["required_K1"][0] == found["required_K1"][some]
+    assert alone["required_K1"][0] == result["required_K1"][some]
 
 
 @pytest.mark.thorough
 def test_results_and_a_replay_show_both_planes(tmp_path) -> None:
     pytest.importorskip("pyarrow")
     plan = parse_campaign(FLOWN)
-    found = tv.run_campaign(plan, tmp_path)
-    assert found.outputs[:3] == ("required_K1", "required_K1_pitch", "required_K1_yaw")
+    results = tv.run_campaign(plan, tmp_path)
+    assert results.outputs[:3] == ("required_K1", "required_K1_pitch", "required_K1_yaw")
     assert tv.ensembles.open_campaign(tmp_path).campaign == plan
-    assert "required_K1_yaw" in found.to_csv().partition("\n")[0]
+    assert "required_K1_yaw" in results.to_csv().partition("\n")[0]
     said = " ".join(CliRunner().invoke(app, ["disperse", str(tmp_path)]).output.split())
     assert "both planes, round stop: required_K1" in said
-    case = int(found.worst(1)[0])
-    one = found.replay(case)
+    case = int(results.worst(1)[0])
+    one = results.replay(case)
     replayed = CliRunner().invoke(app, ["disperse", str(tmp_path), "--case", str(case), "--json"])
     document = json.loads(replayed.stdout)
     assert document["fate"].startswith("lost with a limit")

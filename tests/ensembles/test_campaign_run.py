@@ -93,18 +93,18 @@ def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
     for wind in (plan.wind, tv.winds.WindEnsemble(time, winds)):
         spread = SPREAD if wind is plan.wind else tv.Dispersions(SPREAD.distributions[:2], FEW)
         given = {"wind": wind, "dispersions": spread, "nozzle": nozzle, "cases": 48}
-        asked = replace(plan, model=model, sign=None, outputs=outputs, **given)
+        request = replace(plan, model=model, sign=None, outputs=outputs, **given)
         with pinned(available()):  # as campaigns are
-            whole = evaluate(asked, 0, 48)
+            whole = evaluate(request, 0, 48)
             for first, count in ((0, 1), (42, 1), (47, 1), (3, 7), (20, 20)):
-                for name, values in evaluate(asked, first, count).items():
+                for name, values in evaluate(request, first, count).items():
                     np.testing.assert_array_equal(values, whole[name][first : first + count], name)
 
 
 def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_study(plan):
     vehicle = plan.vehicle.replace(pitch_damping=0.05 * plan.vehicle.moment_of_inertia)
     nozzle = tv.Nozzle(limit=0.01, rate_limit=0.5, actuator=tv.Actuator(natural_frequency=20.0))
-    asked = replace(
+    request = replace(
         plan,
         vehicle=vehicle,
         sign=None,
@@ -113,21 +113,21 @@ def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_stu
         nozzle=nozzle,
         cases=60,
     )
-    found = evaluate(asked, 0, 60)
-    damping = found["pitch_damping"]
+    result = evaluate(request, 0, 60)
+    damping = result["pitch_damping"]
     impossible = damping < 0.0
     assert 0 < impossible.sum() < 20
-    np.testing.assert_array_equal(found["status"] != "ok", impossible)
+    np.testing.assert_array_equal(result["status"] != "ok", impossible)
     for case in np.flatnonzero(~impossible)[:4]:
         study = tv.Study.from_vehicle(
             vehicle.replace(pitch_damping=float(damping[case])),
             **{"duration": 7.5, "peak": np.radians(5), "dead_band": 0.5, "model": "fixed-path"},
         )
         # With the worse sign of the wind, whose factor of a batch is within 5e-4.
-        assert found["required_K0.5"][case] == pytest.approx(study.required_deflection, rel=5e-4)
-        assert found["minimum"][case] == pytest.approx(study.minima["fixed-path"], rel=1e-12)
+        assert result["required_K0.5"][case] == pytest.approx(study.required_deflection, rel=5e-4)
+        assert result["minimum"][case] == pytest.approx(study.minima["fixed-path"], rel=1e-12)
     order = np.argsort(damping[~impossible])
-    assert np.all(np.diff(found["required_K1"][~impossible][order]) < 0.0)  # trim: less with more
+    assert np.all(np.diff(result["required_K1"][~impossible][order]) < 0.0)  # trim: less with more
 
 
 def test_a_part_of_no_damping_is_refused(plan):
@@ -164,19 +164,19 @@ def test_cases_are_those_of_single_studies(plan, whole):
                 vehicle, duration=duration, peak=np.radians(5), dead_band=K, model="fixed-path"
             )
             assert met[name] == pytest.approx(study.required_deflection, rel=LINES)
-            found = whole.column(name)[case]
-            assert found == pytest.approx(study.nominal_deflection, rel=1e-12)
-        found = whole.column("minimum")[case]
-        assert found == pytest.approx(study.minima["fixed-path"], rel=1e-12)
+            computed = whole.column(name)[case]
+            assert computed == pytest.approx(study.nominal_deflection, rel=1e-12)
+        computed = whole.column("minimum")[case]
+        assert computed == pytest.approx(study.minima["fixed-path"], rel=1e-12)
 
 
 def test_an_executor_out_of_order_changes_no_bit(plan, whole, tmp_path):
     told = []
     with ThreadPoolExecutor(3) as pool:
-        found = tv.run_campaign(
+        results = tv.run_campaign(
             plan, tmp_path, executor=pool, progress=lambda *now: told.append(now)
         )
-    same(whole, found)
+    same(whole, results)
     assert told[-1] == (700, 700)
     assert [done for done, _ in told] == sorted(done for done, _ in told)
 
@@ -291,8 +291,8 @@ def test_what_a_footer_says_is_no_more_believed_than_the_numbers(plan, whole, tm
     for chunk, damage in enumerate(damages):
         file = chunk_file(folder, chunk)
         pyarrow.parquet.write_table(damage(pyarrow.parquet.read_table(file)), file)
-        found = replace(tv.ensembles.open_campaign(folder), chunks=(chunk,))
-        for ask in (found.quantile, found.statuses, found.drivers, found.worst, found.success):
+        result = replace(tv.ensembles.open_campaign(folder), chunks=(chunk,))
+        for ask in (result.quantile, result.statuses, result.drivers, result.worst, result.success):
             with pytest.raises(tv.InputError, match=rf"{chunk}\.parquet is damaged.*it anew"):
                 ask()
     faults = damaged(folder, read_manifest(folder))
@@ -413,13 +413,13 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_is_done(plan, whole, tmp_pat
 
 def test_a_case_that_cannot_be_has_a_status_and_the_others_go_on(plan, tmp_path):
     wild = tv.Dispersions((tv.Dispersion("thrust", "normal", 0.6),))
-    found = tv.run_campaign(replace(plan, dispersions=wild), tmp_path)
-    bad = found.column("thrust") <= 0.0
+    results = tv.run_campaign(replace(plan, dispersions=wild), tmp_path)
+    bad = results.column("thrust") <= 0.0
     assert 0 < bad.sum() < 80
-    np.testing.assert_array_equal(found.column("status") == "impossible vehicle or wind", bad)
-    np.testing.assert_array_equal(np.isnan(found.column("required_K1")), bad)
-    assert found.statuses() == {"ok": 700 - bad.sum(), "impossible vehicle or wind": bad.sum()}
-    assert found.quantile().cases == 700 - bad.sum()
+    np.testing.assert_array_equal(results.column("status") == "impossible vehicle or wind", bad)
+    np.testing.assert_array_equal(np.isnan(results.column("required_K1")), bad)
+    assert results.statuses() == {"ok": 700 - bad.sum(), "impossible vehicle or wind": bad.sum()}
+    assert results.quantile().cases == 700 - bad.sum()
 
 
 @pytest.mark.thorough
@@ -439,14 +439,14 @@ def test_a_case_that_fails_takes_no_other_with_it(plan, whole, tmp_path, monkeyp
         return drawn[np.abs(drawn[:, np.newaxis] / ratio - 1.0).min(axis=-1) < 1e-12]
 
     monkeypatch.setitem(REGISTRY, "required", replace(inner, work=work))
-    found = tv.run_campaign(plan, tmp_path)
-    status = found.column("status")
+    results = tv.run_campaign(plan, tmp_path)
+    status = results.column("status")
     assert np.flatnonzero(status != "ok").tolist() == [5, 300]
     assert set(status[[5, 300]]) == {"failed: nothing to divide by"}
     good = status == "ok"
-    assert np.all(np.isnan(found.column("required_K1")[~good]))
+    assert np.all(np.isnan(results.column("required_K1")[~good]))
     np.testing.assert_allclose(
-        found.column("required_K1")[good], whole.column("required_K1")[good], rtol=1e-12
+        results.column("required_K1")[good], whole.column("required_K1")[good], rtol=1e-12
     )
 
 
@@ -465,8 +465,8 @@ def test_a_dataset_has_every_column_with_its_unit(whole):
     assert dict(table.sizes) == {"case": 700}
     units = {name: table[name].attrs.get("units") for name in table.data_vars}
     drawn = {"thrust": "N", "normal_force_slope": "N/rad", "wind_duration": "s"}
-    found = {"required_K1": "rad", "required_K0.5": "rad", "minimum": "rad", "status": None}
-    assert units == drawn | found
+    computed = {"required_K1": "rad", "required_K0.5": "rad", "minimum": "rad", "status": None}
+    assert units == drawn | computed
     for name in units:
         np.testing.assert_array_equal(table[name].values, whole.column(name))
 
@@ -475,11 +475,11 @@ def test_a_dataset_has_every_column_with_its_unit(whole):
 def test_a_stable_case_needs_nothing(plan, tmp_path):
     either = tv.Dispersions((tv.Dispersion("aerodynamic_arm", "normal", 1.0),))
     every = ("required", "minimum", "forecast-free")
-    found = tv.run_campaign(replace(plan, dispersions=either, outputs=every), tmp_path)
-    stable = found.column("aerodynamic_arm") <= 0.0
-    np.testing.assert_array_equal(found.column("status") == "no unstable pole", stable)
-    for name in found.outputs:
-        np.testing.assert_array_equal(found.column(name) == 0.0, stable)
+    results = tv.run_campaign(replace(plan, dispersions=either, outputs=every), tmp_path)
+    stable = results.column("aerodynamic_arm") <= 0.0
+    np.testing.assert_array_equal(results.column("status") == "no unstable pole", stable)
+    for name in results.outputs:
+        np.testing.assert_array_equal(results.column(name) == 0.0, stable)
 
 
 @pytest.mark.thorough
@@ -551,10 +551,10 @@ def test_the_nominal_case_is_that_of_the_study(plan, whole):
 
 def test_nothing_finished_yet_is_one_sentence(plan, tmp_path):
     begin(plan, tmp_path)
-    found = tv.ensembles.open_campaign(tmp_path)
-    assert (found.cases, found.complete, found.statuses()) == (0, False, {})
+    results = tv.ensembles.open_campaign(tmp_path)
+    assert (results.cases, results.complete, results.statuses()) == (0, False, {})
     with pytest.raises(tv.InputError, match="there is no finished case with an answer"):
-        found.quantile()
+        results.quantile()
 
 
 def test_what_killed_workers_left_is_swept_away_when_it_is_old(plan, tmp_path):

@@ -31,9 +31,9 @@ def test_a_saturation_takes_as_much_gain_as_it_takes_time():
 @pytest.mark.parametrize("sample_rate", [None, 25.0])
 def test_the_time_beyond_a_limit_is_that_of_the_normal_distribution(sample_rate):
     autopilot = replace(AUTOPILOT, sample_rate=sample_rate)
-    found = tv.control.turbulence_covariance(autopilot, PLANT, AIR, SPEED)
-    expected = 2.0 * norm.sf(np.radians(0.1) / found.rms())
-    assert np.isclose(found.exceedance(np.radians(0.1)), expected, rtol=1e-3)
+    result = tv.control.turbulence_covariance(autopilot, PLANT, AIR, SPEED)
+    expected = 2.0 * norm.sf(np.radians(0.1) / result.rms())
+    assert np.isclose(result.exceedance(np.radians(0.1)), expected, rtol=1e-3)
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     history = tv.control.turbulence_history(autopilot, PLANT, AIR, SPEED, 10.0, wind=wind)
     limit, m, s = np.radians(0.7), history.mean(), np.maximum(history.deviation(), 1e-12)
@@ -44,31 +44,31 @@ def test_the_time_beyond_a_limit_is_that_of_the_normal_distribution(sample_rate)
 
 @pytest.mark.parametrize("runs", [100, pytest.param(2000, marks=pytest.mark.thorough)])
 def test_a_limit_that_is_met_rarely_leaves_the_linear_answer(runs):
-    found = fly_turbulence(
+    flights = fly_turbulence(
         AUTOPILOT, PLANT, AIR, SPEED, 20.0, deflection_limit=np.radians(0.2), runs=runs, seed=2
     )
-    assert found.is_linear
-    assert found.survived.estimate > 0.99
+    assert flights.is_linear
+    assert flights.survived.estimate > 0.99
     # 30 s of flight, of which 20 in turbulence
-    share = found.flown.end_time.mean() / 20.0
-    difference = found.limited_time * share - found.linear_time
+    share = flights.flown.end_time.mean() / 20.0
+    difference = flights.limited_time * share - flights.linear_time
     # the demand is ahead of the nozzle, and a limit that is met takes some of the gain
-    assert abs(difference) < 5.0 * found.limited_time_error * share + 0.3 * found.linear_time
+    assert abs(difference) < 5.0 * flights.limited_time_error * share + 0.3 * flights.linear_time
     # flights see the limit at samples alone, and met crossings come in clusters
-    chance = found.linear_probability_of_none
+    chance = flights.linear_probability_of_none
     error = 5.0 * np.sqrt(chance * (1.0 - chance) / runs)
-    assert chance - error < found.unlimited.estimate < chance + error + 0.02
+    assert chance - error < flights.unlimited.estimate < chance + error + 0.02
 
 
 def test_a_limit_that_is_met_often_has_no_linear_answer():
-    found = fly_turbulence(
+    flights = fly_turbulence(
         AUTOPILOT, PLANT, AIR, SPEED, 20.0, deflection_limit=np.radians(0.1), runs=100
     )
-    assert not found.is_linear
-    assert found.largest_exceedance > found.linear_time > 0.1
-    assert found.limited_time > 1.5 * found.linear_time
-    assert found.survived.upper < 0.9
-    assert "its answer is none" in str(found.tables()[0])
+    assert not flights.is_linear
+    assert flights.largest_exceedance > flights.linear_time > 0.1
+    assert flights.limited_time > 1.5 * flights.linear_time
+    assert flights.survived.upper < 0.9
+    assert "its answer is none" in str(flights.tables()[0])
 
 
 def test_a_known_wind_and_fewer_runs_change_no_other_flight():

@@ -118,8 +118,8 @@ def test_the_law_that_leans_survives_above_the_bound_and_no_law_below(model):
     wind = triangle(vehicle, 8.0)
     bound = tv.forecast_free_limit(plant, wind).limit
     law = tv.RecoverableAttitudeLaw(plant, reach=0.98, design_peak=DEGREE, trust=1.0)
-    found = tv.closed_loop_boundary(plant, law, wind, sample_rate=50.0).limit
-    assert bound * (1 - 1e-3) < found < 1.12 * bound
+    computed = tv.closed_loop_boundary(plant, law, wind, sample_rate=50.0).limit
+    assert bound * (1 - 1e-3) < computed < 1.12 * bound
     fixed = tv.Plant.from_vehicle(vehicle, "fixed-path")
     trim = tv.closed_loop_boundary(fixed, tv.TrimLaw(fixed), wind, sample_rate=50.0).limit
     assert trim == pytest.approx(triangular_limit(8.0, 1.0), abs=2e-3)

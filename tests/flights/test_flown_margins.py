@@ -120,19 +120,19 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
 @pytest.mark.parametrize("late", usual([0.0, 0.0263], 1))
 def test_far_from_the_stop_they_are_the_linear_margins_of_the_sampled_loop(late):
     """A hold is half a sample late; its error is of the order (omega h)^2, 2e-4 at crossover."""
-    found = tv.flights.flown_margins(
+    result = tv.flights.flown_margins(
         PLANT, LAWS["attitude and rate"], WIND, limit=150.0 * TRIM, actuator=SERVO, delay=late
     )
     linear = replace(GAINS, actuator=SERVO, delay=late + 0.005).margins(PLANT)
-    assert found.gain_fall.value == pytest.approx(linear.aero_margin, rel=1e-3)
-    assert found.gain_rise.value == pytest.approx(linear.gain_increase, rel=5e-3)
-    assert found.delay.value == pytest.approx(linear.delay_margin, abs=1e-5)
+    assert result.gain_fall.value == pytest.approx(linear.aero_margin, rel=1e-3)
+    assert result.gain_rise.value == pytest.approx(linear.gain_increase, rel=5e-3)
+    assert result.delay.value == pytest.approx(linear.delay_margin, abs=1e-5)
     for name in CHANGES:
-        one = getattr(found, name)
+        one = getattr(result, name)
         assert one.value == pytest.approx(one.linear, rel=1e-3)
         assert one.cause in ("rings", "undecided")
-    assert found.linear == LinearMargins(
-        found.gain_fall.linear, found.gain_rise.linear, found.delay.linear
+    assert result.linear == LinearMargins(
+        result.gain_fall.linear, result.gain_rise.linear, result.delay.linear
     )
 
 
@@ -143,28 +143,28 @@ def test_the_course_booster_has_426_ms_in_continuous_time_and_half_a_sample_less
     nozzle = tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7)
     wind = tv.TriangularWind(peak=PEAK, duration=4.0 / float(plant.coefficients.beta))
     limit = 1.2 * 0.7922 * float(plant.coefficients.B) * PEAK
-    found = tv.flights.flown_margins(
+    result = tv.flights.flown_margins(
         plant, tv.SaturatedLaw(gains), wind, limit=limit, actuator=nozzle
     )
-    assert found.spare == pytest.approx(1.2, abs=2e-4)
-    assert found.delay.linear == pytest.approx(0.4206, abs=5e-5)
+    assert result.spare == pytest.approx(1.2, abs=2e-4)
+    assert result.delay.linear == pytest.approx(0.4206, abs=5e-5)
     assert replace(gains, actuator=nozzle).margins(plant).delay_margin == pytest.approx(
-        found.delay.linear + 0.005, abs=1e-5
+        result.delay.linear + 0.005, abs=1e-5
     )
-    assert found.delay.cause == "rings"
-    assert found.delay.loss == pytest.approx(0.470, abs=1e-3)
-    assert found.gain_fall.value == pytest.approx(2.175, abs=1e-3)
-    assert found.gain_fall.linear == pytest.approx(10.859, abs=5e-4)
-    assert found.effectiveness_fall.value == pytest.approx(1.170, abs=1e-3)
+    assert result.delay.cause == "rings"
+    assert result.delay.loss == pytest.approx(0.470, abs=1e-3)
+    assert result.gain_fall.value == pytest.approx(2.175, abs=1e-3)
+    assert result.gain_fall.linear == pytest.approx(10.859, abs=5e-4)
+    assert result.effectiveness_fall.value == pytest.approx(1.170, abs=1e-3)
 
 
 @pytest.mark.parametrize("law", usual(LAWS.values(), 3), ids=LAWS)
 def test_at_the_boundary_no_effectiveness_may_be_lost(law):
     """F y_b(1/f) = L, and y_b does not fall with falling gain: f is at most the spare."""
-    found = margins(law, 1.003, rate=50.0)
-    assert 1.0 < found.effectiveness_fall.value <= found.spare * (1.0 + STEP)
-    assert found.effectiveness_fall.cause == "lost"
-    assert found.gain_fall.value < 1.12
+    result = margins(law, 1.003, rate=50.0)
+    assert 1.0 < result.effectiveness_fall.value <= result.spare * (1.0 + STEP)
+    assert result.effectiveness_fall.cause == "lost"
+    assert result.gain_fall.value < 1.12
 
 
 # Of another program, in whose steps the deflection always goes evenly: gain and effectiveness that
@@ -190,15 +190,15 @@ NEAR_REST = {
 @pytest.mark.parametrize(("case", "expected"), usual(TABLE.items(), 1), ids=str)
 def test_margins_are_those_of_the_table(case, expected):
     name, times = case
-    found = margins(LAWS[name], times)
-    lost = (found.gain_fall.loss, found.effectiveness_fall.loss, found.delay.loss)
+    result = margins(LAWS[name], times)
+    lost = (result.gain_fall.loss, result.effectiveness_fall.loss, result.delay.loss)
     np.testing.assert_allclose(lost, expected, rtol=1e-3, atol=6e-4)
-    np.testing.assert_allclose(found.linear, NEAR_REST[name], rtol=1e-3)
+    np.testing.assert_allclose(result.linear, NEAR_REST[name], rtol=1e-3)
     for change in CHANGES:
-        one = getattr(found, change)
+        one = getattr(result, change)
         assert one.value == min(one.loss, one.linear)
         assert (one.cause == "rings") == (one.linear <= one.loss)
-    assert found.gain_rise.cause == found.effectiveness_rise.cause == "rings"
+    assert result.gain_rise.cause == result.effectiveness_rise.cause == "rings"
 
 
 def flown(change, value, law, limit, rate):
@@ -221,16 +221,16 @@ def flown(change, value, law, limit, rate):
 def test_brute_flights_of_changed_gains_plants_and_delays_find_the_same(name, change):
     law, rate, times = LAWS["attitude and rate"], 50.0, 1.08
     limit = times * boundary(law, rate) * TRIM
-    found = getattr(margins(law, times, rate), name)
-    assert found.cause == "lost"
-    assert not found.survives_beyond
+    result = getattr(margins(law, times, rate), name)
+    assert result.cause == "lost"
+    assert not result.survives_beyond
     parts = np.concatenate([np.linspace(0.02, 0.98, 25), [0.999, 1.0, 1.002, 1.1, 1.2]])
     for part in parts:
-        value = part * found.value if change == "delay" else found.value**-part
+        value = part * result.value if change == "delay" else result.value**-part
         status = str(flown(change, value, law, limit, rate).status)
         assert status == ("survived" if part <= 1.0 else "lost")
-    np.testing.assert_array_equal(found.survives, found.scan <= found.value * (1.0 + 1e-12))
-    assert found.scan[0] == (0.0 if change == "delay" else 1.0)
+    np.testing.assert_array_equal(result.survives, result.scan <= result.value * (1.0 + 1e-12))
+    assert result.scan[0] == (0.0 if change == "delay" else 1.0)
 
 
 @pytest.mark.parametrize("kind", ["numbers", "python"])
@@ -294,19 +294,19 @@ def test_effectiveness_with_a_stop_is_gain_with_a_stop_so_many_times_as_far(law)
 @pytest.mark.thorough
 def test_margins_can_be_read_from_the_map():
     law, times = LAWS["attitude and rate"], 1.08
-    found = margins(law, times, rate=50.0)
-    at = {"fall": 1.0 / found.gain_fall.value, "effect": 1.0 / found.effectiveness_fall.value}
+    result = margins(law, times, rate=50.0)
+    at = {"fall": 1.0 / result.gain_fall.value, "effect": 1.0 / result.effectiveness_fall.value}
     gains = sorted([*at.values(), 1.0])
     chart = tv.flights.boundary_map(
-        PLANT, law, WIND, gains, [0.0, found.delay.value], sample_rate=50.0, actuator=SERVO
+        PLANT, law, WIND, gains, [0.0, result.delay.value], sample_rate=50.0, actuator=SERVO
     )
     known = 2.0 * 1.98 / 60.0 * STEP  # of both: by gain and delay the boundary moves slowly
     assert chart.full_trim == pytest.approx(TRIM)
-    assert chart.limit[gains.index(at["fall"]), 0] == pytest.approx(found.limit, abs=known)
+    assert chart.limit[gains.index(at["fall"]), 0] == pytest.approx(result.limit, abs=known)
     effect = chart.limit[gains.index(at["effect"]), 0]
-    assert effect / at["effect"] == pytest.approx(found.limit, abs=known)
-    assert chart.limit[2, 1] == pytest.approx(found.limit, abs=known)
-    assert chart.limit[2, 0] == found.boundary
+    assert effect / at["effect"] == pytest.approx(result.limit, abs=known)
+    assert chart.limit[2, 1] == pytest.approx(result.limit, abs=known)
+    assert chart.limit[2, 0] == result.boundary
     assert np.all(chart.growth < 0.0)
 
 
@@ -315,11 +315,11 @@ def test_filters_of_a_law_are_in_its_margins():
     """Far from the stop those of the filtered loop; a bilinear filter is exact at its frequency."""
     shelf = tv.vehicle.Filter.low_pass(6.0, 0.7)
     law = tv.control.FilteredLaw(LAWS["attitude and rate"], filters=(shelf,))
-    found = tv.flights.flown_margins(PLANT, law, WIND, limit=150.0 * TRIM, actuator=SERVO)
+    result = tv.flights.flown_margins(PLANT, law, WIND, limit=150.0 * TRIM, actuator=SERVO)
     linear = replace(GAINS, filters=(shelf,), actuator=SERVO, delay=0.005).margins(PLANT)
-    assert found.gain_fall.value == pytest.approx(linear.aero_margin, rel=2e-3)
-    assert found.gain_rise.value == pytest.approx(linear.gain_increase, rel=5e-3)
-    assert found.delay.value == pytest.approx(linear.delay_margin, abs=1e-4)
+    assert result.gain_fall.value == pytest.approx(linear.aero_margin, rel=2e-3)
+    assert result.gain_rise.value == pytest.approx(linear.gain_increase, rel=5e-3)
+    assert result.delay.value == pytest.approx(linear.delay_margin, abs=1e-4)
 
 
 @pytest.mark.thorough
@@ -342,12 +342,12 @@ def test_sudden_stops_and_a_slow_nozzle_leave_no_more():
 
 @pytest.mark.thorough
 def test_a_switch_may_lose_earlier_than_the_loop_grows_and_survive_again():
-    found = margins(LAWS["dead band"], 1.5)
-    assert found.delay.value == pytest.approx(0.583, abs=1e-3)
-    assert found.delay.linear == pytest.approx(0.7834, abs=1e-4)
-    assert found.delay.survives_beyond
-    assert found.delay.cause == "undecided"
-    assert found.notes == (
+    result = margins(LAWS["dead band"], 1.5)
+    assert result.delay.value == pytest.approx(0.583, abs=1e-3)
+    assert result.delay.linear == pytest.approx(0.7834, abs=1e-4)
+    assert result.delay.survives_beyond
+    assert result.delay.cause == "undecided"
+    assert result.notes == (
         "delay 0.5831: beyond it flights stay undecided",
         "delay 0.5831: some larger changes survive again",
     )
@@ -390,19 +390,21 @@ def test_figures_show_the_margins_and_the_map():
     import matplotlib.pyplot as plt
 
     law = LAWS["attitude and rate"]
-    found = [margins(law, times, rate=50.0) for times in (3.0, 1.1)]
-    drawn = tv.plots.flown_margins_chart(found).curves
-    np.testing.assert_array_equal(drawn.abscissa, [found[1].spare, found[0].spare])
+    computed = [margins(law, times, rate=50.0) for times in (3.0, 1.1)]
+    drawn = tv.plots.flown_margins_chart(computed).curves
+    np.testing.assert_array_equal(drawn.abscissa, [computed[1].spare, computed[0].spare])
     shown = {column.label: column.values for column in drawn.columns}
-    np.testing.assert_allclose(shown["gain fall"], [found[1].gain_fall.dB, found[0].gain_fall.dB])
-    assert shown["delay: grows near rest"][0] == found[1].linear.delay
+    np.testing.assert_allclose(
+        shown["gain fall"], [computed[1].gain_fall.dB, computed[0].gain_fall.dB]
+    )
+    assert shown["delay: grows near rest"][0] == computed[1].linear.delay
     chart = tv.flights.boundary_map(PLANT, law, WIND, [0.7, 1.0, 1.4], [0.0, 0.7], sample_rate=20.0)
     plot = tv.plots.boundary_map_chart(chart, limit=TRIM)
     assert chart.growth[-1, -1] > 0.0 > chart.growth[-1, 0]
     np.testing.assert_array_equal(plot.curves.columns[0].values, chart.limit[:, 0])
     texts = [text.get_text() for text in plot.figure.legends[0].get_texts()]
     assert texts == ["boundary, of full trim", "limit, 1 of full trim", "grows near rest"]
-    assert "limit over boundary" in found[0]._repr_html_()
+    assert "limit over boundary" in computed[0]._repr_html_()
     assert "limit over trim" in chart._repr_html_()
     with pytest.raises(tv.InputError, match="two or more gains"):
         tv.plots.boundary_map_chart(replace(chart, limit=chart.limit[:1]))

@@ -103,11 +103,11 @@ def written_out(name, model, limit, actuator=None, rate_limit=np.inf):
         runs.append(run.sol)
 
     def at(times):
-        found = []
+        computed = []
         for t in times:
             y = runs[np.searchsorted(edges, t, side="right") - 1](t)
-            found.append([*y[:n], parts(t, y)[-1]])
-        return np.array(found).T
+            computed.append([*y[:n], parts(t, y)[-1]])
+        return np.array(computed).T
 
     return at
 
@@ -168,7 +168,7 @@ def stepped(name, model, limit, rate, times, actuator=None, rate_limit=np.inf):
     x, servo, memory = np.zeros(n), np.zeros(order), np.zeros(len(law.states[0]))
     remembered = memory_step(name, len(memory), h)
     onset = float(WIND.onset)
-    found = {t: np.zeros(n + 1) for t in times[times < onset]}
+    computed = {t: np.zeros(n + 1) for t in times[times < onset]}
     for k in range(int((times.max() - onset) * rate) + 1):
         t, later = onset + k * h, onset + (k + 1) * h
         before = np.clip(servo[0], -limit, limit)
@@ -189,10 +189,10 @@ def stepped(name, model, limit, rate, times, actuator=None, rate_limit=np.inf):
             given = (before, (np.clip(moved[0], -limit, limit) - before) / h)
         for time in times[(times >= t) & (times < later)]:
             state, nozzle = carried(x, t, time, bounded, *given) if time > t else (x, given)
-            found[time] = [*state, np.clip(nozzle[0], -limit, limit)]
+            computed[time] = [*state, np.clip(nozzle[0], -limit, limit)]
         memory = remembered @ [*memory, x[0], x[1], before]
         x, servo = carried(x, t, later, bounded, *given)[0], moved
-    return np.array([found[t] for t in times]).T
+    return np.array([computed[t] for t in times]).T
 
 
 @pytest.mark.parametrize(
@@ -495,10 +495,10 @@ def test_a_flight_long_after_the_beginning_of_time_is_that_at_zero(late):
     times = np.linspace(0.0, 30.0, 7)
     hardware = {"deflection_limit": 0.7 * B * PEAK, "actuator": SERVO}
     early = tv.fly(plant, law, WIND, times, **hardware).outputs["attitude"]
-    found = tv.fly(plant, law, WIND.shift(late), late + times, **hardware).outputs["attitude"]
+    computed = tv.fly(plant, law, WIND.shift(late), late + times, **hardware).outputs["attitude"]
     # knots there are known to a rounding of the time, and at the end BETA e^(BETA t) feels it
     lost = np.finfo(float).eps * late * np.abs(early).max() * BETA * np.exp(BETA * WIND.end)
-    np.testing.assert_allclose(found, early, rtol=0.0, atol=lost + CORNERS * np.abs(early).max())
+    np.testing.assert_allclose(computed, early, rtol=0.0, atol=lost + CORNERS * np.abs(early).max())
 
 
 @pytest.mark.thorough

@@ -125,9 +125,9 @@ def test_a_heavy_engine_moves_the_vehicle_where_limits_hold_it(limit, rate_limit
     wanted = stepped(PLANT, command, times, steps=40, rate_limit=rate_limit, stop=limit)
     nozzle = {"deflection_limit": limit, "rate_limit": rate_limit, "actuator": SERVO}
     flown = tv.fly(PLANT, LAW, SUDDEN, times, **nozzle, sample_rate=rate)
-    found = np.array([flown.outputs["attitude"], flown.outputs["sensed_attitude_rate"]])
+    result = np.array([flown.outputs["attitude"], flown.outputs["sensed_attitude_rate"]])
     scale = np.abs(wanted).max(axis=1, keepdims=True)
-    np.testing.assert_array_less(np.abs(found - wanted) / scale, 1e-3)
+    np.testing.assert_array_less(np.abs(result - wanted) / scale, 1e-3)
 
 
 def test_a_stiff_structure_flies_as_the_rigid_vehicle():
@@ -237,11 +237,13 @@ class Plain(tv.control.Law):
 
 def test_filters_of_a_law_in_python_are_those_of_the_package():
     nozzle = {"deflection_limit": 0.05, "actuator": STIFF, "sample_rate": 100.0}
-    found = [
+    computed = [
         tv.fly_many(BOOSTER, tv.control.FilteredLaw(law, filters=SHAPED.filters), WIND, **nozzle)
         for law in (Plain(), tv.SaturatedLaw(replace(SHAPED, filters=())))
     ]
-    assert float(found[0].peak_attitude) == pytest.approx(float(found[1].peak_attitude), rel=1e-12)
+    assert float(computed[0].peak_attitude) == pytest.approx(
+        float(computed[1].peak_attitude), rel=1e-12
+    )
 
 
 def test_the_notch_decides_whether_the_booster_flies():
@@ -271,10 +273,10 @@ def test_a_vehicle_that_is_brought_back_while_bending_grows_rings():
     )
     limits = np.radians([[0.3], [5.0]])
     nozzle = {"actuator": STIFF, "sample_rate": 50.0, "delay": 0.02}
-    found = tv.fly_many(plant, tv.SaturatedLaw(SHAPED), WIND, deflection_limit=limits, **nozzle)
-    assert found.status.tolist() == [["lost", "lost"], ["survived", "rings"]]
-    assert found.saturated_time_fraction[1, 0] == 0.0
-    assert found.saturated_time_fraction[1, 1] > 0.3
+    flights = tv.fly_many(plant, tv.SaturatedLaw(SHAPED), WIND, deflection_limit=limits, **nozzle)
+    assert flights.status.tolist() == [["lost", "lost"], ["survived", "rings"]]
+    assert flights.saturated_time_fraction[1, 0] == 0.0
+    assert flights.saturated_time_fraction[1, 1] > 0.3
     sampled = replace(SHAPED, actuator=STIFF, delay=0.02, sample_rate=50.0)
     unstable = [sampled.margins(plant.cases(np.array([k]), (2,))).status[0] for k in (0, 1)]
     assert unstable == ["ok", "unstable"]

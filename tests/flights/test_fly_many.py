@@ -101,10 +101,10 @@ def test_without_limits_a_flight_is_the_linear_sampled_loop(compiled):
     step, x, integral = held(plant, rate), np.zeros(3), 0.0
     for k in range(450):
         gust = PEAK if k < 300 else 0.0
-        asked = GAINS["attitude_gain"] * x[0] + GAINS["rate_gain"] * x[1]
-        asked += MORE["alpha_gain"] * (x[0] - x[2] - gust) + MORE["integral_gain"] * integral
+        request = GAINS["attitude_gain"] * x[0] + GAINS["rate_gain"] * x[1]
+        request += MORE["alpha_gain"] * (x[0] - x[2] - gust) + MORE["integral_gain"] * integral
         integral += x[0] / rate
-        x = step @ [*x, asked, gust]
+        x = step @ [*x, request, gust]
     wind = tv.RectangularWind(peak=PEAK, duration=6.0)
     law = tv.SaturatedLaw(Autopilot(**GAINS, **MORE))
     with pinned(compiled):
@@ -192,8 +192,8 @@ def by_small_steps(which: int, rate: float, limit: float, until: float) -> tuple
         return min(max(value, -size), size)
 
     for k in range(int(until * rate)):
-        asked = GAINS["attitude_gain"] * theta + GAINS["rate_gain"] * turning
-        command = clipped(asked, limit)
+        request = GAINS["attitude_gain"] * theta + GAINS["rate_gain"] * turning
+        command = clipped(request, limit)
         for j in range(parts):
             old = clipped(s, limit)
             if zeta is None:
@@ -236,13 +236,13 @@ def test_outcomes_are_those_of_flights_without_pause(name, model):
     """Just above the boundary a flight settles, just below it leaves for ever."""
     plant, wind = plant_of(model), TriangularWind(peak=PEAK, duration=8.0)
     law = LAWS[name](plant)
-    found = tv.closed_loop_boundary(plant, law, wind, sample_rate=400.0)
-    limits = found.scan * B * PEAK
+    boundary = tv.closed_loop_boundary(plant, law, wind, sample_rate=400.0)
+    limits = boundary.scan * B * PEAK
     sampled = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=400.0)
-    np.testing.assert_array_equal(sampled.status == "survived", found.survives)
+    np.testing.assert_array_equal(sampled.status == "survived", boundary.survives)
     assert set(sampled.status) == {"survived", "lost"}
     assert np.all(sampled.peak_deflection <= limits)
-    edge, late = found.limit * B * PEAK, [8.0, 30.0]
+    edge, late = boundary.limit * B * PEAK, [8.0, 30.0]
     above, below = (
         np.abs(tv.fly(plant, law, wind, late, deflection_limit=part * edge).outputs[0])
         for part in (1.02, 0.98)
@@ -377,17 +377,17 @@ def test_a_flight_that_leaves_all_numbers_is_lost_without_a_warning(compiled):
     wind, limits = TriangularWind(peak=PEAK, duration=2000.0), B * PEAK * np.array([0.02, 1.02])
     with pinned(compiled):
         law = LAWS["trim"](plant_of())
-        found = tv.fly_many(plant_of(), law, wind, deflection_limit=limits, sample_rate=4.0)
-    assert found.status.tolist() == ["lost", "survived"]
-    assert found.peak_attitude[0] == np.inf
-    assert found.peak_deflection[0] == limits[0]
+        flights = tv.fly_many(plant_of(), law, wind, deflection_limit=limits, sample_rate=4.0)
+    assert flights.status.tolist() == ["lost", "survived"]
+    assert flights.peak_attitude[0] == np.inf
+    assert flights.peak_deflection[0] == limits[0]
 
 
 def test_of_many_limits_one_that_no_nozzle_has_is_no_flight():
     limits = np.array([0.1, np.pi / 2, 4.0])
     law = LAWS["gains"](None)
-    found = tv.fly_many(plant_of(), law, WIND, deflection_limit=limits, sample_rate=50.0)
-    assert found.status.tolist() == ["survived", "no flight", "no flight"]
+    flights = tv.fly_many(plant_of(), law, WIND, deflection_limit=limits, sample_rate=50.0)
+    assert flights.status.tolist() == ["survived", "no flight", "no flight"]
 
 
 def test_a_flight_beside_the_linear_theory_goes_on_to_the_end_of_its_wind():

@@ -58,11 +58,11 @@ def test_in_a_straight_wind_it_is_the_flight_of_one_plane(name, nozzle) -> None:
 def test_a_flight_is_the_solution_of_its_equations(stop, saturate) -> None:
     """In both planes theta'' = beta^2 alpha - (beta^2/B) delta, with delta held over a sample."""
     wind, limit, gain = veering(180.0), 0.75 * TRIM, 10.0
-    found = flown(tv.TrimLaw(PLANT, gain=gain), wind, 0.75, limit_shape=stop, saturate=saturate)
+    result = flown(tv.TrimLaw(PLANT, gain=gain), wind, 0.75, limit_shape=stop, saturate=saturate)
     inner = limit if stop == "square" else limit / np.sqrt(2.0)
     x, t = np.zeros(2, complex), 0.0
     for k in range(int(GUST.duration * RATE)):
-        assert found.attitude[k] == pytest.approx(x[0], abs=1e-9)
+        assert result.attitude[k] == pytest.approx(x[0], abs=1e-9)
         u = B * (x[0] - wind(t) + gain * (x[0] + x[1] / BETA))
         if saturate == "each plane":
             u = np.clip(u.real, -inner, inner) + 1j * np.clip(u.imag, -inner, inner)
@@ -93,10 +93,10 @@ def test_each_plane_by_itself_costs_what_the_square_inside_costs() -> None:
     """sqrt(2) times the larger part of the direction, 30 degrees from pitch."""
     wind = tv.winds.PlaneWind.towards(GUST, np.radians(30))
     edge = 0.6885 * np.sqrt(2.0) * np.cos(np.radians(30))
-    found = flown(LAWS["trim"], wind, [0.98 * edge, 1.02 * edge], saturate="each plane")
-    assert found.status.tolist() == ["lost", "survived"]
+    result = flown(LAWS["trim"], wind, [0.98 * edge, 1.02 * edge], saturate="each plane")
+    assert result.status.tolist() == ["lost", "survived"]
     assert flown(LAWS["trim"], wind, 0.70).status == "survived"
-    assert np.all(found.peak_deflection <= np.array([0.98, 1.02]) * edge * TRIM * (1 + 1e-12))
+    assert np.all(result.peak_deflection <= np.array([0.98, 1.02]) * edge * TRIM * (1 + 1e-12))
 
 
 @pytest.mark.thorough

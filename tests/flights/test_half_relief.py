@@ -67,12 +67,12 @@ def test_what_rests_within_the_reach_comes_back_and_its_energy_falls(seed):
     for part, returns in ((0.97, True), (1.03, False)):
         span = 60.0 if returns else 12.0
         options = {"rtol": 1e-9, "atol": 1e-12, "max_step": 0.02}
-        found = solve_ivp(rates, (0.0, span), [part * y, 0.0], **options).y
-        energy = 0.5 * found[1] ** 2 + [potential(theta) for theta in found[0]]
-        assert np.all(np.diff(energy[: np.argmax(np.abs(found[0]) > 1.1 * y) or None]) < 1e-8)
-        assert (np.abs(found[0, -1]) < y) == returns
+        computed = solve_ivp(rates, (0.0, span), [part * y, 0.0], **options).y
+        energy = 0.5 * computed[1] ** 2 + [potential(theta) for theta in computed[0]]
+        assert np.all(np.diff(energy[: np.argmax(np.abs(computed[0]) > 1.1 * y) or None]) < 1e-8)
+        assert (np.abs(computed[0, -1]) < y) == returns
         if returns:
-            assert np.abs(found[0]).max() <= part * y * (1.0 + 1e-9)
+            assert np.abs(computed[0]).max() <= part * y * (1.0 + 1e-9)
             assert energy[-1] < 0.2 * energy[0]
 
 
@@ -93,8 +93,8 @@ def test_in_slow_winds_the_larger_of_ratio_and_lean_is_needed(ratio, tau_beta):
     needed = max(ratio, 1.0 - ratio)
     limits = np.array([needed - doubt, needed + doubt, 0.9]) * B * PEAK
     both = wind.before([[np.inf], [wind.duration / 2.0]])
-    found = tv.fly_many(plant_of(), gains, both, deflection_limit=limits, sample_rate=rate)
-    whole, stopped = found.status == "survived"
+    flights = tv.fly_many(plant_of(), gains, both, deflection_limit=limits, sample_rate=rate)
+    whole, stopped = flights.status == "survived"
 
     assert (whole & stopped).tolist() == [False, True, True]
     assert whole[0] == (ratio < 0.5)  # more lean than half: only the stop is lost
@@ -171,8 +171,10 @@ def test_an_estimated_law_sees_what_its_estimator_says():
     law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.3, rate_gain=0.4, alpha_gain=0.07))
     theta, rate, path, alpha, delta, seen_rate, wind = draw.normal(size=7)
     shown = tv.control.Measurement(theta, rate, path, alpha, delta)
-    asked = observed(law).demand(shown, np.array([seen_rate, wind]), 1.0)
-    assert asked == pytest.approx(0.3 * theta + 0.4 * seen_rate + 0.07 * (theta - wind), rel=1e-12)
+    request = observed(law).demand(shown, np.array([seen_rate, wind]), 1.0)
+    assert request == pytest.approx(
+        0.3 * theta + 0.4 * seen_rate + 0.07 * (theta - wind), rel=1e-12
+    )
 
 
 class Written(tv.control.Law):
@@ -194,8 +196,8 @@ class Written(tv.control.Law):
 
     def demand(self, measured, states, limit):
         theta = measured.attitude
-        asked = HALF.attitude_gain * theta + HALF.rate_gain * states[0]
-        return asked + HALF.alpha_gain * (theta - states[1]) + self.integral * states[2]
+        request = HALF.attitude_gain * theta + HALF.rate_gain * states[0]
+        return request + HALF.alpha_gain * (theta - states[1]) + self.integral * states[2]
 
 
 @pytest.mark.parametrize("integral", [0.0, 0.02])

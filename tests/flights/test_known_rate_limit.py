@@ -65,7 +65,7 @@ def program(tau_beta, rho, count=300, tangents=40):
                 sparse.hstack([sign * one, sign * (1.0 - slope) * one, -slope * np.ones((n, 1))])
             )
             most.append(np.full(n, at))
-    found = linprog(
+    result = linprog(
         np.append(np.zeros(2 * n), 1.0),
         A_ub=sparse.vstack(rows, format="csr"),
         b_ub=np.concatenate(most),
@@ -73,8 +73,8 @@ def program(tau_beta, rho, count=300, tangents=40):
         b_eq=known,
         bounds=[(None, None)] * (2 * n) + [(0.0, None)],
     )
-    assert found.status == 0
-    return float(found.x[-1])
+    assert result.status == 0
+    return float(result.x[-1])
 
 
 @pytest.mark.thorough
@@ -107,9 +107,9 @@ def test_how_far_the_nozzle_turns_is_the_inverse_of_the_recoverable_set():
     q = room / swing
     exact = 1.0 + q + lambertw(-np.exp(-1.0 - q)).real
     exact[:2] = np.sqrt(2.0 * q[:2])  # the same, to a part of sqrt(q)/4, without the branch point
-    found = np.array([recovery_distance(one, swing) for one in room]) / swing
-    assert found == pytest.approx(exact, rel=3e-5, abs=0.0)
-    assert found[2:] == pytest.approx(exact[2:], rel=1e-9)
+    computed = np.array([recovery_distance(one, swing) for one in room]) / swing
+    assert computed == pytest.approx(exact, rel=3e-5, abs=0.0)
+    assert computed[2:] == pytest.approx(exact[2:], rel=1e-9)
     assert recovery_distance(-1.0, swing) == 0.0
 
 
@@ -135,16 +135,16 @@ def test_with_drift_an_actuator_a_delay_and_sudden_stops():
     rate, wind = turning(EXACT, 1.0), triangle(EXACT, 4.0)
     nozzle = {"actuator": tv.Actuator(natural_frequency=20.0), "delay": 0.02, "cuts": 3}
     flown = {"rate_limit": rate, "sample_rate": 50, "lowest": 0.3, "highest": 1.5}
-    found = tv.closed_loop_boundary(EXACT, recoverable(EXACT, rate), wind, **flown, **nozzle)
-    assert 0.5 < found.limit < 0.55
-    assert found.monotone
+    boundary = tv.closed_loop_boundary(EXACT, recoverable(EXACT, rate), wind, **flown, **nozzle)
+    assert 0.5 < boundary.limit < 0.55
+    assert boundary.monotone
     for more in ({}, {"cuts": 3}):
         before = tv.closed_loop_boundary(EXACT, recoverable(EXACT), wind, **flown, **more)
         assert before.limit > 1.0
     gyro = tv.control.WindEstimator(bandwidth=10.0, rate_noise=np.radians(0.02), seed=1)
     blind = recoverable(EXACT, rate, reach=0.8, gain=5.0, estimator=gyro)
-    found = tv.closed_loop_boundary(EXACT, blind, wind, **flown, **nozzle)
-    assert found.limit < 0.65
+    boundary = tv.closed_loop_boundary(EXACT, blind, wind, **flown, **nozzle)
+    assert boundary.limit < 0.65
 
 
 @pytest.mark.thorough
@@ -169,9 +169,9 @@ def test_trim_with_the_gain_that_suits_needs_the_known_minimum_of_a_nozzle_as_sl
     law = design_law("trim", FIXED, PEAK, rate_limit=rate)
     assert law.gain == pytest.approx(rho)
     least = tv.boundary_limit(FIXED, wind).limit
-    found = tv.closed_loop_boundary(FIXED, law, wind, **flown)
-    assert least - 2e-3 < found.limit < 1.02 * least
-    assert found.monotone
+    boundary = tv.closed_loop_boundary(FIXED, law, wind, **flown)
+    assert least - 2e-3 < boundary.limit < 1.02 * least
+    assert boundary.monotone
     usual = tv.closed_loop_boundary(FIXED, tv.TrimLaw(FIXED), wind, **flown)
     assert usual.limit > 1.05 * least
 

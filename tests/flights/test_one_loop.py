@@ -141,16 +141,16 @@ def independent_step(plant, autopilot):
 
     attitude = passed("attitude_filters", signal["attitude_filters"])
     rate = passed("rate_filters", signal["rate_filters"])
-    asked = (
+    request = (
         autopilot.attitude_gain * attitude
         + autopilot.rate_gain * rate
         + autopilot.alpha_gain * sensed[2:] @ x[:n]
     )
     if integral:
         held = unit[hardware + filter_order : hardware + filter_order + 1]
-        asked = asked + autopilot.integral_gain * held
+        request = request + autopilot.integral_gain * held
         memory[-1:] = held + h * attitude
-    command = passed("filters", asked)
+    command = passed("filters", request)
     commands = np.vstack([command, unit[hardware + filter_order + integral :]])
     moved = x
     for late, length in ((count + 1, rest), (count, h - rest)):

@@ -228,15 +228,15 @@ def test_varying_parameters_are_those_of_another_integration():
 def test_with_varying_parameters_sign_size_and_plane_of_the_wind_matter():
     name = NAMES[0]
     condition = load_flight_condition(name)
-    found = {}
+    computed = {}
     for peak, plane in ((1.0, "pitch"), (5.0, "pitch"), (-5.0, "pitch"), (1.0, "yaw")):
         vehicle, wind = case(name, peak=np.radians(peak))
         later = wind.shift(vehicle.time - wind.duration / 2)
         options = {"plane": plane, "frozen": False, "condition": condition, "tolerance": 1e-2}
-        found[peak, plane] = flown_boundary(vehicle, later, 1.0, **options).limit
-    assert found[5.0, "pitch"] < found[1.0, "pitch"] - 0.02
-    assert found[-5.0, "pitch"] > found[1.0, "pitch"] + 0.06
-    assert found[1.0, "yaw"] == pytest.approx(0.65, abs=0.015)
+        computed[peak, plane] = flown_boundary(vehicle, later, 1.0, **options).limit
+    assert computed[5.0, "pitch"] < computed[1.0, "pitch"] - 0.02
+    assert computed[-5.0, "pitch"] > computed[1.0, "pitch"] + 0.06
+    assert computed[1.0, "yaw"] == pytest.approx(0.65, abs=0.015)
 
 
 @pytest.mark.parametrize(

@@ -614,18 +614,18 @@ def test_without_jsbsim_the_extra_is_named(configuration_i, monkeypatch):
 
 def test_the_bisection_knows_nothing_of_the_engine(configuration_i):
     """A verdict with a known edge is found to the tolerance, in the number of halvings it takes."""
-    wind, asked = triangle(configuration_i), []
+    wind, request = triangle(configuration_i), []
     scale = tv.Coefficients.from_vehicle(configuration_i).B * DEGREE
 
     def engine(vehicle, gust, control, *, plane, frozen):
-        asked.append((vehicle, gust, control, plane, frozen))
+        request.append((vehicle, gust, control, plane, frozen))
         return lambda limit: limit >= 0.4321 * scale
 
-    found = tv.flown_boundary(configuration_i, wind, 0.3, engine=engine, tolerance=1e-3)
+    result = tv.flown_boundary(configuration_i, wind, 0.3, engine=engine, tolerance=1e-3)
 
-    assert asked == [(configuration_i, wind, tv.flights.ReportControl(0.3), "pitch", True)]
-    assert abs(found.limit - 0.4321) <= found.error <= 1e-3
-    assert found.flights == 11
-    assert found.deflection == -found.limit * scale
+    assert request == [(configuration_i, wind, tv.flights.ReportControl(0.3), "pitch", True)]
+    assert abs(result.limit - 0.4321) <= result.error <= 1e-3
+    assert result.flights == 11
+    assert result.deflection == -result.limit * scale
     back = tv.flown_boundary(configuration_i, wind * -1.0, 0.3, engine=engine, tolerance=1e-3)
-    assert back.deflection == -found.deflection
+    assert back.deflection == -result.deflection

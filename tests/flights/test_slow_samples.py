@@ -28,8 +28,8 @@ def by_small_steps(actuator, rate, delay, limit, most, last, parts=800):
     late = round(delay * rate * parts)
     for k in range(round(last * rate) + 1):
         shown.append((x, min(max(s, -limit), limit)))
-        asked = GAINS.attitude_gain * x + GAINS.rate_gain * q
-        commands.append(min(max(asked, -limit), limit))
+        request = GAINS.attitude_gain * x + GAINS.rate_gain * q
+        commands.append(min(max(request, -limit), limit))
         winds = WIND((k * parts + np.arange(parts) + 0.5) * h).tolist()
         for j, wind in enumerate(winds):
             sent = (k * parts + j - late) // parts
@@ -160,10 +160,10 @@ def test_beside_the_edge_of_stability_a_flight_is_on_the_side_that_margins_say(r
         actuator=actuator, sample_rate=rate,
     )  # fmt: skip
     assert flown.status.tolist() == ["survived", "rings"]
-    found = tv.closed_loop_boundary(
+    boundary = tv.closed_loop_boundary(
         PLANT, LAW, WIND, gain=1.001 * rise, actuator=actuator, sample_rate=rate
     )
-    assert found.has_unstable_mode
+    assert boundary.has_unstable_mode
 
 
 BENDS = tv.FlexiblePlant.from_vehicle(BOOSTER, tv.Structure(bending=MODES, slosh=TANKS))

@@ -86,29 +86,29 @@ never met; rates; and a travel, which is a sum."""
 def angles(call: Any) -> set[str]:
     """Return the arguments of which a docstring says that they are in radians."""
     said = inspect.getdoc(call) or ""
-    found = re.search(r"(?:Parameters|Attributes)\n-+\n(.*?)(?:\n\n\w+\n-+\n|\Z)", said, re.DOTALL)
+    result = re.search(r"(?:Parameters|Attributes)\n-+\n(.*?)(?:\n\n\w+\n-+\n|\Z)", said, re.DOTALL)
     rows = re.findall(
-        r"^(\w[\w, ]*?) : [^\n]*\n((?:    .*\n?|\n)*)", found[1] if found else "", re.M
+        r"^(\w[\w, ]*?) : [^\n]*\n((?:    .*\n?|\n)*)", result[1] if result else "", re.M
     )
     return {name for names, told in rows if "[rad]" in told for name in names.split(", ")}
 
 
 def test_an_angle_that_was_meant_in_degrees_is_refused(every: dict[str, Door]) -> None:
     """4 rad of a deflection or a wind, 7 rad of a direction: of every public function."""
-    asked, taken, known = 0, [], public()
+    request, taken, known = 0, [], public()
     for name, door in every.items():
         first, _, method = name.partition(".")
         called = getattr(known[first], method) if method else known[first]
         for argument in angles(called) & set(door.good):
             turns = argument in DIRECTIONS or (name, argument) in DIRECTIONS
             value = np.full(np.shape(door.good[argument]), 7.0 if turns else 4.0)[()]
-            asked += 1
+            request += 1
             try:
                 door.call(**(door.good | {argument: value}))
                 taken.append((name, argument))
             except tv.InputError:
                 pass
-    assert asked > 40
+    assert request > 40
     assert set(taken) == BEYOND
 
 
@@ -134,8 +134,10 @@ def test_every_public_method_has_its_door(every: dict[str, Door]) -> None:
 def test_every_argument_of_a_door_is_tried(every: dict[str, Door]) -> None:
     for name, door in every.items():
         known = inspect.signature(door.call).parameters.values()
-        asked = {one.name for one in known if one.kind not in {one.VAR_KEYWORD, one.VAR_POSITIONAL}}
-        assert asked <= set(door.good), name
+        request = {
+            one.name for one in known if one.kind not in {one.VAR_KEYWORD, one.VAR_POSITIONAL}
+        }
+        assert request <= set(door.good), name
 
 
 @pytest.mark.thorough
@@ -160,8 +162,8 @@ def test_a_hostile_value_is_answered_or_refused_in_one_sentence(
     value = hostile()[what]
 
     def in_turn(name: str, door: Door, argument: str) -> bool:
-        asked = inspect.signature(door.call).parameters.get(argument)
-        usual = asked is not None and asked.default is value
+        request = inspect.signature(door.call).parameters.get(argument)
+        usual = request is not None and request.default is value
         return not usual and crc32(f"{name} {argument} {what}".encode()) % 72 == 0
 
     pairs = [

@@ -56,8 +56,8 @@ def test_a_damaged_file_is_a_schedule_or_one_sentence(tmp_path: Path, name: str)
         file.write_bytes(content)
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise"):
-                found = READERS[name](file)
-            assert np.all(np.isfinite(found.vehicle.normal_force_slope))
+                result = READERS[name](file)
+            assert np.all(np.isfinite(result.vehicle.normal_force_slope))
         except tv.InputError as error:
             said.append(str(error))
     assert len(said) > 20

@@ -90,8 +90,8 @@ def test_a_full_disk_loses_no_answer_and_leaves_nothing_half_written(folder):
     kernel = as_another_process()
     said = "cannot be written: .*; this machine code is compiled anew in each process"
     with full_disk(), pytest.warns(UserWarning, match=said):
-        found = kernel(VALUES, 0.3)
-    assert found == total(VALUES, 0.3)
+        result = kernel(VALUES, 0.3)
+    assert result == total(VALUES, 0.3)
     assert not [file for file in folder.rglob("*") if file.is_file()]
 
 

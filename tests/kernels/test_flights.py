@@ -96,13 +96,13 @@ def test_machine_code_moves_by_a_sample_as_plain_python_does():
     """Behind the kernel of whole flights, whose parts it shares, so that these compile once."""
     pytest.importorskip("numba")
     plant, _, wind, limit = case("gains", 10)
-    found = []
+    computed = []
     for compiled in (False, True):
         with pinned(compiled):
             flight = flown((plant, Asked(), wind, limit), actuator=SERVO, delay=0.047)
-        found.append(flight)
-    np.testing.assert_array_equal(*(one.status for one in found))
-    np.testing.assert_allclose(fields(found[1]), fields(found[0]), rtol=1e-9, atol=1e-10)
+        computed.append(flight)
+    np.testing.assert_array_equal(*(one.status for one in computed))
+    np.testing.assert_allclose(fields(computed[1]), fields(computed[0]), rtol=1e-9, atol=1e-10)
 
 
 @EACH_WAY
@@ -126,7 +126,7 @@ def test_arrays_have_one_layout_whatever_the_wind(monkeypatch):
     monkeypatch.setattr(
         sampled,
         "flights",
-        lambda *given, **asked: made.append(flights(*given, **asked)) or made[-1],
+        lambda *given, **request: made.append(flights(*given, **request)) or made[-1],
     )
     plant, law, _, limit = case("gains", 2)
     wind = tv.TriangularWind(peak=PEAK, duration=7.5).before([np.inf, 3.0])
@@ -141,12 +141,12 @@ def test_arrays_have_one_layout_whatever_the_wind(monkeypatch):
 def test_threads_change_nothing(monkeypatch):
     pytest.importorskip("numba")
     every = case("gains", 900)
-    found = []
+    computed = []
     for threads in ("1", "2"):
         monkeypatch.setenv("TVCLIN_NUM_THREADS", threads)
         with pinned(True):
-            found.append(fields(flown(every, sample_rate=50.0)))
-    np.testing.assert_array_equal(*found)
+            computed.append(fields(flown(every, sample_rate=50.0)))
+    np.testing.assert_array_equal(*computed)
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
@@ -210,9 +210,9 @@ def test_polynomial_pieces_are_the_wind(wind):
         times = np.linspace(row[0], row[-1], 500)
         index = np.searchsorted(row, times, side="right") - 1
         u = times - row[index]
-        found = sum(pieces[index, j] * u**j for j in range(c.shape[-1]))
+        result = sum(pieces[index, j] * u**j for j in range(c.shape[-1]))
         expected = np.atleast_2d(wind(times))[k]
-        np.testing.assert_allclose(found, expected, atol=1e-11 * np.abs(expected).max())
+        np.testing.assert_allclose(result, expected, atol=1e-11 * np.abs(expected).max())
 
 
 def test_flights_of_all_shapes_are_one_kind_of_arrays_so_that_they_are_compiled_once(monkeypatch):

@@ -46,8 +46,8 @@ def exact_12(p, K):
 
 def test_the_boundary_is_exact_to_1e_15(cases):
     p, K = (a[::97] for a in cases)
-    found = closed_forms.solve_triangular(p, K)
-    error = [float(abs(mp.mpf(y) / exact_12(*at) - 1)) for y, *at in zip(found, p, K, strict=True)]
+    result = closed_forms.solve_triangular(p, K)
+    error = [float(abs(mp.mpf(y) / exact_12(*at) - 1)) for y, *at in zip(result, p, K, strict=True)]
     assert max(error) <= 1e-15
 
 
@@ -65,10 +65,10 @@ def test_with_drift_the_printed_equation_is_met(cases):
     rng = np.random.default_rng(6)
     beta, b1 = rng.uniform(0.1, 1.0, p.size), rng.uniform(-0.02, 0.1, p.size)
     b2 = b1 - rng.uniform(0.0, 0.09, p.size)
-    found = closed_forms.solve_triangular_with_drift(2.0 * p, K, beta, b1, b2)
+    result = closed_forms.solve_triangular_with_drift(2.0 * p, K, beta, b1, b2)
     error = []
     with mp.workdps(50):
-        for y, *at in list(zip(found.limit, p, K, beta, b1, b2, strict=True))[::53]:
+        for y, *at in list(zip(result.limit, p, K, beta, b1, b2, strict=True))[::53]:
             p_, K_, beta_, b1_, b2_ = (mp.mpf(float(a)) for a in at)
             K1, kappa, rho = (beta_ + b2_) / (beta_ + b1_), (b1_ - b2_) / (beta_ + b1_), b1_ / beta_
             L = -mp.log(2 * mp.exp(-p_) - mp.exp(-2 * p_))

@@ -108,7 +108,7 @@ def test_machine_code_says_what_plain_python_says(model: str, even: bool) -> Non
 def integrated(model: str, name: str, times: tuple[float, ...]) -> Any:
     """The attitude: for each pole and input the integral of e^(p (t - v)) f(v), by quadrature."""
     plant = dispersed(model, 1)
-    found = [mp.mpf(0)] * len(times)
+    computed = [mp.mpf(0)] * len(times)
     denominator = [mp.mpf(float(a)) for a in plant.denominator]
     slope = [a * k for a, k in zip(denominator, range(len(denominator) - 1, 0, -1), strict=False)]
     for label, history in zip(("deflection", "wind"), histories(plant)[name], strict=True):
@@ -121,11 +121,11 @@ def integrated(model: str, name: str, times: tuple[float, ...]) -> Any:
                     if start < min(stop, t):
                         terms = exact_piece(history.pieces, i)
                         ends = [start, min(stop, t)]
-                        found[j] += gain * mp.quad(
+                        computed[j] += gain * mp.quad(
                             lambda v, f=terms, u=start, p=p, t=t: mp.exp(p * (t - v)) * f(v - u),
                             ends,
                         )
-    return np.array([float(mp.re(value)) for value in found])
+    return np.array([float(mp.re(value)) for value in computed])
 
 
 def exact_piece(pieces: Pieces, i: int) -> Callable[[Any], Any]:
@@ -141,11 +141,11 @@ def exact_piece(pieces: Pieces, i: int) -> Callable[[Any], Any]:
 def test_whatever_drives_it_the_attitude_is_its_integral(model: str, name: str, run: None) -> None:
     plant = dispersed(model, 1)
     inputs, times = histories(plant)[name], (0.9, 2.8, 5.5, 9.0)
-    found = tv.attitude_responses(plant, *inputs, np.array(times))["attitude"]
+    computed = tv.attitude_responses(plant, *inputs, np.array(times))["attitude"]
 
     with mp.workdps(40):
         expected = integrated(model, name, times)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=AGREE * np.abs(expected).max())
+    np.testing.assert_allclose(computed, expected, rtol=0, atol=AGREE * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -155,10 +155,10 @@ def test_beyond_all_numbers_a_lost_attitude_is_infinite(model: str, run: None) -
         tv.linear.ConstantDeflection(limit=-1e-4),
         tv.TriangularWind(peak=0.1, duration=7.0),
     )
-    found = tv.attitude_responses(plant, held, wind, [100.0, 5e3, 1e4])["attitude"]
+    computed = tv.attitude_responses(plant, held, wind, [100.0, 5e3, 1e4])["attitude"]
 
-    assert np.isfinite(found[0])
-    assert np.all(found[1:] == np.copysign(np.inf, found[0]))
+    assert np.isfinite(computed[0])
+    assert np.all(computed[1:] == np.copysign(np.inf, computed[0]))
 
 
 @cache
@@ -175,10 +175,10 @@ def carried_one_by_one(model: str) -> tuple[Any, ...]:
 @pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
     plants, inputs, times, expected = carried_one_by_one(model)
-    found = tv.attitude_responses(plants, *inputs, times).outputs
+    computed = tv.attitude_responses(plants, *inputs, times).outputs
 
     scale = np.max(np.abs(expected), axis=-1, keepdims=True)
-    assert np.max(np.abs(found - expected) / scale) < AGREE
+    assert np.max(np.abs(computed - expected) / scale) < AGREE
 
 
 @pytest.mark.parametrize("K", [1.0, 0.0])
@@ -189,9 +189,9 @@ def test_all_digits_stay_on_the_boundary_at_any_time(K: float, run: None) -> Non
     limit = tv.boundary_limit(plant, wind, K).deflection
     held = tv.trim_then_hold(plant, wind, limit, K)
     for times in (np.linspace(0.0, 2000.0, 401), np.array([100.0, 333.0, 5000.0])):
-        found = tv.attitude_responses(plant, held, wind, times)["attitude"]
+        computed = tv.attitude_responses(plant, held, wind, times)["attitude"]
 
-        np.testing.assert_allclose(found[times >= 100.0], limit / 0.1, rtol=AGREE)
+        np.testing.assert_allclose(computed[times >= 100.0], limit / 0.1, rtol=AGREE)
 
 
 @pytest.mark.parametrize("mu_alpha", [1e-8, 1e-12])
@@ -205,25 +205,25 @@ def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
         tv.RectangularWind(peak=0.1, duration=5.0),
     )
     times = np.array([0.5, 3.0, 10.0])
-    found = tv.attitude_responses(plants, held, wind, times)["attitude"]
+    computed = tv.attitude_responses(plants, held, wind, times)["attitude"]
     alone = tv.attitude_responses(
         tv.Plant(tv.Coefficients(mu_alpha=0.3, mu_delta=1.0), "fixed-path"), held, wind, times
     )
 
-    np.testing.assert_allclose(found[0], 0.0025 * times**2, rtol=1e3 * mu_alpha + 1e-13)
-    np.testing.assert_allclose(found[1], alone["attitude"], rtol=AGREE)
+    np.testing.assert_allclose(computed[0], 0.0025 * times**2, rtol=1e3 * mu_alpha + 1e-13)
+    np.testing.assert_allclose(computed[1], alone["attitude"], rtol=AGREE)
 
 
 def test_a_jump_is_seen_at_its_knot_and_nothing_before_the_first(run: None) -> None:
     plant, wind = dispersed("drift-exact", 2), jumping_wind()
     held = tv.linear.ConstantDeflection(limit=-0.01, start=0.5)
     times = np.array([-3.0, 0.499, np.nextafter(2.5, 0.0), 2.5])
-    found = tv.attitude_responses(plant, held, wind, times)
+    result = tv.attitude_responses(plant, held, wind, times)
 
-    assert not np.any(found.outputs[:, :2])
-    step = found["angle_of_attack"][3] - found["angle_of_attack"][2]
+    assert not np.any(result.outputs[:, :2])
+    step = result["angle_of_attack"][3] - result["angle_of_attack"][2]
     assert step == pytest.approx(0.1, rel=1e-13)
-    np.testing.assert_allclose(found["attitude"][3], found["attitude"][2], rtol=1e-13)
+    np.testing.assert_allclose(result["attitude"][3], result["attitude"][2], rtol=1e-13)
 
 
 def test_the_order_of_the_times_does_not_matter(run: None) -> None:
@@ -232,9 +232,9 @@ def test_the_order_of_the_times_does_not_matter(run: None) -> None:
     times = np.linspace(-1.0, 20.0, 80)
     mixed = np.random.default_rng(0).permutation(80)
     rising = tv.attitude_responses(plant, deflection, wind, times).outputs
-    found = tv.attitude_responses(plant, deflection, wind, times[mixed]).outputs
+    computed = tv.attitude_responses(plant, deflection, wind, times[mixed]).outputs
 
-    np.testing.assert_allclose(found, rising[:, mixed], rtol=1e-13, atol=1e-17)
+    np.testing.assert_allclose(computed, rising[:, mixed], rtol=1e-13, atol=1e-17)
 
 
 def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -285,12 +285,12 @@ def test_each_vehicle_has_the_bits_it_has_alone_with_the_control_of_the_report(
     plants, times = dispersed(model, 9, (12,)), np.linspace(-1.0, 14.0, 30)
     wind = tv.TriangularWind(peak=0.1, duration=7.0)
     control = tv.trim_then_hold(plants, wind, -0.05 * np.asarray(plants.coefficients.B))
-    found = tv.attitude_responses(plants, control, wind, times).outputs
+    computed = tv.attitude_responses(plants, control, wind, times).outputs
     for k in (11, 4, 0):
         few = np.array([k])
         one = plants.cases(few, (12,)), control.cases(few, (12,))
         alone = tv.attitude_responses(*one, wind, times).outputs
-        np.testing.assert_array_equal(alone[0], found[k])
+        np.testing.assert_array_equal(alone[0], computed[k])
 
 
 def test_a_case_has_the_same_bits_wherever_it_stands() -> None:
@@ -298,9 +298,9 @@ def test_a_case_has_the_same_bits_wherever_it_stands() -> None:
     plant, durations = dispersed("fixed-path", 9), np.geomspace(0.1, 25.0, 40)
     times = np.linspace(-5.0, 14.0, 150)
     with pinned(True):
-        found = triangles(plant, durations, times)
+        result = triangles(plant, durations, times)
         for some in (slice(None, None, -1), slice(7, 25), slice(30, 31)):
-            np.testing.assert_array_equal(triangles(plant, durations[some], times), found[some])
+            np.testing.assert_array_equal(triangles(plant, durations[some], times), result[some])
 
 
 @pytest.mark.parametrize("K", [1.0, 0.0])
@@ -311,10 +311,10 @@ def test_a_batch_on_the_boundary_keeps_its_digits(K: float, run: None) -> None:
     limit = tv.boundary_limit(plants, wind, K).deflection
     held = tv.trim_then_hold(plants, wind, limit, K)
     times = np.linspace(0.0, 600.0, 1201)
-    found = tv.attitude_responses(plants, held, wind, times)["attitude"]
+    computed = tv.attitude_responses(plants, held, wind, times)["attitude"]
 
     expected = np.broadcast_to((limit / B)[:, np.newaxis], (40, np.sum(times >= 150.0)))
-    np.testing.assert_allclose(found[:, times >= 150.0], expected, rtol=AGREE)
+    np.testing.assert_allclose(computed[:, times >= 150.0], expected, rtol=AGREE)
 
 
 @pytest.mark.parametrize(

@@ -24,10 +24,10 @@ def term(rate, u):
 
 @kernel
 def total(values, rate):
-    found = 0.0
+    result = 0.0
     for i in range(values.size):
-        found += term(rate, values[i])
-    return found
+        result += term(rate, values[i])
+    return result
 
 
 def test_machine_code_rounds_like_plain_python():

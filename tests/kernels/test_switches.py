@@ -66,11 +66,11 @@ def test_the_limit_is_the_largest_root_of_the_residue_of_the_whole_control(model
     rng = np.random.default_rng(int(100 * dead_band))
     plant, wind = plants(rng, model, 0), wind_of(kind, rng)
     for switch in ("report", "literal"):
-        found = tv.boundary_limit(plant, wind, dead_band, switch)
-        assert not found.status.startswith("no limit")
+        boundary = tv.boundary_limit(plant, wind, dead_band, switch)
+        assert not boundary.status.startswith("no limit")
         expected = largest_root(plant, wind, dead_band, switch)
         # Residues of a history of many exponentials are known to some hundred roundings.
-        assert found.limit == pytest.approx(expected, rel=1e-12)
+        assert boundary.limit == pytest.approx(expected, rel=1e-12)
 
 
 def winds_of(rng, kind, count):
@@ -88,13 +88,13 @@ def winds_of(rng, kind, count):
 @pytest.mark.parametrize("model", MODELS)
 def test_plain_python_and_machine_code_solve_alike(model, kind):
     pytest.importorskip("numba")
-    found = []
+    computed = []
     for compiled in (False, True):
         rng = np.random.default_rng(4)
         plant, wind, K = plants(rng, model, 6), winds_of(rng, kind, 6), rng.random(6)
         with pinned(compiled):
-            found.append([boundary_limit(plant, wind, K, switch) for switch in SWITCHES])
-    for plain, fast in zip(*found, strict=True):
+            computed.append([boundary_limit(plant, wind, K, switch) for switch in SWITCHES])
+    for plain, fast in zip(*computed, strict=True):
         # A last digit of an exponential is multiplied by what the demand is a difference of.
         np.testing.assert_allclose(fast.limit, plain.limit, rtol=1e-13)
         np.testing.assert_allclose(fast.switch_time, plain.switch_time, rtol=1e-12, atol=1e-13)
@@ -134,8 +134,8 @@ def test_the_state_of_the_filter_is_that_of_a_matrix_exponential(seed):
             expected = np.real(expm(A * u) @ np.array([0, 0, *c[0]]))[:2]
             expected += np.real(expm(A * u) @ np.array([x, y, 0, 0]))[:2]
             work = np.empty((2, 2), kind)
-            found = excess.filtered_state(c, np.array([rate], kind), u, x, y, b1, q, work)
-            np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+            result = excess.filtered_state(c, np.array([rate], kind), u, x, y, b1, q, work)
+            np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("degree", [0, 1, 3, 14])
@@ -148,8 +148,8 @@ def test_the_future_of_a_piece_is_the_integral(degree, pole):
             return np.polyval(c[0, ::-1], u + v) * np.exp(-pole * v)
 
         expected = quad(lambda v: integrand(v).real, 0.0, left, epsabs=0.0, epsrel=1e-13)[0]
-        found = excess.piece_integral(c, np.zeros(1), u, left, pole)
-        assert found.real == pytest.approx(expected, rel=1e-12)
+        result = excess.piece_integral(c, np.zeros(1), u, left, pole)
+        assert result.real == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.thorough
@@ -158,10 +158,10 @@ def test_where_a_pair_needs_trim_for_ever_its_largest_may_come_after_the_wind():
     c = tv.Coefficients.from_beta(beta=0.05, B=0.1, b1=0.02, b2=[2.0, -1.5], q=0.9)
     plant = tv.Plant(c.replace(C1=-0.4, C2=0.0), "drift-and-speed")
     wind = tv.RectangularWind(peak=0.1, duration=3.3)
-    found = tv.boundary_limit(plant, wind)
-    assert all(word.startswith("two unstable poles are a pair") for word in found.status)
+    boundary = tv.boundary_limit(plant, wind)
+    assert all(word.startswith("two unstable poles are a pair") for word in boundary.status)
     trim = tv.trim_deflection(plant, wind)(np.linspace(0.0, 40.0, 400_001))
-    np.testing.assert_allclose(np.abs(found.deflection), np.abs(trim).max(axis=-1), rtol=1e-7)
+    np.testing.assert_allclose(np.abs(boundary.deflection), np.abs(trim).max(axis=-1), rtol=1e-7)
 
 
 @pytest.mark.thorough

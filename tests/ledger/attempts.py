@@ -142,10 +142,10 @@ def _times_fast_root(c: Coefficients) -> float:
 
 
 def _ten_times(symbols: tuple[str, ...]) -> Value:
-    found = []
+    computed = []
     for name in NAMES:
         vehicle = load_vehicle(name)
         larger = {FORCES[symbol]: 10.0 * getattr(vehicle, FORCES[symbol]) for symbol in symbols}
         c = Coefficients.from_vehicle(replace(vehicle, **larger))
-        found.append(drift_reduction(c, LONG, FULL))
-    return Value(f"Table I: {', '.join(symbols)} ten times", *found)
+        computed.append(drift_reduction(c, LONG, FULL))
+    return Value(f"Table I: {', '.join(symbols)} ten times", *computed)

@@ -39,5 +39,5 @@ def records(kind: str) -> list[dict[str, str]]:
         What the file lists; it has the same name in the plural.
     """
     text = Path(__file__).with_name(f"{kind}s.toml").read_text(encoding="utf-8")
-    found: list[dict[str, str]] = tomllib.loads(text)[kind]
-    return found
+    computed: list[dict[str, str]] = tomllib.loads(text)[kind]
+    return computed

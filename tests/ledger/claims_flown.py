@@ -17,15 +17,15 @@ SHARE = "cases in which the theory is the worse"
 
 
 def _limits(along: bool, verdict: Callable[[Boundaries], tuple[bool, ...]]) -> Computed:
-    found = [one for one in boundaries() if one.along is along]
-    values = [Value(one.gust.name, *one.excess) for one in found]
+    computed = [one for one in boundaries() if one.along is along]
+    values = [Value(one.gust.name, *one.excess) for one in computed]
     if not along:
         values += [
             both(f"exact cubic, {band(K)}, tau beta = {b:g}", partial(_excess, tau_beta=b, K=K))
             for K in (FULL, HALF)
             for b in (4.0, 8.0, 20.0)
         ]
-    return Computed(tuple(values), all(all(verdict(one)) for one in found), EXCESS)
+    return Computed(tuple(values), all(all(verdict(one)) for one in computed), EXCESS)
 
 
 def _excess(c: Coefficients, tau_beta: float, K: float) -> float:
@@ -35,18 +35,18 @@ def _excess(c: Coefficients, tau_beta: float, K: float) -> float:
 
 
 def _errors(along: bool, verdict: Callable[[Attitudes], tuple[bool, ...]]) -> Computed:
-    found = [one for one in attitudes() if one.along is along]
-    groups = {SHARE: found}
+    computed = [one for one in attitudes() if one.along is along]
+    groups = {SHARE: computed}
     for plane in ("pitch", "yaw"):
         for K in (FULL, HALF):
-            group = [one for one in found if (one.gust.plane, one.dead_band) == (plane, K)]
+            group = [one for one in computed if (one.gust.plane, one.dead_band) == (plane, K)]
             groups[f"{plane}, {band(K)}"] = group
     values = []
     for label, group in groups.items():
         held = [verdict(one) for one in group]
         counts = (f"{sum(column)} of {len(column)}" for column in zip(*held, strict=True))
         values.append(Value(label, *counts))
-    return Computed(tuple(values), all(all(verdict(one)) for one in found))
+    return Computed(tuple(values), all(all(verdict(one)) for one in computed))
 
 
 _CLAIMS: dict[str, Callable[[bool], Computed]] = {

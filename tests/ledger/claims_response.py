@@ -171,8 +171,8 @@ def _against_exact_roots(factor: float, K: float) -> tuple[Value, Value]:
         limit = -factor * with_drift(c, 4.0, K) * float(c.B) * PEAK
         held = trim_then_hold(Plant(c, "drift"), wind, limit, K)
         times = [AFTER * float(wind.duration)]
-        found = attitude_responses(Plant(c, "drift-exact"), held, wind, times)["attitude"]
-        return float(found[0]) / -PEAK
+        computed = attitude_responses(Plant(c, "drift-exact"), held, wind, times)["attitude"]
+        return float(computed[0]) / -PEAK
 
     case = f"{factor:g} times the boundary, {band(K)}, tau beta = 4, t/tau = {AFTER:g}"
     return (

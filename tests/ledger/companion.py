@@ -42,13 +42,13 @@ class Moment:
 def moments() -> tuple[Moment, ...]:
     """Return configuration I at each of `TIMES`, by its reconstructed flight."""
     flight = load_schedule("configuration-i", start=min(TIMES), stop=max(TIMES))
-    found = []
+    computed = []
     for time in TIMES:
         vehicle = flight.at(time)
         B, speed = float(Coefficients.from_vehicle(vehicle).B), float(vehicle.velocity)
         across = speed * np.sin(np.radians(WIND / B))  # eq (B1e)
-        found.append(Moment(time, speed, B, B * PEAK, float(across)))
-    return tuple(found)
+        computed.append(Moment(time, speed, B, B * PEAK, float(across)))
+    return tuple(computed)
 
 
 def example() -> float:

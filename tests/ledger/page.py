@@ -100,19 +100,19 @@ def page() -> str:
 
 def _equations() -> str:
     """The equations in two tables: with a correction or condition, and exactly as printed."""
-    found = equations()
+    result = equations()
     exceptions = [
         (e["id"], e["printed"], f"{e['corrected']}. {e.get('why', '')}", _code(e["proof"]))
-        for e in found
+        for e in result
         if e["corrected"] != "agrees"
     ]
     exact: dict[str, list[str]] = {}
-    for e in found:
+    for e in result:
         if e["corrected"] == "agrees":
             exact.setdefault(e["proof"].partition("::")[0], []).append(e["id"])
     return _EQUATIONS.format(
-        count=len(found),
-        agree=sum(e["corrected"].startswith("agrees") for e in found),
+        count=len(result),
+        agree=sum(e["corrected"].startswith("agrees") for e in result),
         exceptions=_table(("no.", "as printed", "as it should read", "proof"), exceptions),
         exact=_table(
             ("proof", "equations"), [(_code(path), ", ".join(ids)) for path, ids in exact.items()]
@@ -152,12 +152,12 @@ def _result(claim: dict[str, str], result: Computed) -> str:
 
 def _loads() -> str:
     headings = ("case", "tau beta", "trim", *(f"K = {K:g}" for K in loads.DEAD_BANDS))
-    found = loads.cases()
+    result = loads.cases()
     rows = [
         [case.name, f"{case.tau_beta:g}", *(f"{x:.3f}" for x in (case.trim, *case.held))]
-        for case in found
+        for case in result
     ]
-    return f"{_LOADS}\n{_table(headings, rows)}\n{_loads_verdict(found)}"
+    return f"{_LOADS}\n{_table(headings, rows)}\n{_loads_verdict(result)}"
 
 
 def _loads_verdict(found: Sequence[loads.Case]) -> str:
@@ -188,8 +188,8 @@ def _flown() -> str:
 
 
 def _companion() -> str:
-    found = companion.moments()
-    early, own = found[0], next(m for m in found if m.time == 66.0)
+    moments = companion.moments()
+    early, own = moments[0], next(m for m in moments if m.time == 66.0)
     return _COMPANION.format(
         peak=companion.PEAK,
         trim=own.trim,

@@ -74,8 +74,8 @@ def numbers_in(text):
 
 @pytest.mark.thorough
 def test_the_page_in_docs_is_what_the_package_computes():
-    found = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
-    if found != page():
+    result = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    if result != page():
         pytest.fail(
             "docs/validation.md is out of date; write it with"
             " `python -m tests.ledger.page docs/validation.md`",
@@ -140,26 +140,26 @@ def test_every_claim_has_a_function_and_every_function_a_claim():
 @pytest.mark.thorough
 def test_the_claims_that_are_not_reproduced_are_these_and_each_has_a_note():
     assert len(computed()) == len(claims.claims())
-    assert {name for name, (_, found) in computed().items() if not found.holds} == NOT_REPRODUCED
+    assert {name for name, (_, result) in computed().items() if not result.holds} == NOT_REPRODUCED
     assert all("verdict_note" in computed()[name][0] for name in NOT_REPRODUCED)
 
 
 @pytest.mark.thorough
 def test_a_printed_number_is_reproduced_exactly_where_ours_rounds_to_it():
     checked = 0
-    for name, (claim, found) in computed().items():
+    for name, (claim, result) in computed().items():
         printed = claim["printed"].replace(" ", "")
         if name in BOUNDS | WORDS or not re.fullmatch(r"\d+(\.\d+)?", printed):
             continue
         digits = len(printed.partition(".")[2])
-        ours = {round(number, digits) for number in found.values[0].numbers}
+        ours = {round(number, digits) for number in result.values[0].numbers}
         if printed == "453600":
             ours = {round(number, -2) for number in ours}
         if name in WITHIN_ONE_STEP:
-            assert found.holds
+            assert result.holds
             assert ours != {float(printed)}
         else:
-            assert found.holds is (ours == {float(printed)}), name
+            assert result.holds is (ours == {float(printed)}), name
         checked += 1
     assert checked == 22
 
@@ -167,11 +167,11 @@ def test_a_printed_number_is_reproduced_exactly_where_ours_rounds_to_it():
 @pytest.mark.thorough
 def test_every_number_of_a_note_is_in_its_claim_or_computed():
     unexplained = []
-    for name, (claim, found) in computed().items():
-        given = " ".join([claim["printed"], claim["text"], *(v.label for v in found.values)])
-        words = " ".join(str(part) for v in found.values for part in v[1:])
+    for name, (claim, result) in computed().items():
+        given = " ".join([claim["printed"], claim["text"], *(v.label for v in result.values)])
+        words = " ".join(str(part) for v in result.values for part in v[1:])
         known = {float(number) for number in numbers_in(f"{given} {words}")}
-        ours = [number for value in found.values for number in value.numbers]
+        ours = [number for value in result.values for number in value.numbers]
         for token in numbers_in(claim.get("verdict_note", "")):
             digits = len(token.partition(".")[2])
             near = any(round(number, digits) == float(token) for number in ours)
@@ -190,8 +190,8 @@ def test_no_reading_gives_24_percent_or_38():
 
 @pytest.mark.thorough
 def test_the_first_reading_is_the_one_of_the_claim_and_the_logarithm_gives_28():
-    _, found = computed()["drift-24-percent-at-20"]
-    assert attempts.reductions_by_drift()[0].numbers == found.values[0].numbers
+    _, result = computed()["drift-24-percent-at-20"]
+    assert attempts.reductions_by_drift()[0].numbers == result.values[0].numbers
     first_order = {value.label: value.first for value in attempts.single_pole_ends()}
     assert rounds_to(28, first_order["to first order"])
     assert rounds_to(14, 0.5 * first_order["to first order"])
@@ -203,13 +203,13 @@ def test_the_claims_with_other_readings_are_claims_that_are_not_reproduced():
 
 @pytest.mark.thorough
 def test_below_trim_the_angle_of_attack_falls_where_the_limit_comes_before_the_dead_band_ends():
-    found = loads.cases()
-    assert len(found) == 9
-    for case in found:
+    result = loads.cases()
+    assert len(result) == 9
+    for case in result:
         full, half, none = case.held
         assert none < half < case.trim <= 1.0 + 1e-12
         assert half < full
-    assert [case.held[0] < case.trim for case in found].count(True) == 2
+    assert [case.held[0] < case.trim for case in result].count(True) == 2
 
 
 @pytest.mark.thorough

@@ -68,8 +68,8 @@ def test_transfer_functions_and_state_space_are_one_plant(model):
         for i, output in enumerate(plant.outputs):
             for j, name in enumerate(INPUTS):
                 above = np.polyval(plant.numerator(output, name), point)
-                found = above / np.polyval(plant.denominator, point)
-                assert found == pytest.approx(whole[i, j], rel=1e-12)
+                computed = above / np.polyval(plant.denominator, point)
+                assert computed == pytest.approx(whole[i, j], rel=1e-12)
 
 
 @EACH_MODEL
@@ -78,7 +78,7 @@ def test_the_response_is_that_of_the_equations_integrated(model):
     wind = tv.TriangularWind(peak=PEAK, duration=6.0)
     push = tv.linear.ConstantDeflection(limit=-0.004)
     times = np.linspace(0.0, 9.0, 19)
-    found = tv.attitude_responses(plant, push, wind, times)
+    result = tv.attitude_responses(plant, push, wind, times)
     c, order = plant.coefficients, len(plant.states)
     lean = c.C2 / c.mu_alpha
 
@@ -104,21 +104,24 @@ def test_the_response_is_that_of_the_equations_integrated(model):
         state = flown.y[:, -1]
     rows = np.hstack(rows)
     for name, row in zip(plant.states, rows, strict=False):
-        if name in found.labels:
-            np.testing.assert_allclose(found[name], row, rtol=1e-8, atol=1e-12)
+        if name in result.labels:
+            np.testing.assert_allclose(result[name], row, rtol=1e-8, atol=1e-12)
 
 
 def test_the_growing_coordinate_has_the_other_pole_below_the_rate():
     """Z = theta + theta'/(p + d) moves by itself; theta + theta'/p does not."""
     plant = Plant.from_vehicle(damped(), "fixed-path")
-    found, c = unstable_coordinates(plant), plant.coefficients
+    computed, c = unstable_coordinates(plant), plant.coefficients
     assert c.pole == pytest.approx(0.514495, abs=5e-7)
-    np.testing.assert_allclose(found.left_eigenvectors, [[1.0, 1.836564]], rtol=5e-7)
+    np.testing.assert_allclose(computed.left_eigenvectors, [[1.0, 1.836564]], rtol=5e-7)
     np.testing.assert_allclose(
-        found.left_eigenvectors, [[1.0, 1.0 / (c.pole + c.damping)]], rtol=1e-12
+        computed.left_eigenvectors, [[1.0, 1.0 / (c.pole + c.damping)]], rtol=1e-12
     )
     motion, start = expm(plant.matrices()[0] * 2.0), np.array([0.01, -0.003])
-    for row, alone in ((found.left_eigenvectors[0], True), (np.array([1.0, 1.0 / c.pole]), False)):
+    for row, alone in (
+        (computed.left_eigenvectors[0], True),
+        (np.array([1.0, 1.0 / c.pole]), False),
+    ):
         grown = row @ motion @ start / (row @ start) / np.exp(2.0 * c.pole)
         assert (abs(grown - 1.0) < 1e-12) == alone
 
@@ -167,8 +170,8 @@ def test_gains_place_the_poles_that_they_promise():
         gains = [autopilot.attitude_gain, autopilot.rate_gain]
         return np.poly(A + np.outer(inputs[:, 0], gains))
 
-    asked = tv.design_gains(c, natural_frequency=1.2, damping=0.6)
-    np.testing.assert_allclose(closed(asked), [1.0, 2 * 0.6 * 1.2, 1.44], rtol=1e-13)
+    request = tv.design_gains(c, natural_frequency=1.2, damping=0.6)
+    np.testing.assert_allclose(closed(request), [1.0, 2 * 0.6 * 1.2, 1.44], rtol=1e-13)
     canonical = closed(tv.control.canonical_gains(c))
     np.testing.assert_allclose(canonical, [1.0, c.beta + 0.25, c.mu_alpha], rtol=1e-13)
 
@@ -188,9 +191,9 @@ def test_the_wind_estimator_knows_the_damping():
         F, G = estimator.states(believed)
         held = (c.mu_alpha * 0.1 - 0.25 * rate) / c.mu_delta  # theta'' = 0 at theta = 0.1
         seen = np.array([0.1, rate, 0.0, 0.0, held])
-        found = np.linalg.solve(F, -G @ seen)
-        assert found[0] == pytest.approx(rate, rel=1e-12)
-        assert found[1] == pytest.approx(error, abs=1e-12)
+        result = np.linalg.solve(F, -G @ seen)
+        assert result[0] == pytest.approx(rate, rel=1e-12)
+        assert result[1] == pytest.approx(error, abs=1e-12)
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact", "drift-and-speed"])
@@ -236,7 +239,7 @@ def leave_damping_out(monkeypatch):
 def _answers(model):
     """Numbers of everything that a plant goes through, of a vehicle and of a batch."""
     vehicle = tv.load_vehicle("configuration-ii")
-    found = []
+    computed = []
     for one in (vehicle, vehicle.replace(normal_force_slope=[4e6, 5e6])):
         plant = Plant.from_vehicle(one, model)
         wind = tv.TriangularWind(peak=PEAK, duration=12.0)
@@ -246,14 +249,14 @@ def _answers(model):
         motion = tv.attitude_responses(plant, trim, wind, np.linspace(0.0, 20.0, 11))
         modes = tv.linear.all_modes(plant)
         c = plant.coefficients
-        found += [
+        computed += [
             boundary.limit,
             boundary.switch_time,
             needed.deflection,
             *(motion[name] for name in motion.labels),
         ]
-        found += [modes.poles, modes.deflection_residues, c.pole, c.K1, plant.matrices()[0]]
-        found += [plant.numerator(o, i) for o in plant.outputs for i in INPUTS]
+        computed += [modes.poles, modes.deflection_residues, c.pole, c.K1, plant.matrices()[0]]
+        computed += [plant.numerator(o, i) for o in plant.outputs for i in INPUTS]
     fixed = Plant.from_vehicle(vehicle, "fixed-path")
     law = tv.TrimLaw(fixed)
     flown = tv.fly_many(
@@ -263,7 +266,7 @@ def _answers(model):
         deflection_limit=np.array([0.008, 0.02]),
         sample_rate=10.0,
     )
-    return [*found, flown.peak_attitude, flown.peak_angle_of_attack]
+    return [*computed, flown.peak_attitude, flown.peak_angle_of_attack]
 
 
 @pytest.mark.parametrize("model", usual(MODELS, 2))

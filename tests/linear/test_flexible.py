@@ -74,16 +74,16 @@ def precise(vehicle, structure, model, plane, s):
     turning = g * mp.cos(theta) / V if plane == "pitch" and model == "drift-and-speed" else 0
     left[n, 0], left[n, n], left[n, n + 1] = s**2, -(V * s + slowing), V * turning
     left[n + 1, n], left[n + 1, n + 1] = turning, s
-    found = left**-1 * right
-    rows = [[found[1, k], s * found[1, k], found[n, k]] for k in range(3)]
+    computed = left**-1 * right
+    rows = [[computed[1, k], s * computed[1, k], computed[n, k]] for k in range(3)]
     columns = []
     for k, row in enumerate(rows):
         alpha = row[0] - path * row[2] - (k == 1)
         sensed = row[0] + sum(
-            number(x.attitude_slope) * found[i, k] for i, x in enumerate(modes, 2)
+            number(x.attitude_slope) * computed[i, k] for i, x in enumerate(modes, 2)
         )
         rate = s * (
-            row[0] + sum(number(x.rate_slope) * found[i, k] for i, x in enumerate(modes, 2))
+            row[0] + sum(number(x.rate_slope) * computed[i, k] for i, x in enumerate(modes, 2))
         )
         if structure.rate_gyro is not None:
             w, zeta = mp.mpf(120), mp.mpf(0.7)
@@ -102,12 +102,12 @@ def test_state_space_is_the_second_order_equations_solved_in_forty_digits(model,
     with mp.workdps(40):
         for s in POINTS:
             exact = precise(vehicle, STRUCTURE, model, plane, s)
-            found = transfer((A, B, C, D), s)
+            transfer_function = transfer((A, B, C, D), s)
             # Backward error of the solution: eps times the sizes of what is added up.
             inside = np.linalg.inv(s * np.eye(len(A)) - A)
             sizes = np.abs(C) @ np.abs(inside) @ (np.abs(A) + abs(s) * np.eye(len(A)))
             bound = 30 * EPS * (sizes @ np.abs(inside) @ np.abs(B) + np.abs(D))
-            assert np.all(np.abs(found - exact) <= bound)
+            assert np.all(np.abs(transfer_function - exact) <= bound)
             assert np.all(bound[0] < 1e-9 * np.abs(exact[0]))  # the bound says something
 
 
@@ -229,7 +229,7 @@ def test_many_modes_of_a_uniform_beam_are_the_beam():
     np.testing.assert_allclose(
         np.sort(np.abs(plant.poles))[2::2], [m.frequency for m in structure.bending], rtol=1e-11
     )
-    found = transfer(plant.matrices(), 1j * omega)[plant.outputs.index("sensed_attitude"), 0]
+    computed = transfer(plant.matrices(), 1j * omega)[plant.outputs.index("sensed_attitude"), 0]
     # w = A cosh + B sinh + C cos + D sin of k y; w'' = 0 at both ends, w''' = -1 and 0: y = 0, 1.
     k = np.sqrt(omega)
     ends = np.array(
@@ -247,7 +247,7 @@ def test_many_modes_of_a_uniform_beam_are_the_beam():
     # Modes left out: |phi| = 2, |slope| < 3 k_i, and k_i^4 - omega^2 > 0.99 k_i^4.
     tail = sum(6.0 * ((i + 0.5) * np.pi) ** -3 / 0.99 for i in range(count + 1, 2000))
     assert tail < 0.01 * abs(exact)
-    assert abs(found - exact) < tail
+    assert abs(computed - exact) < tail
 
 
 def test_an_engine_swings_against_its_own_force_at_the_tail_wags_dog_frequency():
@@ -276,10 +276,10 @@ def test_shift_is_what_pole_and_residues_do():
     batch = tv.Structure(slosh=TANKS, rate_gyro=tv.vehicle.Filter.low_pass([100.0, 200.0]))
     for structure in (STRUCTURE, replace(STRUCTURE, engine=None), batch):
         plant = flexible(structure)
-        found = plant.shift()
+        result = plant.shift()
         rigid = tv.unstable_modes(plant.rigid)
         p, stiff = np.max(plant.poles.real, axis=-1), rigid.poles[0]
-        np.testing.assert_allclose(found.fast_pole, 100.0 * (p / stiff - 1.0), rtol=1e-9)
+        np.testing.assert_allclose(result.fast_pole, 100.0 * (p / stiff - 1.0), rtol=1e-9)
     plant = flexible()
     near = plant.poles[0].real + 1e-6  # the residue outweighs all else there by a million
     row = transfer(plant.matrices(), near)[0]

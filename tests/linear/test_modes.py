@@ -27,8 +27,8 @@ def triangle(plant, tau_beta=4.0):
 
 def on_the_boundary(plant, wind, dead_band=1.0, factor=1.0):
     """Return the report's control with `factor` times the boundary limit."""
-    found = tvclin.boundary_limit(plant, wind, dead_band)
-    limit = factor * found.deflection
+    boundary = tvclin.boundary_limit(plant, wind, dead_band)
+    limit = factor * boundary.deflection
     return tvclin.trim_then_hold(plant, wind, limit=limit, dead_band=dead_band)
 
 
@@ -95,9 +95,9 @@ def test_residues_are_contour_integrals_around_the_poles(configuration, model):
     plant = Plant.from_vehicle(configuration, model)
     modes = unstable_modes(plant)
     both = (modes.deflection_residues, modes.wind_residues)
-    for input, found in zip(INPUTS, both, strict=True):
+    for input, computed in zip(INPUTS, both, strict=True):
         expected = [contour_integral(plant, input, pole) for pole in modes.poles]
-        np.testing.assert_allclose(found, expected, rtol=1e-12)
+        np.testing.assert_allclose(computed, expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -268,9 +268,9 @@ def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configurati
     pole = unstable_modes(plant).poles
     for early in (tvclin.linear.ConstantDeflection(limit=0.01), wind * 0.2):
         for first, second in ((early.shift(-2.0), wind), (early, wind.shift(-2.0))):
-            found = judge(plant, first, second).residues
+            computed = judge(plant, first, second).residues
             expected = residues(plant, first, second) * np.exp(-2.0 * pole)
-            np.testing.assert_allclose(found, expected, rtol=1e-12)
+            np.testing.assert_allclose(computed, expected, rtol=1e-12)
 
 
 def test_a_wind_that_stays_is_leaned_into():
@@ -410,17 +410,17 @@ def test_a_batch_equals_a_loop_and_fills_with_nan(model):
         assert np.all(np.isnan(modes.poles[i, n:]))
         assert verdict.stable[i] == alone.stable
         for name in ("offset", "rate", "oscillates"):
-            found, value = getattr(verdict.final_motion, name), getattr(alone.final_motion, name)
-            assert found[i] == pytest.approx(value, rel=1e-12, nan_ok=True), name
+            computed, value = getattr(verdict.final_motion, name), getattr(alone.final_motion, name)
+            assert computed[i] == pytest.approx(value, rel=1e-12, nan_ok=True), name
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_an_impulse_does_not_move_the_attitude_at_once(configuration, model):
     modes = all_modes(Plant.from_vehicle(configuration, model))
     assert modes.poles.shape == (ORDER[model],)
-    for found in (modes.deflection_residues, modes.wind_residues):
+    for computed in (modes.deflection_residues, modes.wind_residues):
         # The residues of a transfer function that falls as 1/s^2 add up to zero.
-        assert abs(found.sum()) < 1e-13 * np.abs(found).max()
+        assert abs(computed.sum()) < 1e-13 * np.abs(computed).max()
 
 
 def test_a_repeated_pole_has_no_residue():
@@ -460,11 +460,11 @@ def test_an_argument_of_another_kind_is_named(call, names):
 @pytest.mark.parametrize("apart", [0.0, 0.95e-6, 0.95e-6j])
 def test_poles_that_are_together_are_set_apart_about_their_mean(apart):
     both, other = 0.5 + np.array([apart, -apart]) / 2.0, [0.9, np.nan]
-    found = separated_poles(np.array([[other[0], *both], [*both, other[1]]]))
-    assert found.dtype == np.float64
-    for pair in (found[0, 1:], found[1, :2]):
+    result = separated_poles(np.array([[other[0], *both], [*both, other[1]]]))
+    assert result.dtype == np.float64
+    for pair in (result[0, 1:], result[1, :2]):
         np.testing.assert_allclose(pair, [0.5 + 5e-7, 0.5 - 5e-7], rtol=1e-15)
-    np.testing.assert_array_equal([found[0, 0], found[1, 2]], other)
+    np.testing.assert_array_equal([result[0, 0], result[1, 2]], other)
 
 
 @pytest.mark.parametrize("apart", [1.05e-6, 1.05e-6j])
@@ -508,8 +508,8 @@ def test_a_left_eigenvector_is_that_of_the_eigenvalue_next_to_a_pole(batch):
     A = np.random.default_rng(3).normal(size=(*batch, 4, 4))
     for k in range(4):
         exact = np.sort_complex(np.linalg.eigvals(A))[..., k]
-        found, row = left_eigenvector(A, exact * (1.0 + 1e-9))
-        np.testing.assert_allclose(found, exact, rtol=1e-12)
+        computed, row = left_eigenvector(A, exact * (1.0 + 1e-9))
+        np.testing.assert_allclose(computed, exact, rtol=1e-12)
         np.testing.assert_allclose(
             np.einsum("...i,...ij->...j", row, A), exact[..., np.newaxis] * row, atol=1e-13
         )

@@ -51,17 +51,17 @@ def points():
 @pytest.mark.parametrize("input", INPUTS)
 @pytest.mark.parametrize("model", MODELS)
 def test_the_attitude_is_that_of_the_reports_equations(model, input, points):
-    found = plant_of(model).tf("attitude", input)(points)
-    np.testing.assert_allclose(found, printed(model, input, points), rtol=1e-13)
+    result = plant_of(model).tf("attitude", input)(points)
+    np.testing.assert_allclose(result, printed(model, input, points), rtol=1e-13)
 
 
 @pytest.mark.parametrize(("model", "output", "input"), PAIRS)
 def test_transfer_function_and_state_space_are_the_same(model, output, input, points):
     plant = plant_of(model)
     matrix = plant.ss()(points)
-    found = matrix[plant.outputs.index(output), INPUTS.index(input)]
+    computed = matrix[plant.outputs.index(output), INPUTS.index(input)]
     expected = plant.tf(output, input)(points)
-    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(computed, expected, rtol=1e-11, atol=1e-13)
 
 
 @pytest.mark.parametrize("input", INPUTS)
@@ -101,8 +101,8 @@ def test_the_angle_of_attack_is_attitude_less_path_less_wind(model, points):
         if model != "fixed-path":
             path = plant.tf("flight_path_angle", input)(points)
         expected = plant.tf("attitude", input)(points) - path - (input == "wind")
-        found = plant.tf("angle_of_attack", input)(points)
-        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
+        result = plant.tf("angle_of_attack", input)(points)
+        np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -225,10 +225,10 @@ def test_a_batch_of_polynomials_and_matrices_equals_a_loop(model):
         np.testing.assert_array_equal(batch.denominator[i], single.denominator)
         for output in single.outputs:
             for input in INPUTS:
-                found = batch.numerator(output, input)[i]
-                np.testing.assert_array_equal(found, single.numerator(output, input))
-        for found, expected in zip(batch.matrices(), single.matrices(), strict=True):
-            np.testing.assert_array_equal(found[i], expected)
+                computed = batch.numerator(output, input)[i]
+                np.testing.assert_array_equal(computed, single.numerator(output, input))
+        for computed, expected in zip(batch.matrices(), single.matrices(), strict=True):
+            np.testing.assert_array_equal(computed[i], expected)
 
 
 def test_unknown_names_are_refused_with_the_near_ones():

@@ -60,10 +60,10 @@ def test_thirteen_digits_are_right_on_the_boundary_at_three_durations(
 ) -> None:
     plant, deflection, wind = on_boundary("fixed-path", tau_beta, K)
     x = np.array([0.1, 0.45, 0.7, 1.0, 1.5, 2.0, 3.0])
-    found = tv.attitude_responses(plant, deflection, wind, x * wind.duration)["attitude"]
+    computed = tv.attitude_responses(plant, deflection, wind, x * wind.duration)["attitude"]
 
     expected = exact_triangle(tau_beta, K, x)
-    np.testing.assert_allclose(found / -0.1, expected, rtol=1e-13, atol=1e-14)
+    np.testing.assert_allclose(computed / -0.1, expected, rtol=1e-13, atol=1e-14)
 
 
 @pytest.mark.parametrize("K", [1.0, 0.5, 0.0])
@@ -91,8 +91,8 @@ def test_the_response_solves_the_state_equations(model: str, tau_beta: float, K:
     inputs = np.stack([deflection(times), wind(times)])
     expected = C @ np.concatenate(rows, axis=1) + D @ inputs
 
-    found = tv.attitude_responses(plant, deflection, wind, times)
-    np.testing.assert_allclose(found.outputs, expected, rtol=0, atol=2e-9)
+    result = tv.attitude_responses(plant, deflection, wind, times)
+    np.testing.assert_allclose(result.outputs, expected, rtol=0, atol=2e-9)
 
 
 @pytest.mark.parametrize("capability", [0.8, 0.9, 1.0, 1.1, 1.2])
@@ -106,10 +106,10 @@ def test_the_closed_forms_of_the_report_agree(capability: float, K: float) -> No
     ):
         y, plant = capability * limit, tv.Plant(c, model)
         held = tv.trim_then_hold(plant, wind, y * c.B * 0.1, K)
-        found = tv.attitude_responses(plant, held, wind, x * wind.duration)["attitude"] / 0.1
+        computed = tv.attitude_responses(plant, held, wind, x * wind.duration)["attitude"] / 0.1
         drift = () if model == "fixed-path" else (c.beta, c.b1, c.b2)
         formula = triangular_attitude if model == "fixed-path" else triangular_attitude_with_drift
-        np.testing.assert_allclose(found, formula(x, 4.0, y, K, *drift), rtol=0, atol=2e-12)
+        np.testing.assert_allclose(computed, formula(x, 4.0, y, K, *drift), rtol=0, atol=2e-12)
 
 
 def test_eq_9_agrees_in_a_rectangular_wind() -> None:
@@ -117,8 +117,8 @@ def test_eq_9_agrees_in_a_rectangular_wind() -> None:
     wind, plant = tv.RectangularWind(peak=-0.1, duration=2.0 / c.beta), tv.Plant(c, "fixed-path")
     for y in (0.5, 0.86, 1.0):
         held = tv.linear.ConstantDeflection(limit=y * c.B * 0.1)
-        found = tv.attitude_responses(plant, held, wind, x * wind.duration)["attitude"]
-        np.testing.assert_allclose(found / 0.1, rectangular_attitude(x, 2.0, y), atol=1e-13)
+        computed = tv.attitude_responses(plant, held, wind, x * wind.duration)["attitude"]
+        np.testing.assert_allclose(computed / 0.1, rectangular_attitude(x, 2.0, y), atol=1e-13)
 
 
 def test_the_peak_error_of_the_report_is_reached_at_the_time_of_figure_3() -> None:
@@ -168,8 +168,8 @@ def test_a_knot_on_the_grid_makes_forced_response_right_and_one_off_it_does_not(
         times = np.linspace(0.0, wind.duration, count)
         exact = tv.attitude_response(plant, held, wind, times)
         inputs = np.stack([held(times), wind(times)])
-        found = control.forced_response(plant.ss(), times, inputs).outputs[0]
-        errors.append(np.max(np.abs(found - exact.outputs["attitude"])))
+        computed = control.forced_response(plant.ss(), times, inputs).outputs[0]
+        errors.append(np.max(np.abs(computed - exact.outputs["attitude"])))
 
     assert errors[1] < 1e-13
     assert errors[0] > 1e-8
@@ -182,9 +182,9 @@ def test_a_batch_is_the_loop_over_its_elements(model: str) -> None:
     winds = tv.TriangularWind(peak=np.array([0.1, -0.05, 0.02]), duration=np.array([3.0, 7.0, 9.0]))
     held = tv.linear.ConstantDeflection(limit=np.array([-0.003, 0.002, -0.001]))
     times = np.linspace(-1.0, 12.0, 27)
-    found = tv.attitude_responses(tv.Plant(many, model), held, winds, times)
+    result = tv.attitude_responses(tv.Plant(many, model), held, winds, times)
 
-    assert found.outputs.shape[:2] == (2, 3)
+    assert result.outputs.shape[:2] == (2, 3)
     for i, j in np.ndindex(2, 3):
         one = tv.attitude_responses(
             tv.Plant(c.replace(mu_alpha=float(np.asarray(many.mu_alpha)[i, 0])), model),
@@ -192,7 +192,7 @@ def test_a_batch_is_the_loop_over_its_elements(model: str) -> None:
             tv.TriangularWind(peak=[0.1, -0.05, 0.02][j], duration=[3.0, 7.0, 9.0][j]),
             times,
         )
-        np.testing.assert_allclose(found.outputs[i, j], one.outputs, rtol=1e-11, atol=1e-15)
+        np.testing.assert_allclose(result.outputs[i, j], one.outputs, rtol=1e-11, atol=1e-15)
 
 
 @given(st.floats(0.3, 12.0), st.floats(0.0, 1.0), st.floats(0.1, 5.0), st.sampled_from(MODELS))
@@ -234,9 +234,9 @@ def test_a_vehicle_without_aerodynamic_moment_is_a_double_integrator() -> None:
     held = tv.linear.ConstantDeflection(limit=-0.01, start=1.0)
     wind = tv.RectangularWind(peak=0.1, duration=2.0)
     times = np.array([0.0, 1.0, 2.5, 40.0])
-    found = tv.attitude_responses(plant, held, wind, times)["attitude"]
+    computed = tv.attitude_responses(plant, held, wind, times)["attitude"]
 
-    np.testing.assert_allclose(found, 0.01 * np.maximum(times - 1.0, 0.0) ** 2, rtol=1e-14)
+    np.testing.assert_allclose(computed, 0.01 * np.maximum(times - 1.0, 0.0) ** 2, rtol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -279,10 +279,10 @@ def test_a_vehicle_next_to_neutral_answers_like_its_series(mu_alpha: float, mode
         tv.linear.ConstantDeflection(limit=-0.005),
         tv.TriangularWind(peak=0.1, duration=5.0),
     )
-    found = tv.attitude_responses(tv.Plant(c, model), held, wind, [10.0])["attitude"][0]
+    computed = tv.attitude_responses(tv.Plant(c, model), held, wind, [10.0])["attitude"][0]
 
     expected = 0.005 * (50.0 + (5.0 if model == "drift" else 0.0))
-    assert found == pytest.approx(expected, rel=1e-11 + 1e3 * mu_alpha)
+    assert computed == pytest.approx(expected, rel=1e-11 + 1e3 * mu_alpha)
 
 
 @pytest.mark.parametrize("late", [-150.0, 150.0, 1500.0])
@@ -296,7 +296,7 @@ def test_an_early_or_late_flight_is_the_same_flight(late: float) -> None:
     expected = tv.attitude_responses(plant, held, wind, times).outputs
     moved = held.shift(late), wind.shift(late)
 
-    found = tv.attitude_responses(plant, *moved, times + late).outputs
-    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-15)
+    computed = tv.attitude_responses(plant, *moved, times + late).outputs
+    np.testing.assert_allclose(computed, expected, rtol=1e-10, atol=1e-15)
     assert not tv.linear.judge(plant, *moved).stable
-    assert not np.any(found[:, :2])
+    assert not np.any(computed[:, :2])

@@ -48,7 +48,7 @@ def test_random_responses_keep_eleven_digits(model: str) -> None:
         times = np.sort(rng.uniform(0.0, 16.0, TIMES))
         with mp.workdps(60):
             expected = carried([deflection, wind], times, plant.matrices())
-        found = tv.attitude_responses(plant, deflection, wind, times).outputs
+        computed = tv.attitude_responses(plant, deflection, wind, times).outputs
 
         scale = np.max(np.abs(expected), axis=1, keepdims=True)
-        assert np.max(np.abs(found - expected) / scale) < 1e-11
+        assert np.max(np.abs(computed - expected) / scale) < 1e-11

@@ -32,7 +32,7 @@ POINTS = np.array([0.3 + 0.2j, 4j, 1.0])
 def test_a_diagram_is_that_of_python_control():
     """Its sums by name, and an input from outside that is added to a signal of the same name."""
     blocks = [PLANT, LAW, ERROR, gain("u", {"asked": 1.0})]
-    found = connect(blocks, *NAMES)
+    result = connect(blocks, *NAMES)
     theirs = control.interconnect(
         [
             PLANT.to_control("plant"),
@@ -43,10 +43,10 @@ def test_a_diagram_is_that_of_python_control():
         inputs=["command", "w", "push"],
         outputs=["y", "z", "asked", "u"],
     )
-    assert found.states == (*PLANT.states, *LAW.states)
+    assert result.states == (*PLANT.states, *LAW.states)
     for s in POINTS:
-        np.testing.assert_allclose(transfer(found.matrices(), s), theirs(s), rtol=1e-10)
-    np.testing.assert_allclose(np.sort_complex(found.poles), np.sort_complex(theirs.poles()))
+        np.testing.assert_allclose(transfer(result.matrices(), s), theirs(s), rtol=1e-10)
+    np.testing.assert_allclose(np.sort_complex(result.poles), np.sort_complex(theirs.poles()))
 
 
 def test_a_loop_may_be_closed_by_feedback():
@@ -64,8 +64,8 @@ def test_a_series_is_the_product():
     first, second = (system(2, ("a",), ("b",), name) for name in ("one", "two"))
     for s in POINTS:
         one, two = (transfer(part.matrices(), s) for part in (first, second))
-        found = transfer(first.series(second).matrices(), s)
-        np.testing.assert_allclose(found, two @ one, rtol=1e-12)
+        transfer_function = transfer(first.series(second).matrices(), s)
+        np.testing.assert_allclose(transfer_function, two @ one, rtol=1e-12)
 
 
 def test_a_signal_that_follows_itself_at_once_is_refused():
@@ -108,7 +108,7 @@ def test_a_batch_is_each_of_it():
     z = np.exp(0.4j)
     for place in np.ndindex(2, 3):
         alone = one.to_steps(periods[place[0], 0], delays[place[1]])
-        found = transfer(every.matrices(), z)[place]
-        assert found == pytest.approx(transfer(alone.matrices(), z), rel=1e-9)
+        computed = transfer(every.matrices(), z)[place]
+        assert computed == pytest.approx(transfer(alone.matrices(), z), rel=1e-9)
     few = every.cases(np.array([4, 1]), (2, 3))
     np.testing.assert_array_equal(few.A, every.A.reshape(6, *every.A.shape[-2:])[[4, 1]])

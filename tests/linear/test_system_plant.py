@@ -104,8 +104,8 @@ def test_numerators_are_those_of_the_transfer_functions():
         for output in plant.outputs:
             for source in ("deflection", "wind"):
                 expected = plant.numerator(output, source)
-                found = polynomials.add(handed.numerator(output, source), -expected)
-                np.testing.assert_allclose(found, 0.0, atol=1e-14)
+                result = polynomials.add(handed.numerator(output, source), -expected)
+                np.testing.assert_allclose(result, 0.0, atol=1e-14)
 
 
 def test_transfer_functions_with_one_denominator_are_a_plant():
@@ -121,11 +121,11 @@ def test_transfer_functions_with_one_denominator_are_a_plant():
     for o, output in enumerate(plant.outputs):
         for i, source in enumerate(inputs):
             A, B, C, D = handed.matrices()
-            found = [(C @ np.linalg.solve(1j * w * np.eye(3) - A, B) + D)[o, i] for w in omega]
+            computed = [(C @ np.linalg.solve(1j * w * np.eye(3) - A, B) + D)[o, i] for w in omega]
             expected = polynomials.value(
                 plant.numerator(output, source), 1j * omega
             ) / polynomials.value(plant.denominator, 1j * omega)
-            np.testing.assert_allclose(found, expected, rtol=1e-10)
+            np.testing.assert_allclose(computed, expected, rtol=1e-10)
 
 
 def test_a_plant_with_two_integrators_responds_as_its_steps():
@@ -143,9 +143,9 @@ def test_a_plant_with_two_integrators_responds_as_its_steps():
         for t in times
     ]
     calm = tv.TriangularWind(peak=1e-12, duration=1.0)
-    found = tv.attitude_responses(plant, held, calm, times)["attitude"]
+    computed = tv.attitude_responses(plant, held, calm, times)["attitude"]
     expected = -0.5 * 1.3 * 0.01 * times**2 + 0.01 * np.array([state[0] for state in states])
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(computed, expected, rtol=1e-12, atol=1e-12)
 
 
 def _exponential(matrix):

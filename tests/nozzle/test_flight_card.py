@@ -122,7 +122,7 @@ def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(az
 def test_a_measured_wind_is_counted_once_over_the_flight():
     """On a flight that does not change, the parts are those of one flight from end to end."""
     case = plan()
-    found = [
+    computed = [
         tv.nozzle.flight_duty(case, in_the_jet(90.0, start=50.0, stop=90.0, every=every)).duties[0]
         for every in (5.0, 10.0, 20.0)
     ]
@@ -132,7 +132,7 @@ def test_a_measured_wind_is_counted_once_over_the_flight():
     flown = fly_nozzle(one.plant, law, whole, deflection_limit=DEG, **one.hardware)
     inside = (flown.times >= 50.0) & (flown.times <= 90.0)
     travel = np.abs(np.diff(flown.deflection[inside])).sum()
-    for duty in found:  # at each end of a part up to a step of 2.5 ms is left out
+    for duty in computed:  # at each end of a part up to a step of 2.5 ms is left out
         assert duty.travel == pytest.approx(travel, rel=2e-3)
 
 
@@ -164,10 +164,12 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.nozzle.flight_duty(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
-    assert found.satisfied is None
-    assert found.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
-    assert "NOT KNOWN" in found.words
+    computed = tv.nozzle.flight_duty(
+        case, tv.requirement.SizingRequest(schedule=held, **told)
+    ).verdict
+    assert computed.satisfied is None
+    assert computed.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
+    assert "NOT KNOWN" in computed.words
     offered = tv.requirement.SizingRequest(schedule=held, **told | {"start": 46.0})
     assert tv.nozzle.flight_duty(case, offered).verdict.satisfied is True
 
@@ -179,8 +181,10 @@ def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.nozzle.flight_duty(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
-    assert found.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
+    computed = tv.nozzle.flight_duty(
+        case, tv.requirement.SizingRequest(schedule=held, **told)
+    ).verdict
+    assert computed.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
     offered = tv.requirement.SizingRequest(schedule=held, stop=64.02, **told)
     assert tv.nozzle.flight_duty(case, offered).verdict.satisfied is True
 
@@ -200,14 +204,14 @@ def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_
         flown = tv.requirement.SizingRequest(schedule=flight, start=start, stop=20.0, every=10.0)
         return tv.nozzle.flight_duty(replace(case, model=model), flown)
 
-    found = card(10.0)
-    assert found.verdict.satisfied is None
-    assert found.verdict.diverged == ()
-    (reason,) = found.verdict.unknown
+    result = card(10.0)
+    assert result.verdict.satisfied is None
+    assert result.verdict.diverged == ()
+    (reason,) = result.verdict.unknown
     assert reason.startswith("the flight of trim at 10 s in triangular wind of 5 deg, 7.5 s: two")
     assert "--from 20 omits these times, --model fixed-path judges" in reason
-    first, second = (line.split(",") for line in found.to_csv().splitlines()[1:])
-    angle = found.to_csv().splitlines()[0].split(",").index("angle_deg") + 1  # a name has a comma
+    first, second = (line.split(",") for line in result.to_csv().splitlines()[1:])
+    angle = result.to_csv().splitlines()[0].split(",").index("angle_deg") + 1  # a name has a comma
     assert (first[angle], first[4]) == ("nan", "no flight")
     assert float(second[angle]) > 0.0
     assert card(20.0).verdict.satisfied is True
@@ -259,11 +263,11 @@ def test_both_planes_have_their_part_of_the_stop():
     ),
 )
 def test_the_worst_line_heads_the_verdict(sheet, worst, met):
-    found = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
-    assert found.lines[0].name == worst
-    assert found.satisfied is met
-    assert worst in found.words
-    for one in found.lines:
+    computed = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
+    assert computed.lines[0].name == worst
+    assert computed.satisfied is met
+    assert worst in computed.words
+    for one in computed.lines:
         assert one.remaining is None or one.remaining == pytest.approx(one.available - one.required)
 
 
@@ -279,11 +283,11 @@ def test_of_a_limit_that_is_reached_nothing_is_left():
 def test_what_a_lost_flight_needs_is_not_known_to_be_there():
     needed = {"limit": 0.9 * DEG, "rate_limit": 11.0 * DEG, "acceleration_limit": 0.0}
     lost = NozzleVerdict.of(NOZZLE, needed, ["trim is lost"])
-    found = {one.name: (one.required, one.satisfied, one.remaining) for one in lost.lines}
-    assert np.isnan(found["limit"][0])
-    assert found["limit"][1] is None
-    assert np.isnan(found["acceleration"][0])
-    assert found["rate limit"][1] is False
+    computed = {one.name: (one.required, one.satisfied, one.remaining) for one in lost.lines}
+    assert np.isnan(computed["limit"][0])
+    assert computed["limit"][1] is None
+    assert np.isnan(computed["acceleration"][0])
+    assert computed["rate limit"][1] is False
     assert lost.satisfied is False
 
 
@@ -340,18 +344,18 @@ duty_law = "trim"
 def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rate, torque, answers):
     file = tmp_path / "study.toml"
     file.write_text(STUDY.format(limit=limit, rate=rate, torque=torque))
-    found = {one.name: one for one in questions(find(tv.load_study(file)))}
-    assert {name: found[name].yes for name in answers} == answers
+    computed = {one.name: one for one in questions(find(tv.load_study(file)))}
+    assert {name: computed[name].yes for name in answers} == answers
     if rate < 1.0:
-        measure = found["whole flight"].measure
+        measure = computed["whole flight"].measure
         assert measure.unit == "deg/s"
         assert measure.required > measure.available == pytest.approx(rate)
     else:  # as `tvclin ascent` says of the same flight
         document = json.loads(CliRunner().invoke(app, ["ascent", str(file), "--json"]).stdout)
-        along = found["rate along the flight"]
+        along = computed["rate along the flight"]
         assert (along.yes, along.quantity) == (True, "required rate")
         assert f"required rate {along.measure.required:.3f} deg/s" in document["verdict"]["words"]
-    assert ("rate along the flight" in found) is (rate > 1.0)
+    assert ("rate along the flight" in computed) is (rate > 1.0)
 
 
 @pytest.mark.thorough
@@ -362,8 +366,8 @@ def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_sufficient
     study = study.replace("from_s = 66\nto_s = 66", "from_s = 10\nto_s = 20\nevery_s = 10")
     file = tmp_path / "study.toml"
     file.write_text(study)
-    found = find(tv.load_study(file))
-    (card,) = (one for one in questions(found) if one.name == "nozzle card")
+    result = find(tv.load_study(file))
+    (card,) = (one for one in questions(result) if one.name == "nozzle card")
     assert card.yes is None
     assert card.text.startswith("the flight of trim at 10 s in 2 winds: two unstable poles")
-    assert text(sentence(found)).startswith("NOT KNOWN: the flight of trim at 10 s")
+    assert text(sentence(result)).startswith("NOT KNOWN: the flight of trim at 10 s")

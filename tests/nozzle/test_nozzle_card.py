@@ -57,8 +57,8 @@ def test_a_ramp_asks_for_what_is_integrated_of_its_parts(friction, expected):
     nozzle = tv.case.NozzleData(**vars(BENCH) | {"friction": friction})
     times = np.linspace(0.0, 0.6, 30_001)
     work = tv.nozzle.nozzle_duty(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
-    found = [work.torque.value, work.power.value, work.energy]
-    assert found == pytest.approx(expected, rel=1e-4)  # a corner lies between two times
+    computed = [work.torque.value, work.power.value, work.energy]
+    assert computed == pytest.approx(expected, rel=1e-4)  # a corner lies between two times
 
     def power(t):
         angle, rate = np.radians(ramp(t))
@@ -103,17 +103,17 @@ def test_a_flight_s_torque_has_every_term():
     nozzle = tv.case.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **data)
     times = np.linspace(0.0, 2.0, 2001)
     delta, theta, alpha = 0.01 * times**2, 0.003 * times**2, 0.02 * times
-    found = tv.nozzle.nozzle_duty(
+    computed = tv.nozzle.nozzle_duty(
         times, delta, nozzle=nozzle, vehicle=vehicle, angle_of_attack=alpha, attitude=theta
     ).work.torque
     T, m, F = vehicle.thrust, vehicle.mass, vehicle.axial_force
-    JE, sE, at = 300.0 + 2000.0 * 0.64, 1600.0, found.time
+    JE, sE, at = 300.0 + 2000.0 * 0.64, 1600.0, computed.time
     a_x = (T - F) / m
     a_n = (vehicle.normal_force_slope * 0.02 * at + T * 0.01 * at**2) / m
     a_n -= vehicle.control_arm * 0.006
     expected = JE * 0.026 + sE * (a_x * 0.01 * at**2 - a_n) + 1e4 * 0.02 * at
     expected += 1e5 * 0.01 * at**2 + 500.0 + 2000.0 * a_x * 0.01 + T * 0.002
-    assert found.value == pytest.approx(expected, rel=1e-6)
+    assert computed.value == pytest.approx(expected, rel=1e-6)
 
 
 def test_time_at_the_stop_and_the_steady_rate():
@@ -321,14 +321,14 @@ def test_a_load_between_slow_samples_is_that_of_the_finely_shown_flight():
     design = tv.AutopilotDesign(attitude_gain=0.4, rate_gain=0.5, sample_rate=2.0)
     case = StudyPlan(vehicle=v, wind=wind, nozzle=nozzle, design=design)
     law = specified_law(case, "autopilot", np.inf)
-    found = tv.case.FlownLoad.of(case, "autopilot", law)
+    result = tv.case.FlownLoad.of(case, "autopilot", law)
     times = np.linspace(0.0, 30.0, 6001)
     told = {"deflection_limit": rad(2.0), "sample_rate": 2.0}
     shown = tv.fly(case.plant, law, wind, times, **told).outputs
     names = (*case.plant.outputs, "deflection")
     alpha = np.abs(np.asarray(shown)[names.index("angle_of_attack")])
-    assert found.load == pytest.approx(alpha.max(), rel=2e-3)
-    assert found.load > 1.003 * np.abs(alpha[::100]).max()
+    assert result.load == pytest.approx(alpha.max(), rel=2e-3)
+    assert result.load > 1.003 * np.abs(alpha[::100]).max()
 
 
 def test_a_wind_with_more_times_than_a_flight_holds_is_refused_at_once():

@@ -94,44 +94,44 @@ def test_a_tiny_root_beside_big_ones_has_full_relative_accuracy(tiny):
 
 
 def test_a_root_at_zero_is_exactly_zero():
-    found = by_size(polynomials.roots(np.array([1.0, 0.0, -0.28, 0.0])))
-    assert found[0] == 0.0
-    np.testing.assert_allclose(np.sort(found[1:]), [-np.sqrt(0.28), np.sqrt(0.28)], rtol=4e-16)
+    result = by_size(polynomials.roots(np.array([1.0, 0.0, -0.28, 0.0])))
+    assert result[0] == 0.0
+    np.testing.assert_allclose(np.sort(result[1:]), [-np.sqrt(0.28), np.sqrt(0.28)], rtol=4e-16)
 
 
 @pytest.mark.parametrize("root", [1.0, -0.5, 0.1, 3.7])
 def test_a_double_root_is_found_to_half_the_digits(root):
-    found = polynomials.roots(np.array([1.0, -2.0 * root, root**2]))
+    result = polynomials.roots(np.array([1.0, -2.0 * root, root**2]))
     # A relative change of epsilon moves a double root by its square root, 1.5e-8.
-    np.testing.assert_allclose(found, [root, root], rtol=4e-8)
+    np.testing.assert_allclose(result, [root, root], rtol=4e-8)
 
 
 def test_a_double_root_leaves_no_residual():
     polynomial = np.poly([0.3, 0.3, -2.0])
-    found = polynomials.roots(polynomial)
-    size = np.polyval(np.abs(polynomial), np.abs(found))
-    assert np.all(np.abs(np.polyval(polynomial, found)) <= 4e-16 * size)
+    result = polynomials.roots(polynomial)
+    size = np.polyval(np.abs(polynomial), np.abs(result))
+    assert np.all(np.abs(np.polyval(polynomial, result)) <= 4e-16 * size)
 
 
 def test_complex_roots_come_in_conjugate_pairs():
     frequency, damping = 25.1, 0.7
-    found = polynomials.roots(np.array([1.0, 2 * damping * frequency, frequency**2]))
+    result = polynomials.roots(np.array([1.0, 2 * damping * frequency, frequency**2]))
     imaginary = frequency * np.sqrt(1 - damping**2)
     expected = -damping * frequency + imaginary * np.array([-1j, 1j])
-    np.testing.assert_allclose(found[np.argsort(found.imag)], expected, rtol=4e-16)
-    assert found[0] == np.conj(found[1])
+    np.testing.assert_allclose(result[np.argsort(result.imag)], expected, rtol=4e-16)
+    assert result[0] == np.conj(result[1])
 
 
 def test_roots_of_quadratics_of_any_shape_keep_their_digits():
     rng = np.random.default_rng(3)
     sizes = 10.0 ** rng.uniform(-6.0, 6.0, (2, 100))
     quadratics = np.stack([np.ones(100), *(sizes * rng.choice([-1.0, 1.0], (2, 100)))], axis=-1)
-    for quadratic, found in zip(quadratics, polynomials.roots(quadratics), strict=True):
+    for quadratic, computed in zip(quadratics, polynomials.roots(quadratics), strict=True):
         with mp.workdps(50):
             middle, product = -mp.mpf(quadratic[1]) / 2, mp.mpf(quadratic[2])
             height = mp.sqrt(middle**2 - product)
             for root in (middle - height, middle + height):
-                error = min(abs(mp.mpmathify(complex(r)) / root - 1) for r in found)
+                error = min(abs(mp.mpmathify(complex(r)) / root - 1) for r in computed)
                 assert error <= 4 * EPS, quadratic
 
 
@@ -143,19 +143,19 @@ def test_real_roots_are_real_and_one_complex_pair_makes_the_batch_complex():
 
 def test_a_batch_of_roots_is_the_loop_over_its_elements():
     batch = np.array([[[2.0, 1.0, -9.0, 1e-7]], [[1.0, -3.0, 2.0, -1.0]]])
-    found = polynomials.roots(batch)
-    assert found.shape == (2, 1, 3)
+    result = polynomials.roots(batch)
+    assert result.shape == (2, 1, 3)
     for i in range(2):
-        np.testing.assert_array_equal(found[i, 0], polynomials.roots(batch[i, 0]))
+        np.testing.assert_array_equal(result[i, 0], polynomials.roots(batch[i, 0]))
 
 
 def test_one_polynomial_many_times_has_its_roots_each_time():
     one = np.poly([-2.0 + 3.0j, -2.0 - 3.0j, 0.5]).real
     many = np.tile(one, (2, 3, 1))
-    found = polynomials.roots(many)
-    np.testing.assert_array_equal(found, np.tile(polynomials.roots(one), (2, 3, 1)))
+    result = polynomials.roots(many)
+    np.testing.assert_array_equal(result, np.tile(polynomials.roots(one), (2, 3, 1)))
     many[1, 2, -1] += 1.0  # and one that is another has its own
-    np.testing.assert_array_equal(polynomials.roots(many)[0, 0], found[0, 0])
+    np.testing.assert_array_equal(polynomials.roots(many)[0, 0], result[0, 0])
     np.testing.assert_array_equal(polynomials.roots(many)[1, 2], polynomials.roots(many[1, 2]))
 
 
@@ -200,8 +200,8 @@ def test_first_crossing_is_the_first_of_several_and_never_is_infinite():
     def evaluate(t, index):
         return np.sin(t) - levels[index]
 
-    found = first_crossing(times, np.sin(times) - levels[:, np.newaxis], evaluate)
-    np.testing.assert_allclose(found, [np.pi / 6, np.inf], rtol=4e-16)
+    result = first_crossing(times, np.sin(times) - levels[:, np.newaxis], evaluate)
+    np.testing.assert_allclose(result, [np.pi / 6, np.inf], rtol=4e-16)
 
 
 def test_roots_in_brackets_are_those_of_scipy_and_the_upper_end_where_nothing_rises():
@@ -211,11 +211,11 @@ def test_roots_in_brackets_are_those_of_scipy_and_the_upper_end_where_nothing_ri
     def function(x, k):
         return x ** power[k] - level[k]
 
-    found = roots_between(low, high, function)
+    result = roots_between(low, high, function)
     expected = find_root(function, (low[:4], high[:4]), args=(np.arange(4),)).x
-    np.testing.assert_allclose(found[:4], expected, rtol=8 * EPS)
-    np.testing.assert_allclose(found[:4], level[:4] ** (1 / power[:4]), rtol=8 * EPS)
-    assert found[4] == high[4]
+    np.testing.assert_allclose(result[:4], expected, rtol=8 * EPS)
+    np.testing.assert_allclose(result[:4], level[:4] ** (1 / power[:4]), rtol=8 * EPS)
+    assert result[4] == high[4]
 
 
 def mixed():

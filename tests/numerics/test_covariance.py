@@ -38,9 +38,9 @@ def test_steps_are_those_of_van_loan(held):
     for h in (0.01, 0.7):
         whole = expm(np.block([[-A, noise], [np.zeros_like(A), A.T]]) * h)
         F = whole[n:, n:].T
-        found = steps(A, noise, np.array([h]))
-        assert np.allclose(found[0][0], F, rtol=1e-11, atol=1e-13)
-        assert np.allclose(found[1][0], F @ whole[:n, n:], rtol=1e-10, atol=1e-12)
+        result = steps(A, noise, np.array([h]))
+        assert np.allclose(result[0][0], F, rtol=1e-11, atol=1e-13)
+        assert np.allclose(result[1][0], F @ whole[:n, n:], rtol=1e-10, atol=1e-12)
 
 
 def test_a_long_step_of_a_fast_system_ends_in_the_stationary_covariance():
@@ -65,12 +65,12 @@ def test_a_varying_step_is_right_to_fourth_order():
     for h in (0.2, 0.1):
         nodes = [at(0.3 + h * node) for node in GAUSS_NODES]
         A, noise = (tuple(np.array([node[k]]) for node in nodes) for k in range(2))
-        found = steps(*constant_over_steps(A, noise, np.array([h])), np.array([h]))
+        result = steps(*constant_over_steps(A, noise, np.array([h])), np.array([h]))
         F, Q, fine = np.eye(5), np.zeros((5, 5)), h / 1000
         for k in range(1000):
             one = steps(*at(0.3 + fine * (k + 0.5)), np.array([fine]))
             F, Q = one[0][0] @ F, one[0][0] @ Q @ one[0][0].T + one[1][0]
-        errors.append(max(np.abs(found[0][0] - F).max(), np.abs(found[1][0] - Q).max()))
+        errors.append(max(np.abs(result[0][0] - F).max(), np.abs(result[1][0] - Q).max()))
     assert errors[0] < 1e-3
     assert errors[1] < errors[0] / 20.0  # of one step 2^5
 
@@ -84,12 +84,12 @@ def mean_of_folded(mean, spread):
 @pytest.mark.parametrize("r", [-0.95, 0.3, 0.99])
 def test_the_covariance_of_absolute_values_is_that_of_their_density(means, r):
     d = np.array([1.3, 0.6])
-    found = absolute_covariance(
+    result = absolute_covariance(
         *(tuple(map(np.float64, pair)) for pair in (means, d)), np.float64(r)
     )
     if not any(means):
         expected = 2.0 / np.pi * d.prod() * (np.sqrt(1.0 - r**2) + r * np.arcsin(r) - 1.0)
-        assert np.isclose(found, expected, rtol=1e-12)
+        assert np.isclose(result, expected, rtol=1e-12)
         return
     # E|x| |y| by conditioning on x
     inner = d[1] * np.sqrt(1.0 - r**2)
@@ -103,7 +103,7 @@ def test_the_covariance_of_absolute_values_is_that_of_their_density(means, r):
     whole = quad(product, *ends, points=[0.0, means[0]], epsabs=1e-9, limit=100)[0]
     single = [mean_of_folded(m, s) for m, s in zip(means, d, strict=True)]
     assert np.isclose(mean_absolute(np.float64(means[0]), np.float64(d[0])), single[0], rtol=1e-9)
-    assert np.isclose(found, whole - single[0] * single[1], rtol=1e-6, atol=1e-7)
+    assert np.isclose(result, whole - single[0] * single[1], rtol=1e-6, atol=1e-7)
 
 
 def test_the_rate_of_crossings_is_rice_s_integral():
@@ -112,7 +112,7 @@ def test_the_rate_of_crossings_is_rice_s_integral():
     joint = multivariate_normal([mean, rate], covariance)
     upward = quad(lambda v: v * joint.pdf([limit, v]), 0.0, 30.0)[0]
     downward = quad(lambda v: -v * joint.pdf([-limit, v]), -30.0, 0.0)[0]
-    found = crossing_rate(limit, *(np.float64(x) for x in (mean, s, rate, d, rho)))
-    assert np.isclose(found, upward + downward, rtol=1e-9)
+    result = crossing_rate(limit, *(np.float64(x) for x in (mean, s, rate, d, rho)))
+    assert np.isclose(result, upward + downward, rtol=1e-9)
     still = crossing_rate(limit, *(np.float64(x) for x in (0.0, s, 0.0, d, 0.0)))
     assert np.isclose(still, d / s / np.pi * np.exp(-(limit**2) / (2 * s**2)), rtol=1e-12)

@@ -118,10 +118,10 @@ def test_every_crossing_is_that_of_forty_digits(family, rounding, count):
     with mpmath.workdps(40):
         for name, frequencies, values in kinds:
             for case, place in np.argwhere(np.isfinite(frequencies)):
-                omega, found = frequencies[case, place], values[case, place]
+                omega, computed = frequencies[case, place], values[case, place]
                 lacking, expected = getattr(Exact(loop, case), name)(mpmath.mpf(float(omega)))
                 assert abs(lacking) <= 1e-12 * omega, (name, case, omega)
-                assert found == pytest.approx(float(expected), rel=rounding, abs=rounding)
+                assert computed == pytest.approx(float(expected), rel=rounding, abs=rounding)
 
 
 @pytest.mark.parametrize(("family", "rounding"), FAMILIES)
@@ -132,7 +132,7 @@ def test_every_peak_is_that_of_forty_digits(family, rounding):
     with mpmath.workdps(40):
         for case in np.flatnonzero(m.status == "ok"):
             at = [float(getattr(m, f"{name}_frequency")[case]) for name in names]
-            found = [getattr(m, name)[case] for name in names[:2]] + [1.0 / m.disk_margin[case]]
+            computed = [getattr(m, name)[case] for name in names[:2]] + [1.0 / m.disk_margin[case]]
             exact, apart = Exact(loop, case), mpmath.mpf(1e-7)
             inner = [0.0 < omega < np.inf for omega in at]
             places = [omega if there else 1.0 for omega, there in zip(at, inner, strict=True)]
@@ -144,22 +144,22 @@ def test_every_peak_is_that_of_forty_digits(family, rounding):
                 a, b, c = before[kind], there[kind], after[kind]
                 top = b + (c - a) ** 2 / (8 * (2 * b - a - c))  # of the parabola through them
                 assert 2 * b > a + c
-                assert found[kind] == pytest.approx(float(top), rel=1e-9)
+                assert computed[kind] == pytest.approx(float(top), rel=1e-9)
 
 
 @pytest.mark.parametrize("count", usual([70, 200], 0))
 @pytest.mark.parametrize(("family", "rounding"), FAMILIES)
 def test_margins_are_those_of_brute_force(family, rounding, count):
     loop = family(count, seed=6)
-    found, expected = loop_margins(loop), brute_force(loop)
-    decided = found.status != "marginal"
+    computed, expected = loop_margins(loop), brute_force(loop)
+    decided = computed.status != "marginal"
     np.testing.assert_array_equal(
-        found.unstable_poles[decided], expected["unstable_poles"][decided]
+        computed.unstable_poles[decided], expected["unstable_poles"][decided]
     )
-    good = found.status == "ok"
+    good = computed.status == "ok"
     assert good.sum() > 10
     for name in NUMBERS:
-        values = getattr(found, name)[good]
+        values = getattr(computed, name)[good]
         np.testing.assert_allclose(values, expected[name][good], rtol=1e-7, err_msg=name)
 
 
@@ -213,8 +213,8 @@ def test_a_loop_has_the_same_margins_alone_and_anywhere_in_a_batch(family, round
             np.testing.assert_array_equal(getattr(alone, name), getattr(whole, name)[case])
         for name in Crossings.__dataclass_fields__:
             listed = getattr(whole.crossings, name)[case]
-            found = getattr(alone.crossings, name)
-            np.testing.assert_array_equal(found, listed[np.isfinite(listed)])
+            result = getattr(alone.crossings, name)
+            np.testing.assert_array_equal(result, listed[np.isfinite(listed)])
 
 
 def test_python_control_finds_the_same_crossings():
@@ -229,25 +229,25 @@ def test_python_control_finds_the_same_crossings():
         np.testing.assert_allclose(gains[there], where, rtol=1e-9)
         left = np.degrees(lags[there]) - phases
         np.testing.assert_allclose(left - 360.0 * np.round(left / 360.0), 0.0, atol=1e-6)
-        places, found = m.crossings.phase_frequencies[k], m.crossings.gain_factors[k]
+        places, computed = m.crossings.phase_frequencies[k], m.crossings.gain_factors[k]
         there, true = places > 0.0, (at > 0.0) & (factors > 1e-9)  # it counts undamped poles too
         np.testing.assert_allclose(places[there], at[true], rtol=1e-7)
-        np.testing.assert_allclose(found[there], factors[true], rtol=1e-6)
+        np.testing.assert_allclose(computed[there], factors[true], rtol=1e-6)
 
 
 def test_crossovers_beside_an_undamped_mode_are_exact():
     """There |N|^2 - |D|^2 has two roots that agree in five digits."""
     above, below = [1e-4, 3e-4], np.polymul([1.0, 0.0, 90.25], [1.0, 1.0])
     loop = Loop([above], [below])
-    found = loop_margins(loop).crossings.gain_frequencies[0]
-    assert found.shape == (2,)
+    computed = loop_margins(loop).crossings.gain_frequencies[0]
+    assert computed.shape == (2,)
     with mpmath.workdps(40):
 
         def level(omega):
             top, bottom, _ = Exact(loop, 0).parts(omega)
             return mpmath.log(abs(top / bottom))
 
-        for omega in found:
+        for omega in computed:
             exact = mpmath.findroot(level, (omega * (1 - 1e-9), omega * (1 + 1e-9)))
             assert omega == pytest.approx(float(exact), rel=1e-14)
 
@@ -262,10 +262,10 @@ def test_polynomials_of_different_degree_have_the_roots_they_were_made_of():
         row[-terms.size :] = terms
         expected.append(np.sort(real[real > 0.0]))
     p[7] = 0.0
-    found = polynomials.roots_of_each(p)
-    assert np.isnan(found[7]).all()
+    result = polynomials.roots_of_each(p)
+    assert np.isnan(result[7]).all()
     for k in np.delete(np.arange(500), 7):
-        roots = found[k][~np.isnan(found[k])]
+        roots = result[k][~np.isnan(result[k])]
         assert roots.size == 8 - np.argmax(p[k] != 0.0)
         for one in expected[k]:
             assert np.abs(roots - one).min() <= 1e-6 * one

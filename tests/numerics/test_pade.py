@@ -17,8 +17,8 @@ def test_the_delay_is_the_pade_approximation_of_python_control(order):
     A, B, C, D = pade_delay(0.3, order)
     expected = control.tf(*control.pade(0.3, order))
     omega = np.geomspace(0.1, 100.0, 50)
-    found = control.ss(A, B, C, D)(1j * omega)
-    np.testing.assert_allclose(found, expected(1j * omega), rtol=1e-9)
+    result = control.ss(A, B, C, D)(1j * omega)
+    np.testing.assert_allclose(result, expected(1j * omega), rtol=1e-9)
 
 
 @pytest.mark.parametrize("order", ORDERS)

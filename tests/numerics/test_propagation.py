@@ -38,40 +38,40 @@ EACH_MATRIX = pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
 
 @EACH_MATRIX
 def test_balancing_is_a_similarity_whose_norms_are_those_of_lapack(matrix):
-    found, scale = balanced(matrix)
-    np.testing.assert_array_equal(found * scale[:, np.newaxis] / scale, matrix)  # powers of two
+    computed, scale = balanced(matrix)
+    np.testing.assert_array_equal(computed * scale[:, np.newaxis] / scale, matrix)  # powers of two
     expected = matrix_balance(matrix, permute=False)[0]
     for axis in (0, 1):
-        sizes, lapack = (np.linalg.norm(one, axis=axis) for one in (found, expected))
+        sizes, lapack = (np.linalg.norm(one, axis=axis) for one in (computed, expected))
         assert np.linalg.norm(sizes) <= 2.0 * np.linalg.norm(lapack)
 
 
 def exact(matrix, step):
     with mp.workdps(60):
-        found = mp.expm(mp.matrix(matrix.tolist()) * mp.mpf(float(step)))
-        return np.array([[complex(cell) for cell in row] for row in found.tolist()])
+        result = mp.expm(mp.matrix(matrix.tolist()) * mp.mpf(float(step)))
+        return np.array([[complex(cell) for cell in row] for row in result.tolist()])
 
 
 @EACH_MATRIX
 def test_exponentials_are_those_of_sixty_digits(matrix):
     """One rounding for each of the norm's units: no method that squares does better."""
-    found = matrix_exponentials(matrix, STEPS)
+    result = matrix_exponentials(matrix, STEPS)
     balanced = matrix_balance(matrix, permute=False)[0]
     rounding = 4 * EPS * max(np.linalg.norm(balanced, 1) * STEPS.max(), 1.0)
-    for step, one in zip(STEPS, found, strict=True):
+    for step, one in zip(STEPS, result, strict=True):
         expected = exact(matrix, step)
         assert np.abs(one - expected).max() <= rounding * np.abs(expected).max()
-    assert found.dtype == matrix.dtype
+    assert result.dtype == matrix.dtype
 
 
 @EACH_MATRIX
 def test_a_short_step_keeps_its_digits_beside_a_very_long_one(matrix):
     steps = np.array([1e-3, 1e5])
     with np.errstate(over="ignore", invalid="ignore"):  # what grows may overflow in so long a time
-        found = matrix_exponentials(matrix, steps)[0]
-    np.testing.assert_array_equal(found, matrix_exponentials(matrix, steps[:1])[0])
+        computed = matrix_exponentials(matrix, steps)[0]
+    np.testing.assert_array_equal(computed, matrix_exponentials(matrix, steps[:1])[0])
     balanced, scaling = matrix_balance(matrix, permute=False)
-    balanced_found = np.linalg.inv(scaling) @ found @ scaling
+    balanced_found = np.linalg.inv(scaling) @ computed @ scaling
     expected = exact(balanced, 1e-3)
     rounding = 4 * EPS * max(np.linalg.norm(balanced, 1) * 1e-3, 1.0)
     assert np.abs(balanced_found - expected).max() <= rounding * np.abs(expected).max()
@@ -80,8 +80,8 @@ def test_a_short_step_keeps_its_digits_beside_a_very_long_one(matrix):
 @EACH_MATRIX
 @pytest.mark.parametrize("step", [1e-3, 0.3, 4.0])
 def test_exponentials_are_those_of_scipy(matrix, step):
-    found, expected = matrix_exponentials(matrix, np.array([step]))[0], expm(matrix * step)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+    computed, expected = matrix_exponentials(matrix, np.array([step]))[0], expm(matrix * step)
+    np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("name", ["any", "complex", "nilpotent", "undamped", "growing"])
@@ -206,10 +206,10 @@ def convolved(kernel, history, time):
 def test_the_motion_is_the_convolution_with_the_impulse_response(system, history):
     knots = history[0]
     times = np.array([knots[0] - 1.0, *knots, knots[0] + 0.3, knots[-1] + 0.05, knots[-1] + 6.0])
-    found = carried(system, history).at(times)[:, : len(system[0])]
+    computed = carried(system, history).at(times)[:, : len(system[0])]
     expected = [[convolved(kernel, history, t) for kernel in system[2]] for t in times]
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
-    assert not found[0].any()
+    np.testing.assert_allclose(computed, expected, rtol=1e-12, atol=1e-13)
+    assert not computed[0].any()
 
 
 @EACH_INPUT
@@ -255,9 +255,9 @@ def step_answer(frequency, damping, time):
 def test_the_overshoot_of_a_step_is_found(frequency, damping):
     flown = carried(oscillator(frequency, damping), step_input())
     for row, sign in ((np.array([1.0, 0, 0]), 1), (np.array([-1.0, 0, 0]), -1)):
-        found, time = peak_output(flown, row, 40 / damping / frequency)
+        computed, time = peak_output(flown, row, 40 / damping / frequency)
         over = np.exp(-np.pi * damping / np.sqrt(1 - damping**2))
-        assert found == pytest.approx(sign * (1 + over), rel=1e-11)
+        assert computed == pytest.approx(sign * (1 + over), rel=1e-11)
         assert time == pytest.approx(np.pi / frequency / np.sqrt(1 - damping**2), rel=1e-6)
 
 
@@ -265,8 +265,8 @@ def test_the_overshoot_of_a_step_is_found(frequency, damping):
 def test_a_knot_beside_the_peak_does_not_hide_it(off):
     top = np.pi / np.sqrt(1 - 0.2**2)
     flown = carried(oscillator(1.0, 0.2), step_input(top + off))
-    found, time = peak_output(flown, np.array([1.0, 0, 0]), 200.0)
-    assert found == pytest.approx(1 + np.exp(-top * 0.2), rel=1e-11)
+    computed, time = peak_output(flown, np.array([1.0, 0, 0]), 200.0)
+    assert computed == pytest.approx(1 + np.exp(-top * 0.2), rel=1e-11)
     assert time == pytest.approx(top, rel=1e-6)
 
 
@@ -275,14 +275,14 @@ def test_a_knot_beside_the_peak_does_not_hide_it(off):
 def test_a_peak_after_the_last_knot_is_found(width, damping):
     """From the end of the pulse on the motion is free, from where and how fast it then is."""
     history = [0.0, width], [[[1.0]], [[0.0]]], [0.0]
-    found, time = peak_output(
+    computed, time = peak_output(
         carried(oscillator(1.0, damping), history), np.array([1.0, 0, 0]), 40 / damping
     )
     omega = np.sqrt(1 - damping**2)
     place, rate = step_answer(1.0, damping, width)
     later = np.arctan2(rate * omega, damping * rate + place) / omega
     swing = np.cos(omega * later) * place + np.sin(omega * later) * (rate + damping * place) / omega
-    assert found == pytest.approx(np.exp(-damping * later) * swing, rel=1e-11)
+    assert computed == pytest.approx(np.exp(-damping * later) * swing, rel=1e-11)
     assert time == pytest.approx(width + later, rel=1e-6)
 
 
@@ -290,8 +290,8 @@ def test_a_peak_after_the_last_knot_is_found(width, damping):
 def test_a_peak_at_a_knot_is_found_there(width):
     """A lag rises as long as the pulse lasts."""
     history = [0.0, width, width + 3.0], [[[-1.0]], [[0.0]], [[0.0]]], [0.0]
-    found = peak_output(carried(([[-0.5]], [1.0]), history), np.array([1.0, 0.0]), 80.0)
-    assert found == (pytest.approx(-2 * -np.expm1(-width / 2), rel=1e-12), width)
+    result = peak_output(carried(([[-0.5]], [1.0]), history), np.array([1.0, 0.0]), 80.0)
+    assert result == (pytest.approx(-2 * -np.expm1(-width / 2), rel=1e-12), width)
 
 
 def test_a_peak_on_either_side_of_a_jump_is_found():
@@ -308,8 +308,8 @@ def test_a_peak_on_either_side_of_a_jump_is_found():
 
 def test_the_peak_of_a_smooth_gust_lies_at_its_middle_knot():
     flown = carried(([[-0.5]], [1.0]), INPUTS["one minus cosine"])
-    found, time = peak_output(flown, np.array([0.0, 1.0, 1.0, 1.0]), 80.0)
-    assert found == pytest.approx(1.0, rel=1e-14)
+    computed, time = peak_output(flown, np.array([0.0, 1.0, 1.0, 1.0]), 80.0)
+    assert computed == pytest.approx(1.0, rel=1e-14)
     assert time == pytest.approx(1.0, abs=1e-7)
 
 
@@ -330,13 +330,15 @@ def test_the_rate_of_a_lag_peaks_on_one_side_of_a_knot():
             sizes += [abs(begun), abs(ended)]
         sizes.append(abs(x))
         rate = np.array([-1.0, 1.0, 0.0])
-        found, _ = peak_output(carried(([[-1.0]], [1.0]), history), rate, 40.0)
-        assert abs(found) == pytest.approx(max(sizes), rel=1e-13)
+        computed, _ = peak_output(carried(([[-1.0]], [1.0]), history), rate, 40.0)
+        assert abs(computed) == pytest.approx(max(sizes), rel=1e-13)
 
 
 def test_what_rises_for_ever_is_followed_as_far_as_asked():
-    found, time = peak_output(carried(([[-0.5]], [1.0]), step_input()), np.array([1.0, 0.0]), 80.0)
-    assert (found, time) == (pytest.approx(2.0, rel=1e-13), 80.0)
+    computed, time = peak_output(
+        carried(([[-0.5]], [1.0]), step_input()), np.array([1.0, 0.0]), 80.0
+    )
+    assert (computed, time) == (pytest.approx(2.0, rel=1e-13), 80.0)
 
 
 @pytest.mark.parametrize("damping", [0.005, 0.05])
@@ -349,7 +351,7 @@ def test_the_highest_of_many_swings_is_found(damping):
     for lasts in np.linspace(4.0, 150.0, 40):
         history = [0.0, lasts], [[[-0.5j], [0.5j]], [[0.0], [0.0]]], [1j, -1j]
         flown = carried(oscillator(1.0, damping), history)
-        found, time = peak_output(flown, np.array([1.0, 0, 0, 0]), 40 / damping)
+        computed, time = peak_output(flown, np.array([1.0, 0, 0, 0]), 40 / damping)
         during, after = np.linspace(0.0, lasts, 20_001), np.linspace(0.0, 12.0, 20_001)
         stepped, rate = step_answer(1.0, damping, during)
         swings = (1 - stepped - np.cos(during)) / (2 * damping)
@@ -358,8 +360,8 @@ def test_the_highest_of_many_swings_is_found(damping):
             omega * after
         )
         sizes = np.abs(np.concatenate([swings, np.exp(-damping * after) * free]))
-        assert abs(found) == pytest.approx(sizes.max(), rel=1e-4), lasts
-        assert abs(found) >= sizes.max() * (1 - 1e-12), lasts
+        assert abs(computed) == pytest.approx(sizes.max(), rel=1e-4), lasts
+        assert abs(computed) >= sizes.max() * (1 - 1e-12), lasts
         top = np.concatenate([during, lasts + after])[np.argmax(sizes)]
         assert time == pytest.approx(top, abs=0.02), lasts
 
@@ -395,13 +397,13 @@ def test_the_highest_beat_of_two_frequencies_is_found(decay):
     tops = [minimize_scalar(lambda t: -size(t), bounds=(t - 0.02, t + 0.02)) for t in near]
     best = min(tops, key=lambda top: top.fun)
     assert 2.0 * np.exp(-decay * times[-1]) < -best.fun  # nothing higher comes later
-    found, time = two_swings(decay, frequencies)
-    assert abs(found) == pytest.approx(-best.fun, rel=1e-8)
+    computed, time = two_swings(decay, frequencies)
+    assert abs(computed) == pytest.approx(-best.fun, rel=1e-8)
     assert time == pytest.approx(best.x, abs=1e-4)
 
 
 def test_the_highest_beat_is_found_long_before_the_motion_has_died_out():
-    found, time = two_swings(1e-9, np.array([1.0, np.sqrt(2.0)]))
-    assert 2.0 - 1e-4 < abs(found) < 2.0
+    computed, time = two_swings(1e-9, np.array([1.0, np.sqrt(2.0)]))
+    assert 2.0 - 1e-4 < abs(computed) < 2.0
     swing = np.exp(-1e-9 * time) * np.sin(time * np.array([1.0, np.sqrt(2.0)])).sum()
-    assert abs(found) == pytest.approx(abs(swing), rel=1e-7)
+    assert abs(computed) == pytest.approx(abs(swing), rel=1e-7)

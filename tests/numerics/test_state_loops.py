@@ -30,13 +30,13 @@ def section(above, below):
 def flexible(rng, modes, damping=(1e-3, 1e-1)):
     """Return sections of a loop of order 4 + 2 modes: rigid body, actuator, poles beside zeros."""
     rigid = [rng.uniform(0.5, 3.0), rng.uniform(0.5, 3.0)], [1.0, 0.0, -rng.uniform(0.05, 0.5)]
-    found = [rigid, ([400.0], [1.0, 28.0, 400.0])]
+    computed = [rigid, ([400.0], [1.0, 28.0, 400.0])]
     for _ in range(modes):
         pole = rng.uniform(3.0, 70.0)
         zero = pole * rng.uniform(0.8, 1.2)
         rub = 2.0 * np.exp(rng.uniform(*np.log(damping), 2))
-        found.append(([1.0, rub[0] * zero, zero**2], [1.0, rub[1] * pole, pole**2]))
-    return found
+        computed.append(([1.0, rub[0] * zero, zero**2], [1.0, rub[1] * pole, pole**2]))
+    return computed
 
 
 def cascade(sections):
@@ -227,15 +227,17 @@ def test_poles_on_the_axis_and_repeated_ones_are_no_obstacle(name, delay):
     n = len(A)
     turn = np.tril(np.ones((n, n)))
     back = np.linalg.inv(turn)
-    found = tv.control.loop_margins(
+    margins = tv.control.loop_margins(
         tv.Loop.from_matrices(turn @ A @ back, turn @ B, C @ back, D, delay)
     )
-    assert found.status == expected.status
-    assert found.unstable_poles == expected.unstable_poles
+    assert margins.status == expected.status
+    assert margins.unstable_poles == expected.unstable_poles
     for key in NUMBERS:
         # A repeated pole is known to the root of rounding, and so is what lies beside it.
         rough = 1e-5 if "frequency" in key and "crossover" not in key else 1e-6
-        assert getattr(found, key) == pytest.approx(getattr(expected, key), rel=rough, nan_ok=True)
+        assert getattr(margins, key) == pytest.approx(
+            getattr(expected, key), rel=rough, nan_ok=True
+        )
 
 
 def test_a_loop_has_the_same_margins_alone_and_in_a_batch():
@@ -274,8 +276,8 @@ def test_what_passes_at_once_is_a_crossing_at_infinity():
 
     one, no = np.ones((1, 1)), np.zeros(1)
     form = StateLoop.balanced(-one[np.newaxis], one, 0.9 * one, np.array([-0.5]), no)
-    found = analyse_loops(form)
-    assert found.unstable_poles[0] == 0
-    assert found.phase_frequencies[0, -1] == np.inf
-    assert found.factors[0, -1] == pytest.approx(2.0, rel=1e-12)
-    assert found.peaks[0, 0, 0] == pytest.approx(2.0, rel=1e-12)  # S = 1/(1 - 0.5)
+    result = analyse_loops(form)
+    assert result.unstable_poles[0] == 0
+    assert result.phase_frequencies[0, -1] == np.inf
+    assert result.factors[0, -1] == pytest.approx(2.0, rel=1e-12)
+    assert result.peaks[0, 0, 0] == pytest.approx(2.0, rel=1e-12)  # S = 1/(1 - 0.5)

@@ -71,9 +71,9 @@ def test_notebooks_of_the_site_run_without_threads_processes_compiler_and_extras
 
 
 def test_each_notebook_of_the_site_installs_the_package_first(browser) -> None:
-    found = {name: json.loads(text)["cells"] for name, text in browser.contents().items()}
+    computed = {name: json.loads(text)["cells"] for name, text in browser.contents().items()}
 
-    assert len(found) == len(browser.CHOSEN) + 1
-    for cells in found.values():
+    assert len(computed) == len(browser.CHOSEN) + 1
+    for cells in computed.values():
         assert cells[0]["source"] == "%pip install -q tvclin ipywidgets"
         assert len(cells) > 1

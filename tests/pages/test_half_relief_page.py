@@ -27,8 +27,8 @@ DURATIONS = (2, 3, 4, 6, 8, 12, 20)
 def numbers(label: str, count: int) -> list[float]:
     """Return the numbers of the only row with this label and so many of them."""
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in LINES]
-    found = [re.split(", ", ", ".join(row[1:])) for row in rows if row[0] == label]
-    (one,) = [row for row in found if len(row) == count]
+    computed = [re.split(", ", ", ".join(row[1:])) for row in rows if row[0] == label]
+    (one,) = [row for row in computed if len(row) == count]
     return [float(number) for number in one]
 
 
@@ -38,8 +38,8 @@ def flown(law, plant, tau_beta, limits, stops=28, behind=(), **options):
     parts = np.concatenate([np.linspace(0.0, 1.0, stops + 2)[1:-1], behind])
     winds = whole.before(np.append(parts * whole.duration, np.inf)[:, np.newaxis])
     options = {"actuator": SERVO, "sample_rate": 60.0} | options
-    found = tv.fly_many(plant, law, winds, deflection_limit=np.array(limits) * TRIM, **options)
-    return np.all(found.status == "survived", axis=0)
+    flights = tv.fly_many(plant, law, winds, deflection_limit=np.array(limits) * TRIM, **options)
+    return np.all(flights.status == "survived", axis=0)
 
 
 def is_needed(shown, step, law, plant, tau_beta, **options):
@@ -140,8 +140,8 @@ def test_what_other_winds_ask_for(words, name):
         wind = tv.design.standard_winds(PEAK, tau_beta / BETA)[name]
         tried = (shown + np.array([-0.009, 0.006, 0.02, 0.05, 0.1])) * TRIM
         options = {"actuator": SERVO, "sample_rate": 60.0}
-        found = tv.fly_many(EXACT, HALF, wind, deflection_limit=tried, **options)
-        assert (found.status == "survived").tolist() == [False, True, True, True, True]
+        flights = tv.fly_many(EXACT, HALF, wind, deflection_limit=tried, **options)
+        assert (flights.status == "survived").tolist() == [False, True, True, True, True]
 
 
 @pytest.mark.parametrize(
@@ -152,9 +152,9 @@ def test_what_other_winds_ask_for(words, name):
     ],
 )
 def test_what_slow_hardware_asks_for(words, durations, options):
-    (found,) = re.findall(words, PROSE)
+    (computed,) = re.findall(words, PROSE)
     stops = 9 if "rate_limit" in options else 28
-    for shown, tau_beta in zip(np.atleast_1d(found), durations, strict=True):
+    for shown, tau_beta in zip(np.atleast_1d(computed), durations, strict=True):
         is_needed(float(shown), 0.006, HALF, EXACT, tau_beta, stops=stops, **options)
 
 
@@ -174,8 +174,8 @@ def test_the_other_configuration():
         stops = np.append(np.linspace(0.0, whole.duration, 30)[1:-1], np.inf)[:, np.newaxis]
         tried = (float(shown) + np.array([-0.0022, *ABOVE])) * c.B * PEAK
         options = {"actuator": SERVO, "sample_rate": 60.0}
-        found = tv.fly_many(plant, law, whole.before(stops), deflection_limit=tried, **options)
-        survives = np.all(found.status == "survived", axis=0)
+        flights = tv.fly_many(plant, law, whole.before(stops), deflection_limit=tried, **options)
+        survives = np.all(flights.status == "survived", axis=0)
         assert survives.tolist() == [False] + [True] * len(ABOVE)
 
 

@@ -20,8 +20,8 @@ FLIGHT = tv.load_vehicle("configuration-i"), tv.load_vehicle("configuration-ii")
 def row(page: str, label: str, count: int) -> list[float]:
     """Return the numbers of the only row of a page that has this label and so many cells."""
     cells = [line.strip("| ").split(" | ") for line in (DOCS / page).read_text().splitlines()]
-    (found,) = [one[1:] for one in cells if one[0] == label and len(one) == count + 1]
-    return [float(number) for cell in found for number in re.split(", ", cell)]
+    (computed,) = [one[1:] for one in cells if one[0] == label and len(one) == count + 1]
+    return [float(number) for cell in computed for number in re.split(", ", cell)]
 
 
 def shown(numbers: list[float], computed: list[float], digits: int, error: float) -> None:
@@ -38,16 +38,16 @@ def triangle(vehicle: tv.Vehicle, degrees: float = 1.0) -> tv.TriangularWind:
 @pytest.mark.parametrize("law", LAWS)
 def test_the_laws_flown(law: str) -> None:
     vehicle = FLIGHT[0]
-    plant, found = tv.Plant.from_vehicle(vehicle, "drift-exact"), []
+    plant, computed = tv.Plant.from_vehicle(vehicle, "drift-exact"), []
     control = tv.design.standard_laws(plant, DEGREE)[law]
     rectangle = tv.RectangularWind(peak=DEGREE, duration=triangle(vehicle).duration)
     for wind in (triangle(vehicle), rectangle):
-        found.append(tv.closed_loop_boundary(plant, control, wind, sample_rate=100).limit)
+        computed.append(tv.closed_loop_boundary(plant, control, wind, sample_rate=100).limit)
         for engine in ("planar", "sixdof"):
             options = {"law": control, "engine": engine, "tolerance": TOLERANCE, "highest": 2.5}
-            found.append(tv.flown_boundary(vehicle, wind, **options).limit)
+            computed.append(tv.flown_boundary(vehicle, wind, **options).limit)
 
-    shown(row("six-degrees.md", law, 6), found, 3, TOLERANCE)
+    shown(row("six-degrees.md", law, 6), computed, 3, TOLERANCE)
 
 
 @pytest.mark.thorough
@@ -67,13 +67,13 @@ def test_the_laws_flown(law: str) -> None:
 )
 def test_the_boundary_flown(label: str, number: int, options: dict[str, object]) -> None:
     vehicle, error = FLIGHT[number], 1e-5
-    found = [
+    computed = [
         tv.flown_boundary(
             vehicle, triangle(vehicle), K, engine="sixdof", tolerance=error, **options
         ).limit
         for K in (1.0, 0.5, 0.0)
     ]
-    shown(row("six-degrees.md", label, 3), found, 4, error)
+    shown(row("six-degrees.md", label, 3), computed, 4, error)
 
 
 @pytest.mark.parametrize(("label", "number"), [("`drift-exact`, I", 0), ("`drift-exact`, II", 1)])
@@ -110,12 +110,14 @@ def test_along_the_trajectory(label: str, degrees: float, plane: str) -> None:
     options["condition"] = load_flight_condition("configuration-i")
     laws = tv.design.standard_laws(tv.Plant.from_vehicle(vehicle, "drift-exact", plane), peak.peak)
 
-    found = [
+    computed = [
         tv.flown_boundary(vehicle, wind, K, engine=engine, tolerance=1e-5, **options).limit
         for engine in ("planar", "sixdof")
         for K in bands
     ]
-    shown(row("six-degrees.md", label, 2), found, 4, 1e-5)
+    shown(row("six-degrees.md", label, 2), computed, 4, 1e-5)
     options |= {"engine": "sixdof", "tolerance": 1e-4}
-    found = [tv.flown_boundary(vehicle, wind, law=laws[law], **options).limit for law in LAWS[:4]]
-    shown(row("six-degrees.md", label, 4), found, 3, 1e-4)
+    computed = [
+        tv.flown_boundary(vehicle, wind, law=laws[law], **options).limit for law in LAWS[:4]
+    ]
+    shown(row("six-degrees.md", label, 4), computed, 3, 1e-4)

@@ -145,9 +145,9 @@ def test_public_names_that_are_offered_for_first_guesses_exist() -> None:
     for offered in GUESSES.values():
         for name in re.findall(r"(?:tvclin|Plant|Autopilot)(?:\.\w+)+", offered):
             owner, *rest = name.split(".")
-            found = tvclin if owner == "tvclin" else getattr(tvclin, owner)
+            result = tvclin if owner == "tvclin" else getattr(tvclin, owner)
             for one in rest:
-                found = getattr(found, one)
+                result = getattr(result, one)
 
 
 @pytest.mark.parametrize("name", ["residues", "pole", "unstable_mode"])

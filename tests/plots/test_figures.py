@@ -59,29 +59,29 @@ def all_lines(plot):
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_figure_is_a_control_plot_of_its_numbers(name):
     plot = figure(name)
-    found = plot.curves
+    computed = plot.curves
 
     assert isinstance(plot, control.ControlPlot)
-    assert name == found.name
+    assert name == computed.name
     if name == "figure-1":  # its lines have both their coordinates in columns
         drawn = [values for line in all_lines(plot) for values in line.get_data()]
     else:
         drawn = [line.get_ydata() for line in all_lines(plot)]
-        assert all(np.array_equal(found.abscissa, line.get_xdata()) for line in all_lines(plot))
-    assert len(found.columns) == len(drawn)
-    for column, values in zip(found.columns, drawn, strict=True):
+        assert all(np.array_equal(computed.abscissa, line.get_xdata()) for line in all_lines(plot))
+    assert len(computed.columns) == len(drawn)
+    for column, values in zip(computed.columns, drawn, strict=True):
         np.testing.assert_array_equal(column.values, values)
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_csv_reads_back_as_the_same_numbers_but_for_what_rounding_leaves_of_a_zero(name):
-    found = curves_of(figure(name))
-    headings, rows = numbers(found.csv())
+    result = curves_of(figure(name))
+    headings, rows = numbers(result.csv())
 
-    assert len(set(headings)) == len(headings) == 1 + len(found.columns)
+    assert len(set(headings)) == len(headings) == 1 + len(result.columns)
     assert all(heading.endswith("]") for heading in headings)
-    np.testing.assert_array_equal(found.abscissa, rows[:, 0])
-    for column, values in zip(found.columns, rows[:, 1:].T, strict=True):
+    np.testing.assert_array_equal(result.abscissa, rows[:, 0])
+    for column, values in zip(result.columns, rows[:, 1:].T, strict=True):
         there, rounding = values != 0.0, 16.0 * np.finfo(float).eps
         np.testing.assert_array_equal(column.values[there], values[there])
         left = np.abs(column.values[~there])
@@ -98,17 +98,17 @@ def test_every_axis_has_a_label_with_its_unit(name):
 
 
 def test_figure_2_is_equations_7_and_12():
-    found = plots.figure_2().curves
-    at_4 = int(np.argmin(np.abs(found.abscissa - 4.0)))
+    computed = plots.figure_2().curves
+    at_4 = int(np.argmin(np.abs(computed.abscissa - 4.0)))
 
-    assert found.column("rectangular")[at_4] == pytest.approx(0.98168, abs=5e-6)
-    assert found.column("triangular, K = 1")[at_4] == pytest.approx(0.6884593698, abs=5e-11)
-    assert found.column("triangular, K = 0.5")[at_4] == pytest.approx(0.5587576750, abs=5e-11)
-    assert found.column("triangular, K = 0")[at_4] == pytest.approx(0.3738225362, abs=5e-11)
+    assert computed.column("rectangular")[at_4] == pytest.approx(0.98168, abs=5e-6)
+    assert computed.column("triangular, K = 1")[at_4] == pytest.approx(0.6884593698, abs=5e-11)
+    assert computed.column("triangular, K = 0.5")[at_4] == pytest.approx(0.5587576750, abs=5e-11)
+    assert computed.column("triangular, K = 0")[at_4] == pytest.approx(0.3738225362, abs=5e-11)
 
 
 def test_figure_5_is_equations_12_and_18():
-    found = plots.figure_5(tau_beta=[4.0, 20.0]).curves
+    computed = plots.figure_5(tau_beta=[4.0, 20.0]).curves
     expected = {
         ("without drift, eq (12)", "(a) K = 1"): [0.68846, 0.93069],
         ("Configuration I, eq (18)", "(a) K = 1"): [0.66484, 0.7939],
@@ -118,17 +118,19 @@ def test_figure_5_is_equations_12_and_18():
         ("Configuration II, eq (18)", "(b) K = 0.5"): [0.53844, 0.1888],
     }
 
-    assert set(expected) == {(column.label, column.panel) for column in found.columns}
+    assert set(expected) == {(column.label, column.panel) for column in computed.columns}
     for key, values in expected.items():
-        assert found.column(*key) == pytest.approx(values, abs=6e-5)
+        assert computed.column(*key) == pytest.approx(values, abs=6e-5)
 
 
 def test_boundary_chart_of_a_vehicle_includes_its_drift(configuration_i):
     c = tv.Coefficients.from_vehicle(configuration_i)
-    found = plots.boundary_chart([2.0, 4.0], [1.0], c).curves
+    computed = plots.boundary_chart([2.0, 4.0], [1.0], c).curves
 
-    np.testing.assert_array_equal(rectangular_limit([2.0, 4.0], c.K1), found.column("rectangular"))
-    assert found.column("triangular, K = 1")[1] == pytest.approx(0.66484, abs=5e-6)
+    np.testing.assert_array_equal(
+        rectangular_limit([2.0, 4.0], c.K1), computed.column("rectangular")
+    )
+    assert computed.column("triangular, K = 1")[1] == pytest.approx(0.66484, abs=5e-6)
 
 
 def test_with_damping_durations_are_in_times_of_the_pole_and_say_so(configuration_i):
@@ -148,9 +150,9 @@ def test_with_damping_durations_are_in_times_of_the_pole_and_say_so(configuratio
     wind = tv.TriangularWind(peak=peak, duration=4.0 / c.pole)
     needed = tv.required_deflection(plant, wind).limit
     assert laws.column("required, K = 1")[1] == pytest.approx(needed, rel=1e-12)
-    for found in (chart, figure, laws):
-        assert "tau*p" in found.abscissa_label
-        assert "beta" not in found.parameters
+    for computed in (chart, figure, laws):
+        assert "tau*p" in computed.abscissa_label
+        assert "beta" not in computed.parameters
     assert "tau*beta" in plots.boundary_chart(x, [0.5], plain).curves.abscissa_label
     figures = plots.figure_6(damped, tau_beta=[4.0], points=11)
     assert set(figures.curves.panels) == {"tau*p = 4"}
@@ -160,24 +162,24 @@ def test_with_damping_durations_are_in_times_of_the_pole_and_say_so(configuratio
 @pytest.mark.parametrize(("draw", "K"), [(plots.figure_3, 1.0), (plots.figure_4, 0.5)])
 @pytest.mark.parametrize("factor", [0.8, 0.9, 1.1, 1.2])
 def test_figures_3_and_4_are_equation_13(draw, K, factor):
-    found = draw(tau_beta=[2.0, 4.0], factors=[factor], points=101).curves
+    computed = draw(tau_beta=[2.0, 4.0], factors=[factor], points=101).curves
 
     for b in (2.0, 4.0):
         y = factor * triangular_limit(b, K)
-        expected = triangular_attitude(found.abscissa, b, y, K)
-        row = found.column(f"{factor:g} y_BR", f"tau*beta = {b:g}")
+        expected = triangular_attitude(computed.abscissa, b, y, K)
+        row = computed.column(f"{factor:g} y_BR", f"tau*beta = {b:g}")
         np.testing.assert_allclose(row, expected, rtol=1e-9, atol=1e-12)
 
 
 def test_figure_3_has_the_attitude_that_the_report_quotes():
-    found = plots.figure_3(points=2001).curves
-    row = found.column("1.1 y_BR", "tau*beta = 4")
-    first = found.abscissa <= 1.2
+    computed = plots.figure_3(points=2001).curves
+    row = computed.column("1.1 y_BR", "tau*beta = 4")
+    first = computed.abscissa <= 1.2
     peak = int(np.argmax(np.where(first, row, -1.0)))
 
     assert row[peak] == pytest.approx(0.1642, abs=5e-5)
-    assert found.abscissa[peak] == pytest.approx(0.877, abs=1e-3)
-    assert np.interp(0.0, -row[peak:], found.abscissa[peak:]) == pytest.approx(1.080, abs=1e-3)
+    assert computed.abscissa[peak] == pytest.approx(0.877, abs=1e-3)
+    assert np.interp(0.0, -row[peak:], computed.abscissa[peak:]) == pytest.approx(1.080, abs=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -190,21 +192,21 @@ def test_figure_3_has_the_attitude_that_the_report_quotes():
     ],
 )
 def test_figures_6_to_9_are_equation_b9(draw, vehicle, K):
-    found = draw(tau_beta=[4.0], points=101).curves
+    computed = draw(tau_beta=[4.0], points=101).curves
     c = tv.Coefficients.from_vehicle(tv.load_vehicle(vehicle))
     limit = tv.boundary.triangular_limit_with_drift(4.0, K, c.beta, c.b1, c.b2)
 
     for factor in (0.9, 1.1):
         expected = triangular_attitude_with_drift(
-            found.abscissa, 4.0, factor * limit, K, c.beta, c.b1, c.b2
+            computed.abscissa, 4.0, factor * limit, K, c.beta, c.b1, c.b2
         )
-        row = found.column(f"{factor:g} y_BR", "tau*beta = 4")
+        row = computed.column(f"{factor:g} y_BR", "tau*beta = 4")
         np.testing.assert_allclose(row, expected, rtol=1e-8, atol=1e-11)
 
 
 def test_a_limit_above_trim_is_marked_and_leaves_the_attitude_alone():
-    found = plots.figure_3(tau_beta=[20.0]).curves
-    notes = {column.label: column.note for column in found.columns}
+    computed = plots.figure_3(tau_beta=[20.0]).curves
+    notes = {column.label: column.note for column in computed.columns}
 
     assert notes == {
         "0.8 y_BR": "",
@@ -213,8 +215,8 @@ def test_a_limit_above_trim_is_marked_and_leaves_the_attitude_alone():
         "1.1 y_BR": "trim never saturates",
         "1.2 y_BR": "trim never saturates",
     }
-    assert np.abs(found.column("1.2 y_BR", "tau*beta = 20")).max() < 1e-12
-    assert "1.2 y_BR (trim never saturates) [-]" in found.headings
+    assert np.abs(computed.column("1.2 y_BR", "tau*beta = 20")).max() < 1e-12
+    assert "1.2 y_BR (trim never saturates) [-]" in computed.headings
 
 
 def test_divergent_curves_leave_the_frame_and_the_boundary_stays_in_it():
@@ -228,10 +230,10 @@ def test_divergent_curves_leave_the_frame_and_the_boundary_stays_in_it():
 
 
 def test_on_the_boundary_nothing_is_lost_however_long_the_wind():
-    found = plots.figure_3(tau_beta=[200.0], factors=[1.0], until=5.0).curves
+    computed = plots.figure_3(tau_beta=[200.0], factors=[1.0], until=5.0).curves
 
     limit = triangular_limit(200.0, 1.0)
-    assert found.columns[0].values[-1] == pytest.approx(limit, rel=1e-12)
+    assert computed.columns[0].values[-1] == pytest.approx(limit, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -247,10 +249,10 @@ def test_no_two_curves_of_a_panel_look_alike(draw):
 
 
 def test_figure_1_shows_the_angles_it_says():
-    found = plots.figure_1(50.0, 20.0, 15.0, 8.0).curves
+    computed = plots.figure_1(50.0, 20.0, 15.0, 8.0).curves
 
     def direction(name):
-        x, y = found.column(f"{name} x"), found.column(f"{name} y")
+        x, y = computed.column(f"{name} x"), computed.column(f"{name} y")
         return np.degrees(np.arctan2(y[-1] - y[0], x[-1] - x[0]))
 
     assert direction("axis") == pytest.approx(50.0)
@@ -264,16 +266,16 @@ def test_figure_1_shows_the_angles_it_says():
 
 
 def test_sketch_a_holds_the_limit_of_equation_7():
-    found = plots.sketch_a(tau_beta=2.0).curves
-    held = found.column("control", "control")
+    computed = plots.sketch_a(tau_beta=2.0).curves
+    held = computed.column("control", "control")
 
-    assert held[found.abscissa < -1e-6] == pytest.approx(0.0)
-    assert held[found.abscissa >= 0.0] == pytest.approx(1.0 - np.exp(-2.0), rel=1e-14)
+    assert held[computed.abscissa < -1e-6] == pytest.approx(0.0)
+    assert held[computed.abscissa >= 0.0] == pytest.approx(1.0 - np.exp(-2.0), rel=1e-14)
 
 
 def test_sketch_b_switches_where_equation_11_says():
-    found = plots.sketch_b(tau_beta=4.0, dead_band=0.5).curves
-    x, held = found.abscissa, found.column("control", "control")
+    computed = plots.sketch_b(tau_beta=4.0, dead_band=0.5).curves
+    x, held = computed.abscissa, computed.column("control", "control")
     y = triangular_limit(4.0, 0.5)
     jump = int(np.argmax(np.diff(held)))
 
@@ -283,15 +285,15 @@ def test_sketch_b_switches_where_equation_11_says():
 
 
 def test_sketch_c_solves_equation_c6():
-    found = plots.sketch_c(ratios=(0.1, 0.5)).curves
-    y = found.abscissa
+    computed = plots.sketch_c(ratios=(0.1, 0.5)).curves
+    y = computed.abscissa
 
     for r in (0.1, 0.5):
-        x = found.column(f"exact, r = {r:g}")
+        x = computed.column(f"exact, r = {r:g}")
         residual = 2.0 * x**r - 2.0 * x * y - (1.0 - y)
         assert np.nanmax(np.abs(residual)) < 1e-7  # steep next to y = 1
         assert np.all(np.isnan(x) == (y == 1.0))
-    assert found.column("exact, r = 0.1")[-1] == pytest.approx(0.54410, abs=5e-6)
+    assert computed.column("exact, r = 0.1")[-1] == pytest.approx(0.54410, abs=5e-6)
 
 
 def test_a_response_is_drawn_in_degrees_whoever_computed_it(configuration_i):
@@ -305,10 +307,10 @@ def test_a_response_is_drawn_in_degrees_whoever_computed_it(configuration_i):
     other = plots.response_chart(simulated, limit=level).curves
 
     assert [c.label for c in drawn.columns] == [c.label for c in other.columns]
-    found = {column.label: column.values for column in drawn.columns}
+    computed = {column.label: column.values for column in drawn.columns}
     for signals in (exact.outputs, exact.inputs):
         for label, row in zip(signals.signal_labels, signals, strict=True):
-            np.testing.assert_allclose(found[label], np.degrees(row), rtol=1e-12, atol=1e-13)
+            np.testing.assert_allclose(computed[label], np.degrees(row), rtol=1e-12, atol=1e-13)
     assert drawn.column("lower limit", "deflection")[0] == -np.degrees(level)
     size = np.degrees(wind.peak)
     for one, two in zip(drawn.columns, other.columns, strict=True):
@@ -322,9 +324,9 @@ def test_a_flight_that_meets_both_stops_is_drawn_with_both(configuration_i):
     flown = tv.fly(plant, law, wind, np.linspace(0.0, 18.0, 91), deflection_limit=limit)
     drawn = plots.response_chart(flown, limit=limit).curves
 
-    found = drawn.column("deflection", "deflection")
-    assert found.max() == pytest.approx(np.degrees(limit), rel=1e-9)
-    assert found.min() == pytest.approx(-np.degrees(limit), rel=1e-9)
+    values = drawn.column("deflection", "deflection")
+    assert values.max() == pytest.approx(np.degrees(limit), rel=1e-9)
+    assert values.min() == pytest.approx(-np.degrees(limit), rel=1e-9)
     for label, sign in (("upper limit", 1.0), ("lower limit", -1.0)):
         assert np.all(drawn.column(label, "deflection") == sign * np.degrees(limit))
 
@@ -362,15 +364,15 @@ def test_a_figure_drawn_before_control_is_imported_is_still_its_plot():
 
 def test_the_chart_of_laws_measures_them_by_equation_12_and_the_minimum(configuration_i):
     plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
-    found = plots.laws_chart(plant, {}, 0.08, np.array([2.0, 4.0])).curves
+    computed = plots.laws_chart(plant, {}, 0.08, np.array([2.0, 4.0])).curves
 
     for K in (1.0, 0.5):
         expected = triangular_limit([2.0, 4.0], K)
-        np.testing.assert_allclose(found.column(f"required, K = {K:g}"), expected, rtol=1e-12)
+        np.testing.assert_allclose(computed.column(f"required, K = {K:g}"), expected, rtol=1e-12)
     # the minimum of one pole is K = 0, and in one triangle a forecast is worth nothing
     for label in ("lower bound, wind known", "lower bound, no forecast"):
         expected = triangular_limit([2.0, 4.0], 0.0)
-        np.testing.assert_allclose(found.column(label), expected, rtol=1e-9)
+        np.testing.assert_allclose(computed.column(label), expected, rtol=1e-9)
 
 
 def test_between_its_marks_the_chart_of_laws_is_near_equation_12(configuration_i):
@@ -421,14 +423,14 @@ def test_curves_say_what_is_wrong():
 
     with pytest.raises(tv.InputError, match="shape of the abscissa"):
         Curves("name", "nothing", "x [-]", np.zeros(2), (column,))
-    found = Curves("name", "nothing", "x [-]", np.zeros(3), (column,))
+    result = Curves("name", "nothing", "x [-]", np.zeros(3), (column,))
     with pytest.raises(tv.InputError, match="'one'"):
-        found.column("two")
+        result.column("two")
     with pytest.raises(tv.InputError, match="drawn from curves"):
         curves_of(object())
     look = Look("title", "y [-]", {"one": {}})
     with pytest.raises(tv.InputError, match="x .* two different values or more"):
-        draw(found, look)
+        draw(result, look)
 
 
 @pytest.mark.parametrize(

@@ -40,18 +40,18 @@ def no_figure_stays_open():
 @pytest.mark.parametrize(("draw", "name", "K"), FIGURES)
 def test_marks_of_figures_6_to_9_are_flights_at_the_same_limits(draw, name, K, engine):
     """The exact cubic with the dead band left by trim itself, at multiples of eq (18)."""
-    found = draw(tau_beta=[4.0], factors=[0.9, 1.1], points=41, engine=engine).curves
+    computed = draw(tau_beta=[4.0], factors=[0.9, 1.1], points=41, engine=engine).curves
     vehicle = tv.load_vehicle(name)
     c = tv.Coefficients.from_vehicle(vehicle)
     y = tv.boundary.triangular_limit_with_drift(4.0, K, c.beta, c.b1, c.b2)
     exact = tv.Plant(c, "drift-exact")
     wind = tv.TriangularWind(peak=1.0, duration=4.0 / c.beta)
-    x = found.abscissa
+    x = computed.abscissa
 
     for factor in (0.9, 1.1):
         held = tv.trim_then_hold(exact, wind, -factor * y * c.B, K, switch="literal")
         expected = -attitude_responses(exact, held, wind, x * wind.duration)["attitude"]
-        row = found.column(f"{factor:g} y_BR, flown", "tau*beta = 4")
+        row = computed.column(f"{factor:g} y_BR, flown", "tau*beta = 4")
         small = np.abs(expected) < 3.0  # of a wind of 1 degree
         assert small.sum() > 25
         # A horizontal wind on a path that turns moves the boundary by 0.0004, which has grown to
@@ -60,8 +60,8 @@ def test_marks_of_figures_6_to_9_are_flights_at_the_same_limits(draw, name, K, e
 
 
 def test_a_flight_that_leaves_its_model_ends_without_a_word():
-    found = plots.figure_6(tau_beta=[8.0], factors=[0.8], points=21, engine="planar").curves
-    row = found.column("0.8 y_BR, flown", "tau*beta = 8")
+    computed = plots.figure_6(tau_beta=[8.0], factors=[0.8], points=21, engine="planar").curves
+    row = computed.column("0.8 y_BR, flown", "tau*beta = 8")
 
     assert np.isnan(row[-1])
     assert np.nanmax(row) > 5.0
@@ -69,8 +69,10 @@ def test_a_flight_that_leaves_its_model_ends_without_a_word():
 
 
 def test_a_flight_of_trim_alone_is_marked():
-    found = plots.figure_6(tau_beta=[20.0], factors=[1.0, 1.2], points=21, engine="planar").curves
-    notes = {column.label: column.note for column in found.columns}
+    computed = plots.figure_6(
+        tau_beta=[20.0], factors=[1.0, 1.2], points=21, engine="planar"
+    ).curves
+    notes = {column.label: column.note for column in computed.columns}
 
     assert notes["1.2 y_BR, flown"] == "trim never saturates"
     assert not notes["y_BR (boundary), flown"]
@@ -89,30 +91,32 @@ def test_a_flight_of_trim_alone_is_marked():
 )
 def test_points_of_figures_10_and_11_are_boundaries_of_the_exact_cubic(draw, name, K, tau_beta):
     engine = chosen_engine(None)
-    found = draw(dead_bands=[K], tau_beta=[tau_beta], along=[]).curves
+    computed = draw(dead_bands=[K], tau_beta=[tau_beta], along=[]).curves
     exact = tv.Plant.from_vehicle(tv.load_vehicle(name), "drift-exact")
     wind = tv.TriangularWind(peak=PEAK, duration=tau_beta / exact.coefficients.beta)
     expected = tv.boundary_limit(exact, wind, K, switch="literal").limit
 
-    flown = found.column(f"flown, {flown_room.ENGINES[engine].words}", f"(a) K = {K:g}")
-    assert found.abscissa[np.isfinite(flown)] == pytest.approx([tau_beta])
+    flown = computed.column(f"flown, {flown_room.ENGINES[engine].words}", f"(a) K = {K:g}")
+    assert computed.abscissa[np.isfinite(flown)] == pytest.approx([tau_beta])
     assert flown[np.isfinite(flown)] == pytest.approx(expected, abs=2e-3)
 
 
 def test_figure_10_is_equations_12_and_18_and_draws_what_is_flown_where_it_belongs(monkeypatch):
-    asked = []
+    calls = []
 
     def flown(name, tau_beta, K, **options):
-        asked.append((name, tau_beta, K, tuple(sorted(options.items()))))
-        return 0.1 * len(asked)
+        calls.append((name, tau_beta, K, tuple(sorted(options.items()))))
+        return 0.1 * len(calls)
 
     monkeypatch.setattr(plots.boundaries, "flown_limit", flown)
-    found = plots.figure_10(dead_bands=[0.5], tau_beta=[2.0], along=[3.0], engine="planar").curves
-    at = {b: int(np.flatnonzero(found.abscissa == b)[0]) for b in (2.0, 3.0)}
-    values = {column.label: column.values for column in found.columns}
+    computed = plots.figure_10(
+        dead_bands=[0.5], tau_beta=[2.0], along=[3.0], engine="planar"
+    ).curves
+    at = {b: int(np.flatnonzero(computed.abscissa == b)[0]) for b in (2.0, 3.0)}
+    values = {column.label: column.values for column in computed.columns}
     c = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
 
-    assert [one[3] for one in asked] == [
+    assert [one[3] for one in calls] == [
         (("engine", "planar"),),
         (("along", True), ("peak", PEAK), ("plane", "pitch")),
         (("along", True), ("peak", -PEAK), ("plane", "pitch")),
@@ -122,10 +126,10 @@ def test_figure_10_is_equations_12_and_18_and_draws_what_is_flown_where_it_belon
     assert values["along the trajectory, tail wind"][at[3.0]] == pytest.approx(0.2)
     assert values["along the trajectory, yaw"][at[3.0]] == pytest.approx(0.4)
     assert values["without drift, eq (12)"] == pytest.approx(
-        tv.boundary.triangular_limit(found.abscissa, 0.5), abs=1e-14
+        tv.boundary.triangular_limit(computed.abscissa, 0.5), abs=1e-14
     )
     assert values["with drift, eq (18)"] == pytest.approx(
-        tv.boundary.triangular_limit_with_drift(found.abscissa, 0.5, c.beta, c.b1, c.b2),
+        tv.boundary.triangular_limit_with_drift(computed.abscissa, 0.5, c.beta, c.b1, c.b2),
         abs=1e-14,
     )
 
@@ -141,18 +145,18 @@ def test_the_wind_along_a_trajectory_has_its_peak_at_the_time_of_table_i():
 
 
 def test_along_the_trajectory_the_condition_of_the_vehicle_is_flown(monkeypatch):
-    asked = {}
+    request = {}
 
     def boundary(vehicle, wind, dead_band, **options):
-        asked.update(options)
+        request.update(options)
         return tv.flown_boundary(vehicle, wind, dead_band, engine=lambda *_, **__: lambda y: True)
 
     monkeypatch.setattr(flown_room, "flown_boundary", boundary)
     flown_limit.__wrapped__("configuration-ii", 4.0, 1.0, plane="yaw", along=True)
 
-    assert asked["frozen"] is False
-    assert asked["condition"] == load_flight_condition("configuration-ii")
-    assert asked["plane"] == "yaw"
+    assert request["frozen"] is False
+    assert request["condition"] == load_flight_condition("configuration-ii")
+    assert request["plane"] == "yaw"
 
 
 def test_jsbsim_flies_where_it_is_installed(monkeypatch):

@@ -50,8 +50,8 @@ def chart_of(name, chart):
 
 def marks(plot, panel=0):
     """Return the words and places of all marks of one panel."""
-    found = [line for line in plot.lines.flat[panel] if line.get_marker() not in {"None", ""}]
-    return {line.get_label(): tuple(float(v[0]) for v in line.get_data()) for line in found}
+    computed = [line for line in plot.lines.flat[panel] if line.get_marker() not in {"None", ""}]
+    return {line.get_label(): tuple(float(v[0]) for v in line.get_data()) for line in computed}
 
 
 def marked(plot, start, panel=0):
@@ -132,10 +132,10 @@ def test_nyquist_turns_as_often_as_the_poles_say(name):
 
 def test_criteria_of_modes_are_judged_in_the_title():
     for limit, words in ((10.0, "criteria bands MET"), (18.0, "criteria bands NOT MET")):
-        asked = tv.control.Criteria.custom(
+        criteria = tv.control.Criteria.custom(
             "bands", mode_gain_margin_dB=limit, phase_margin_deg=30.0
         )
-        plot = plots.nichols_chart(AUTOPILOT, PLANT, asked)
+        plot = plots.nichols_chart(AUTOPILOT, PLANT, criteria)
         assert words in plot.axes[0, 0].get_title()
 
 
@@ -175,8 +175,8 @@ def test_steps_and_winds_of_a_flexible_loop_are_drawn():
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     drawn = plots.wind_chart(AUTOPILOT, PLANT, wind).curves
     value, _ = AUTOPILOT.wind_response(PLANT, wind).peak("deflection")
-    found = drawn.column("deflection", "deflection")
-    assert np.abs(found).max() == pytest.approx(abs(np.degrees(value)), rel=1e-9)
+    values = drawn.column("deflection", "deflection")
+    assert np.abs(values).max() == pytest.approx(abs(np.degrees(value)), rel=1e-9)
     step = plots.step_chart(AUTOPILOT, PLANT).curves
     fastest = np.abs(PLANT.poles).max()
     assert np.diff(step.abscissa).max() * fastest < 2.0 * np.pi / 4.0
@@ -228,12 +228,12 @@ def test_the_matrices_of_a_loop_have_the_locus_of_its_polynomials():
     A[-1] = -below[:0:-1]
     C = np.pad(above, (2, 0))[np.newaxis, ::-1]
     state = tv.Loop.from_matrices(A, np.eye(4)[:, -1:], C, delay=0.03)
-    found = [LocusPoles.of(loop, 4) for loop in (rational, state)]
+    computed = [LocusPoles.of(loop, 4) for loop in (rational, state)]
 
     for name in ("poles", "zeros"):
-        one, other = (np.sort_complex(getattr(locus, name)) for locus in found)
+        one, other = (np.sort_complex(getattr(locus, name)) for locus in computed)
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-8 * 120.0)
-    one, other = (np.sort_complex(locus.closed(np.array([0.7]))[0]) for locus in found)
+    one, other = (np.sort_complex(locus.closed(np.array([0.7]))[0]) for locus in computed)
     np.testing.assert_allclose(one, other, rtol=0, atol=1e-8 * 120.0)
 
 

@@ -244,8 +244,8 @@ def test_bode_marks_the_margins_at_their_frequencies(make):
 
     omega, size = plot.lines[0, 0][0].get_data()
     _, phase = plot.lines[1, 0][0].get_data()
-    found = 10.0 ** (size / 20.0) * np.exp(1j * np.radians(phase))
-    np.testing.assert_allclose(found, autopilot.frequency_response(plant, omega), rtol=1e-9)
+    computed = 10.0 ** (size / 20.0) * np.exp(1j * np.radians(phase))
+    np.testing.assert_allclose(computed, autopilot.frequency_response(plant, omega), rtol=1e-9)
     assert np.abs(np.diff(phase)).max() < 200.0  # a pole on the axis turns it by 180 degrees
     if np.isfinite(m.aero_margin):
         where = max(m.aero_frequency, left), m.aero_margin_dB
@@ -489,9 +489,9 @@ def test_the_pade_loop_of_the_locus_is_that_of_the_autopilot():
     system, locus = autopilot.loop(plant), LocusPoles.of(loop, autopilot.pade_order)
     factors = np.array([0.5, 2.0])
 
-    for found, factor in zip(locus.closed(factors), factors, strict=True):
+    for computed, factor in zip(locus.closed(factors), factors, strict=True):
         expected = np.sort_complex(control.feedback(factor * system, 1).poles())
-        np.testing.assert_allclose(np.sort_complex(found), expected, rtol=0, atol=1e-7 * 120.0)
+        np.testing.assert_allclose(np.sort_complex(computed), expected, rtol=0, atol=1e-7 * 120.0)
     assert loop.denominator.shape[-1] - 1 + autopilot.pade_order == locus.poles.size
 
 

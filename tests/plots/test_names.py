@@ -33,8 +33,8 @@ def criteria(name):
 
 
 def study(name):
-    asked = tv.Study.from_vehicle(vehicle(name), duration=7.5, peak=0.08)
-    return plots.study_chart(asked, [5.0, 7.5])
+    request = tv.Study.from_vehicle(vehicle(name), duration=7.5, peak=0.08)
+    return plots.study_chart(request, [5.0, 7.5])
 
 
 FIGURES = {

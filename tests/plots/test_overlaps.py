@@ -66,8 +66,8 @@ def response(vehicle, factor):
     plant, K = rigid(vehicle), 0.5
     limit = factor * tv.boundary_limit(plant, WIND, K).deflection
     held = tv.trim_then_hold(plant, WIND, limit, K)
-    found = tv.attitude_response(plant, held, WIND, np.linspace(0.0, 15.0, 301))
-    return plots.response_chart(found, f"{vehicle.name}: response", limit=abs(limit))
+    result = tv.attitude_response(plant, held, WIND, np.linspace(0.0, 15.0, 301))
+    return plots.response_chart(result, f"{vehicle.name}: response", limit=abs(limit))
 
 
 def flight(vehicle):
@@ -99,13 +99,13 @@ def flown_margins(vehicle):
 def boundary_map(vehicle):
     law, gains = attitude_and_rate(vehicle), np.geomspace(0.5, 2.0, 7)
     delays = np.linspace(0.0, 0.4, 5)
-    found = tv.flights.boundary_map(rigid(vehicle), law, WIND, gains, delays, sample_rate=20.0)
-    return plots.boundary_map_chart(found, limit=0.02)
+    result = tv.flights.boundary_map(rigid(vehicle), law, WIND, gains, delays, sample_rate=20.0)
+    return plots.boundary_map_chart(result, limit=0.02)
 
 
 def least_gains(vehicle):
-    found = tv.minimum_deflection_gains(rigid(vehicle), WIND, actuator=tv.Actuator(), delay=0.02)
-    return plots.gain_trade_off_chart([tv.design.gain_trade_off(found, [0.6, 0.8, 1.0])])
+    design = tv.minimum_deflection_gains(rigid(vehicle), WIND, actuator=tv.Actuator(), delay=0.02)
+    return plots.gain_trade_off_chart([tv.design.gain_trade_off(design, [0.6, 0.8, 1.0])])
 
 
 CHARTS = {
@@ -163,13 +163,13 @@ def seen_texts(figure):
         for label in (tick.label1, tick.label2)
         if not (tick.get_visible() and inside(axis, tick))
     ]
-    found = []
+    computed = []
     for text in figure.findobj(Text):
         drawn = text.get_visible() and text.get_text().strip() and text not in apart
         if drawn and (text.axes is None or text.axes.axison):
             box = Text.get_window_extent(text)  # of an annotation without its line
-            found.append((text.get_text(), box.transformed(figure.dpi_scale_trans.inverted())))
-    return found
+            computed.append((text.get_text(), box.transformed(figure.dpi_scale_trans.inverted())))
+    return computed
 
 
 def inside(axis, tick):
@@ -182,7 +182,7 @@ def overlaps(figure):
     """Return the pairs of texts on top of each other, and what is beyond the edge."""
     touch, (width, height) = TOUCH / 72.0, figure.get_size_inches()
     texts = seen_texts(figure)
-    found = [
+    computed = [
         (one, other)
         for (one, a), (other, b) in combinations(texts, 2)
         if min(a.x1, b.x1) - max(a.x0, b.x0) > touch and min(a.y1, b.y1) - max(a.y0, b.y0) > touch
@@ -190,14 +190,14 @@ def overlaps(figure):
     beyond = [
         one for one, box in texts if min(box.x0, box.y0, width - box.x1, height - box.y1) < -touch
     ]
-    return found, beyond
+    return computed, beyond
 
 
 def legible(plot, size):
     if size == PAGE:
         narrow(plot)
-    found, beyond = overlaps(plot.figure)
-    assert not found
+    computed, beyond = overlaps(plot.figure)
+    assert not computed
     assert not beyond
     least = min(text.get_fontsize() for text in plot.figure.findobj(Text) if text.get_text())
     assert least / 72.0 * WIDE / plot.figure.get_figwidth() >= HIGH
@@ -220,8 +220,8 @@ def test_no_two_texts_of_an_availability_are_on_top_of_each_other(azimuth, size,
     balloons = [Balloon(time, jet(5.0 * (i + 1))) for i, time in enumerate(every)]
     soundings = tv.read_soundings(write(tmp_path / "s-data.txt", balloons))
     flight = tv.load_schedule("configuration-i")
-    found = tv.availability(flight, soundings, limit=0.006, azimuth=azimuth)
-    legible(plots.availability_chart(found), size)
+    result = tv.availability(flight, soundings, limit=0.006, azimuth=azimuth)
+    legible(plots.availability_chart(result), size)
 
 
 @pytest.mark.parametrize("name", usual(FIGURES, 0))

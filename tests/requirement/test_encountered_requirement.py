@@ -97,14 +97,14 @@ def test_a_batch_requires_what_each_of_its_cases_does(configuration_i, shape, de
     pulse = tv.ShapedWind(shape, np.radians(5.0), 7.5)
     for sign, turn in (("head", -1.0), ("tail", 1.0)):
         case = tv.Case(vehicle=configuration_i, wind=pulse, sign=sign)
-        found = encountered_batch(case, values, vehicles, dead_band, "pitch", np.ones(3))
+        result = encountered_batch(case, values, vehicles, dead_band, "pitch", np.ones(3))
         for i, weight in enumerate(weights):
             wind = SHAPES[shape](
                 peak=turn * values["wind_peak"][i], duration=values["wind_duration"][i]
             )
             vehicle = configuration_i.replace(weight=weight)
             alone = required(vehicle, wind, "drift-exact", dead_band)
-            assert found[i] == pytest.approx(alone, rel=2e-6)
+            assert result[i] == pytest.approx(alone, rel=2e-6)
 
 
 def test_the_dynamic_pressure_is_that_of_the_air_met(configuration_i) -> None:
@@ -136,9 +136,9 @@ def test_the_requirement_of_a_dispersed_case_is_not_known_where_its_study_is_not
         wind = wind.with_speed(speed * float(vehicle.velocity), vehicle, "pitch")
     case = tv.Case(vehicle=vehicle, wind=wind, nozzle=tv.Nozzle(limit=0.3))
     spread = tv.Dispersions((tv.Dispersion("attitude", "uniform", 0.9),))
-    found = tv.ensembles.disperse_study(tv.Study.of(case), spread, cases=8)
+    result = tv.ensembles.disperse_study(tv.Study.of(case), spread, cases=8)
     known = []
-    cases = found.values["attitude"].tolist(), found.deflection.tolist(), found.status
+    cases = result.values["attitude"].tolist(), result.deflection.tolist(), result.status
     for attitude, required, status in zip(*cases, strict=True):
         alone = case_requirement(replace(case, vehicle=vehicle.replace(attitude=attitude)))
         known.append(not alone.unknown)
@@ -146,7 +146,7 @@ def test_the_requirement_of_a_dispersed_case_is_not_known_where_its_study_is_not
         expected = np.inf if alone.unknown else alone.required_deflection
         assert required == pytest.approx(expected, rel=1e-5)
     assert 0 < sum(known) < len(known)
-    assert not found.sufficient
+    assert not result.sufficient
 
 
 def test_a_wind_that_meets_the_flight_beyond_30_deg_has_no_verdict(configuration_i) -> None:
@@ -198,11 +198,11 @@ def test_the_verdict_counts_the_worst_of_head_and_tail_wind() -> None:
     short, enough = (of_peak(5.0, limit=np.radians(x)) for x in (0.411, 0.413))
     assert (short.sufficient, enough.sufficient) == (False, True)
     assert short.governs == "the dynamic pressure in a head wind"
-    asked = {name: of_peak(5.0, sign=name) for name in ("head", "tail", "frozen")}
-    needs = {name: np.degrees(one.required_deflection) for name, one in asked.items()}
+    request = {name: of_peak(5.0, sign=name) for name in ("head", "tail", "frozen")}
+    needs = {name: np.degrees(one.required_deflection) for name, one in request.items()}
     assert needs == pytest.approx({"head": 0.41152, "tail": 0.30625, "frozen": 0.35082}, abs=2e-5)
-    assert short.required_deflection == asked["head"].required_deflection
-    assert asked["frozen"].governs == "the boundary of the control with the exit on trim"
+    assert short.required_deflection == request["head"].required_deflection
+    assert request["frozen"].governs == "the boundary of the control with the exit on trim"
 
 
 @pytest.mark.thorough
@@ -210,9 +210,9 @@ def test_the_verdict_counts_the_worst_of_head_and_tail_wind() -> None:
 def test_a_limit_is_what_the_peak_that_it_survives_requires(sign: str | None) -> None:
     for limit in np.radians([0.02, 0.1, 0.4, 0.7]):
         peak = np.degrees(of_peak(5.0, limit=limit, sign=sign).survivable_peak)
-        asked = of_peak(peak, limit=limit, sign=sign)
-        assert asked.required_deflection == pytest.approx(limit, rel=1e-7)
-        assert asked.sufficient
+        request = of_peak(peak, limit=limit, sign=sign)
+        assert request.required_deflection == pytest.approx(limit, rel=1e-7)
+        assert request.sufficient
 
 
 def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
@@ -240,8 +240,8 @@ def test_a_pair_is_never_limited_in_the_air_that_it_meets(configuration_i) -> No
     """What trim is at its largest, by a flight under ideal trim in that air."""
     slow = configuration_i.replace(velocity=30.0)
     wind = tv.ShapedWind("triangular", np.radians(5.0), 20.0)
-    found = tv.Study.of(tv.Case(vehicle=slow, wind=wind))
-    assert any("are a pair" in note for note in found.notes)
+    result = tv.Study.of(tv.Case(vehicle=slow, wind=wind))
+    assert any("are a pair" in note for note in result.notes)
     path = float(slow.attitude)
 
     def trimmed(turn: float) -> float:
@@ -264,10 +264,10 @@ def test_a_pair_is_never_limited_in_the_air_that_it_meets(configuration_i) -> No
         flown = solve_ivp(rates, (0.0, 20.0), [0.0], t_eval=times, rtol=1e-9, atol=1e-13).y.T
         return max(abs(trim(t, x)) for t, x in zip(times, flown, strict=True))
 
-    assert found.nominal_deflection == pytest.approx(trimmed(0.0), rel=1e-4)
+    assert result.nominal_deflection == pytest.approx(trimmed(0.0), rel=1e-4)
     for name, turn in (("head", -1.0), ("tail", 1.0)):
-        assert found.encountered[name] == pytest.approx(trimmed(turn), rel=1e-4)
-    assert found.required_deflection == found.encountered["head"]
+        assert result.encountered[name] == pytest.approx(trimmed(turn), rel=1e-4)
+    assert result.required_deflection == result.encountered["head"]
 
 
 @pytest.mark.parametrize(("plane", "attitude"), [("pitch", None), ("yaw", None), ("pitch", 4.0)])
@@ -281,28 +281,28 @@ def test_a_limit_is_not_sufficient_where_the_pressure_encountered_is_not_known(
     options = {"duration": duration, "peak": np.radians(5), "plane": plane}
     nominal = tv.Study.from_vehicle(vehicle, **options, sign="frozen").required_deflection
     for factor, sufficient in ((1.02, None), (0.98, False)):
-        found = tv.Study.from_vehicle(vehicle, limit=factor * nominal, **options)
-        assert found.sufficient is sufficient
-        assert found.survivable_peak is None
+        study = tv.Study.from_vehicle(vehicle, limit=factor * nominal, **options)
+        assert study.sufficient is sufficient
+        assert study.survivable_peak is None
         calm = tv.Study.from_vehicle(vehicle, limit=factor * nominal, **options, sign="frozen")
         assert calm.sufficient is (factor > 1.0)
 
 
 def test_what_lasts_too_long_to_be_followed_is_told(configuration_i) -> None:
     for duration in (1e4, 1e8):
-        found = tv.Study.from_vehicle(
+        study = tv.Study.from_vehicle(
             configuration_i, duration=duration, peak=np.radians(5), model="fixed-path"
         )
-        assert found.encountered == {}
-        assert any("can be followed for at most" in note for note in found.notes)
+        assert study.encountered == {}
+        assert any("can be followed for at most" in note for note in study.notes)
 
 
 def test_without_speed_and_attitude_the_nominal_pressure_counts(configuration_i) -> None:
     c = tv.Coefficients.from_vehicle(configuration_i)
     bare = tv.vehicle.LinearVehicle(coefficients=c, name="bare")
-    found = tv.Study.from_vehicle(bare, duration=7.5, peak=np.radians(5))
-    assert found.encountered == {}
-    assert any("the requirement in a head wind is not known" in note for note in found.notes)
+    study = tv.Study.from_vehicle(bare, duration=7.5, peak=np.radians(5))
+    assert study.encountered == {}
+    assert any("the requirement in a head wind is not known" in note for note in study.notes)
     with pytest.raises(tv.InputError):
         tv.Study.from_vehicle(bare, duration=7.5, peak=np.radians(5), sign="head")
 
@@ -311,19 +311,21 @@ def test_without_speed_and_attitude_the_nominal_pressure_counts(configuration_i)
 def test_a_flight_has_both_directions_at_each_time_and_its_total_the_larger() -> None:
     """With parameters that vary the ratio to the nominal pressure is nearly that of frozen ones."""
     plan = tv.studyfile.load_sizing("configuration-i")
-    asked = plan.sizing
-    found = asked.sizing(plan)
-    (pulse,) = asked.pulses(plan)
-    nominal = found.required["K = 1, varying"][:, 0]
+    request = plan.sizing
+    result = request.sizing(plan)
+    (pulse,) = request.pulses(plan)
+    nominal = result.required["K = 1, varying"][:, 0]
     for sign in ("head", "tail"):
-        studies = [tv.Study.of(asked.at(plan, t, pulse)) for t in found.times.tolist()]
+        studies = [tv.Study.of(request.at(plan, t, pulse)) for t in result.times.tolist()]
         ratios = [one.encountered[sign] / one.nominal_deflection for one in studies]
-        along = found.required[f"K = 1, varying, {sign} wind"][:, 0]
+        along = result.required[f"K = 1, varying, {sign} wind"][:, 0]
         np.testing.assert_allclose(along, nominal * ratios, rtol=0.02)
     name = "K = 1, varying, head wind"
-    total = asked.total(plan, found)
-    assert asked.counted(found) == name
-    assert {one.name: one.deflection for one in total.lines}["wind"] == found.worst[name].deflection
+    total = request.total(plan, result)
+    assert request.counted(result) == name
+    assert {one.name: one.deflection for one in total.lines}["wind"] == result.worst[
+        name
+    ].deflection
 
 
 @pytest.mark.parametrize(
@@ -332,10 +334,10 @@ def test_a_flight_has_both_directions_at_each_time_and_its_total_the_larger() ->
 )
 def test_one_sign_of_a_flight_is_counted_where_it_is_asked_for(sign, column) -> None:
     plan = replace(tv.studyfile.load_sizing("configuration-i"), sign=sign)
-    asked = replace(plan.sizing, every=40.0)
-    found = asked.sizing(plan)
-    assert asked.counted(found, sign) == f"K = 1, varying{column}"
-    assert sum(bool(one.direction) for one in found.required) == bool(column)
+    request = replace(plan.sizing, every=40.0)
+    result = request.sizing(plan)
+    assert request.counted(result, sign) == f"K = 1, varying{column}"
+    assert sum(bool(one.direction) for one in result.required) == bool(column)
 
 
 @pytest.mark.parametrize(("blows_from", "own"), usual([(270.0, "tail"), (90.0, "head")], 0))
@@ -343,13 +345,13 @@ def test_a_direction_says_which_sign_a_flight_meets(blows_from, own) -> None:
     plan = tv.studyfile.load_sizing("configuration-i")
     east = replace(plan.wind, heading=np.radians(blows_from - 90.0))
     plan = replace(plan, wind=east)
-    asked = replace(plan.sizing, every=40.0)
-    found = asked.sizing(plan)
-    counted = asked.counted(found)
+    request = replace(plan.sizing, every=40.0)
+    result = request.sizing(plan)
+    counted = request.counted(result)
     assert counted == f"K = 1, varying, {own} wind"
-    assert [one for one in found.required if one.direction] == [f"K = 1, varying, {own} wind"]
+    assert [one for one in result.required if one.direction] == [f"K = 1, varying, {own} wind"]
     with pytest.raises(tv.InputError, match="leave sign"):
-        asked.sizing(replace(plan, sign=own))
+        request.sizing(replace(plan, sign=own))
 
 
 @pytest.mark.thorough
@@ -364,10 +366,10 @@ def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
         tv.Dispersion("wind_duration", "uniform", 0.3),
     ))  # fmt: skip
     case = tv.Case(vehicle=vehicle, wind=wind)
-    found = tv.ensembles.disperse_study(tv.Study.of(case), spread, cases=6)
-    for i, needed in enumerate(found.deflection.tolist()):
+    result = tv.ensembles.disperse_study(tv.Study.of(case), spread, cases=6)
+    for i, needed in enumerate(result.deflection.tolist()):
         peak, duration, thrust = (
-            float(found.values[name][i]) for name in ("wind_peak", "wind_duration", "thrust")
+            float(result.values[name][i]) for name in ("wind_peak", "wind_duration", "thrust")
         )
         at = 3.0 + 0.5 * (duration - 7.5)
         blows = replace(wind, peak=peak, duration=duration, gust_at=at)
@@ -396,8 +398,8 @@ def test_a_slow_mode_in_the_air_met_needs_the_least_of_all_control(
     the steps of the ratio are good to 1e-4.
     """
     wind = tv.ShapedWind("triangular", np.radians(5.0), duration)
-    found = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind), 0.0)
-    needs = {"calm": found.nominal_deflection} | found.encountered
+    result = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind), 0.0)
+    needs = {"calm": result.nominal_deflection} | result.encountered
     assert np.degrees([needs["calm"], needs["head"]]) == pytest.approx([calm, head], abs=5e-5)
     least = {"calm": 0.0, "head": -1.0, "tail": 1.0}
     least = {name: least_peak(configuration_i, wind, turn) for name, turn in least.items()}
@@ -422,12 +424,12 @@ def test_three_modes_in_the_air_met_need_the_least_of_all_control(configuration_
 def test_after_trim_the_slow_mode_needs_the_least_of_all_control(configuration_i, dead_band):
     """As before; the linear program's trim is level in a quarter of a second."""
     wind = tv.ShapedWind("triangular", np.radians(5.0), 60.0)
-    found = case_requirement(tv.Case(vehicle=configuration_i, wind=wind), dead_band)
+    result = case_requirement(tv.Case(vehicle=configuration_i, wind=wind), dead_band)
     calm, head = (
         least_peak(configuration_i, wind, turn, dead_band=dead_band) for turn in (0.0, -1.0)
     )
-    assert found.nominal_deflection == pytest.approx(calm, rel=1e-3)
-    assert found.encountered["head"] == pytest.approx(head, rel=1e-3)
+    assert result.nominal_deflection == pytest.approx(calm, rel=1e-3)
+    assert result.encountered["head"] == pytest.approx(head, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -438,8 +440,8 @@ def test_batches_follow_winds_that_last(name: str, duration: float) -> None:
     vehicle, wind = tv.load_vehicle(name), tv.ShapedWind("triangular", np.radians(5.0), duration)
     case = tv.Case(vehicle=vehicle, wind=wind, model="drift-exact", sign="head")
     alone = case_requirement(case, 0.0).required_deflection
-    found = encountered_batch(case, {}, vehicle.rigid, 0.0, "pitch", np.ones(1))
-    assert found == pytest.approx([alone], rel=1e-6)
+    result = encountered_batch(case, {}, vehicle.rigid, 0.0, "pitch", np.ones(1))
+    assert result == pytest.approx([alone], rel=1e-6)
 
 
 @pytest.mark.parametrize("dead_band", [0.5, 0.25, 0.0])
@@ -448,14 +450,14 @@ def test_slow_modes_of_many_at_once_are_those_of_each(configuration_i, dead_band
     values = {"wind_peak": np.radians([4.0, 5.0]), "wind_duration": np.array([60.0, 80.0])}
     pulse = tv.ShapedWind("triangular", np.radians(5.0), 60.0)
     case = tv.Case(vehicle=configuration_i, wind=pulse, sign="head")
-    found = encountered_batch(case, values, vehicles, dead_band, "pitch", np.ones(2))
+    result = encountered_batch(case, values, vehicles, dead_band, "pitch", np.ones(2))
     for i, weight in enumerate([0.9, 1.1]):
         vehicle = configuration_i.replace(weight=configuration_i.weight * weight)
         peak, duration = (float(values[k][i]) for k in ("wind_peak", "wind_duration"))
         case = tv.Case(vehicle=vehicle, wind=tv.ShapedWind("triangular", peak, duration))
         alone = case_requirement(replace(case, sign="head"), dead_band)
         assert "minimum over all" in alone.requirement.governs
-        assert found[i] == pytest.approx(alone.required_deflection, rel=1e-4)
+        assert result[i] == pytest.approx(alone.required_deflection, rel=1e-4)
 
 
 def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float:
@@ -491,7 +493,7 @@ def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float
     after = rows @ B[:, :1] * -np.diff(np.exp(-poles * ends)) / poles
     turns = poles.imag[:, 0] > 0.0
     rows, after = (np.vstack([one.real, one.imag[turns]]) for one in (rows, after))
-    reach, demand, asked = after, np.zeros(len(rows)), []
+    reach, demand, request = after, np.zeros(len(rows)), []
     for k in reversed(range(count)):
         step = stepped(*met[k])
         m = step.shape[0]
@@ -500,15 +502,15 @@ def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float
         rows = rows @ step[:, :m]
         apart = np.linalg.inv(np.linalg.qr(rows.T)[1].T)  # all turn to the fast one
         rows, reach, demand = (apart @ one for one in (rows, reach, demand))
-        asked.insert(0, (reach, demand + rows @ states[k]))
+        request.insert(0, (reach, demand + rows @ states[k]))
     if dead_band == 0.0:
-        return least_size(*asked[0])
+        return least_size(*request[0])
     low, high = 0, count // 2  # trim grows up to there
     while high - low > 1:
         middle = (low + high) // 2
-        inside = abs(trims[middle]) < dead_band * least_size(*asked[middle])
+        inside = abs(trims[middle]) < dead_band * least_size(*request[middle])
         low, high = (middle, high) if inside else (low, middle)
-    limits = [least_size(*asked[k]) for k in (low, high)]
+    limits = [least_size(*request[k]) for k in (low, high)]
     over = [abs(trims[k]) - dead_band * one for k, one in zip((low, high), limits, strict=True)]
     return float(np.interp(0.0, over, limits))
 

@@ -197,11 +197,11 @@ def test_a_case_requires_the_same_at_every_entry_point(seed: int, tmp_path: Path
         )
         answers[f"flight, varying {varying}"] = lambda flown=flown: of_flight(flown)
     for name, answer in answers.items():
-        found = answered(answer)
-        if isinstance(found, str) and any(words in found for words in _REFUSED_ALONG):
+        computed = answered(answer)
+        if isinstance(computed, str) and any(words in computed for words in _REFUSED_ALONG):
             assert name.startswith("flight")
             continue
-        assert same(found, expected, tolerance), (name, found, expected)
+        assert same(computed, expected, tolerance), (name, computed, expected)
     in_shell = CliRunner().invoke(app, ["study", str(file), "--json"])
     document = json.loads(in_shell.stdout)
     question, verdict = document["questions"][0], document["verdict"]

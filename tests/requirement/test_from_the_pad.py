@@ -83,17 +83,17 @@ def test_constant_parameters_have_the_left_eigenvector_at_all_times(configuratio
 
 def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None:
     met = tv.fly_through(sounding(), flight, azimuth=EAST)
-    found = tv.size(flight, met, times=[0.5, 20.0, 60.0, 122.0], varying=True)
+    sizing = tv.size(flight, met, times=[0.5, 20.0, 60.0, 122.0], varying=True)
 
     first = met.known[0]
     speed = np.interp(first, flight.times, flight.speed)
     wind = sounding().in_plane(EAST)
     blows = np.interp(np.interp(first, flight.times, flight.height), sounding().height, wind)
     assert 0.3 < abs(blows) / speed <= 0.5  # not above 30 deg, and just below it
-    assert "of which linear aerodynamics says nothing" in found.notes[0]
+    assert "of which linear aerodynamics says nothing" in sizing.notes[0]
     for name in ("K = 1", "K = 1, varying"):
-        assert np.isnan(found.required[name][0, 0])
-        assert np.all(found.required[name][1:, 0] > 0.0)
+        assert np.isnan(sizing.required[name][0, 0])
+        assert np.all(sizing.required[name][1:, 0] > 0.0)
 
 
 @pytest.mark.thorough
@@ -131,15 +131,15 @@ PITCH = {"limit": np.radians(4.0), "azimuth": EAST, "plane": "pitch"}
 
 @pytest.mark.thorough
 def test_each_sounding_is_judged_from_where_its_wind_is_not_too_steep(flight) -> None:
-    found = tv.availability(flight, archive(1.0, 0.6, 1.3), **PITCH)
-    assert found.fraction().flown == 3
-    assert found.judged[1, 0] < found.judged[0, 0] < found.judged[2, 0]
-    (note,) = (one for one in found.notes if "30 deg" in one)
+    result = tv.availability(flight, archive(1.0, 0.6, 1.3), **PITCH)
+    assert result.fraction().flown == 3
+    assert result.judged[1, 0] < result.judged[0, 0] < result.judged[2, 0]
+    (note,) = (one for one in result.notes if "30 deg" in one)
     assert "3 of 3 soundings" in note
     met = tv.fly_through(sounding(), flight, azimuth=EAST)
-    assert met.known[0] == pytest.approx(found.judged[0, 0], abs=0.51)  # a row of the schedule
+    assert met.known[0] == pytest.approx(result.judged[0, 0], abs=0.51)  # a row of the schedule
     alone = tv.size(flight, met, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
-    assert found.required[0] == pytest.approx(alone, rel=1e-3)
+    assert result.required[0] == pytest.approx(alone, rel=1e-3)
 
 
 ARMS = {
@@ -154,27 +154,27 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     """With a little more than is needed the trim law survives the whole of it."""
     arm = np.interp(flight.times, *ARMS[name])
     turned = tv.FlightSchedule(flight.vehicle.replace(aerodynamic_arm=arm), altitude=flight.height)
-    found = tv.availability(turned, archive(1.0), **PITCH)
+    result = tv.availability(turned, archive(1.0), **PITCH)
     intervals = turned.one_sign_intervals
     each = [tv.availability(x, archive(1.0), **PITCH).required[0] for x in intervals]
     assert [np.all(np.diff(np.sign(x.vehicle.aerodynamic_arm[1:-1])) == 0) for x in intervals]
-    assert found.required[0] == pytest.approx(max(each), rel=1e-9)
-    assert "aerodynamic moment changes its sign" in " ".join(found.notes)
+    assert result.required[0] == pytest.approx(max(each), rel=1e-9)
+    assert "aerodynamic moment changes its sign" in " ".join(result.notes)
     met = tv.fly_through(sounding(), turned, azimuth=EAST)
     sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
-    assert sized == pytest.approx(found.required[0], rel=1e-3)
+    assert sized == pytest.approx(result.required[0], rel=1e-3)
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
     motion, wind = mode, FlightWind(met.wind, "pitch", met.speeds)
     steps = encountered_at_steps(motion, wind, FLIGHT_SUBSTEPS)
     flights = LimitedFlights(motion.at_steps(steps[0]), *steps)
-    assert not flights.diverge(found.required[0] * np.array([[1.02, 1.2, 2.0]])).any()
+    assert not flights.diverge(result.required[0] * np.array([[1.02, 1.2, 2.0]])).any()
 
 
 def test_a_flight_in_which_nothing_grows_needs_nothing(flight) -> None:
     stable = tv.FlightSchedule(flight.vehicle.replace(aerodynamic_arm=-1.0), altitude=flight.height)
-    found = tv.availability(stable, archive(1.0), model="fixed-path", **PITCH)
-    assert found.required.tolist() == [0.0]
-    assert "no mode is unstable" in found.notes[0]
+    result = tv.availability(stable, archive(1.0), model="fixed-path", **PITCH)
+    assert result.required.tolist() == [0.0]
+    assert "no mode is unstable" in result.notes[0]
 
 
 @pytest.mark.thorough
@@ -218,9 +218,9 @@ def test_files_without_a_date_can_be_taken_in_their_order(tmp_path) -> None:
         )
     with pytest.raises(tv.InputError, match="--in-order"):
         tv.read_soundings(tmp_path)
-    found = tv.read_soundings(tmp_path, in_order=True)
-    assert [str(one)[:10] for one in found.times] == ["2000-01-01", "2000-01-02", "2000-01-03"]
-    assert "3 files without a date" in found.notes[0]
+    soundings = tv.read_soundings(tmp_path, in_order=True)
+    assert [str(one)[:10] for one in soundings.times] == ["2000-01-01", "2000-01-02", "2000-01-03"]
+    assert "3 files without a date" in soundings.notes[0]
     dates = tmp_path / "dates.csv"
     dates.write_text("file,time\na.csv,2024-02-03T12\nb.csv,2024-02-01T00\nc.csv,2024-02-02\n")
     listed = tv.read_soundings(tmp_path, dates=dates)
@@ -234,5 +234,5 @@ def test_files_without_a_date_can_be_taken_in_their_order(tmp_path) -> None:
         "wind": {"peak_deg": 5.0, "duration_s": 7.5},
         "availability": {"archive": ".", "azimuth_deg": 90, "in_order": True},
     }
-    asked = parse_study(document, tmp_path).availability
-    assert np.array_equal(asked.soundings.times, found.times)
+    request = parse_study(document, tmp_path).availability
+    assert np.array_equal(request.soundings.times, soundings.times)

@@ -20,8 +20,8 @@ SENTENCE = "the wind meets the flight at 60 deg, and above 30 deg linear aerodyn
 
 
 def run(*arguments: str):
-    found = CliRunner().invoke(app, list(arguments))
-    return found.exit_code, " ".join(found.stdout.split())
+    result = CliRunner().invoke(app, list(arguments))
+    return result.exit_code, " ".join(result.stdout.split())
 
 
 def study(deg: float, **options) -> tv.Study:
@@ -95,10 +95,10 @@ def test_the_vector_of_a_wind_with_a_direction_counts() -> None:
 @pytest.mark.parametrize("deg", usual([5.0, 30.0, 52.0], 1))
 def test_no_survivable_peak_is_beyond_the_linear_range(deg) -> None:
     """With 12 deg: 30.463 deg where 30 are asked for, and 171.024 where 52 are, it was."""
-    found = study(deg, limit=np.radians(12.0))
-    assert np.degrees(found.survivable_peak) == pytest.approx(30.0, rel=1e-12)
-    assert found.survives_bound is True
-    said = found.as_dict()["verdict"]
+    result = study(deg, limit=np.radians(12.0))
+    assert np.degrees(result.survivable_peak) == pytest.approx(30.0, rel=1e-12)
+    assert result.survives_bound is True
+    said = result.as_dict()["verdict"]
     assert said["survivable_peak_is_bound"] is True
 
 
@@ -111,13 +111,13 @@ def test_what_is_survived_below_the_bound_does_not_depend_on_the_wind_in_questio
 
 def test_no_angle_of_a_study_is_extrapolated() -> None:
     code, said = run("study", *WIDE, "--json")
-    found = json.loads(said)
+    answer = json.loads(said)
     assert code == 1
-    assert found["verdict"]["required_deflection_deg"] is None
-    assert found["verdict"]["sufficient"] is None
-    assert set(found["verdict"]["requirements_deg"].values()) == {None}
-    assert set(found["minimum_deg"].values()) == {None}
-    for one in found["boundaries"].values():
+    assert answer["verdict"]["required_deflection_deg"] is None
+    assert answer["verdict"]["sufficient"] is None
+    assert set(answer["verdict"]["requirements_deg"].values()) == {None}
+    assert set(answer["minimum_deg"].values()) == {None}
+    for one in answer["boundaries"].values():
         assert set(one["deflection_deg"]) == {None}
 
 
@@ -159,9 +159,9 @@ def test_dispersed_winds_beyond_the_range_count_as_not_covered() -> None:
     """Peaks of 28 deg, spread by a tenth: those above 30 are as many as the normal law says."""
     nominal = study(28.0, limit=np.radians(80.0), sign="frozen")
     spread = tv.ensembles.Dispersion("wind_peak", "normal", 0.1, relative=True)
-    found = tv.ensembles.disperse_study(nominal, tv.ensembles.Dispersions((spread,)), cases=400)
-    beyond = found.values["wind_peak"] > np.radians(30.0)
+    result = tv.ensembles.disperse_study(nominal, tv.ensembles.Dispersions((spread,)), cases=400)
+    beyond = result.values["wind_peak"] > np.radians(30.0)
     assert 0.15 < beyond.mean() < 0.35  # 0.238 +- 0.021
-    assert np.array_equal(np.isinf(found.deflection), beyond)
-    assert found.success.estimate == pytest.approx(1.0 - beyond.mean(), rel=1e-12)
-    assert BEYOND_LINEAR in found.spreads
+    assert np.array_equal(np.isinf(result.deflection), beyond)
+    assert result.success.estimate == pytest.approx(1.0 - beyond.mean(), rel=1e-12)
+    assert BEYOND_LINEAR in result.spreads

@@ -50,10 +50,10 @@ def trim_law(plant: tv.Plant) -> tv.Autopilot:
 @pytest.mark.parametrize("dead_band", [1.0, 0.5, 0.0])
 def test_on_a_fixed_path_it_is_the_report_s_boundary_to_the_last_bit(configuration_i, dead_band):
     plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
-    found = tv.required_deflection(plant, triangle(7.5), dead_band)
+    requirement = tv.required_deflection(plant, triangle(7.5), dead_band)
     boundary = tv.boundary_limit(plant, triangle(7.5), dead_band)
-    assert (found.limit, found.deflection) == (boundary.limit, boundary.deflection)
-    assert (found.governs, boundary.status) == (Reason.BOUNDARY, "ok")
+    assert (requirement.limit, requirement.deflection) == (boundary.limit, boundary.deflection)
+    assert (requirement.governs, boundary.status) == (Reason.BOUNDARY, "ok")
 
 
 def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(configuration_i):
@@ -68,9 +68,9 @@ def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(confi
         f"{Reason.MINIMUM} is larger",
     ]
     np.testing.assert_array_equal(compared.limit, boundary.limit)
-    found = tv.required_deflection(plant, wind, [0.5, 0.0])
-    assert found.governs.tolist() == [Reason.AFTER_TRIM, Reason.MINIMUM]
-    after, onset = np.abs(found.deflection)
+    requirement = tv.required_deflection(plant, wind, [0.5, 0.0])
+    assert requirement.governs.tolist() == [Reason.AFTER_TRIM, Reason.MINIMUM]
+    after, onset = np.abs(requirement.deflection)
     assert onset == pytest.approx(least, rel=1e-9)
     assert 1.01 * least < after < 1.05 * least
     for need, dead_band in ((after, 0.5), (onset, 0.0)):
@@ -169,9 +169,9 @@ def test_a_slow_real_pole_of_drift_and_speed_is_flown_itself():
     exact, whole = tv.Plant(c, "drift-exact"), tv.Plant(c, "drift-and-speed")
     assert np.iscomplexobj(tv.unstable_modes(exact).poles)
     assert tv.unstable_modes(whole).poles == pytest.approx([0.108], rel=1e-2)
-    found = tv.required_deflection(whole, triangle(15.0))
-    assert found.limit < 1.05 * found.needs[Reason.BOUNDARY] / (c.B * PEAK)
-    limits = abs(found.deflection) * np.array([0.95, 1.01, 1.1, 1.5])
+    requirement = tv.required_deflection(whole, triangle(15.0))
+    assert requirement.limit < 1.05 * requirement.needs[Reason.BOUNDARY] / (c.B * PEAK)
+    limits = abs(requirement.deflection) * np.array([0.95, 1.01, 1.1, 1.5])
     options = {"deflection_limit": limits, "sample_rate": 50.0}
     flown = tv.fly_many(whole, trim_law(whole), triangle(15.0), **options)
     assert flown.status.tolist() == ["lost", "survived", "survived", "survived"]
@@ -181,11 +181,11 @@ def test_a_dead_band_of_one_needs_the_bound_without_a_forecast_and_the_law_flown
     """A wind that jumps to its peak and falls off for long: with drift (4b) asks for too little."""
     plant = tv.Plant.from_vehicle(configuration_i, "drift-exact")
     wind = tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=80.0, peak_time=0.0)
-    found = tv.required_deflection(plant, wind, [1.0, 0.5])
+    requirement = tv.required_deflection(plant, wind, [1.0, 0.5])
     bound = abs(tv.forecast_free_limit(plant, wind).deflection)
-    assert found.needs[Reason.NO_FORECAST].tolist() == [pytest.approx(bound), 0.0]
-    assert abs(found.deflection[0]) >= bound * (1.0 - 1e-12)
-    limits = abs(found.deflection[0]) * np.array([1.01, 1.1, 1.5])
+    assert requirement.needs[Reason.NO_FORECAST].tolist() == [pytest.approx(bound), 0.0]
+    assert abs(requirement.deflection[0]) >= bound * (1.0 - 1e-12)
+    limits = abs(requirement.deflection[0]) * np.array([1.01, 1.1, 1.5])
     flown = tv.fly_many(plant, trim_law(plant), wind, deflection_limit=limits, sample_rate=200.0)
     assert flown.status.tolist() == ["survived"] * 3
 
@@ -196,9 +196,9 @@ def test_a_complex_pair_needs_trim_without_a_limit_and_never_nothing(configurati
     poles = tv.unstable_modes(plant).poles
     assert poles == pytest.approx([0.0767 + 0.0811j, 0.0767 - 0.0811j], abs=1e-4)
     most = abs(float(tv.trim_deflection(plant, wind).peak))
-    found = tv.boundary_limit(plant, wind, [1.0, 0.5, 0.0])
-    assert np.abs(found.deflection) == pytest.approx([most, 2.0 * most, np.inf])
-    assert set(found.status) == {PAIRED_POLES}
+    boundary = tv.boundary_limit(plant, wind, [1.0, 0.5, 0.0])
+    assert np.abs(boundary.deflection) == pytest.approx([most, 2.0 * most, np.inf])
+    assert set(boundary.status) == {PAIRED_POLES}
     assert tv.is_sufficient(plant, wind, 1e-6) is False
     assert tv.is_sufficient(plant, wind, 1.01 * most) is True
     assert tv.is_sufficient(plant, wind, 100.0 * most, 0.0) is False
@@ -224,9 +224,9 @@ def test_two_poles_that_are_together_count_as_a_pair(configuration_i):
     # s^3 + C1 s^2 - mu s + C2 has a double root r where its slope is zero.
     r = (-2.0 * c.C1 + np.sqrt(4.0 * c.C1**2 + 12.0 * c.mu_alpha)) / 6.0
     double = tv.Plant(c.replace(C2=-(r**3 + c.C1 * r**2 - c.mu_alpha * r)), "drift-exact")
-    found = tv.required_deflection(double, triangle(15.0))
-    assert found.status == PAIRED_POLES
-    assert found.limit == pytest.approx(abs(tv.trim_deflection(double, triangle(15.0)).peak)
+    requirement = tv.required_deflection(double, triangle(15.0))
+    assert requirement.status == PAIRED_POLES
+    assert requirement.limit == pytest.approx(abs(tv.trim_deflection(double, triangle(15.0)).peak)
                                         / abs(c.B * PEAK))  # fmt: skip
 
 
@@ -238,9 +238,9 @@ def test_a_slow_real_pole_does_not_hide_a_faster_pair(configuration_i):
 
 def test_a_stable_vehicle_needs_nothing():
     stable = tv.Plant(tv.Coefficients(mu_alpha=[-0.3, 0.3], mu_delta=2.0), "fixed-path")
-    found = tv.required_deflection(stable, triangle(7.5))
-    assert found.governs.tolist() == [Reason.NOTHING, Reason.BOUNDARY]
-    assert (found.deflection[0], found.limit[0]) == (0.0, 0.0)
+    requirement = tv.required_deflection(stable, triangle(7.5))
+    assert requirement.governs.tolist() == [Reason.NOTHING, Reason.BOUNDARY]
+    assert (requirement.deflection[0], requirement.limit[0]) == (0.0, 0.0)
 
 
 @pytest.mark.thorough
@@ -248,8 +248,8 @@ def test_a_stable_vehicle_whose_path_grows_needs_what_the_trim_law_does(configur
     plant = tv.Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=-7.0), "drift-exact")
     law = trim_law(plant)
     for wind in (triangle(7.5), triangle(15.0), tv.RectangularWind(peak=PEAK, duration=3.0)):
-        found = tv.required_deflection(plant, wind)
-        limits = abs(found.deflection) * np.array([1.005, 1.3, 2.0])
+        requirement = tv.required_deflection(plant, wind)
+        limits = abs(requirement.deflection) * np.array([1.005, 1.3, 2.0])
         flown = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=200.0)
         assert flown.status.tolist() == ["survived"] * 3
     assert not tv.is_sufficient(plant, triangle(7.5), np.radians(0.02))
@@ -259,9 +259,9 @@ def test_where_trim_itself_grows_without_end_flights_decide():
     c = tv.Coefficients(mu_alpha=0.2, mu_delta=2.0, C1=0.03, C2=0.001, b1=-0.02, b2=-0.03)
     for b1 in (-0.02, -0.3):
         plant = tv.Plant(c.replace(b1=b1), "drift")
-        found = tv.required_deflection(plant, triangle(20.0))
-        if np.isfinite(found.limit):
-            limits = abs(found.deflection) * np.array([1.005, 1.3, 2.0])
+        requirement = tv.required_deflection(plant, triangle(20.0))
+        if np.isfinite(requirement.limit):
+            limits = abs(requirement.deflection) * np.array([1.005, 1.3, 2.0])
             law = trim_law(plant)
             flown = tv.fly_many(
                 plant, law, triangle(20.0), deflection_limit=limits, sample_rate=200.0
@@ -274,11 +274,11 @@ def test_with_varying_parameters_a_pair_needs_trim_too(configuration_i):
     speeds = slow(configuration_i, np.array([70.0, 80.0, 90.0]))
     schedule = tv.FlightSchedule(speeds.replace(time=[10.0, 25.0, 40.0]))
     options = {"times": [20.0, 30.0], "dead_bands": (1.0, 0.5, 0.0), "varying": True}
-    found = tv.size(schedule, triangle(15.0), model="drift-and-speed", **options)
+    sizing = tv.size(schedule, triangle(15.0), model="drift-and-speed", **options)
     for K in (1.0, 0.5):
-        frozen, along = (found.required[f"K = {K:g}{end}"] for end in ("", ", varying"))
+        frozen, along = (sizing.required[f"K = {K:g}{end}"] for end in ("", ", varying"))
         assert np.all(along > 0.8 * frozen)
-    assert np.all(np.isinf(found.required["K = 0, varying"]))
+    assert np.all(np.isinf(sizing.required["K = 0, varying"]))
 
 
 def test_a_pole_that_the_deflection_does_not_reach_lets_no_limit_be_enough():
@@ -306,9 +306,9 @@ def test_every_room_says_no_where_the_pair_needs_more(configuration_i, tmp_path)
         vehicle=slow(configuration_i, 128.0), wind=tv.ShapedWind("triangular", PEAK, 15.0),
         cases=200, model="drift-exact", nozzle=tv.Nozzle(limit=1e-4), chunk=200,
     )  # fmt: skip
-    found = tv.run_campaign(campaign, tmp_path / "c")
-    assert found.success().estimate == 0.0
-    assert any("are a pair or equal" in status for status in found.statuses())
+    results = tv.run_campaign(campaign, tmp_path / "c")
+    assert results.success().estimate == 0.0
+    assert any("are a pair or equal" in status for status in results.statuses())
 
 
 def test_the_command_exits_by_what_is_required():
@@ -400,12 +400,12 @@ def test_the_report_s_control_flown_survives_with_what_is_required(seed, dead_ba
     plant = tv.Plant.from_vehicle(vehicle, "drift-exact", "yaw")
     beta = plant.coefficients.beta
     wind = tv.TriangularWind(peak=1e-4, duration=float(rng.uniform(2.0, 12.0)) / beta)
-    found = tv.required_deflection(plant, wind, dead_band)
-    if not np.isfinite(found.limit):
+    requirement = tv.required_deflection(plant, wind, dead_band)
+    if not np.isfinite(requirement.limit):
         return
     control = tv.flights.ReportControl(dead_band)
     survives = planar_verdict(vehicle, wind, control, plane="yaw")
-    assert survives(1.01 * abs(found.deflection)), found
+    assert survives(1.01 * abs(requirement.deflection)), requirement
 
 
 def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_i):
@@ -416,10 +416,10 @@ def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_
         for angle in ([0.0, -0.05, 0.0, 0.05, 0.0], [0.0, 0.0, 0.0, 0.05, 0.0])
     )
     alone = tv.required_deflection(plant, part, 0.5)
-    found = tv.required_deflection(plant, part, 0.5, two_sided=whole)
+    requirement = tv.required_deflection(plant, part, 0.5, two_sided=whole)
     both = [tv.optimum_deflection(plant, w, float(w.onset)).peak for w in (part, whole)]
     assert alone.needs[Reason.MINIMUM] == pytest.approx(both[0], rel=1e-9)
-    assert found.needs[Reason.MINIMUM] == pytest.approx(max(both), rel=1e-9)
+    assert requirement.needs[Reason.MINIMUM] == pytest.approx(max(both), rel=1e-9)
     assert both[1] > both[0]
     for other, says in ((0.05, "two_sided must be a History"), (whole * [1.0, 2.0], "of shape")):
         with pytest.raises(tv.InputError, match=says):
@@ -430,9 +430,9 @@ def agreement(seed, model, dead_band, count=12):
     """Return requirements by the march and by the closed forms, over static trim, ``(count,)``."""
     rng = np.random.default_rng(seed)
     plant, wind = tv.Plant.from_vehicle(fleet(rng, count), model), blowing(rng, count)
-    found = tv.required_deflection(plant, wind, dead_band)
+    requirement = tv.required_deflection(plant, wind, dead_band)
     march = batch_requirements(Equations.of_plant(plant), NominalWind(wind), dead_band)
-    return march / np.abs(plant.coefficients.B * wind.peak), found
+    return march / np.abs(plant.coefficients.B * wind.peak), requirement
 
 
 MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
@@ -441,12 +441,16 @@ MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
 @drawn(3, 40, st.integers(0, 2**32 - 1), st.sampled_from(MODELS))
 def test_frozen_and_varying_requirements_are_the_same(seed, model):
     """With K = 1 of all models, winds and both arms; the bound without a forecast stands alone."""
-    march, found = agreement(seed, model, 1.0)
-    march = np.where(found.governs == Reason.NO_FORECAST, np.maximum(march, found.limit), march)
-    pair = found.status == PAIRED_POLES  # which requires the largest trim, the summit of a parabola
-    known = pair & np.isfinite(found.limit)  # trim of some grows without end after the wind
-    np.testing.assert_allclose(march[known], found.limit[known], rtol=1e-5)
-    assert march[~pair] == pytest.approx(found.limit[~pair], abs=1e-6, rel=1e-6)
+    march, computed = agreement(seed, model, 1.0)
+    march = np.where(
+        computed.governs == Reason.NO_FORECAST, np.maximum(march, computed.limit), march
+    )
+    pair = (
+        computed.status == PAIRED_POLES
+    )  # which requires the largest trim, the summit of a parabola
+    known = pair & np.isfinite(computed.limit)  # trim of some grows without end after the wind
+    np.testing.assert_allclose(march[known], computed.limit[known], rtol=1e-5)
+    assert march[~pair] == pytest.approx(computed.limit[~pair], abs=1e-6, rel=1e-6)
 
 
 @drawn(3, 40, st.integers(0, 2**32 - 1), st.sampled_from(MODELS[:2]), st.sampled_from([0.75, 0.5]))
@@ -459,19 +463,25 @@ def test_with_a_dead_band_the_march_meets_the_exact_switching(seed, model, dead_
     wind = tv.winds.AsymmetricTriangularWind(
         peak=PEAK, duration=tau, peak_time=tau * rng.uniform(0.0, 1.0, count)
     )
-    found = tv.required_deflection(plant, wind, dead_band)
+    requirement = tv.required_deflection(plant, wind, dead_band)
     equations = Equations.of_plant(plant)
     march = batch_requirements(equations, NominalWind(wind), dead_band)
     march, slow = march / np.abs(plant.coefficients.B * wind.peak), ~equations.quick_path
-    assert np.all(march >= found.limit - 1e-6)
-    assert np.all(march <= 1.01 * found.limit + 1e-6)
-    assert march[slow] == pytest.approx(found.limit[slow], abs=1e-6)
+    assert np.all(march >= requirement.limit - 1e-6)
+    assert np.all(march <= 1.01 * requirement.limit + 1e-6)
+    assert march[slow] == pytest.approx(requirement.limit[slow], abs=1e-6)
 
 
 def test_where_there_is_no_moment_and_nothing_grows_nothing_is_needed():
     calm = tv.Coefficients(mu_alpha=0.0, mu_delta=2.0, C1=0.1, q=0.01)
-    found = tv.required_deflection(tv.Plant.from_coefficients(calm, "drift-exact"), triangle(7.5))
-    assert (found.limit, found.deflection, found.governs) == (0.0, 0.0, Reason.NOTHING)
+    requirement = tv.required_deflection(
+        tv.Plant.from_coefficients(calm, "drift-exact"), triangle(7.5)
+    )
+    assert (requirement.limit, requirement.deflection, requirement.governs) == (
+        0.0,
+        0.0,
+        Reason.NOTHING,
+    )
 
 
 def test_a_wind_too_long_to_be_flown_needs_the_whole_of_trim(configuration_i):
@@ -498,13 +508,13 @@ def test_in_long_winds_the_boundary_that_governs_is_named_by_its_exit_and_flight
     law = tv.TrimLaw(tv.Plant.from_vehicle(vehicle, "fixed-path"))
     for duration, part, on_wind in ((50.0, 0.842, 0.804), (100.0, 0.815, 0.491)):
         wind = tv.TriangularWind(peak=np.radians(4.0), duration=duration)
-        found = tv.required_deflection(plant, wind, 1.0)
-        limits = abs(found.deflection) * np.array([0.99, 1.01])
+        requirement = tv.required_deflection(plant, wind, 1.0)
+        limits = abs(requirement.deflection) * np.array([0.99, 1.01])
         flown = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=100.0)
         assert flown.status.tolist() == ["lost", "survived"]
-        assert found.limit == pytest.approx(part, abs=5e-4)
+        assert requirement.limit == pytest.approx(part, abs=5e-4)
         report = tv.boundary_limit(plant, wind, 1.0)
         literal = tv.boundary_limit(plant, wind, 1.0, "literal")
         assert report.limit == pytest.approx(on_wind, abs=5e-4)
-        assert found.limit == pytest.approx(literal.limit, rel=1e-12)
-        assert found.governs == "the boundary of the control with the exit on trim"
+        assert requirement.limit == pytest.approx(literal.limit, rel=1e-12)
+        assert requirement.governs == "the boundary of the control with the exit on trim"

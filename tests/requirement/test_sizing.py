@@ -34,39 +34,39 @@ def turning(vehicle: tv.Vehicle) -> tv.FlightSchedule:
 
 def test_a_vehicle_that_does_not_change_needs_exactly_what_it_needs_frozen(configuration) -> None:
     wind = tv.TriangularWind(peak=PEAK, duration=7.5)
-    found = tv.size(
+    sizing = tv.size(
         held(configuration), wind, times=[50.3, 66.0, 101.7], dead_bands=(1.0, 0.5, 0.0)
     )
     plant = tv.Plant.from_vehicle(configuration, "drift-exact")
     needed = np.abs(tv.required_deflection(plant, wind, (1.0, 0.5, 0.0)).deflection)
 
     for k, K in enumerate((1, 0.5, 0)):
-        assert found.required[f"K = {K:g}"] == pytest.approx(np.full((3, 1), needed[k]), rel=1e-12)
+        assert sizing.required[f"K = {K:g}"] == pytest.approx(np.full((3, 1), needed[k]), rel=1e-12)
     least = tv.optimum_deflection(plant, wind).peak
-    assert found.required["minimum"] == pytest.approx(np.full((3, 1), least), rel=1e-12)
+    assert sizing.required["minimum"] == pytest.approx(np.full((3, 1), least), rel=1e-12)
     assert np.all(
-        found.required["no forecast"] == abs(tv.forecast_free_limit(plant, wind).deflection)
+        sizing.required["no forecast"] == abs(tv.forecast_free_limit(plant, wind).deflection)
     )
-    assert np.all(found.required["trim"] == plant.coefficients.B * PEAK)
-    assert np.all(found.change == 0.0)
-    assert np.all(found.steady)
+    assert np.all(sizing.required["trim"] == plant.coefficients.B * PEAK)
+    assert np.all(sizing.change == 0.0)
+    assert np.all(sizing.steady)
 
 
 def test_dead_bands_that_differ_in_the_seventh_digit_have_a_number_each(configuration) -> None:
     wind, bands = tv.TriangularWind(peak=PEAK, duration=7.5), (0.3333334, 0.3333333)
-    found = tv.size(held(configuration), wind, times=[66.0], dead_bands=bands, varying=False)
+    sizing = tv.size(held(configuration), wind, times=[66.0], dead_bands=bands, varying=False)
     plant = tv.Plant.from_vehicle(configuration, "drift-exact")
     needed = np.abs(tv.required_deflection(plant, wind, bands).deflection)
     assert needed[0] > needed[1]
     for K, deflection in zip(bands, needed, strict=True):
         requirement = tv.requirement.Requirement(dead_band=K)
-        assert found.required[requirement][0, 0] == pytest.approx(deflection, rel=1e-12)
-        assert found.required[f"K = {K}"] is found.required[requirement]
+        assert sizing.required[requirement][0, 0] == pytest.approx(deflection, rel=1e-12)
+        assert sizing.required[f"K = {K}"] is sizing.required[requirement]
 
 
 def test_each_time_has_the_vehicle_of_that_time(configuration_i) -> None:
     schedule = turning(configuration_i)
-    found = tv.size(
+    sizing = tv.size(
         schedule, tv.TriangularWind(peak=PEAK, duration=7.5), times=[53.0, 93.0], model="drift"
     )
     # half way along straight lines: 0.9 and 1.15 of the speed, 0.82 and 1.345 of the force slope
@@ -76,7 +76,7 @@ def test_each_time_has_the_vehicle_of_that_time(configuration_i) -> None:
             normal_force_slope=configuration_i.normal_force_slope * slope,
         )
         study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=PEAK, model="drift")
-        assert found.required["K = 1"][i, 0] == pytest.approx(study.nominal_deflection, rel=1e-12)
+        assert sizing.required["K = 1"][i, 0] == pytest.approx(study.nominal_deflection, rel=1e-12)
 
 
 def test_a_pulse_is_moved_until_its_peak_meets_the_time(configuration_i) -> None:
@@ -85,10 +85,10 @@ def test_a_pulse_is_moved_until_its_peak_meets_the_time(configuration_i) -> None
         "sawtooth": tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=8.0, peak_time=6.0),
         "trapezoid": tv.winds.TrapezoidalWind(peak=PEAK, rise=1.0, hold=4.0, fall=3.0),
     }
-    found = tv.size(held(configuration_i), winds, times=[70.0])
+    sizing = tv.size(held(configuration_i), winds, times=[70.0])
 
-    assert found.begins[0] == pytest.approx([66.0, 64.0, 67.0], abs=1e-12)
-    assert found.ends[0] == pytest.approx([74.0, 72.0, 75.0], abs=1e-12)
+    assert sizing.begins[0] == pytest.approx([66.0, 64.0, 67.0], abs=1e-12)
+    assert sizing.ends[0] == pytest.approx([74.0, 72.0, 75.0], abs=1e-12)
 
 
 def test_winds_in_flight_time_stand_beside_pulses(configuration_i) -> None:
@@ -96,10 +96,10 @@ def test_winds_in_flight_time_stand_beside_pulses(configuration_i) -> None:
         "pulse": tv.TriangularWind(peak=PEAK, duration=8.0),
         "measured": tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.08, 0.0]),
     }
-    found = tv.size(
+    sizing = tv.size(
         held(configuration_i), winds, times=[66.0], placing={"measured": "flight"}, window=8.0
     )
-    assert (found.begins[0].tolist(), found.ends[0].tolist()) == ([62.0, 62.0], [70.0, 70.0])
+    assert (sizing.begins[0].tolist(), sizing.ends[0].tolist()) == ([62.0, 62.0], [70.0, 70.0])
     for placing, words in (
         ({"mesured": "flight"}, "did you mean 'measured'"),
         ({"pulse": "up"}, "placing of pulse must be one of"),
@@ -111,16 +111,16 @@ def test_winds_in_flight_time_stand_beside_pulses(configuration_i) -> None:
 def test_a_wind_in_flight_time_is_cut_where_it_is(configuration_i) -> None:
     wind = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.08, 0.0])
     placed = place(wind, configuration_i, 66.0, "flight", 8.0)
-    found = tv.size(
+    sizing = tv.size(
         held(configuration_i), wind, times=[45.0, 66.0, 100.0], placing="flight", window=8.0
     )
 
     t = np.array([61.9, 62.1, 66.0, 69.9, 70.1])
     assert placed.in_flight(t) == pytest.approx(np.where((t > 62) & (t < 70), wind(t), 0.0))
-    assert found.required["trim"][:, 0] == pytest.approx(
+    assert sizing.required["trim"][:, 0] == pytest.approx(
         [0.0, 0.064 * tv.Coefficients.from_vehicle(configuration_i).B, 0.0]
     )
-    assert found.required["K = 1"][2, 0] == 0.0  # a calm needs nothing
+    assert sizing.required["K = 1"][2, 0] == 0.0  # a calm needs nothing
 
 
 @pytest.mark.parametrize(("name", "within", "beyond"), [("I", 26.5, 35.0), ("II", 27.0, 45.0)])
@@ -129,17 +129,17 @@ def test_a_wind_beyond_the_single_pole_says_so_and_has_the_two_pole_minimum(
 ) -> None:
     vehicle = {"I": configuration_i, "II": configuration_ii}[name]
     winds = {f"{t:g} s": tv.TriangularWind(peak=PEAK, duration=t) for t in (within, beyond)}
-    found = tv.size(held(vehicle), winds, times=[80.0], model="fixed-path")
+    sizing = tv.size(held(vehicle), winds, times=[80.0], model="fixed-path")
     c = tv.Coefficients.from_vehicle(vehicle)
     single = tv.optimum_deflection(tv.Plant(c, "fixed-path"), winds[f"{within:g} s"]).peak
     double = tv.optimum_deflection(tv.Plant(c, "drift-exact"), winds[f"{beyond:g} s"]).peak
 
-    assert found.beyond_single_pole.tolist() == [[False, True]]
-    assert found.required["minimum"][0] == pytest.approx([single, double], rel=1e-12)
-    assert len([note for note in found.notes if "single-pole" in note]) == 1
-    assert f"{beyond:g} s (" in found.notes[0]
+    assert sizing.beyond_single_pole.tolist() == [[False, True]]
+    assert sizing.required["minimum"][0] == pytest.approx([single, double], rel=1e-12)
+    assert len([note for note in sizing.notes if "single-pole" in note]) == 1
+    assert f"{beyond:g} s (" in sizing.notes[0]
     # the edge of any wind is that of triangles for a triangle
-    edge = tv.TriangularWind(peak=PEAK, duration=found.edge[0])
+    edge = tv.TriangularWind(peak=PEAK, duration=sizing.edge[0])
     assert slow_mode(tv.Plant(c, "fixed-path"), edge) == pytest.approx(1.0, rel=1e-9)
 
 
@@ -148,12 +148,12 @@ def test_a_wind_speed_makes_a_larger_angle_at_a_lower_speed(configuration_i) -> 
         angle = tv.angle_from_speed(60.0, vehicle.velocity, vehicle.attitude)
         return tv.TriangularWind(peak=angle, duration=7.5)
 
-    found = tv.size(turning(configuration_i), jet, times=[66.0, 120.0])
-    B = [tv.Coefficients.from_vehicle(found.schedule.at(t)).B for t in (66.0, 120.0)]
+    sizing = tv.size(turning(configuration_i), jet, times=[66.0, 120.0])
+    B = [tv.Coefficients.from_vehicle(sizing.schedule.at(t)).B for t in (66.0, 120.0)]
     speeds = configuration_i.velocity * np.array([1.0, 1.3])
     angles = np.arcsin(60.0 * np.sin(configuration_i.attitude) / speeds)
 
-    assert found.required["trim"][:, 0] == pytest.approx(np.array(B) * angles, rel=1e-14)
+    assert sizing.required["trim"][:, 0] == pytest.approx(np.array(B) * angles, rel=1e-14)
 
 
 def test_what_is_doubtful_is_said(configuration_i) -> None:
@@ -161,13 +161,13 @@ def test_what_is_doubtful_is_said(configuration_i) -> None:
         "long": tv.TriangularWind(peak=PEAK, duration=20.0),
         "turns": tv.SampledWind(time=[0.0, 2.0, 4.0, 6.0], angle=[0.0, 0.1, -0.1, 0.0]),
     }
-    found = tv.size(turning(configuration_i), winds, times=[45.0, 66.0], varying=False)
+    sizing = tv.size(turning(configuration_i), winds, times=[45.0, 66.0], varying=False)
 
-    assert np.all(np.isnan(found.required["K = 1"][:, 1]))
-    assert np.all(found.required["minimum"] > 0.0)
-    assert found.covered.tolist() == [[False, True], [True, True]]
-    assert not found.steady[1, 0]
-    said = " | ".join(found.notes)
+    assert np.all(np.isnan(sizing.required["K = 1"][:, 1]))
+    assert np.all(sizing.required["minimum"] > 0.0)
+    assert sizing.covered.tolist() == [[False, True], [True, True]]
+    assert not sizing.steady[1, 0]
+    said = " | ".join(sizing.notes)
     for words in (
         "must not change its sign",
         "frozen parameters are doubtful",
@@ -176,64 +176,66 @@ def test_what_is_doubtful_is_said(configuration_i) -> None:
         assert words in said
     # beta changes as the root of N, B as N itself: from 56 to 76 s, over 66 s
     slope = np.interp([56.0, 76.0], [40.0, 66.0, 120.0], np.array([0.8, 1.0, 1.3]) ** 2)
-    assert found.change[1, 0] == pytest.approx(np.abs(slope - 1.0).max(), rel=1e-12)
+    assert sizing.change[1, 0] == pytest.approx(np.abs(slope - 1.0).max(), rel=1e-12)
 
 
 def test_the_law_can_be_flown_instead_of_bounded(configuration_i) -> None:
     wind = tv.TriangularWind(peak=PEAK, duration=7.5)
-    found = tv.size(held(configuration_i), wind, times=[66.0], model="fixed-path", law="flown")
+    sizing = tv.size(held(configuration_i), wind, times=[66.0], model="fixed-path", law="flown")
     plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
 
     bound = abs(tv.forecast_free_limit(plant, wind).deflection)
-    assert bound < found.required["no forecast"][0, 0] < 1.1 * bound
+    assert bound < sizing.required["no forecast"][0, 0] < 1.1 * bound
 
 
 def test_a_stable_vehicle_needs_nothing(configuration_i) -> None:
     stable = configuration_i.replace(aerodynamic_arm=-2.0)
-    found = tv.size(
+    sizing = tv.size(
         held(stable), tv.TriangularWind(peak=PEAK, duration=7.5), times=[66.0], model="fixed-path"
     )
     for name in ("K = 1", "no forecast", "minimum"):
-        assert found.required[name][0, 0] == 0.0
+        assert sizing.required[name][0, 0] == 0.0
 
 
 def test_table_dataset_and_worst_hold_the_same_numbers(configuration_i, tmp_path) -> None:
     pytest.importorskip("xarray")
     winds = {k: tv.TriangularWind(peak=PEAK, duration=t) for k, t in (("a", 5.0), ("b", 9.0))}
-    found = tv.size(turning(configuration_i), winds, times=[50.0, 66.0, 100.0])
-    rows = list(csv.DictReader(io.StringIO(found.to_csv(tmp_path / "table.csv"))))
-    data = found.to_xarray()
+    sizing = tv.size(turning(configuration_i), winds, times=[50.0, 66.0, 100.0])
+    rows = list(csv.DictReader(io.StringIO(sizing.to_csv(tmp_path / "table.csv"))))
+    data = sizing.to_xarray()
 
-    assert (tmp_path / "table.csv").read_text() == found.to_csv()
+    assert (tmp_path / "table.csv").read_text() == sizing.to_csv()
     assert len(rows) == 6
-    for i, time in enumerate(found.times):
-        for j, wind in enumerate(found.winds):
+    for i, time in enumerate(sizing.times):
+        for j, wind in enumerate(sizing.winds):
             row = rows[2 * i + j]
             here = data.sel(time=time, wind=wind)
             assert (float(row["time_s"]), row["wind"]) == (time, wind)
-            need = found.required["K = 0.5"][i, j]
+            need = sizing.required["K = 0.5"][i, j]
             assert np.radians(float(row["K0.5_deg"])) == pytest.approx(need, rel=1e-15)
             assert float(here["K0.5"]) == need
-            assert float(here["no_forecast"]) == found.required["no forecast"][i, j]
-    worst = found.worst["K = 1"]
-    assert worst.deflection == found.required["K = 1"].max() == found.at_times("K = 1").max()
+            assert float(here["no_forecast"]) == sizing.required["no forecast"][i, j]
+    worst = sizing.worst["K = 1"]
+    assert worst.deflection == sizing.required["K = 1"].max() == sizing.at_times("K = 1").max()
     assert float(data["K1"].sel(time=worst.time, wind=worst.wind)) == worst.deflection
     assert data["trim"].attrs["units"] == "rad"
 
 
 def test_what_is_defined_nowhere_has_no_worst(configuration_i) -> None:
     turns = tv.SampledWind(time=[0.0, 2.0, 4.0, 6.0], angle=[0.0, 0.1, -0.1, 0.0])
-    found = tv.size(held(configuration_i), turns, times=[66.0])
+    sizing = tv.size(held(configuration_i), turns, times=[66.0])
 
-    assert "K = 1" not in found.worst
-    assert found.worst["minimum"].deflection == found.required["minimum"][0, 0]
+    assert "K = 1" not in sizing.worst
+    assert sizing.worst["minimum"].deflection == sizing.required["minimum"][0, 0]
 
 
 def test_a_dataset_says_what_it_needs(configuration_i, monkeypatch) -> None:
-    found = tv.size(held(configuration_i), tv.TriangularWind(peak=PEAK, duration=7.5), times=[66.0])
+    sizing = tv.size(
+        held(configuration_i), tv.TriangularWind(peak=PEAK, duration=7.5), times=[66.0]
+    )
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(InputError, match=r"needs xarray, .*not installed: .*tvclin\[campaign\]"):
-        found.to_xarray()
+        sizing.to_xarray()
 
 
 @pytest.mark.parametrize(

@@ -50,13 +50,13 @@ def test_where_the_wind_is_not_known_nothing_is(flight) -> None:
     times = [first - 1.0, first, 60.0, last, last + 1.0, flight.span[1]]
     gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0)
     for wind in (met, low(flight, window=8.0), low(flight, window=8.0, gust=gust)):
-        found = tv.size(flight, wind, times=times, dead_bands=1.0, varying=True)
+        sizing = tv.size(flight, wind, times=times, dead_bands=1.0, varying=True)
         known = [False, True, True, True, False, False]
 
-        assert found.known[:, 0].tolist() == known
-        assert found.known_times.tolist() == [[first, last]]
-        assert np.isfinite(found.change[:, 0]).tolist() == known
-        for name, values in found.required.items():
+        assert sizing.known[:, 0].tolist() == known
+        assert sizing.known_times.tolist() == [[first, last]]
+        assert np.isfinite(sizing.change[:, 0]).tolist() == known
+        for name, values in sizing.required.items():
             assert np.isfinite(values[:, 0]).tolist() == known, name
     assert np.interp([first, last], flight.times, flight.height) == pytest.approx([5e3, 15e3])
 
@@ -64,31 +64,31 @@ def test_where_the_wind_is_not_known_nothing_is(flight) -> None:
 def test_a_wind_from_below_the_schedule_on_is_unknown_above_its_last_level_alone(flight) -> None:
     profile = tv.WindProfile(height=[0.0, 9e3, 12.5e3], east=[4, 42, 48], north=[0, 0, 0])
     met = tv.fly_through(profile, flight, azimuth=EAST)
-    found = tv.size(flight, met, times=[45.0, 60.0, 80.0], dead_bands=1.0, varying=True)
-    first, largest = (next(n for n in found.notes if w in n) for w in ("is known", "largest at"))
+    sizing = tv.size(flight, met, times=[45.0, 60.0, 80.0], dead_bands=1.0, varying=True)
+    first, largest = (next(n for n in sizing.notes if w in n) for w in ("is known", "largest at"))
     table = next(
-        one for one in time_tables(found, next(iter(found.required))) if "frozen" in one.caption
+        one for one in time_tables(sizing, next(iter(sizing.required))) if "frozen" in one.caption
     )
     errors = [text(row[table.head.index("K = 1 off by [%]")]) for row in table.rows]
 
     assert "is known to 12.5 km (67.44 s) only" in first
     assert largest.startswith("with the vehicle frozen at each flight time, largest at the first")
     assert (errors[0] != "-", errors[2]) == (True, "-")
-    assert "K = 1 off by [%]: by how much it is larger with the vehicle frozen" in legend(found)
+    assert "K = 1 off by [%]: by how much it is larger with the vehicle frozen" in legend(sizing)
 
 
 @pytest.mark.parametrize(("limit", "verdict"), usual([(None, None), (0.9, None), (0.2, False)], 1))
 def test_a_flight_above_the_last_level_is_never_called_sized(flight, limit, verdict) -> None:
     """Not beside a wind that is known throughout either; what is too little stays too little."""
     winds = {"balloon": low(flight), "pulse": tv.TriangularWind(peak=0.05, duration=7.5)}
-    found = tv.size(flight, winds, times=[50.0, 60.0, 80.0], dead_bands=1.0)
-    total = tv.worst_total(found, "K = 1", limit=limit and np.radians(limit))
+    sizing = tv.size(flight, winds, times=[50.0, 60.0, 80.0], dead_bands=1.0)
+    total = tv.worst_total(sizing, "K = 1", limit=limit and np.radians(limit))
     within = tv.size(flight, winds, times=[50.0, 60.0], dead_bands=1.0)
 
-    assert np.isfinite(found.at_times("K = 1")).all()
-    assert total.not_sized == found.not_sized("K = 1") == ("above 15.0 km (73.92 s)",)
+    assert np.isfinite(sizing.at_times("K = 1")).all()
+    assert total.not_sized == sizing.not_sized("K = 1") == ("above 15.0 km (73.92 s)",)
     assert total.sufficient is verdict
-    assert "balloon is known from 5.0 km" in " | ".join(found.notes)
+    assert "balloon is known from 5.0 km" in " | ".join(sizing.notes)
     all_known = tv.worst_total(within, "K = 1", limit=limit and np.radians(limit))
     assert (all_known.not_sized, all_known.total) == ((), total.total)
     assert all_known.sufficient is (None if limit is None else limit > 0.5)
@@ -96,24 +96,24 @@ def test_a_flight_above_the_last_level_is_never_called_sized(flight, limit, verd
 
 def test_a_requirement_that_is_not_defined_at_a_time_is_not_called_covered(flight) -> None:
     turns = tv.SampledWind(time=[40.0, 60.0, 62.0, 66.0, 70.0], angle=[0.1, 0.1, 0.0, -0.1, 0.0])
-    found = tv.size(flight, turns, times=[50.0, 62.0, 63.0], placing="flight", window=10.0)
-    total = tv.worst_total(found, "K = 1", limit=1.0)
+    sizing = tv.size(flight, turns, times=[50.0, 62.0, 63.0], placing="flight", window=10.0)
+    total = tv.worst_total(sizing, "K = 1", limit=1.0)
 
     assert (total.not_sized, total.sufficient) == (("from 62 to 63 s",), None)
 
 
 def test_each_wind_has_its_own_worst(flight) -> None:
     winds = {k: tv.TriangularWind(peak=p, duration=7.5) for k, p in (("a", 0.02), ("b", -0.06))}
-    found = tv.size(flight, winds, times=[60.0, 80.0], dead_bands=1.0)
+    sizing = tv.size(flight, winds, times=[60.0, 80.0], dead_bands=1.0)
 
     for j, wind in enumerate(winds):
         alone = tv.size(flight, winds[wind], times=[60.0, 80.0], dead_bands=1.0)
-        for name, worst in found.worst_in(wind).items():
-            assert worst.deflection == alone.worst[name].deflection == found.required[name][0, j]
+        for name, worst in sizing.worst_in(wind).items():
+            assert worst.deflection == alone.worst[name].deflection == sizing.required[name][0, j]
             assert (worst.time, worst.wind) == (60.0, wind)
-    assert found.worst["K = 1"] == found.worst_in("b")["K = 1"]
+    assert sizing.worst["K = 1"] == sizing.worst_in("b")["K = 1"]
     with pytest.raises(tv.InputError, match="wind must be one of a, b"):
-        found.worst_in("c")
+        sizing.worst_in("c")
 
 
 def test_what_is_largest_at_the_first_or_the_last_time_may_be_larger_beyond(flight) -> None:
@@ -135,7 +135,7 @@ def test_a_sounding_has_one_requirement_for_the_flight_at_the_time_at_which_it_a
     """On a fixed path the dead band is left where B(t) alpha_w(t) of (B1e) is K times the limit."""
     met = low(flight, pressure=False)
     bands, options = np.array([1.0, 0.9]), {"model": "fixed-path", "varying": True}
-    found, again = (
+    computed, again = (
         tv.size(flight, met, times=times, dead_bands=bands, **options)
         for times in ([50.0, 60.0, 70.0, 80.0], [60.0])
     )
@@ -145,12 +145,12 @@ def test_a_sounding_has_one_requirement_for_the_flight_at_the_time_at_which_it_a
     )
     for K in bands.tolist():
         name = f"K = {K:g}, varying"
-        needs = found.required[name][:3, 0]
+        needs = computed.required[name][:3, 0]
         assert np.all(needs == needs[0])
         assert again.required[name][0, 0] == needs[0]
-        assert np.isnan(found.required[name][3, 0])
-        worst = found.worst[name]
-        assert worst.time == found.arising(name)[0] == again.worst[name].time
+        assert np.isnan(computed.required[name][3, 0])
+        worst = computed.worst[name]
+        assert worst.time == computed.arising(name)[0] == again.worst[name].time
         assert 46.5 < worst.time < 73.9
         slope, arm, force, lever, speed, path, height = (
             np.interp(worst.time, flight.times, np.broadcast_to(values, flight.times.shape))
@@ -167,10 +167,10 @@ def test_a_sounding_has_one_requirement_for_the_flight_at_the_time_at_which_it_a
         wind = np.interp(height, profile.height, profile.in_plane(EAST))
         trim = slope * arm / (force * lever) * np.arcsin(wind * np.sin(path) / speed)
         assert K * worst.deflection == pytest.approx(abs(trim), rel=2e-3)
-    total = tv.worst_total(found, "K = 1, varying")
-    assert total.time == found.worst["K = 1, varying"].time
+    total = tv.worst_total(computed, "K = 1, varying")
+    assert total.time == computed.worst["K = 1, varying"].time
     nominal = abs(float(flight.nominal_at(total.time)))
-    assert total.total == pytest.approx(found.largest["K = 1, varying"] + nominal)
+    assert total.total == pytest.approx(computed.largest["K = 1, varying"] + nominal)
 
 
 def test_of_a_sounding_no_row_is_repeated(flight) -> None:
@@ -194,10 +194,13 @@ def test_a_worst_time_at_an_end_of_the_flight_is_said_beside_it(flight) -> None:
     first = tv.size(flight, wind, times=[60.0, 70.0], dead_bands=1.0)
     start = flight.span[0]
     whole = tv.size(flight, wind, times=[start, 70.0], dead_bands=1.0)
-    for found, word in ((first, "the first that is sized"), (whole, "the first of the schedule")):
-        caption = total_table(tv.worst_total(found, "K = 1")).caption
+    for computed, word in (
+        (first, "the first that is sized"),
+        (whole, "the first of the schedule"),
+    ):
+        caption = total_table(tv.worst_total(computed, "K = 1")).caption
         assert caption.endswith(f" s, {word}: more may be needed before")
-        ratio = tv.requirement.controllability_ratio(found, 0.02)
+        ratio = tv.requirement.controllability_ratio(computed, 0.02)
         assert ratio.table.caption.endswith("more may be needed before")
     single = tv.size(flight, wind, times=60.0, dead_bands=1.0)
     assert total_table(tv.worst_total(single, "K = 1")).caption.endswith("time, 60 s")
@@ -209,7 +212,7 @@ def test_a_gust_of_a_speed_has_at_each_time_the_angle_of_that_time(plane: str) -
     wind = tv.WindProfile(height=[4e3, 12e3, 25e3], east=[5.0, 40.0, 5.0], north=[5.0, 30.0, 5.0])
     gust, where = tv.OneMinusCosineGust(peak=0.01, duration=2.0), {"azimuth": 1.0, "plane": plane}
     speed = gust_of_speed(gust, 9.0, plane)
-    found = tv.fly_through(wind, flight, gust=speed, **where)
+    result = tv.fly_through(wind, flight, gust=speed, **where)
     for time in (55.0, 80.0):
         vehicle = flight.at(time)
         angle = tv.angle_from_speed(
@@ -218,7 +221,7 @@ def test_a_gust_of_a_speed_has_at_each_time_the_angle_of_that_time(plane: str) -
         own = tv.OneMinusCosineGust(peak=float(angle), duration=2.0)
         alone = tv.fly_through(wind, flight, gust=own, **where)
         times = np.linspace(time - 2.0, time + 2.0, 41)
-        np.testing.assert_allclose(found(vehicle)(times), alone(vehicle)(times), atol=1e-15)
+        np.testing.assert_allclose(result(vehicle)(times), alone(vehicle)(times), atol=1e-15)
 
 
 @pytest.mark.parametrize("plane", ["pitch", "yaw"])

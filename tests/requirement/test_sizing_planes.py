@@ -31,10 +31,10 @@ def jet(height, *, towards: float, shear: float = 0.0) -> tv.WindProfile:
 def test_of_equal_planes_a_round_stop_takes_the_norm_of_the_scalar_answer(flight, degrees) -> None:
     straight = tv.size(flight, GUST, times=TIMES, model="fixed-path")
     slanting = tv.winds.PlaneWind.towards(GUST, np.radians(degrees))
-    found = tv.size(flight, slanting, times=TIMES, model="fixed-path", plane="both")
+    sizing = tv.size(flight, slanting, times=TIMES, model="fixed-path", plane="both")
     for name, values in straight.required.items():
-        assert found.required[name] == pytest.approx(values, rel=1e-14), name
-    misses = found.pitch_omitted_fraction["K = 1"]
+        assert sizing.required[name] == pytest.approx(values, rel=1e-14), name
+    misses = sizing.pitch_omitted_fraction["K = 1"]
     assert misses == pytest.approx(1.0 - abs(np.cos(np.radians(degrees))), abs=1e-14)
 
 
@@ -46,9 +46,9 @@ def test_a_wind_along_one_plane_asks_for_the_same_to_the_last_bit(flight, model,
         for plane, angle in (("pitch", 0.0), ("yaw", np.pi / 2)):
             alone = tv.size(flight, GUST, plane=plane, **options)
             wind = tv.winds.PlaneWind.towards(GUST, angle)
-            found = tv.size(flight, wind, plane="both", limit_shape=stop, **options)
+            sizing = tv.size(flight, wind, plane="both", limit_shape=stop, **options)
             for name, values in alone.required.items():
-                assert found.required[name].tolist() == values.tolist(), (stop, plane, name)
+                assert sizing.required[name].tolist() == values.tolist(), (stop, plane, name)
 
 
 def test_a_sounding_along_the_flight_asks_for_the_same_to_the_last_bit(flight) -> None:
@@ -76,18 +76,18 @@ def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight)
     for azimuth in (0, 160):
         met = tv.fly_through(profile, flight, azimuth=np.radians(azimuth), plane="both")
         for stop, norm in (("round", np.hypot), ("square", np.maximum)):
-            found = tv.size(
+            sizing = tv.size(
                 flight, met, times=[66.0], plane="both", limit_shape=stop, dead_bands=(1.0, 0.5)
             )
-            pitch, yaw = (found.separate[plane].required for plane in ("pitch", "yaw"))
-            for name, values in found.required.items():
+            pitch, yaw = (sizing.separate[plane].required for plane in ("pitch", "yaw"))
+            for name, values in sizing.required.items():
                 if np.isnan(values).all():
                     assert name == "minimum, varying"  # beyond one pole in a plane
                     continue
                 assert np.all(values >= np.maximum(pitch[name], yaw[name]) * (1 - 1e-12)), name
                 assert np.all(values <= pitch[name] + yaw[name]), name
             for name in ("K = 1", "K = 0.5"):
-                assert np.all(found.required[name] >= norm(pitch[name], yaw[name]) * (1 - 1e-12))
+                assert np.all(sizing.required[name] >= norm(pitch[name], yaw[name]) * (1 - 1e-12))
 
 
 def test_the_rectangle_is_the_least_that_holds_its_corners() -> None:

@@ -38,11 +38,11 @@ def answers(tmp_path_factory):
     path = tmp_path_factory.mktemp("study") / "s.toml"
     path.write_text(TEXT)
     plan = replace(load_study(path), laws=None)
-    found = find(plan)
+    result = find(plan)
     printed = (
         CliRunner().invoke(app, ["ascent", str(path), "--more"], env={"COLUMNS": "200"}).output
     )
-    return printed, section(found, "flight"), *found.flight
+    return printed, section(result, "flight"), *result.flight
 
 
 def texts(parts):
@@ -101,14 +101,14 @@ def test_of_one_wind_the_worst_is_that_wind(answers):
 def test_a_frozen_requirement_that_is_no_approximation_has_no_row() -> None:
     pulse = tv.TriangularWind(peak=0.05, duration=7.5)
     schedule = tv.load_schedule("configuration-i")
-    found = tv.size(schedule, pulse, times=[60.0, 66.0], varying=True)
+    sizing = tv.size(schedule, pulse, times=[60.0, 66.0], varying=True)
     off = {
         key: need * [[1.0], [3.0]] if key == "K = 1" else need
-        for key, need in found.required.items()
+        for key, need in sizing.required.items()
     }
     whole, frozen = (
-        tables.time_tables(found, "K = 1, varying"),
-        tables.time_tables(replace(found, required=off), "K = 1, varying"),
+        tables.time_tables(sizing, "K = 1, varying"),
+        tables.time_tables(replace(sizing, required=off), "K = 1, varying"),
     )
     assert [len(table.rows) for table in whole] == [2, 2]
     assert [len(table.rows) for table in frozen] == [2, 1]

@@ -26,21 +26,21 @@ def test_constant_parameters_give_the_boundary_of_the_frozen_plant(
         configuration_ii.replace(time=[60.0, 85.0, 110.0], pitch_damping=resisting)
     )
     wind = tv.TriangularWind(peak=-0.05, duration=10.0)
-    found = tv.size(schedule, wind, times=[80.0], dead_bands=BANDS, model=model, varying=True)
+    sizing = tv.size(schedule, wind, times=[80.0], dead_bands=BANDS, model=model, varying=True)
     for name in ("trim", *NAMES):
-        frozen, varying = (found.required[f"{name}{end}"] for end in ("", ", varying"))
+        frozen, varying = (sizing.required[f"{name}{end}"] for end in ("", ", varying"))
         # With a quick path the trim law is flown for K = 1, frozen without the speed and late by a
         # part of 0.002 of the time in which the fast mode grows; damped, that needs 0.7 % more than
         # (4b), along the flight in finer steps 0.1 to 0.4 %.
         quick = name == "K = 1" and model != "fixed-path"
         flown = (1e-2 if damping else 1e-3) if quick else 1e-6
         assert varying == pytest.approx(frozen, rel=flown), name
-        assert found.freezing_error[name] == pytest.approx(np.zeros((1, 1)), abs=flown)
+        assert sizing.freezing_error[name] == pytest.approx(np.zeros((1, 1)), abs=flown)
     # Damped, the fast pole is nearer to the slow one, which then asks for 2e-8 more with K = 0.
-    beside = found.required["K = 0"] / found.required["minimum"]
+    beside = sizing.required["K = 0"] / sizing.required["minimum"]
     assert beside == pytest.approx(1.0, rel=1e-12)
-    assert found.required["minimum, varying"] == pytest.approx(
-        found.required["K = 0, varying"], rel=1e-7 if damping else 1e-12
+    assert sizing.required["minimum, varying"] == pytest.approx(
+        sizing.required["K = 0, varying"], rel=1e-7 if damping else 1e-12
     )
 
 
@@ -52,12 +52,14 @@ def test_constant_parameters_and_any_wind_of_one_sign(configuration_i, wind) -> 
         "two peaks": tv.SampledWind(time=[0, 2, 3, 7, 10], angle=[0, 0.05, 0.01, 0.06, 0.0]),
     }[wind]
     schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 90.0]))
-    found = tv.size(schedule, history, times=[60.0], dead_bands=BANDS, varying=True)
+    sizing = tv.size(schedule, history, times=[60.0], dead_bands=BANDS, varying=True)
 
     for name in NAMES:
         # in the valley of two peaks a law with K = 1 lets go; the path it then flies is not trim's
         close = 5e-3 if name == "K = 1" and wind == "two peaks" else 1e-6
-        assert found.required[f"{name}, varying"] == pytest.approx(found.required[name], rel=close)
+        assert sizing.required[f"{name}, varying"] == pytest.approx(
+            sizing.required[name], rel=close
+        )
 
 
 def falling(vehicle: tv.Vehicle, damping: float) -> tv.FlightSchedule:
@@ -130,8 +132,8 @@ def what_grows_in_the_end(schedule, wind, limit, K) -> float:
 def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K, damping) -> None:
     schedule = falling(configuration_i, damping)
     wind = tv.TriangularWind(peak=0.05, duration=16.0)
-    found = tv.size(schedule, wind, times=[18.0], dead_bands=K, varying=True)
-    limit = float(found.required[f"K = {K:g}, varying"][0, 0])
+    sizing = tv.size(schedule, wind, times=[18.0], dead_bands=K, varying=True)
+    limit = float(sizing.required[f"K = {K:g}, varying"][0, 0])
     blown = wind.shift(10.0)
 
     # damped, the path is quick beside the fast mode, and the law is flown: it needs 1 % more
@@ -140,7 +142,7 @@ def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K,
     # a tail wind lifts the angle of attack's negative side: too little lets the nose fall
     assert ends[0] * ends[1] < 0.0
     assert ends[0] < 0.0
-    assert abs(found.freezing_error[f"K = {K:g}"][0, 0]) > 0.02  # frozen it is another number
+    assert abs(sizing.freezing_error[f"K = {K:g}"][0, 0]) > 0.02  # frozen it is another number
 
 
 def trim_law_is_lost(schedule, wind, model, limits):
@@ -188,8 +190,8 @@ def test_a_planar_flight_with_varying_parameters_agrees() -> None:
     schedule = tv.FlightSchedule.from_flight(booster, condition, start=60.0, stop=100.0)
     duration = 4.0 / tv.Coefficients.from_vehicle(booster).beta
     wind = tv.TriangularWind(peak=PEAK, duration=duration)
-    found = tv.size(schedule, wind, times=[66.0], dead_bands=(1.0, 0.0), plane="yaw", varying=True)
-    scale = found.required["trim"][0, 0]
+    sizing = tv.size(schedule, wind, times=[66.0], dead_bands=(1.0, 0.0), plane="yaw", varying=True)
+    scale = sizing.required["trim"][0, 0]
     survives = planar_verdict(
         booster,
         wind.shift(66.0 - duration / 2.0),
@@ -198,35 +200,35 @@ def test_a_planar_flight_with_varying_parameters_agrees() -> None:
         frozen=False,
         condition=condition,
     )
-    limit = found.required["K = 0, varying"][0, 0]
+    limit = sizing.required["K = 0, varying"][0, 0]
 
     assert not survives(0.999 * limit)
     assert survives(1.001 * limit)
-    assert abs(found.freezing_error["K = 0"][0, 0]) > 0.01
-    assert found.required["K = 1, varying"][0, 0] / scale == pytest.approx(0.6456, abs=2e-4)
+    assert abs(sizing.freezing_error["K = 0"][0, 0]) > 0.01
+    assert sizing.required["K = 1, varying"][0, 0] / scale == pytest.approx(0.6456, abs=2e-4)
 
 
 def test_the_varying_minimum_is_that_of_both_modes_beyond_one_pole(configuration_i) -> None:
     """Of constant parameters that of appendix C; the dual's deflection is constant in steps."""
     schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 120.0]))
-    found = tv.size(
+    sizing = tv.size(
         schedule, tv.TriangularWind(peak=0.05, duration=35.0), times=[70.0], varying=True
     )
-    frozen, along = (found.required[k][0, 0] for k in ("minimum", "minimum, varying"))
+    frozen, along = (sizing.required[k][0, 0] for k in ("minimum", "minimum, varying"))
     assert along == pytest.approx(frozen, rel=1e-4)
 
 
 def test_a_wind_that_turns_and_a_calm(configuration_i) -> None:
     schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 120.0]))
     wind = tv.SampledWind(time=[60.0, 62.0, 64.0, 66.0], angle=[0.0, 0.1, -0.1, 0.0])
-    found = tv.size(schedule, wind, times=[63.0, 100.0], placing="flight", varying=True)
+    sizing = tv.size(schedule, wind, times=[63.0, 100.0], placing="flight", varying=True)
 
-    assert found.required["K = 1, varying"][0, 0] > found.required["minimum, varying"][0, 0]
-    assert np.isnan(found.required["K = 0.5, varying"][0, 0])
-    assert found.required["minimum, varying"][0, 0] == pytest.approx(
-        found.required["minimum"][0, 0], rel=1e-3
+    assert sizing.required["K = 1, varying"][0, 0] > sizing.required["minimum, varying"][0, 0]
+    assert np.isnan(sizing.required["K = 0.5, varying"][0, 0])
+    assert sizing.required["minimum, varying"][0, 0] == pytest.approx(
+        sizing.required["minimum"][0, 0], rel=1e-3
     )
-    assert found.required["K = 1, varying"][1, 0] == 0.0
+    assert sizing.required["K = 1, varying"][1, 0] == 0.0
 
 
 def test_where_a_moment_turns_each_part_of_the_flight_is_judged(configuration_i) -> None:
@@ -234,7 +236,7 @@ def test_where_a_moment_turns_each_part_of_the_flight_is_judged(configuration_i)
         time=[40.0, 60.0, 64.0, 120.0], aerodynamic_arm=[-2.0, -2.0, 9.45, 9.45]
     )
     wind = tv.TriangularWind(peak=0.05, duration=8.0)
-    found = tv.size(tv.FlightSchedule(turns), wind, times=[63.0], model="fixed-path", varying=True)
+    sizing = tv.size(tv.FlightSchedule(turns), wind, times=[63.0], model="fixed-path", varying=True)
 
     later = tv.FlightSchedule(turns).one_sign_intervals[1]
     assert later.span[0] == pytest.approx(60.0 + 4.0 * 2.0 / 11.45, rel=1e-12)
@@ -242,7 +244,7 @@ def test_where_a_moment_turns_each_part_of_the_flight_is_judged(configuration_i)
     rest = rest - rest.before(later.span[0])
     alone = tv.size(later, rest, times=[63.0], placing="flight", model="fixed-path", varying=True)
     for K in ("K = 1, varying", "K = 0.5, varying"):
-        needed = found.required[K][0, 0]
+        needed = sizing.required[K][0, 0]
         assert needed > 0.0
         assert needed == pytest.approx(alone.required[K][0, 0], rel=1e-6)
 
@@ -257,14 +259,14 @@ def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_
         configuration_i.replace(time=[40.0, 80.0, 100.0, 106.5], aerodynamic_arm=[*arms[:3], 0.025])
     )
     wind = tv.TriangularWind(peak=0.05, duration=5.0)
-    asked = {"times": [60.0, 85.0], "model": "fixed-path", "varying": True}
+    options = {"times": [60.0, 85.0], "model": "fixed-path", "varying": True}
     for name, most in (("K = 1, varying", 1e-6), ("minimum, varying", 1e-6)):
-        found, held = (tv.size(one, wind, **asked).required[name] for one in (whole, cut))
-        assert found == pytest.approx(held, rel=most)
+        computed, held = (tv.size(one, wind, **options).required[name] for one in (whole, cut))
+        assert computed == pytest.approx(held, rel=most)
 
     stable = tv.FlightSchedule(configuration_i.replace(time=[40.0, 120.0], aerodynamic_arm=-2.0))
     with pytest.raises(tv.InputError, match="need a real unstable pole, which this flight has at"):
-        tv.size(stable, wind, **asked)
+        tv.size(stable, wind, **options)
 
 
 @pytest.mark.parametrize(("before", "edge"), [(0.0, True), (0.45, True), (1.0, False)])

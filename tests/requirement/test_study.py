@@ -95,10 +95,10 @@ def test_what_is_doubtful_about_vehicle_and_plane_is_noted() -> None:
     def notes(peak_deg: float, plane: str = "pitch", **change: float) -> str:
         peak = np.radians(peak_deg)
         changed = vehicle.replace(**change)
-        found = tv.Study.from_vehicle(
+        study = tv.Study.from_vehicle(
             changed, duration=7.5, peak=peak, plane=plane, model="fixed-path"
         )
-        return " ".join(found.notes)
+        return " ".join(study.notes)
 
     unknown = "the requirement in a head wind is not known"
     assert unknown in notes(5.0, attitude=np.radians(4.0))

@@ -52,12 +52,12 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
         ("square", tv.boundary.SquareShape()),
     ):
         exact = tv.plane_limit(plant, tv.winds.PlaneWind(pitch=pitch, yaw=yaw), shape)
-        found = json.loads(
+        answer = json.loads(
             run("study", *JET, "--sign", "frozen", "--limit-shape", stop, "--json").stdout
         )
-        needed = np.radians(found["verdict"]["required_deflection_deg"])
+        needed = np.radians(answer["verdict"]["required_deflection_deg"])
         assert needed == pytest.approx(exact.deflection, rel=1e-8)
-        alone = np.radians(found["planes"]["separate_deg"]["pitch"])
+        alone = np.radians(answer["planes"]["separate_deg"]["pitch"])
         assert alone == pytest.approx(exact.pitch_only, rel=1e-8)
 
 
@@ -84,10 +84,10 @@ def test_a_peak_says_of_what_it_is(stop) -> None:
     )
     assert whose in shown
     assert "of 2.88 deg and 7.5 s, the part in the pitch plane of a vector of 5 deg" in shown
-    found = json.loads(run(*asked, "--json").stdout)
-    verdict, planes = found["verdict"], found["planes"]
+    answer = json.loads(run(*asked, "--json").stdout)
+    verdict, planes = answer["verdict"], answer["planes"]
     assert verdict["survivable_peak_of"] == whose
-    part = 1.0 if stop else planes["peak_deg"] / found["wind"]["peak_deg"]
+    part = 1.0 if stop else planes["peak_deg"] / answer["wind"]["peak_deg"]
     peak = part * verdict["survivable_peak_deg"]
     again = json.loads(run(*asked, "--peak-deg", str(peak), "--json").stdout)
     needed = again["verdict"]["required_deflection_deg"]
@@ -132,9 +132,9 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
         (*JET, "--limit-shape", "oval"): "--limit-shape must be one of round",
     }
     for options, words in said.items():
-        found = run("study", *options)
-        assert found.exit_code == 2
-        assert words in " ".join(found.output.split())
+        result = run("study", *options)
+        assert result.exit_code == 2
+        assert words in " ".join(result.output.split())
     with pytest.raises(tv.InputError, match="a stop of both planes needs a wind with a direction"):
         tv.Study.from_vehicle(
             booster, duration=7.5, peak=0.08, limit_shape="round", model="fixed-path"
@@ -157,28 +157,28 @@ def asked(**more) -> Findings:
 
 def test_dispersed_cases_of_both_planes_need_what_each_vehicle_needs_in_both(booster) -> None:
     part = {"parameter": "thrust", "percent": 1.0}
-    found = asked(dispersion=[part], campaign={"cases": 30}).dispersed
+    computed = asked(dispersion=[part], campaign={"cases": 30}).dispersed
     for case in (0, 17, 29):
         plant = tv.Plant.from_vehicle(
-            booster.replace(thrust=found.values["thrust"][case]), "fixed-path"
+            booster.replace(thrust=computed.values["thrust"][case]), "fixed-path"
         )
         gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
         exact = tv.plane_limit(plant, tv.winds.PlaneWind.towards(gust, 0.3)).deflection
-        assert found.deflection[case] == pytest.approx(exact, rel=1e-6)
+        assert computed.deflection[case] == pytest.approx(exact, rel=1e-6)
 
 
 def test_the_autopilot_of_both_planes_is_judged_by_the_vector_of_its_deflections(booster) -> None:
-    found = asked(autopilot={"design": "canonical"})
-    peaks = found.plan.wind.peaks(booster.attitude)
+    result = asked(autopilot={"design": "canonical"})
+    peaks = result.plan.wind.peaks(booster.attitude)
     loop = tv.control.canonical_gains(tv.Coefficients.from_vehicle(booster))
-    loop, row = replace(loop, actuator=found.comparison.autopilot.actuator), -1
-    plant, times = found.comparison.plant, np.linspace(0.0, 20.0, 4001)
+    loop, row = replace(loop, actuator=result.comparison.autopilot.actuator), -1
+    plant, times = result.comparison.plant, np.linspace(0.0, 20.0, 4001)
     rows = [
         loop.wind_response(plant, tv.TriangularWind(peak=peak, duration=7.5))(times)[row]
         for peak in peaks.values()
     ]
     most = np.degrees(np.hypot(*rows).max())
-    (one,) = (q for q in questions(found) if q.name == "autopilot")
+    (one,) = (q for q in questions(result) if q.name == "autopilot")
     assert one.yes is False
     assert f"turn the nozzle by {most:.3f}" in one.text
     assert one.text.endswith("in both planes")
@@ -197,8 +197,8 @@ def test_a_rectangle_is_inside_every_edge_of_its_stop(turns):
 
 
 def test_where_a_plane_has_no_limit_neither_has_the_rectangle():
-    found = rectangle(CircularShape(), [3.0, np.inf, 1.0, np.nan], [4.0, 1.0, np.inf, 1.0])
-    np.testing.assert_array_equal(found, [5.0, np.inf, np.inf, np.nan])
+    result = rectangle(CircularShape(), [3.0, np.inf, 1.0, np.nan], [4.0, 1.0, np.inf, 1.0])
+    np.testing.assert_array_equal(result, [5.0, np.inf, np.inf, np.nan])
 
 
 def test_one_plane_misses_no_part_of_nothing():

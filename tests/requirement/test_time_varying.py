@@ -39,9 +39,9 @@ def test_frozen_vehicles_require_what_the_exact_theory_says(
         plant = tv.Plant.from_vehicle(configuration_i, model)
         exact = abs(float(tv.required_deflection(plant, wind, dead_band).deflection))
         equations = Equations.frozen(configuration_i.rigid, model, "pitch")
-        found = varying_requirement(equations, NominalWind(wind), dead_band).required[0]
+        computed = varying_requirement(equations, NominalWind(wind), dead_band).required[0]
         trim = abs(float(plant.coefficients.B * wind.peak))
-        assert found == pytest.approx(exact, abs=FOURTH_ORDER * trim)
+        assert computed == pytest.approx(exact, abs=FOURTH_ORDER * trim)
 
 
 @pytest.mark.parametrize(
@@ -55,9 +55,9 @@ def test_slow_modes_require_the_minimum_over_all_modes(configuration_i, model, c
     trim = abs(float(plant.coefficients.B * wind.peak))
     for dead_band in (0.5, 0.0):
         exact = tv.required_deflection(plant, wind, dead_band)
-        found = varying_requirement(equations, NominalWind(wind), dead_band).required[0]
+        computed = varying_requirement(equations, NominalWind(wind), dead_band).required[0]
         assert "minimum over all unstable poles" in exact.governs
-        over = (found - abs(float(exact.deflection))) / trim
+        over = (computed - abs(float(exact.deflection))) / trim
         assert -FOURTH_ORDER < over < cells
 
 
@@ -68,8 +68,8 @@ def test_a_wind_of_any_duration_has_its_last_value_up_to_its_end(configuration_i
     for duration in [3.20487, *np.random.default_rng(7).uniform(0.5, 9.0, 60)]:
         wind = tv.RectangularWind(peak=np.radians(5.0), duration=float(duration))
         exact = abs(float(tv.boundary_limit(plant, wind, 1.0, "literal").deflection))
-        found = varying_requirement(equations, NominalWind(wind)).required[0]
-        assert found == pytest.approx(exact, rel=2e-6)
+        computed = varying_requirement(equations, NominalWind(wind)).required[0]
+        assert computed == pytest.approx(exact, rel=2e-6)
 
 
 def test_a_flight_that_overflows_has_diverged(configuration_i) -> None:
@@ -92,8 +92,8 @@ def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
     errors = []
     for step in (0.496, 0.248, 0.124):  # 8, 16 and 32 steps
         monkeypatch.setattr(time_varying, "STEP", step)
-        found = varying_requirement(equations, NominalWind(wind), 0.5)
-        errors.append(abs(float(found.required[0]) - exact))
+        result = varying_requirement(equations, NominalWind(wind), 0.5)
+        errors.append(abs(float(result.required[0]) - exact))
     ratios = np.array(errors[:-1]) / errors[1:]
     np.testing.assert_allclose(ratios, 16.0, rtol=1 / 3)
 
@@ -120,8 +120,8 @@ def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> No
 
     free, unit = component(0.0), component(1.0)
     held = abs(free / (free - unit))
-    found = varying_requirement(mode, NominalWind(wind), 0.0)
-    assert found.required[0] == pytest.approx(held, abs=FOURTH_ORDER * found.trim[0])
+    result = varying_requirement(mode, NominalWind(wind), 0.0)
+    assert result.required[0] == pytest.approx(held, abs=FOURTH_ORDER * result.trim[0])
 
 
 def test_both_ways_of_running_the_kernels_agree(configuration_i) -> None:
@@ -130,12 +130,12 @@ def test_both_ways_of_running_the_kernels_agree(configuration_i) -> None:
         pytest.skip("needs numba")
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
     equations = Equations.frozen(configuration_i.rigid, "drift-exact", "pitch")
-    found = []
+    computed = []
     for compiled in (False, True):
         with choice.pinned(compiled):
-            found.append(varying_requirement(equations, NominalWind(wind), 1.0))
+            computed.append(varying_requirement(equations, NominalWind(wind), 1.0))
     for name in ("trim", "required", "minimum"):
-        plain, machine = (getattr(one, name) for one in found)
+        plain, machine = (getattr(one, name) for one in computed)
         np.testing.assert_allclose(plain, machine, rtol=1e-13)
 
 
@@ -173,8 +173,8 @@ FLOWN = 3e-3
 def test_a_wind_known_by_its_speed_stays_a_velocity(configuration_i, sign, needed) -> None:
     """60 m/s, in degrees; angle and dynamic pressure are those of its triangle."""
     wind = tv.ShapedWind("triangular", 0.05, 7.5).with_speed(60.0, configuration_i, "pitch")
-    found = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind, sign=sign))
-    assert np.degrees(found.required_deflection) == pytest.approx(needed, rel=FLOWN)
+    result = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind, sign=sign))
+    assert np.degrees(result.required_deflection) == pytest.approx(needed, rel=FLOWN)
 
 
 @pytest.mark.parametrize(
@@ -188,11 +188,11 @@ def test_a_wind_known_by_its_speed_stays_a_velocity(configuration_i, sign, neede
 )
 def test_a_cross_wind_has_its_own_dynamic_pressure(configuration_i, shape, deg, needed) -> None:
     """One over the square of the cosine of its angle."""
-    found = tv.Study.from_vehicle(
+    study = tv.Study.from_vehicle(
         configuration_i, wind=shape, duration=7.5, peak=np.radians(deg), plane="yaw"
     )
-    assert np.degrees(found.required_deflection) == pytest.approx(needed, rel=FLOWN)
-    assert found.governs == "the dynamic pressure in a cross wind"
+    assert np.degrees(study.required_deflection) == pytest.approx(needed, rel=FLOWN)
+    assert study.governs == "the dynamic pressure in a cross wind"
 
 
 @pytest.mark.parametrize(
@@ -204,9 +204,9 @@ def test_along_a_flight_the_wind_triangle_is_that_of_each_time(duration, sign, n
     plan = tv.studyfile.load_sizing("configuration-ii")
     pulse = tv.ShapedWind("rectangular", np.radians(6.5), duration)
     plan = replace(plan, sign=sign, wind=pulse)
-    asked = replace(plan.sizing, start=93.5, stop=93.5, dead_bands=(1.0,))
-    found = asked.sizing(plan).required[f"K = 1, varying, {sign} wind"][0, 0]
-    assert np.degrees(found) == pytest.approx(needed, rel=FLOWN)
+    request = replace(plan.sizing, start=93.5, stop=93.5, dead_bands=(1.0,))
+    computed = request.sizing(plan).required[f"K = 1, varying, {sign} wind"][0, 0]
+    assert np.degrees(computed) == pytest.approx(needed, rel=FLOWN)
 
 
 def test_a_sounding_of_both_signs_has_the_dynamic_pressure_of_each() -> None:
@@ -216,8 +216,8 @@ def test_a_sounding_of_both_signs_has_the_dynamic_pressure_of_each() -> None:
     height = np.array([6.0, 8.0, 10.0, 12.0, 12.2, 12.4, 12.6]) * 1e3
     sounding = tv.WindProfile(height=height, east=east, north=np.zeros(7))
     met = tv.fly_through(sounding, flight, azimuth=np.radians(90.0))
-    found = tv.size(flight, met, times=[66.0], dead_bands=[1.0])
-    needed = np.degrees(found.required["K = 1, varying"][0, 0])
+    sizing = tv.size(flight, met, times=[66.0], dead_bands=[1.0])
+    needed = np.degrees(sizing.required["K = 1, varying"][0, 0])
     assert needed == pytest.approx(0.4711, rel=FLOWN)
 
 
@@ -254,8 +254,8 @@ def test_constant_parameters_along_a_flight_require_what_frozen_ones_do() -> Non
     frozen = abs(tv.required_deflection(tv.Plant.from_vehicle(SMALL, "drift"), wind).deflection)
     times = np.array([0.0, 0.5, 1.0, 2.0, 30.0])
     flight = tv.FlightSchedule(SMALL.replace(time=times, weight=np.full(5, SMALL.weight)))
-    found = tv.size(flight, wind, times=[1.0], model="drift", dead_bands=[1.0])
-    along = found.required["K = 1, varying"][0, 0]
+    sizing = tv.size(flight, wind, times=[1.0], model="drift", dead_bands=[1.0])
+    along = sizing.required["K = 1, varying"][0, 0]
     assert along == pytest.approx(frozen, rel=1e-6)
     assert np.degrees(along) == pytest.approx(0.14774, rel=FLOWN)
 
@@ -294,9 +294,9 @@ def test_dead_bands_of_a_wind_of_two_signs_are_not_defined() -> None:
     mode = FlightMode(flight, "drift-exact", "pitch", flight.span)
     time = np.array([60.0, 62.0, 64.0, 66.0])
     wind = tv.SampledWind(time=time, angle=np.array([0.0, 0.02, -0.02, 0.0]))
-    (found,) = flight_requirements(mode, [NominalWind(wind)], np.array([1.0, 0.5]))
-    assert np.isfinite(found.required[0])
-    assert np.isnan(found.required[1])
+    (computed,) = flight_requirements(mode, [NominalWind(wind)], np.array([1.0, 0.5]))
+    assert np.isfinite(computed.required[0])
+    assert np.isnan(computed.required[1])
 
 
 @pytest.mark.parametrize("dead_band", [1.0, 0.5])

@@ -39,8 +39,8 @@ FIELDS = (
 
 def column(name: str) -> int:
     """Return the index of the column whose name begins so."""
-    (found,) = [i for i, one in enumerate(NAMES) if one.startswith(name)]
-    return found
+    (computed,) = [i for i, one in enumerate(NAMES) if one.startswith(name)]
+    return computed
 
 
 def changed(
@@ -79,8 +79,8 @@ def read(file: Path, **others: object) -> tv.FlightSchedule:
 
 def number_of(line: str) -> int:
     """Return the number of the line in the file that begins so."""
-    (found,) = [i for i, one in enumerate(LINES, start=1) if one.startswith(line)]
-    return found
+    (computed,) = [i for i, one in enumerate(LINES, start=1) if one.startswith(line)]
+    return computed
 
 
 def same(found: tv.FlightSchedule, expected: tv.FlightSchedule, rtol: float) -> None:

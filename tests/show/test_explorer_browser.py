@@ -84,15 +84,15 @@ class Started:
 
     def answers(self) -> bool:
         try:
-            with urlopen(f"{self.address}/api", timeout=5.0) as found:
-                return bool(found.status == 200)
+            with urlopen(f"{self.address}/api", timeout=5.0) as result:
+                return bool(result.status == 200)
         except OSError:
             return False
 
     def printed(self) -> str:
         """Return the address that it prints; empty until it has."""
-        found = re.search(rf"{self.address}/\S+", (self.folder / "log").read_text())
-        return "" if found is None else found[0]
+        result = re.search(rf"{self.address}/\S+", (self.folder / "log").read_text())
+        return "" if result is None else result[0]
 
     def kernels(self) -> list[Any]:
         psutil = pytest.importorskip("psutil")  # comes with ipykernel
@@ -206,8 +206,8 @@ def test_a_signal_ends_jupyterlab_and_its_kernels(
     while not started.answers():
         assert monotonic() - begun < LONGEST_WAIT
         sleep(0.1)
-    asked = Request(f"{started.address}/api/kernels", data=b"{}", method="POST")
-    urlopen(asked, timeout=LONGEST_WAIT)
+    request = Request(f"{started.address}/api/kernels", data=b"{}", method="POST")
+    urlopen(request, timeout=LONGEST_WAIT)
     kernels = started.kernels()
     started.process.send_signal(ended)
 

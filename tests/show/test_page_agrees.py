@@ -82,8 +82,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def read(html: str) -> dict[str, float]:
-    found = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
-    return {name: float(value) for name, value in found}
+    result = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
+    return {name: float(value) for name, value in result}
 
 
 def marked(html: str) -> float:
@@ -104,11 +104,11 @@ def close(one: float, other: float) -> bool:
     ids=["report", "coefficients", "flexible"],
 )
 def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
-    html, found = page_of(parse_study(asked, folder))
+    html, computed = page_of(parse_study(asked, folder))
     shown, limit = read(html), asked["nozzle"]["limit_deg"]
     # no margins where the limit loses it, no flights of a loop along the flight in both planes
-    assert not found.reasons.keys() - {"flown", "flights"}
-    each = {one.name: one for one in questions(found)}
+    assert not computed.reasons.keys() - {"flown", "flights"}
+    each = {one.name: one for one in questions(computed)}
     assert len(each) >= count - 1
     for one in each.values():
         if one.measure is None or np.isinf(one.measure.required):  # none is sufficient
@@ -123,8 +123,8 @@ def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
     wind = shown["asked.wind.required_deg"]
     _head(shown, wind, limit, each)
     assert close(marked(html), wind)
-    _figure(found, wind, limit)
-    _sections(shown, found)
+    _figure(computed, wind, limit)
+    _sections(shown, computed)
 
 
 def _head(shown, wind, limit, each) -> None:

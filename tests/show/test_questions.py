@@ -45,21 +45,21 @@ def answers(found: Findings) -> dict[str, bool | None]:
 
 
 def test_a_limit_that_covers_the_wind_alone_is_not_sufficient_for_a_probability() -> None:
-    found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path")
-    assert answers(found) == {"wind": True, "probability": False}
-    assert headline(found).endswith(" deg that 99 % of flights require.")
+    result = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path")
+    assert answers(result) == {"wind": True, "probability": False}
+    assert headline(result).endswith(" deg that 99 % of flights require.")
     wide = found_for(0.6, dispersions=SPREAD, probability=0.99, model="fixed-path")
     assert answers(wide) == {"wind": True, "probability": True}
     assert headline(wide).startswith("SUFFICIENT")
 
 
 def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> None:
-    found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path", design=DESIGN)
-    rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in questions_table(found).rows}
-    parts = {one.name: one.measure.required / one.measure.available for one in questions(found)}
+    result = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path", design=DESIGN)
+    rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in questions_table(result).rows}
+    parts = {one.name: one.measure.required / one.measure.available for one in questions(result)}
     ranks = [(rows[name][0] not in NO, -parts[name]) for name in rows]
     assert ranks == sorted(ranks)
-    for one in questions(found):
+    for one in questions(result):
         needed, there, left = (float(cell.split()[0]) for cell in rows[one.name][1:4])
         assert left == pytest.approx(there - needed, abs=1.01e-3)
         if one.required_deflection == one.required_deflection:  # a deflection
@@ -68,58 +68,58 @@ def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> 
 
 
 def test_too_few_cases_are_no_yes() -> None:
-    found = found_for(
+    result = found_for(
         3.0, dispersions=SPREAD, model="fixed-path"
     )  # 400 cases cannot speak of 99.865 percent
-    assert answers(found) == {"wind": True, "probability": None}
-    assert sufficient(found) is None
-    assert not all_yes(found)
-    assert headline(found).startswith("NOT KNOWN: too few cases")
-    assert "99.865 % of flights: cases must be at least 1705" in headline(found)
+    assert answers(result) == {"wind": True, "probability": None}
+    assert sufficient(result) is None
+    assert not all_yes(result)
+    assert headline(result).startswith("NOT KNOWN: too few cases")
+    assert "99.865 % of flights: cases must be at least 1705" in headline(result)
 
 
 def test_every_answer_in_a_wind_whose_pressure_is_not_known_is_not_known() -> None:
     """On a path of 4 deg, which no head wind turns by 5 deg."""
     vehicle = tv.load_vehicle("configuration-i").replace(attitude=np.radians(4.0))
     changes = {"vehicle": vehicle, "design": DESIGN, "criteria": LOOSE}
-    found = found_for(0.9, **changes, sign=None)
-    assert found.study.required_deflection < found.study.limit
-    shown = answers(found)
+    result = found_for(0.9, **changes, sign=None)
+    assert result.study.required_deflection < result.study.limit
+    shown = answers(result)
     assert shown["margins"] is True
     assert {shown.pop("wind"), shown.pop("autopilot")} == {None}
-    assert headline(found).startswith("NOT KNOWN: the requirement at the pressure encountered")
+    assert headline(result).startswith("NOT KNOWN: the requirement at the pressure encountered")
     assert answers(found_for(0.9, vehicle=vehicle))["wind"] is True  # at nominal dynamic pressure
 
 
 def test_few_cases_suffice_to_refuse_a_limit_that_covers_a_part_of_them() -> None:
-    found = found_for(0.36, dispersions=SPREAD, model="fixed-path")
-    success = found.dispersed.success
+    result = found_for(0.36, dispersions=SPREAD, model="fixed-path")
+    success = result.dispersed.success
     assert 0.0 < success.estimate < success.upper < 0.99865
-    assert np.isinf(found.dispersed.required.upper)
-    assert answers(found)["probability"] is False
+    assert np.isinf(result.dispersed.required.upper)
+    assert answers(result)["probability"] is False
     shown = f"sufficient in at most {100 * success.upper:.2f} %, not in 99.865 % of flights"
-    assert {one.name: one.text for one in questions(found)}["probability"] == shown
+    assert {one.name: one.text for one in questions(result)}["probability"] == shown
 
 
 @pytest.mark.thorough
 def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> None:
     """A linear peak above the limit is no loss where the flight survives, and is told."""
-    found = found_for(0.5, design=DESIGN, criteria=LOOSE)
-    loop, wind = found.comparison, found.study.wind
+    result = found_for(0.5, design=DESIGN, criteria=LOOSE)
+    loop, wind = result.comparison, result.study.wind
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
     nozzle = {"actuator": loop.autopilot.actuator, "sample_rate": 100.0}
     asks = np.degrees(loop.peak_deflection)
-    needs = np.degrees(abs(found.stop.deflection))
+    needs = np.degrees(abs(result.stop.deflection))
     assert needs < asks
     for part, survives in ((0.98, False), (1.02, True)):
         limit = float(np.radians(part * needs))
         flown = tv.fly_many(loop.plant, law, wind, deflection_limit=limit, **nozzle)
         assert (str(flown.status) == "survived") is survives
-        found = found_for(part * needs, design=DESIGN, criteria=LOOSE)
-        assert answers(found)["autopilot"] is survives
-    basis = "".join(str(getattr(one, "text", one)) for one in verdict.basis(found))
+        result = found_for(part * needs, design=DESIGN, criteria=LOOSE)
+        assert answers(result)["autopilot"] is survives
+    basis = "".join(str(getattr(one, "text", one)) for one in verdict.basis(result))
     assert f"would turn the nozzle by {asks:.3f} deg, more than the limit" in basis
-    assert f"more than the {needs:.3f} deg that this autopilot requires" in headline(found)
+    assert f"more than the {needs:.3f} deg that this autopilot requires" in headline(result)
     wide = found_for(1.01 * asks, design=DESIGN, criteria=LOOSE)
     assert "more than the limit" not in str(verdict.basis(wide))
     (said,) = (one for one in questions(wide) if one.name == "autopilot")
@@ -132,19 +132,19 @@ def test_an_autopilot_that_its_rate_limit_loses_is_not_enough() -> None:
     """With every limit that is tried, and its peak without stop and rate limit below the limit."""
     design = tv.AutopilotDesign(design="half-relief")
     slow = tv.Nozzle(limit=np.radians(0.42), rate_limit=np.radians(0.2))
-    found = found_for(None, nozzle=slow, design=design)
-    loop, limit = found.comparison, slow.limit
+    result = found_for(None, nozzle=slow, design=design)
+    loop, limit = result.comparison, slow.limit
     assert loop.peak_deflection < limit
     assert loop.peak_deflection_rate > slow.rate_limit
-    (said,) = (one for one in questions(found) if one.name == "autopilot")
+    (said,) = (one for one in questions(result) if one.name == "autopilot")
     assert said.yes is False
     assert np.isinf(said.measure.required)
     rate = np.degrees(loop.peak_deflection_rate)
     assert said.text.endswith(f"at {rate:.3f} deg/s")
-    assert found.autopilot_survives == 0.0
+    assert result.autopilot_survives == 0.0
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
     nozzle = {"actuator": tv.Actuator(), "sample_rate": 100.0, "rate_limit": slow.rate_limit}
-    flown = tv.fly_many(loop.plant, law, found.study.wind, deflection_limit=limit, **nozzle)
+    flown = tv.fly_many(loop.plant, law, result.study.wind, deflection_limit=limit, **nozzle)
     assert str(flown.status) == "lost"
     wide = found_for(None, nozzle=replace(slow, limit=np.radians(20.0)), design=design)
     assert answers(wide)["autopilot"] is False  # nor is a limit beyond those tried at first
@@ -169,8 +169,8 @@ def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> fl
         against = np.sin(-sign * angle) / np.sin(path - sign * angle)
         ratio = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
         A, inputs = (one + (ratio - 1.0) * (two - one) for one, two in zip(*ends, strict=True))
-        asked = loop.autopilot.attitude_gain * x[0] + loop.autopilot.rate_gain * x[1]
-        return A @ x + inputs @ np.array([np.clip(asked, -limit, limit), angle])
+        request = loop.autopilot.attitude_gain * x[0] + loop.autopilot.rate_gain * x[1]
+        return A @ x + inputs @ np.array([np.clip(request, -limit, limit), angle])
 
     span = (0.0, float(wind.end) + 20.0)
     gone = solve_ivp(rates, span, np.zeros(3), rtol=1e-6, atol=1e-8, max_step=0.1)
@@ -181,15 +181,15 @@ def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> fl
 def test_an_autopilot_is_judged_in_the_air_that_a_head_wind_meets() -> None:
     """What survives at nominal pressure alone is lost there; what is sufficient survives."""
     design = tv.AutopilotDesign(design="poles", natural_frequency=1.1, damping=0.7)
-    found = found_for(0.5, sign=None, design=design, criteria=LOOSE)
-    calm, head = (abs(float(one.deflection)) for one in (found.stop, found.head.stop))
+    result = found_for(0.5, sign=None, design=design, criteria=LOOSE)
+    calm, head = (abs(float(one.deflection)) for one in (result.stop, result.head.stop))
     assert np.degrees([calm, head]).round(3).tolist() == [0.451, 0.585]  # as in docs/limits.md
-    assert flown_in_a_head_wind(found, 1.05 * calm) > 1.0
-    assert flown_in_a_head_wind(found, head) < 1e-2
-    asked = found_for(np.degrees(0.98 * head), sign=None, design=design, criteria=LOOSE)
-    assert answers(asked)["autopilot"] is None
-    assert sufficient(asked) is None
-    assert 0.9 < asked.autopilot_survives < 1.0
+    assert flown_in_a_head_wind(result, 1.05 * calm) > 1.0
+    assert flown_in_a_head_wind(result, head) < 1e-2
+    request = found_for(np.degrees(0.98 * head), sign=None, design=design, criteria=LOOSE)
+    assert answers(request)["autopilot"] is None
+    assert sufficient(request) is None
+    assert 0.9 < request.autopilot_survives < 1.0
     enough = found_for(np.degrees(1.1 * head), sign=None, design=design, criteria=LOOSE)
     assert answers(enough)["autopilot"] is True
     size = enough.autopilot_survives
@@ -205,8 +205,8 @@ def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights()
     plain = found_for(0.5, design=DESIGN, criteria=LOOSE)
     design = replace(DESIGN, sample_rate=20.0)
     nozzle = tv.Nozzle(limit=np.radians(0.5), rate_limit=np.radians(0.4))
-    found = found_for(0.5, design=design, nozzle=nozzle, criteria=LOOSE)
-    loop, before = found.comparison, plain.comparison
+    result = found_for(0.5, design=design, nozzle=nozzle, criteria=LOOSE)
+    loop, before = result.comparison, plain.comparison
     expected = loop.autopilot.margins(loop.plant)
     assert loop.margins.phase_margin_deg == expected.phase_margin_deg
     assert loop.margins.phase_margin_deg < before.margins.phase_margin_deg - 1.0
@@ -214,8 +214,8 @@ def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights()
     assert "all peaks of the continuous one" in " ".join(loop.notes)
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
     flown = {"actuator": tv.Actuator(), "sample_rate": 20.0, "rate_limit": nozzle.rate_limit}
-    boundary = tv.closed_loop_boundary(loop.plant, law, found.study.wind, **flown)
-    assert found.stop.deflection == boundary.deflection
+    boundary = tv.closed_loop_boundary(loop.plant, law, result.study.wind, **flown)
+    assert result.stop.deflection == boundary.deflection
     assert abs(boundary.deflection) > 1.05 * abs(plain.stop.deflection)
 
 
@@ -223,19 +223,19 @@ def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights()
 def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
     strict = tv.control.Criteria.custom("strict", aero_margin_dB=60.0)
     for limit in (3.0, None):
-        found = found_for(limit, design=DESIGN, criteria=strict)
-        assert answers(found)["margins"] is False
-        assert sufficient(found) is False
-        assert "does not meet the criteria strict" in headline(found)
+        result = found_for(limit, design=DESIGN, criteria=strict)
+        assert answers(result)["margins"] is False
+        assert sufficient(result) is False
+        assert "does not meet the criteria strict" in headline(result)
     assert sufficient(found_for(None, design=DESIGN, criteria=LOOSE)) is None
 
 
 @pytest.mark.thorough
 def test_what_has_no_answer_is_no_yes() -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=-2.0)
-    found = found_for(0.4, vehicle=stable, sign=None, design=tv.AutopilotDesign(), criteria=LOOSE)
-    assert answers(found) == {"wind": True, "autopilot": None, "margins": None}
-    assert headline(found).startswith("NOT KNOWN: ")
+    result = found_for(0.4, vehicle=stable, sign=None, design=tv.AutopilotDesign(), criteria=LOOSE)
+    assert answers(result) == {"wind": True, "autopilot": None, "margins": None}
+    assert headline(result).startswith("NOT KNOWN: ")
 
 
 @pytest.mark.thorough
@@ -267,7 +267,7 @@ def test_flown_margins_are_refused_in_a_wind_of_too_many_samples() -> None:
     long = tv.ShapedWind("triangular", np.radians(1.0), 1500.0)
     plan = replace(tv.load_study("configuration-i"), design=design, wind=long, sign="frozen")
     plan = replace(plan, nozzle=tv.Nozzle(limit=np.radians(2.0)))
-    found = find(plan)
-    assert found.flown is None
-    assert "at most 100000 samples, this one has 150000" in found.reasons["flown"]
+    result = find(plan)
+    assert result.flown is None
+    assert "at most 100000 samples, this one has 150000" in result.reasons["flown"]
     assert "flown" not in find(plan, omitted=("flown",)).reasons

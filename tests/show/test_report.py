@@ -64,28 +64,28 @@ def page(html: str) -> Page:
 
 
 def expected_boundaries(study: tv.Study) -> dict[str, float]:
-    found: dict[str, float] = {}
+    computed: dict[str, float] = {}
     for name in ("fixed-path", "drift-exact"):
         plant = tv.Plant.from_vehicle(study.vehicle, name)
         for i, K in enumerate((1.0, 0.75, 0.5, 0.25, 0.0)):
             one = tv.boundary_limit(plant, study.wind, K, "literal")
-            found[f"boundary.{i}.K"] = K
-            found[f"boundary.{name}.{i}.limit"] = one.limit
-            found[f"boundary.{name}.{i}_deg"] = abs(np.degrees(one.deflection))
+            computed[f"boundary.{i}.K"] = K
+            computed[f"boundary.{name}.{i}.limit"] = one.limit
+            computed[f"boundary.{name}.{i}_deg"] = abs(np.degrees(one.deflection))
         trim = abs(study.coefficients.B * study.wind.peak)
         free = abs(tv.forecast_free_limit(plant, study.wind).deflection)
         least = tv.optimum_deflection(plant, study.wind).peak
         for key, value in (("trim", trim), ("forecast_free", free), ("minimum", least)):
-            found[f"{key}.{name}.part"] = value / trim
-            found[f"{key}.{name}_deg"] = np.degrees(value)
+            computed[f"{key}.{name}.part"] = value / trim
+            computed[f"{key}.{name}_deg"] = np.degrees(value)
     name = study.model
-    needs = [found[f"trim.{name}_deg"]]
-    needs += [found[f"boundary.{name}.{i}_deg"] for i in range(5)]
-    needs += [found[f"{key}.{name}_deg"] for key in ("forecast_free", "minimum")]
-    needs[1:6] = [max(need, found[f"minimum.{name}_deg"]) for need in needs[1:6]]
+    needs = [computed[f"trim.{name}_deg"]]
+    needs += [computed[f"boundary.{name}.{i}_deg"] for i in range(5)]
+    needs += [computed[f"{key}.{name}_deg"] for key in ("forecast_free", "minimum")]
+    needs[1:6] = [max(need, computed[f"minimum.{name}_deg"]) for need in needs[1:6]]
     needs[1] = np.degrees(study.required_deflection)
     peak = np.degrees(study.wind.peak)
-    return found | {f"survived.{k}_deg": 0.4 * peak / need for k, need in enumerate(needs)}
+    return computed | {f"survived.{k}_deg": 0.4 * peak / need for k, need in enumerate(needs)}
 
 
 def expected_inputs(vehicle: tv.Vehicle) -> dict[str, float]:
@@ -151,10 +151,10 @@ def expected_laws(plan: tv.studyfile.StudyPlan, study: tv.Study) -> dict[str, fl
     for name in plan.laws.names:
         (one,) = law_trials(plant, {name: laws[name]}, {"w": study.wind}, sample_rate=20.0)
         parts[name] = one.limit
-    found = {"laws.0.ideal_deg": trim, "laws.sample_rate": 20.0}
+    computed = {"laws.0.ideal_deg": trim, "laws.sample_rate": 20.0}
     for key, part in parts.items():
-        found |= {f"laws.0.{key}": part, f"laws.0.{key}_deg": part * trim}
-    return found
+        computed |= {f"laws.0.{key}": part, f"laws.0.{key}_deg": part * trim}
+    return computed
 
 
 def expected_autopilot(study: tv.Study) -> dict[str, float]:
@@ -180,12 +180,12 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
             m.peak_complementary_sensitivity_frequency,
         ),
     }
-    found = {f"margin.{name}": value for name, (value, _) in margins.items()}
-    found |= {f"margin.{name}.rad_per_s": at for name, (_, at) in margins.items()}
-    found["margin.aero_margin_dB.factor"] = m.aero_margin
-    found["margin.gain_increase_dB.factor"] = m.gain_increase
-    found["margin.disk_margin.gain"] = m.disk_margin_dB
-    found["margin.disk_margin.phase"] = m.disk_phase_deg
+    computed = {f"margin.{name}": value for name, (value, _) in margins.items()}
+    computed |= {f"margin.{name}.rad_per_s": at for name, (_, at) in margins.items()}
+    computed["margin.aero_margin_dB.factor"] = m.aero_margin
+    computed["margin.gain_increase_dB.factor"] = m.gain_increase
+    computed["margin.disk_margin.gain"] = m.disk_margin_dB
+    computed["margin.disk_margin.phase"] = m.disk_phase_deg
     angles = {
         "peak_deflection_rate_deg_s": c.peak_deflection_rate,
         "peak_angle_of_attack_deg": c.peak_angle_of_attack,
@@ -199,7 +199,7 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
         **{f"K{K:g}": one for K, one in c.boundaries.items()},
     }
     return (
-        found
+        computed
         | {f"wind.{name}_deg": np.degrees(angle) for name, angle in beside.items()}
         | {f"wind.{name}.part": angle / c.trim_deflection for name, angle in beside.items()}
         | {f"wind.{name}": np.degrees(angle) for name, angle in angles.items()}
@@ -251,7 +251,7 @@ def expected_flight(plan: tv.studyfile.StudyPlan) -> dict[str, float]:
     """Each flight time by itself, and the sum of the worst one as the text of the page has it."""
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     schedule = tv.load_schedule("configuration-i")
-    found: dict[str, float] = {}
+    computed: dict[str, float] = {}
     totals: dict[float, dict[str, float]] = {}
     ratios: dict[float, dict[str, float]] = {}
     for i, time in enumerate((60.0, 70.0, 80.0, 90.0)):
@@ -261,7 +261,7 @@ def expected_flight(plan: tv.studyfile.StudyPlan) -> dict[str, float]:
         now, then = (tv.Coefficients.from_vehicle(one) for one in (vehicle, around))
         changes = [np.abs(x / x0 - 1).max() for x, x0 in ((then.beta, now.beta), (then.B, now.B))]
         need = np.degrees(np.abs(tv.boundary_limit(plant, wind, [1.0, 0.5]).deflection))
-        found |= {
+        computed |= {
             f"flight.0.{i}.time": time,
             f"flight.0.{i}.trim_deg": 5.0 * plant.coefficients.B,
             f"flight.0.{i}.K = 1_deg": need[0],
@@ -288,17 +288,17 @@ def expected_flight(plan: tv.studyfile.StudyPlan) -> dict[str, float]:
         taken["takes"] = taken["nominal_flight"] + taken["wind"] + np.hypot(*offsets)
         ratios[taken["takes"]] = taken
     worst, taken = totals[max(totals)], ratios[max(ratios)]
-    found |= {f"total.{name}_deg": value for name, value in worst.items()}
+    computed |= {f"total.{name}_deg": value for name, value in worst.items()}
     parts = ("nominal_flight", "wind", "thrust_offset", "centre_of_gravity_offset", "takes")
-    found |= {f"ratio.{name}_deg": taken[name] for name in parts}
-    found |= {"ratio.limit_deg": 0.4, "ratio.ratio": 0.4 / taken["takes"]}
-    return found | {
+    computed |= {f"ratio.{name}_deg": taken[name] for name in parts}
+    computed |= {"ratio.limit_deg": 0.4, "ratio.ratio": 0.4 / taken["takes"]}
+    return computed | {
         "total.reserve_percent": 10.0,
         "total.required_deg": worst["total"] / 0.9,
         "total.limit_deg": 0.4,
         "total.short_deg": worst["total"] / 0.9 - 0.4,
         "facts.flight_deg": worst["total"] / 0.9,
-        "assumptions.change_percent": found[
+        "assumptions.change_percent": computed[
             f"flight.0.{[*totals].index(max(totals))}.change_percent"
         ],
     }
@@ -333,12 +333,12 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
     }
     expected |= {f"assumptions.{name}": expected[key] for name, key in seen.items()}
     expected = {name: value for name, value in expected.items() if np.isfinite(value)}
-    found = {name: value for name, (value, _) in page.numbers.items()}
+    computed = {name: value for name, (value, _) in page.numbers.items()}
 
     beside = ("response.", "sweep.", "use.", "flown.")  # with tests of their own
-    assert {name for name in found if not name.startswith(beside)} == expected.keys()
+    assert {name for name in computed if not name.startswith(beside)} == expected.keys()
     for name, value in expected.items():
-        assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-14), name
+        assert computed[name] == pytest.approx(value, rel=1e-12, abs=1e-14), name
 
 
 def test_the_rule_of_the_study_is_applied_at_each_flight_time_and_flown(
@@ -399,12 +399,12 @@ def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page,
 @pytest.mark.thorough
 def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.studyfile.StudyPlan) -> None:
     lost = replace(plan, nozzle=tv.Nozzle(limit=0.001), wind=replace(plan.wind, duration=20.0))
-    found = find(lost)
-    shown = section(found, "response").values
+    result = find(lost)
+    shown = section(result, "response").values
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
-    deflection = tv.trim_then_hold(plant, found.study.wind, -0.001, 1.0)
+    deflection = tv.trim_then_hold(plant, result.study.wind, -0.001, 1.0)
     late = shown["response.at_end_s"]
-    answer = tv.attitude_responses(plant, deflection, found.study.wind, [late - 0.021, late])
+    answer = tv.attitude_responses(plant, deflection, result.study.wind, [late - 0.021, late])
     before, after = np.degrees(np.abs(answer["attitude"]))
 
     assert before < 90.0
@@ -524,8 +524,8 @@ def test_a_measured_wind_is_told_with_its_station_its_date_and_the_direction_of_
     sounding = {"sounding": "tests/soundings/wyoming.txt", "azimuth_deg": 62.5}
     wind = {"peak_deg": 5.0, "duration_s": 7.5}
     study = {"vehicle": "configuration-i"}
-    asked = parse_study({"study": study, "wind": [wind, sounding], "schedule": {}}).sizing
-    (told,) = map(text, asked.sounding_lines())
+    request = parse_study({"study": study, "wind": [wind, sounding], "schedule": {}}).sizing
+    (told,) = map(text, request.sounding_lines())
     for said in ("wyoming.txt: 74794 XMR Cape Kennedy", "12Z 15 Feb 2024", "towards 62.5 deg"):
         assert said in told
     assert "soundings/" not in told
@@ -576,8 +576,8 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     )
     (tmp_path / "s.toml").write_text(text)
     plan = tv.load_study(tmp_path / "s.toml")
-    found = find(plan)
-    sizing, shown = found.flight[0], section(found, "flight")
+    result = find(plan)
+    sizing, shown = result.flight[0], section(result, "flight")
 
     assert sizing.winds == ("triangular wind of 5 deg, 35 s, gust of 1 deg, 2 s", "w.csv")
     for j in range(2):
@@ -592,15 +592,15 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     assert "is beyond the single-pole theory" in shown.text
     assert "In w.csv only what blows within 10 s" in shown.text
     assert "Measured wind w.csv; the flight goes towards" in shown.text
-    basis = [one for one in verdict.basis(found) if isinstance(one, str)]
+    basis = [one for one in verdict.basis(result) if isinstance(one, str)]
     assert any("counts all deflections of the nozzle" in one for one in basis)
-    case = section(found, "inputs").values
-    worst = float(found.study.gust.onset)
+    case = section(result, "inputs").values
+    worst = float(result.study.gust.onset)
     assert (case["gust.peak_deg"], case["gust.begins"]) == (pytest.approx(1.0), worst)
     (tmp_path / "s.toml").write_text(text.replace("azimuth_deg = 90", "azimuth_deg = 91"))
-    turned = replace(found, plan=tv.load_study(tmp_path / "s.toml"))
-    again = replace(found, plan=tv.load_study(tmp_path / "s.toml"))
-    assert turned.seal == again.seal != found.seal
+    turned = replace(result, plan=tv.load_study(tmp_path / "s.toml"))
+    again = replace(result, plan=tv.load_study(tmp_path / "s.toml"))
+    assert turned.seal == again.seal != result.seal
 
 
 @pytest.mark.thorough
@@ -614,14 +614,14 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
         "[size]\nfrom_s = 60\nto_s = 80\nevery_s = 20\n"
     )
     (tmp_path / "s.toml").write_text(text)
-    found = find(tv.load_study(tmp_path / "s.toml"))
+    computed = find(tv.load_study(tmp_path / "s.toml"))
     result = CliRunner().invoke(app, ["report", f"{tmp_path}/s.toml", "-o", f"{tmp_path}/p.html"])
-    said = "".join(part for part in verdict.sentence(found) if isinstance(part, str))
+    said = "".join(part for part in verdict.sentence(computed) if isinstance(part, str))
 
-    assert [one.yes for one in questions(found)] == [True, None]
+    assert [one.yes for one in questions(computed)] == [True, None]
     assert said.startswith("NOT KNOWN: ")
     assert "required deflection of the whole flight of configuration-i not known above" in said
-    assert "Required deflection NOT KNOWN above 12.0 km" in section(found, "flight").text
+    assert "Required deflection NOT KNOWN above 12.0 km" in section(computed, "flight").text
     assert (result.exit_code, "NOT known to be sufficient" in result.output) == (1, True)
 
 
@@ -632,9 +632,9 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(
     gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.75)
     wind = replace(plan.wind, gust=gust, gust_at=3.75)
     gusty = replace(plan, wind=wind, laws=None, sizing=None, dispersions=None)
-    found = find(gusty)
-    shown = section(found, "response").values
-    both = found.study.wind + gust
+    result = find(gusty)
+    shown = section(result, "response").values
+    both = result.study.wind + gust
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
     deflection = tv.trim_then_hold(plant, both, -np.radians(0.4), 1.0)
     times = np.linspace(0.0, shown["response.at_end_s"], 8001)
@@ -642,8 +642,8 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(
     flown = tv.compare_with_trim(plant, plan.autopilot, both)
 
     assert shown["response.with_wind_deg"] == pytest.approx(attitude.min(), rel=1e-4)
-    assert found.comparison.peak_deflection == flown.peak_deflection
-    assert any("with a gust of 1 deg and 2 s" in str(one) for one in verdict.basis(found))
+    assert result.comparison.peak_deflection == flown.peak_deflection
+    assert any("with a gust of 1 deg and 2 s" in str(one) for one in verdict.basis(result))
 
 
 def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
@@ -682,11 +682,11 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     study, output = tmp_path / "s.toml", tmp_path / "r.html"
     study.write_text(f'{text}[schedule]\nsource = "configuration-i"\n')
     said = "the flight is of configuration-i, not of the study's vehicle, my.toml; give its flight"
-    asked = tv.studyfile.load_sizing(study).sizing
+    request = tv.studyfile.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
     sized = CliRunner().invoke(app, ["ascent", str(study)])
 
-    assert (asked.source, asked.another) == ("configuration-i", "my.toml")
+    assert (request.source, request.another) == ("configuration-i", "my.toml")
     assert output.read_text().count(said[1:].replace("'", "&#39;")) == 2
     assert f"\nNote: {said}" in result.output
     assert f"\nNote: {said}" in sized.output
@@ -761,34 +761,34 @@ def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
     dead_band: float,
     said: str,
 ) -> None:
-    asked = tv.studyfile.StudyPlan(
+    request = tv.studyfile.StudyPlan(
         vehicle=plan.vehicle.replace(**change),
         wind=replace(plan.wind, duration=duration),
         model="drift-exact",
         dead_band=dead_band,
         nozzle=tv.Nozzle(limit=np.radians(0.5)),
     )
-    found = find(asked)
+    result = find(request)
 
-    assert found.study.sufficient
-    assert said in section(found, "response").of("figcaption")[0]
+    assert result.study.sufficient
+    assert said in section(result, "response").of("figcaption")[0]
 
 
 def test_a_page_says_where_no_limit_is_enough(plan: tv.studyfile.StudyPlan) -> None:
     slow = plan.vehicle.replace(velocity=45.0, attitude=1.5)
-    asked = tv.studyfile.StudyPlan(
+    request = tv.studyfile.StudyPlan(
         vehicle=slow,
         wind=plan.wind,
         model="drift-exact",
         dead_band=0.0,
         nozzle=tv.Nozzle(limit=0.1),
     )
-    found = find(asked)
+    result = find(request)
 
-    assert dict(verdict.facts(found))["required deflection"] == ("none is sufficient",)
-    assert section(found, "boundaries").of("td").count("none is sufficient") == 2
-    assert [one.text for one in questions(found)] == ["with this dead band no limit is sufficient"]
-    endless = find(replace(asked, nozzle=tv.Nozzle()))
+    assert dict(verdict.facts(result))["required deflection"] == ("none is sufficient",)
+    assert section(result, "boundaries").of("td").count("none is sufficient") == 2
+    assert [one.text for one in questions(result)] == ["with this dead band no limit is sufficient"]
+    endless = find(replace(request, nozzle=tv.Nozzle()))
     assert verdict.sentence(endless)[0].startswith(
         "NOT SUFFICIENT: with this dead band no limit is"
     )
@@ -803,12 +803,12 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -
         dead_band=0.5,
         nozzle=tv.Nozzle(limit=np.radians(0.2)),
     )
-    found = find(long)
-    told = section(found, "assumptions").text
+    result = find(long)
+    told = section(result, "assumptions").text
 
-    assert len(found.study.notes) == 2
-    assert all(as_sentence(note) in told for note in found.study.notes)
-    beside = "".join(one for one in verdict.basis(found) if isinstance(one, str))
+    assert len(result.study.notes) == 2
+    assert all(as_sentence(note) in told for note in result.study.notes)
+    beside = "".join(one for one in verdict.basis(result) if isinstance(one, str))
     assert "trusts a forecast of the wind" in beside
 
 
@@ -841,8 +841,8 @@ def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives(
     for plan in (calm, replace(calm, sign=None)):
         (peak, *_) = Page(tv.report_html(plan)).numbers["facts.survivable_peak_deg"]
         told[plan.sign] = float(peak)
-    found = find(calm)
-    expected = 5.0 * limit / abs(found.stop.deflection)
+    result = find(calm)
+    expected = 5.0 * limit / abs(result.stop.deflection)
     assert told["frozen"] == pytest.approx(expected, rel=1e-12)
 
     angle, path = -np.radians(told[None]), float(vehicle.attitude)
@@ -853,7 +853,7 @@ def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives(
         axial_force=vehicle.axial_force * more,
     )
     wind = tv.TriangularWind(peak=-angle, duration=calm.wind.duration)
-    law = tv.SaturatedLaw(replace(found.comparison.autopilot, actuator=None, delay=0.0))
+    law = tv.SaturatedLaw(replace(result.comparison.autopilot, actuator=None, delay=0.0))
     plant = tv.Plant.from_vehicle(denser, calm.model)
     least = tv.closed_loop_boundary(plant, law, wind, **calm.hardware).deflection
     assert abs(least) == pytest.approx(limit, rel=1e-4)
@@ -926,14 +926,14 @@ def test_a_folder_that_is_not_there_is_told() -> None:
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.studyfile.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)
-    enough, found = page_of(replace(short, nozzle=tv.Nozzle(limit=np.radians(0.9))))
-    loop = found.comparison
+    enough, computed = page_of(replace(short, nozzle=tv.Nozzle(limit=np.radians(0.9))))
+    loop = computed.comparison
     assert loop is not None
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
     flown = tv.flights.flown_margins(
         loop.plant,
         law,
-        found.study.wind,
+        computed.study.wind,
         limit=np.radians(0.9),
         actuator=loop.autopilot.actuator,
         delay=float(loop.autopilot.delay),

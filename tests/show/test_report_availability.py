@@ -44,15 +44,15 @@ def document(limit_deg: float | None = LIMIT, **changes: object) -> dict[str, di
 
 
 def the_library(folder, **changes: object) -> tv.ensembles.Availability:
-    asked = {"limit": np.radians(LIMIT), "azimuth": np.radians(90), "plane": "pitch"}
-    asked |= {"persistence": np.radians(0.02)} | changes
+    options = {"limit": np.radians(LIMIT), "azimuth": np.radians(90), "plane": "pitch"}
+    options |= {"persistence": np.radians(0.02)} | changes
     archive = tv.read_soundings(folder / "s-data.txt")
-    return tv.availability(tv.load_schedule("configuration-i"), archive, **asked)
+    return tv.availability(tv.load_schedule("configuration-i"), archive, **options)
 
 
 def values(html: str) -> dict[str, float]:
-    found = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
-    return {name: float(value) for name, value in found}
+    result = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
+    return {name: float(value) for name, value in result}
 
 
 @pytest.mark.usefixtures("few_durations")
@@ -60,8 +60,8 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     pytest.importorskip("jinja2")
     pytest.importorskip("latex2mathml")
     html = tv.report_html(parse_study(document(), folder))
-    shown, found = values(html), the_library(folder)
-    part = found.fraction()
+    shown, computed = values(html), the_library(folder)
+    part = computed.fraction()
     assert (part.unknown, shown["availability.unknown"]) == (1, 1)
     assert 0 < part.flown < part.judged
     expected = {
@@ -73,15 +73,15 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
         "upper_percent": 100 * part.upper,
         "least_percent": 100 * part.bounds[0],
         "most_percent": 100 * part.bounds[1],
-        "limit_deg": np.degrees(found.limit),
+        "limit_deg": np.degrees(computed.limit),
     }
-    for month, one in found.by_month().items():
+    for month, one in computed.by_month().items():
         expected |= {f"month.{month}.flown": one.flown, f"month.{month}.judged": one.judged}
         expected |= {f"month.{month}.lower_percent": 100 * one.lower}
     for name, value in expected.items():
         assert shown[f"availability.{name}"] == value, name
     placard = [shown[f"availability.placard.{p}_deg"] for p in (50, 80, 90, 95, 99)]
-    assert placard == np.degrees(found.placard()).tolist()
+    assert placard == np.degrees(computed.placard()).tolist()
     section = html[html.index('id="availability"') :]
     assert "the sounding ends below the height of the largest dynamic pressure" in section
     assert "The soundings are of one season" in section
@@ -104,8 +104,8 @@ def test_without_an_archive_there_is_no_section_and_the_seal_is_what_it_was(fold
 @pytest.mark.thorough
 def test_a_part_is_asked_for_only_where_it_is_given(folder) -> None:
     def answer(**changes: object) -> list[tuple[str, bool | None]]:
-        found = find(parse_study(document(**changes), folder))
-        return [(one.name, one.yes) for one in questions(found)]
+        result = find(parse_study(document(**changes), folder))
+        return [(one.name, one.yes) for one in questions(result)]
 
     part = the_library(folder).fraction()
     assert answer() == [("wind", True)]
@@ -124,10 +124,10 @@ def test_what_is_not_known_is_lost_for_a_yes_and_flown_for_a_no(folder) -> None:
     winds = [high.between(0.0, 1e3) if i % 2 else high for i in range(60)]
     some = tv.winds.Soundings.from_profiles(winds, days("2023-01-01T00", 60))
     for limit, sure, not_shown in ((1.0, 0.3, 0.6), (1e-4, 0.7, 0.4)):
-        found = tv.availability(flight, some, limit=limit, azimuth=1.57)
-        assert (found.fraction().judged, found.fraction().unknown) == (30, 30)
-        assert found.reaches(sure) is (limit == 1.0)
-        assert found.reaches(not_shown) is None
+        result = tv.availability(flight, some, limit=limit, azimuth=1.57)
+        assert (result.fraction().judged, result.fraction().unknown) == (30, 30)
+        assert result.reaches(sure) is (limit == 1.0)
+        assert result.reaches(not_shown) is None
 
 
 def run(*arguments: object) -> Result:
@@ -166,11 +166,11 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
 
 @pytest.mark.thorough
 def test_without_a_limit_or_an_altitude_there_is_a_reason(folder) -> None:
-    found = find(parse_study(document(None), folder))
-    assert "judged for a limit" in found.reasons["availability"]
+    result = find(parse_study(document(None), folder))
+    assert "judged for a limit" in result.reasons["availability"]
     lists = {name: [value, value] for name, value in LISTS.items()} | {"time_s": [60.0, 70.0]}
-    found = find(parse_study(document() | {"schedule": lists}, folder))
-    assert "no altitude" in found.reasons["availability"]
+    result = find(parse_study(document() | {"schedule": lists}, folder))
+    assert "no altitude" in result.reasons["availability"]
 
 
 LISTS = {
@@ -213,10 +213,10 @@ def test_a_table_that_does_not_fit_is_refused_in_one_sentence(folder, changes, s
 
 
 def test_an_archive_must_be_named() -> None:
-    asked = document()
-    del asked["availability"]["archive"]
+    request = document()
+    del request["availability"]["archive"]
     with pytest.raises(tv.InputError, match=r"missing in \[availability\]: archive"):
-        parse_study(asked)
+        parse_study(request)
 
 
 def test_model_limit_stop_and_gust_are_those_of_the_study(folder) -> None:
@@ -232,19 +232,19 @@ def test_model_limit_stop_and_gust_are_those_of_the_study(folder) -> None:
         folder,
     )
     assert plan.availability is not None
-    found = plan.availability.availability(plan)
-    assert (found.model, found.plane, found.judge.limit_shape) == ("drift", "both", "square")
-    assert (found.limit, found.judge.additions.gust.peak) == (np.radians(0.3), np.radians(0.5))
+    result = plan.availability.availability(plan)
+    assert (result.model, result.plane, result.judge.limit_shape) == ("drift", "both", "square")
+    assert (result.limit, result.judge.additions.gust.peak) == (np.radians(0.3), np.radians(0.5))
 
 
 def test_a_gust_by_its_speed_is_that_of_the_study(folder) -> None:
     table = {"gust": {"peak_speed_m_per_s": 9.0, "duration_s": 2.0}}
     plan = parse_study(document() | table, folder)
     assert plan.availability is not None
-    found = plan.availability.availability(plan)
+    result = plan.availability.availability(plan)
     gust = tv.OneMinusCosineGust(peak=0.02, duration=2.0)
     alone = the_library(folder, gust=gust, gust_speed=9.0)
-    assert found.required == pytest.approx(alone.required, rel=1e-12, nan_ok=True)
+    assert result.required == pytest.approx(alone.required, rel=1e-12, nan_ok=True)
 
 
 def test_the_table_of_the_page_is_read(folder) -> None:
@@ -255,6 +255,6 @@ def test_the_table_of_the_page_is_read(folder) -> None:
     known |= {name for name, _ in AVAILABILITY_TABLE.keys.values()} - {"persistence_hours"}
     assert known == {key.removesuffix("_deg").removesuffix("_m") for key in table}
     table |= {"archive": "s-data.txt", "station": "ZZM00088801"}
-    asked = parse_study(document() | {"availability": table}, folder).availability
-    assert (asked.known_to, asked.least_part) == (16e3, 0.9)
-    assert set(asked.soundings.months.tolist()) == {2}
+    request = parse_study(document() | {"availability": table}, folder).availability
+    assert (request.known_to, request.least_part) == (16e3, 0.9)
+    assert set(request.soundings.months.tolist()) == {2}

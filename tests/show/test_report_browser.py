@@ -124,19 +124,19 @@ def test_nothing_overflows_and_every_figure_is_seen(browser: Any, width: int) ->
 
 def test_the_table_of_questions_fits_a_window_of_800_pixels(browser: Any) -> None:
     look(browser, 800)
-    found = "const table = document.querySelector('#questions .table');"
-    whole, seen = browser.execute_script(f"{found} return [table.scrollWidth, table.clientWidth]")
+    result = "const table = document.querySelector('#questions .table');"
+    whole, seen = browser.execute_script(f"{result} return [table.scrollWidth, table.clientWidth]")
     assert whole == seen
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_text_stands_out_from_its_paper(browser: Any, scheme: str) -> None:
     look(browser, 1280, scheme)
-    found = browser.execute_script(_COLOURS)
+    result = browser.execute_script(_COLOURS)
 
-    assert len(found) > 100
-    assert (luminance(found[0][2]) < 0.2) is (scheme == "dark")
-    assert [one for one in found if contrast(*one[1:]) < READABLE] == []
+    assert len(result) > 100
+    assert (luminance(result[0][2]) < 0.2) is (scheme == "dark")
+    assert [one for one in result if contrast(*one[1:]) < READABLE] == []
 
 
 def test_no_line_of_a_figure_is_lost_in_the_dark(browser: Any) -> None:
@@ -153,8 +153,8 @@ def test_the_print_is_on_paper_and_cuts_no_figure(browser: Any) -> None:
         " [one.getBoundingClientRect().height, getComputedStyle(one).breakInside])"
     )
     paper = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
-    asked = {"preferCSSPageSize": True, "printBackground": True}
-    pdf = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", asked)["data"])
+    options = {"preferCSSPageSize": True, "printBackground": True}
+    pdf = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", options)["data"])
 
     assert all(height < A4[1] and rule == "avoid" for height, rule in sizes)
     assert paper == "rgb(255, 255, 255)"

@@ -20,8 +20,8 @@ WIND = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg
 
 def values(html: str) -> dict[str, float]:
     """Return the numbers of a page by their names."""
-    found = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
-    return {name: float(value) for name, value in found}
+    result = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
+    return {name: float(value) for name, value in result}
 
 
 @pytest.mark.thorough
@@ -30,8 +30,8 @@ def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None
     head = {"vehicle": "configuration-i"}
     nozzle = {} if stop is None else {"limit_shape": stop}
     plan = parse_study({"study": head, "wind": WIND, "nozzle": nozzle})
-    html, found = page_of(plan)
-    study = found.study
+    html, computed = page_of(plan)
+    study = computed.study
     assert study.planes is not None
     numbers = values(html)
     assert numbers["planes.required_deg"] == np.degrees(study.planes.deflection)

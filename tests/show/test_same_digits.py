@@ -110,8 +110,8 @@ def test_laws_have_the_digits_of_the_page_in_the_terminal_and_in_a_notebook():
 
 
 def test_a_flight_has_the_digits_of_its_json_in_the_terminal():
-    asked = ("fly", "configuration-i", "--limit-deg", 0.4, "--peak-deg", 2)
-    printed, document = run(*asked), json.loads(run(*asked, "--json"))
+    arguments = ("fly", "configuration-i", "--limit-deg", 0.4, "--peak-deg", 2)
+    printed, document = run(*arguments), json.loads(run(*arguments, "--json"))
 
     for peaks in document["peaks_over_the_wind_deg"].values():
         assert all(f"{value:.3f}" in printed for value in peaks.values())
@@ -126,8 +126,8 @@ def test_a_campaign_has_the_digits_of_its_json_in_the_terminal(tmp_path):
         cases=40,
     )
     tv.run_campaign(campaign, tmp_path / "results")
-    asked = ("disperse", tmp_path / "results", "--limit-deg", 0.4)
-    printed, document = run(*asked, "--more"), json.loads(run(*asked, "--json"))
+    arguments = ("disperse", tmp_path / "results", "--limit-deg", 0.4)
+    printed, document = run(*arguments, "--more"), json.loads(run(*arguments, "--json"))
 
     assert all(f"{document[k]:.3f} deg" in printed for k in ("median_deg", "estimate_deg"))
     assert f"{100 * document['success']['lower']:.2f} to" in printed

@@ -104,20 +104,20 @@ def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
     plan = parse_campaign(tables, folder)
     kept = read(json.loads(json.dumps(written(plan))))
     np.testing.assert_array_equal(kept.wind.angle, plan.wind.angle)
-    found = evaluate(plan, 0, 400)
-    counts = np.bincount(found["wind"], minlength=5)
+    result = evaluate(plan, 0, 400)
+    counts = np.bincount(result["wind"], minlength=5)
     assert counts.size == 5
     assert counts.min() > 400 / 5 - 4 * np.sqrt(400 / 5)
     plant = tv.Plant.from_vehicle(plan.vehicle)
     for k in range(5):
         wind = tv.SampledWind(time=time, angle=np.radians(angle[k]))
-        rows = found["wind"] == k
+        rows = result["wind"] == k
         limit = abs(tv.required_deflection(plant, wind, 0.5).deflection)
-        np.testing.assert_allclose(found["required_K0.5"][rows], limit, rtol=1e-11)
+        np.testing.assert_allclose(result["required_K0.5"][rows], limit, rtol=1e-11)
         free = abs(tv.forecast_free_limit(plant, wind).deflection)
-        np.testing.assert_allclose(found["forecast_free"][rows], free, rtol=1e-11)
+        np.testing.assert_allclose(result["forecast_free"][rows], free, rtol=1e-11)
         least = tv.optimum_deflection(plant, wind).peak
-        np.testing.assert_allclose(found["minimum"][rows], least, rtol=1e-11)
+        np.testing.assert_allclose(result["minimum"][rows], least, rtol=1e-11)
 
 
 def test_an_output_that_the_nominal_vehicle_does_not_have_is_named(tmp_path):
@@ -132,8 +132,8 @@ def test_an_output_that_the_nominal_vehicle_does_not_have_is_named(tmp_path):
     )
     with pytest.raises(tv.InputError, match="output forecast-free: plant must have real unstable"):
         tv.run_campaign(campaign, tmp_path / "results")
-    found = tv.run_campaign(replace(campaign, outputs=("required",)), tmp_path / "results")
-    assert found.complete
+    results = tv.run_campaign(replace(campaign, outputs=("required",)), tmp_path / "results")
+    assert results.complete
 
 
 def test_a_wind_that_changes_its_sign_is_the_status_of_its_cases_alone(ensemble):
@@ -168,18 +168,18 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         sign="frozen",
         dead_bands=(0.5,),
     )
-    found = evaluate(plan, 0, 3)
+    result = evaluate(plan, 0, 3)
     for case in range(3):
-        vehicle = plan.vehicle.replace(thrust=float(found["thrust"][case]))
+        vehicle = plan.vehicle.replace(thrust=float(result["thrust"][case]))
         plant = tv.Plant.from_vehicle(vehicle, model)
-        wind = tv.ShapedWind(shape, plan.wind.peak, float(found["wind_duration"][case]))
+        wind = tv.ShapedWind(shape, plan.wind.peak, float(result["wind_duration"][case]))
         history = wind.history({})
         expected = [
             abs(tv.required_deflection(plant, history, 0.5).deflection),
             abs(tv.forecast_free_limit(plant, history).deflection),
             tv.optimum_deflection(plant, history).peak,
         ]
-        row = [found[name][case] for name in ("required_K0.5", "forecast_free", "minimum")]
+        row = [result[name][case] for name in ("required_K0.5", "forecast_free", "minimum")]
         assert row == pytest.approx(expected, rel=1e-10)
 
 
@@ -342,17 +342,17 @@ def test_a_gust_stays_as_far_from_the_middle_of_each_dispersed_wind() -> None:
     spread = tv.Dispersions((tv.Dispersion("wind_duration", "uniform", 0.2),))
     vehicle = tv.load_vehicle("configuration-i")
     calm = {"model": "drift", "sign": "frozen"}
-    asked = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, **calm)
-    found = evaluate(asked, 0, 5)
+    plan = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, **calm)
+    result = evaluate(plan, 0, 5)
     plant = tv.Plant.from_vehicle(vehicle, "drift")
-    for duration, required in zip(found["wind_duration"], found["required_K1"], strict=True):
+    for duration, required in zip(result["wind_duration"], result["required_K1"], strict=True):
         moved = GUST.shift(0.5 * (duration - 7.5))
         both = tv.TriangularWind(peak=np.radians(5.0), duration=duration) + moved
         expected = abs(tv.required_deflection(plant, both).deflection)
         assert required == pytest.approx(expected, rel=1e-12)
-    again = read(written(asked))
-    assert written(again) == written(asked)
-    np.testing.assert_array_equal(evaluate(again, 0, 5)["required_K1"], found["required_K1"])
+    again = read(written(plan))
+    assert written(again) == written(plan)
+    np.testing.assert_array_equal(evaluate(again, 0, 5)["required_K1"], result["required_K1"])
 
 
 SPREAD = {"dispersion": [{"parameter": "wind_peak", "percent": 10.0}]}

@@ -41,17 +41,17 @@ def test_a_study_names_the_sign_that_counts() -> None:
 
 
 def test_the_example_says_what_its_keys_say() -> None:
-    found = parse_study(tomllib.loads(example()))
+    result = parse_study(tomllib.loads(example()))
 
-    assert found.vehicle == tv.load_vehicle("configuration-i")
-    assert found.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
-    assert found.nozzle.limit == pytest.approx(np.radians(0.4), rel=1e-15)
-    assert found.criteria is tv.CRITERIA["classic"]
-    assert (found.laws.sample_rate, found.design.design) == (50.0, "canonical")
-    assert len(found.dispersions.distributions) == 5
-    sizing = found.sizing
+    assert result.vehicle == tv.load_vehicle("configuration-i")
+    assert result.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
+    assert result.nozzle.limit == pytest.approx(np.radians(0.4), rel=1e-15)
+    assert result.criteria is tv.CRITERIA["classic"]
+    assert (result.laws.sample_rate, result.design.design) == (50.0, "canonical")
+    assert len(result.dispersions.distributions) == 5
+    sizing = result.sizing
     assert sizing.schedule.at(66.0) == tv.load_schedule("configuration-i").at(66.0)
-    assert (sizing.pulses(found), sizing.every) == ((found.wind,), 10.0)
+    assert (sizing.pulses(result), sizing.every) == ((result.wind,), 10.0)
     assert sizing.dead_bands == (1.0, 0.5)
     assert (sizing.dispersion, sizing.gravity_offset, sizing.reserve) == (0.2, 0.02, 0.1)
 
@@ -59,10 +59,10 @@ def test_the_example_says_what_its_keys_say() -> None:
 def test_the_page_shows_a_study() -> None:
     page = (Path(__file__).parents[2] / "docs" / "report.md").read_text()
     text, _ = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
-    found = parse_study(tomllib.loads(text))
+    result = parse_study(tomllib.loads(text))
 
-    assert (found.model, found.dead_band, found.design.delay) == ("drift", 0.5, 0.02)
-    assert found.laws.winds == ("triangle", "1 - cosine")
+    assert (result.model, result.dead_band, result.design.delay) == ("drift", 0.5, 0.02)
+    assert result.laws.winds == ("triangle", "1 - cosine")
 
 
 def test_the_page_shows_a_flight(tmp_path: Path) -> None:
@@ -70,15 +70,15 @@ def test_the_page_shows_a_flight(tmp_path: Path) -> None:
     text = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[1]
     (tmp_path / "balloon.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
     tables = tomllib.loads(text.replace("flight.csv", "configuration-i"))
-    found = parse_study({"study": HEAD} | tables, tmp_path)
-    asked = found.sizing
+    result = parse_study({"study": HEAD} | tables, tmp_path)
+    request = result.sizing
 
-    assert list(asked.winds(found)) == [
+    assert list(request.winds(result)) == [
         "triangular wind of 60 m/s, 7.5 s, gust of 1 deg, 2 s",
         "15 February",
     ]
-    assert (found.wind.gust.end, found.wind.gust_at, asked.window) == (2.0, 3.75, 30.0)
-    assert asked.times(found).tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
+    assert (result.wind.gust.end, result.wind.gust_at, request.window) == (2.0, 3.75, 30.0)
+    assert request.times(result).tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
 
 
 def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
@@ -224,12 +224,12 @@ def test_the_study_of_a_file_is_that_of_its_options(tmp_path: Path) -> None:
 def test_an_option_counts_more_than_the_file(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(example())
-    found = json.loads(run("study", file, "--duration", "9", "--plane", "yaw", "--json").stdout)
+    answer = json.loads(run("study", file, "--duration", "9", "--plane", "yaw", "--json").stdout)
     kept = tv.load_study(file)
     expected = replace(kept, plane="yaw", wind=replace(kept.wind, duration=9.0)).study()
 
-    assert found["plane"] == "yaw"
-    assert found["verdict"]["required_deflection_deg"] == pytest.approx(
+    assert answer["plane"] == "yaw"
+    assert answer["verdict"]["required_deflection_deg"] == pytest.approx(
         np.degrees(expected.required_deflection), rel=1e-15
     )
 
@@ -237,12 +237,12 @@ def test_an_option_counts_more_than_the_file(tmp_path: Path) -> None:
 def test_gains_and_criteria_of_ones_own() -> None:
     own = {"attitude_gain": 0.3, "rate_gain_s": 0.4, "delay_ms": 20}
     wanted = {"name": "aircraft", "delay_margin_ms": 50.0}
-    found = plan(autopilot=own, criteria=wanted)
-    plant = tv.Plant.from_vehicle(found.vehicle, "fixed-path")
-    autopilot = found.design.autopilot(plant)
+    result = plan(autopilot=own, criteria=wanted)
+    plant = tv.Plant.from_vehicle(result.vehicle, "fixed-path")
+    autopilot = result.design.autopilot(plant)
 
     assert (autopilot.attitude_gain, autopilot.rate_gain, autopilot.delay) == (0.3, 0.4, 0.02)
-    limits = {one.margin: one.limit for one in found.criteria.limits}
+    limits = {one.margin: one.limit for one in result.criteria.limits}
     assert (limits["phase_margin_deg"], limits["delay_margin"]) == (45.0, 0.05)
     by_rule = plan(autopilot={"design": "poles", "natural_frequency_rad_per_s": 2.0})
     expected = tv.design_gains(plant.coefficients, natural_frequency=2.0, damping=0.7)
@@ -388,9 +388,9 @@ def test_whose_the_flight_is(tmp_path: Path) -> None:
         ({**table, "name": ""}, {"source": "my.toml"}, "my.toml", "given by its numbers"),
     ):
         tables = {"study": {"vehicle": vehicle}, "wind": WIND, "schedule": schedule}
-        found = parse_study(tables, tmp_path).sizing
-        assert (found.source, found.another) == (source, another)
-        assert len(found.warnings) == bool(another)
+        computed = parse_study(tables, tmp_path).sizing
+        assert (computed.source, computed.another) == (source, another)
+        assert len(computed.warnings) == bool(another)
 
 
 def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
@@ -409,12 +409,12 @@ def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
 
 
 def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
-    asked = tv.requirement.SizingRequest(
+    request = tv.requirement.SizingRequest(
         schedule=tv.load_schedule("configuration-i"), peak_speed=60.0
     )
     for plane in ("pitch", "yaw"):
         case = replace(plan(), plane=plane)
-        met = asked.at(case, 66.0, case.wind)
+        met = request.at(case, 66.0, case.wind)
         meets = 60.0 * (np.sin(met.vehicle.attitude) if plane == "pitch" else 1.0)
         across = np.sin(met.history.peak) * met.vehicle.velocity
         assert across == pytest.approx(meets, rel=1e-14)
@@ -478,8 +478,8 @@ def test_the_limit_of_an_option_counts_for_the_whole_flight_too(tmp_path: Path) 
         '[schedule]\nsource = "configuration-i"\n[size]\nevery_s = 60\n[nozzle]\nlimit_deg = 0.01\n'
     )
     for options, answer in (((), False), (("--limit-deg", 3), True)):
-        asked = json.loads(run("study", path, *options, "--json").stdout)["questions"]
-        assert {one["name"]: one["yes"] for one in asked} == {
+        request = json.loads(run("study", path, *options, "--json").stdout)["questions"]
+        assert {one["name"]: one["yes"] for one in request} == {
             "wind": answer,
             "whole flight": answer,
         }
@@ -503,11 +503,11 @@ def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -
         "unknown key in [[dispersion]] of thrust: 'percnt'; did you mean percent or part?",
         "unknown key in [[dispersion]] of weight: 'prcent'; did you mean percent or part?",
     )
-    found = CliRunner().invoke(app, ["study", str(path)])
-    assert found.exit_code == 2
-    lines = found.stderr.removeprefix("Error: ").splitlines()
+    result = CliRunner().invoke(app, ["study", str(path)])
+    assert result.exit_code == 2
+    lines = result.stderr.removeprefix("Error: ").splitlines()
     assert lines == [f"{path}: {line}" for line in said]
-    assert found.stdout == ""
+    assert result.stdout == ""
     with pytest.raises(tv.InputError) as error:
         tv.studyfile.load_campaign(path)
     assert str(error.value).split("\n") == lines
@@ -515,10 +515,10 @@ def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -
 
 def test_a_wind_is_given_by_its_speed_as_the_vehicle_meets_it_by_b1e() -> None:
     booster = tv.load_vehicle("configuration-i")
-    found = plan(wind={"peak_speed_m_per_s": 40.0, "duration_s": 7.5}, size={"every_s": 25})
+    result = plan(wind={"peak_speed_m_per_s": 40.0, "duration_s": 7.5}, size={"every_s": 25})
     sine = 40.0 * np.sin(booster.attitude) / booster.velocity
-    assert np.sin(found.wind.peak) == pytest.approx(sine, rel=1e-14)
-    assert found.sizing.peak_speed == 40.0  # of each flight time its own angle
+    assert np.sin(result.wind.peak) == pytest.approx(sine, rel=1e-14)
+    assert result.sizing.peak_speed == 40.0  # of each flight time its own angle
     yaw = plan(study=HEAD | {"plane": "yaw"}, wind={"peak_speed_m_per_s": 40, "duration_s": 7.5})
     assert np.sin(yaw.wind.peak) == pytest.approx(40.0 / booster.velocity, rel=1e-14)
 
@@ -526,13 +526,13 @@ def test_a_wind_is_given_by_its_speed_as_the_vehicle_meets_it_by_b1e() -> None:
 @pytest.mark.parametrize("peak", [{"peak_deg": 5.0}, {"peak_speed_m_per_s": 40.0}])
 def test_a_gust_alone_is_a_wind_of_its_shape(peak: dict[str, float]) -> None:
     gust = peak | {"duration_s": 7.5}
-    found = parse_study({"study": HEAD, "gust": gust, "size": {"every_s": 25}})
+    result = parse_study({"study": HEAD, "gust": gust, "size": {"every_s": 25}})
     wind = {"shape": "one-minus-cosine", **gust}
-    assert (found.wind, found.wind.gust) == (plan(wind=wind).wind, None)
-    assert found.sizing.peak_speed == peak.get("peak_speed_m_per_s")
-    assert found.sizing.gust_speed is None
+    assert (result.wind, result.wind.gust) == (plan(wind=wind).wind, None)
+    assert result.sizing.peak_speed == peak.get("peak_speed_m_per_s")
+    assert result.sizing.gust_speed is None
     campaign = {"vehicle": "configuration-i", "cases": 10}
-    assert parse_campaign({"campaign": campaign, "gust": gust}).wind == replace(found.wind)
+    assert parse_campaign({"campaign": campaign, "gust": gust}).wind == replace(result.wind)
 
 
 @pytest.mark.parametrize(

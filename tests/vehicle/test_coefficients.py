@@ -36,8 +36,8 @@ def test_both_configurations_have_the_coefficients_computed_by_hand(
 ):
     both = zip((configuration_i, configuration_ii), (first, second), last_digits, strict=True)
     for vehicle, value, last_digit in both:
-        found = getattr(Coefficients.from_vehicle(vehicle), name)
-        assert found == pytest.approx(value, abs=0.51 * last_digit)
+        result = getattr(Coefficients.from_vehicle(vehicle), name)
+        assert result == pytest.approx(value, abs=0.51 * last_digit)
 
 
 def test_c2_over_beta_squared_is_the_slow_root_of_the_report(configuration_i, configuration_ii):
@@ -240,6 +240,6 @@ def test_the_coefficients_are_those_of_the_linearised_equations_of_motion(
     np.testing.assert_allclose(np.poly(A), denominator, rtol=1e-9, atol=1e-15)
     numerators = [(-c.mu_delta, c.b1), (-c.mu_alpha, c.b2)]
     for s in (0.3 + 0.2j, -0.01 + 0.05j, 2.0j):
-        found = np.linalg.solve(s * np.eye(4) - A, B)[0]
+        computed = np.linalg.solve(s * np.eye(4) - A, B)[0]
         expected = [k * (s**2 + b * s + c.q) / np.polyval(denominator, s) for k, b in numerators]
-        np.testing.assert_allclose(found, expected, rtol=1e-11)
+        np.testing.assert_allclose(computed, expected, rtol=1e-11)

@@ -57,8 +57,8 @@ def test_the_rate_of_a_coefficient_stands_in_its_key_and_is_worth_a_factor_of_tw
     assert half == pytest.approx(per_whole / 2, rel=1e-14)
     air = {"dynamic_pressure": 45500, "reference_area": 34.2, "reference_length": 6.6}
     for per, expected in (("qL/V", whole), ("qL/2V", half)):
-        found = tv.vehicle.aerodynamic_damping(-40.0, per, velocity=538.81, **air)
-        assert found == pytest.approx(expected, rel=1e-14)
+        damping = tv.vehicle.aerodynamic_damping(-40.0, per, velocity=538.81, **air)
+        assert damping == pytest.approx(expected, rel=1e-14)
 
 
 def test_air_and_jet_add():

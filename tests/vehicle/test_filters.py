@@ -28,30 +28,30 @@ FILTERS = {
 
 @pytest.mark.parametrize("name", FILTERS)
 def test_a_filter_has_the_values_of_its_formula(name):
-    found, formula = FILTERS[name]
+    computed, formula = FILTERS[name]
     points = POINTS[1:]
-    np.testing.assert_allclose(found(points), formula(points), rtol=1e-14)
+    np.testing.assert_allclose(computed(points), formula(points), rtol=1e-14)
 
 
 @pytest.mark.parametrize("name", FILTERS)
 def test_its_state_space_is_the_same_transfer_function(name):
-    found, formula = FILTERS[name]
-    A, B, C, D = found.matrices()
+    computed, formula = FILTERS[name]
+    A, B, C, D = computed.matrices()
     for s in POINTS[1:]:
-        value = (C @ np.linalg.solve(s * np.eye(found.order) - A, B) + D)[0, 0]
+        value = (C @ np.linalg.solve(s * np.eye(computed.order) - A, B) + D)[0, 0]
         # The two terms cancel where the filter is small: the error is of the size of both.
         assert abs(value - formula(s)) < 1e-14 * (abs(value) + 2.0 * abs(D[0, 0]))
 
 
 def test_scipy_finds_the_same_response_of_a_filter_of_high_order():
     above, below = signal.cheby1(8, 0.5, 40.0, analog=True)
-    found = Filter.from_coefficients(above, below)
+    result = Filter.from_coefficients(above, below)
     _, expected = signal.freqs(above, below, [1.0, 20.0, 40.0, 90.0])
     # Horner's scheme errs by eps times the sum of the sizes of the terms, here of the denominator.
     omega = np.array([1.0, 20.0, 40.0, 90.0])
     terms = np.polyval(np.abs(below), omega) / np.abs(np.polyval(below, 1j * omega))
-    assert np.all(np.abs(found(1j * omega) / expected - 1.0) < 40 * 2.2e-16 * terms)
-    A, B, C, D = found.matrices()
+    assert np.all(np.abs(result(1j * omega) / expected - 1.0) < 40 * 2.2e-16 * terms)
+    A, B, C, D = result.matrices()
     poles = np.sort_complex(np.linalg.eigvals(A))
     np.testing.assert_allclose(poles, np.sort_complex(np.roots(below)), rtol=1e-9)
     assert D[0, 0] == 0.0

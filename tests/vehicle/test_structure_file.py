@@ -114,9 +114,9 @@ def test_slopes_at_tanks_have_units_too(load):
 
 
 def test_a_lag_without_damping_is_of_first_order(load):
-    found = load("[sensors]\nattitude_sensor_frequency_Hz = 3\n")
-    assert found.attitude_sensor.order == 1
-    assert found.rate_gyro is None
+    result = load("[sensors]\nattitude_sensor_frequency_Hz = 3\n")
+    assert result.attitude_sensor.order == 1
+    assert result.rate_gyro is None
 
 
 def test_the_template_shows_every_table():

@@ -110,9 +110,9 @@ def test_the_dynamic_pressure_is_that_of_all_that_blows():
     east = np.interp(np.interp(time, flight.time, flight.height), height, whole.east)
     air = np.array([speed * np.cos(climb) - east, 0.0 * time - 5.0, speed * np.sin(climb)])
     assert met.speeds.pressure == pytest.approx((air**2).sum(axis=0) / speed**2, rel=1e-12)
-    found = [tv.size(flight, one, times=[66.0]).required for one in (met, left)]
+    computed = [tv.size(flight, one, times=[66.0]).required for one in (met, left)]
     frozen, varying = (
-        [float(one[name].max()) for one in found] for name in ("K = 1", "K = 1, varying")
+        [float(one[name].max()) for one in computed] for name in ("K = 1", "K = 1, varying")
     )
     assert frozen[0] == pytest.approx(frozen[1], rel=1e-9)  # of calm air
     # the same wind turns the faster air less: the normal force stays, only the stiffness is larger

@@ -179,10 +179,10 @@ def test_a_batch_of_winds_is_the_loop_over_its_elements(kind):
 def test_the_boundary_is_the_solution_of_equation_4b(name, K):
     wind, angle, corners = WINDS[name]
     expected, time = limit_of_4b(angle, corners, K)
-    found = tv.boundary_limit(fixed_path(), wind, K)
-    assert found.limit == pytest.approx(expected, rel=1e-12)
-    assert found.switch_time == pytest.approx(time, rel=1e-11, abs=1e-15)
-    assert found.status == "ok"
+    boundary = tv.boundary_limit(fixed_path(), wind, K)
+    assert boundary.limit == pytest.approx(expected, rel=1e-12)
+    assert boundary.switch_time == pytest.approx(time, rel=1e-11, abs=1e-15)
+    assert boundary.status == "ok"
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])

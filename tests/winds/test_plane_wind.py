@@ -19,10 +19,10 @@ WINDS = (GUST, SMOOTH, FILTERED, tv.RectangularWind(peak=0.03, duration=5.0))
 @pytest.mark.parametrize("rate", [-0.4, 0.1, 3.0])
 def test_a_veering_wind_is_its_size_times_a_turning_unit_vector(wind, rate):
     t = np.linspace(-1.0, 22.0, 200)
-    found = PlaneWind.veering(wind, 0.7, rate)(t)
+    result = PlaneWind.veering(wind, 0.7, rate)(t)
     expected = wind(t) * np.exp(1j * (0.7 + rate * (t - float(wind.onset))))
     # the terms of a filtered wind are larger than their sum, by less than a hundred
-    assert np.abs(found - expected).max() <= 100 * EPS
+    assert np.abs(result - expected).max() <= 100 * EPS
 
 
 @pytest.mark.parametrize("wind", WINDS)
@@ -32,23 +32,25 @@ def test_veer_is_a_complex_pole(wind):
     t = np.array([-1.0, 0.5, 3.0])
     begun = angle + rate * (t - float(wind.onset))
     expected = np.exp(1j * begun) * wind.remaining_integral(p - 1j * rate, t)
-    found = PlaneWind.veering(wind, angle, rate).remaining_integral(p, t)
+    result = PlaneWind.veering(wind, angle, rate).remaining_integral(p, t)
     # each integral is within rounding of the sum of its terms, of which there are some hundred
-    assert np.abs(found - expected).max() <= 1e3 * EPS * np.abs(wind.remaining_integral(p, t)).max()
+    assert (
+        np.abs(result - expected).max() <= 1e3 * EPS * np.abs(wind.remaining_integral(p, t)).max()
+    )
 
 
 def test_the_triangle_in_closed_form_and_by_quadrature():
     p, rate = 0.53, np.radians(90) / 7.5
     s, tau = p - 1j * rate, 7.5
     wind = PlaneWind.veering(GUST, 0.0, rate)
-    found = p * wind.remaining_integral(p, 0.0) / 0.08
+    computed = p * wind.remaining_integral(p, 0.0) / 0.08
     closed = p * (2.0 / tau) * (1.0 - np.exp(-s * tau / 2.0)) ** 2 / s**2
-    assert found == pytest.approx(closed, rel=1e-13)
+    assert computed == pytest.approx(closed, rel=1e-13)
     parts = [
         quad(lambda t, f=f: np.exp(-p * t) * f(wind(t)), 0, tau, points=[tau / 2])[0]
         for f in (np.real, np.imag)
     ]
-    assert found == pytest.approx(p * complex(*parts) / 0.08, abs=2e-8)  # of quad: 1.5e-8
+    assert computed == pytest.approx(p * complex(*parts) / 0.08, abs=2e-8)  # of quad: 1.5e-8
 
 
 def test_the_peak_is_that_of_the_vector():

@@ -44,12 +44,12 @@ def test_speeds_are_those_of_scipys_pearson_distribution(cape, percentile):
 def test_components_are_normal_with_the_covariance_of_the_table(cape):
     february, azimuth = cape[1], 1.2
     ahead = np.array([np.sin(azimuth), np.cos(azimuth)])
-    for i, found in enumerate(february.component(95.0, azimuth)):
+    for i, computed in enumerate(february.component(95.0, azimuth)):
         east, north = february.sd_east[i], february.sd_north[i]
         mixed = february.correlation[i] * east * north
         spread = np.sqrt(ahead @ np.array([[east**2, mixed], [mixed, north**2]]) @ ahead)
         mean = ahead @ [february.mean_east[i], february.mean_north[i]]
-        assert found == pytest.approx(mean + norm.ppf(0.95) * spread, rel=1e-13)
+        assert computed == pytest.approx(mean + norm.ppf(0.95) * spread, rel=1e-13)
     np.testing.assert_array_equal(february.component(50.0, EAST), february.mean_east)
     np.testing.assert_allclose(
         february.component(5.0, azimuth + np.pi), -february.component(95.0, azimuth), rtol=1e-12

@@ -229,11 +229,11 @@ def test_other_bad_input_to_profiles_and_climbs_is_refused():
 def test_smoothing_is_the_running_mean_of_the_straight_lines():
     profile = jet()
     smooth = profile.smoothed(6000.0)
-    for level, found in zip(profile.height, smooth.east, strict=True):
+    for level, computed in zip(profile.height, smooth.east, strict=True):
         low, high = max(level - 3000.0, 0.0), min(level + 3000.0, 25000.0)
         kinks = [z for z in profile.height if low < z < high]
         mean = quad(np.interp, low, high, (profile.height, profile.east), points=kinks)[0]
-        assert found == pytest.approx(mean / (high - low), rel=1e-9, abs=1e-9)
+        assert computed == pytest.approx(mean / (high - low), rel=1e-9, abs=1e-9)
     assert smooth.notes == ("running mean over 6000 m",)
 
 

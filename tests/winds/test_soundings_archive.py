@@ -19,15 +19,15 @@ def read(path, *balloons, **options):
 def test_an_archive_is_the_single_soundings_of_the_file(tmp_path) -> None:
     rng = np.random.default_rng(4)
     balloons = [Balloon(time, jet(rng.uniform(20, 70))) for time in days("2023-12-28T00", 20)]
-    found = read(tmp_path, *balloons)
+    result = read(tmp_path, *balloons)
 
-    assert len(found) == 20
+    assert len(result) == 20
     for i, balloon in enumerate(balloons):
         alone = tv.read_sounding(tmp_path / "station-data.txt", time=balloon.time.replace("T", " "))
-        assert np.array_equal(found[i].height, alone.height)
-        assert np.array_equal(found[i].east, alone.east)
-        assert np.array_equal(found[i].north, alone.north)
-        assert found.times[i] == np.datetime64(balloon.time)
+        assert np.array_equal(result[i].height, alone.height)
+        assert np.array_equal(result[i].east, alone.east)
+        assert np.array_equal(result[i].north, alone.north)
+        assert result.times[i] == np.datetime64(balloon.time)
 
 
 def test_a_zip_is_read_as_the_file_in_it(tmp_path) -> None:
@@ -43,10 +43,10 @@ def test_a_zip_is_read_as_the_file_in_it(tmp_path) -> None:
 def test_months_and_years_are_left_out_before_their_levels_are_looked_at(tmp_path) -> None:
     broken = Balloon("2020-03-05T00", [(30, -9999, 5, 999, 3.0)])
     wanted = [Balloon(time, FIVE) for time in ("2020-02-29T12", "2021-02-01T00", "1995-02-01T00")]
-    found = read(tmp_path, *wanted, broken, months=[2], years=(1996, 2025))
+    result = read(tmp_path, *wanted, broken, months=[2], years=(1996, 2025))
 
-    assert found.times.astype(str).tolist() == ["2020-02-29T12:00", "2021-02-01T00:00"]
-    assert all(found.usable)
+    assert result.times.astype(str).tolist() == ["2020-02-29T12:00", "2021-02-01T00:00"]
+    assert all(result.usable)
 
 
 def test_a_month_is_that_of_local_time(tmp_path) -> None:
@@ -68,11 +68,11 @@ def test_a_level_without_a_height_lies_between_its_neighbours_in_log_pressure(tm
         (10, 25000, 10100, 270, 50.0),
         (20, 20000, -9999, 270, 55.0),
     ]
-    found = read(tmp_path, Balloon("2024-02-01T00", levels))
+    result = read(tmp_path, Balloon("2024-02-01T00", levels))
 
-    assert found[0].height == pytest.approx(geometric(np.array([100.0, 5100.0, 10100.0])))
-    assert found[0].speed == pytest.approx([10.0, 33.0, 50.0])
-    assert found.notes == (
+    assert result[0].height == pytest.approx(geometric(np.array([100.0, 5100.0, 10100.0])))
+    assert result[0].speed == pytest.approx([10.0, 33.0, 50.0])
+    assert result.notes == (
         "1 levels with a wind and a pressure, placed in its logarithm",
         "1 levels with a wind but without a height, left out",
     )
@@ -80,9 +80,9 @@ def test_a_level_without_a_height_lies_between_its_neighbours_in_log_pressure(tm
 
 def test_no_level_is_placed_between_two_soundings(tmp_path) -> None:
     first = [(21, 100000, 100, 270, 10.0), (10, 25000, 10100, 270, 50.0), (20, 9000, -9999, 1, 1.0)]
-    found = read(tmp_path, *(Balloon(time, first) for time in days("2024-02-01T00", 3)))
+    result = read(tmp_path, *(Balloon(time, first) for time in days("2024-02-01T00", 3)))
 
-    assert found.counts.tolist() == [2, 2, 2]
+    assert result.counts.tolist() == [2, 2, 2]
 
 
 @pytest.mark.parametrize(
@@ -106,16 +106,16 @@ def test_no_level_is_placed_between_two_soundings(tmp_path) -> None:
 def test_a_bad_sounding_says_why_and_stops_nothing(tmp_path, levels, why) -> None:
     times = days("2024-02-01T00", 3)
     bad = Balloon(times[1], levels)
-    found = read(tmp_path, Balloon(times[0], FIVE), bad, Balloon(times[2], FIVE))
+    result = read(tmp_path, Balloon(times[0], FIVE), bad, Balloon(times[2], FIVE))
 
-    assert found.usable.tolist() == [True, False, True]
-    assert found.why[1].startswith(why)
-    assert len(list(found)) == 2
+    assert result.usable.tolist() == [True, False, True]
+    assert result.why[1].startswith(why)
+    assert len(list(result)) == 2
     assert (
-        f"1 soundings that cannot be used (the first: {times[1]}:00 UTC, {why}" in found.notes[-1]
+        f"1 soundings that cannot be used (the first: {times[1]}:00 UTC, {why}" in result.notes[-1]
     )
     with pytest.raises(tv.InputError, match="cannot be used"):
-        found[1]
+        result[1]
 
 
 def test_a_download_that_was_cut_off_keeps_what_is_whole(tmp_path) -> None:
@@ -123,45 +123,45 @@ def test_a_download_that_was_cut_off_keeps_what_is_whole(tmp_path) -> None:
     for cut in (60, 20, 175):
         text = path.read_text()
         (tmp_path / "cut.txt").write_text(text[: len(text) - cut])
-        found = tv.read_soundings(tmp_path / "cut.txt")
+        soundings = tv.read_soundings(tmp_path / "cut.txt")
 
-        assert found.usable.tolist()[:2] == [True, True]
-        if len(found) > 2:
-            assert "cut short" in found.why[2]
+        assert soundings.usable.tolist()[:2] == [True, True]
+        if len(soundings) > 2:
+            assert "cut short" in soundings.why[2]
 
 
 def test_a_header_that_announces_more_does_not_swallow_the_next(tmp_path) -> None:
     times = days("2024-02-01T00", 3)
-    found = read(
+    result = read(
         tmp_path, Balloon(times[0], FIVE, announced=9), *(Balloon(t, FIVE) for t in times[1:])
     )
 
-    assert found.usable.tolist() == [False, True, True]
-    assert found.why[0].startswith("line 1: 9 levels are announced and 3 follow")
+    assert result.usable.tolist() == [False, True, True]
+    assert result.why[0].startswith("line 1: 9 levels are announced and 3 follow")
 
 
 def test_of_a_time_that_stands_twice_the_one_that_can_be_used_is_kept(tmp_path) -> None:
-    found = read(
+    result = read(
         tmp_path, Balloon("2024-02-01T00", FIVE[:1]), Balloon("2024-02-01T00", FIVE),
         Balloon("2024-02-01T00", jet(30.0)),
     )  # fmt: skip
 
-    assert len(found) == 1
-    assert found.counts.tolist() == [3]
-    assert "2 soundings of a time that was there already, left out" in found.notes
+    assert len(result) == 1
+    assert result.counts.tolist() == [3]
+    assert "2 soundings of a time that was there already, left out" in result.notes
 
 
 def test_a_missing_hour_is_that_of_release_or_noon(tmp_path) -> None:
-    found = read(
+    result = read(
         tmp_path, Balloon("2024-02-01T00", FIVE, release=2310, hour=99),
         Balloon("2024-02-03T00", FIVE, hour=99), Balloon("2024-02-05T00", FIVE, release=2308),
         Balloon("1950-02-05T03", FIVE),
     )  # fmt: skip
 
-    assert found.times.astype(str).tolist() == [
+    assert result.times.astype(str).tolist() == [
         "1950-02-05T03:00", "2024-02-01T23:10", "2024-02-03T12:00", "2024-02-05T00:00",
     ]  # fmt: skip
-    assert sum("without an hour" in note for note in found.notes) == 2
+    assert sum("without an hour" in note for note in result.notes) == 2
 
 
 def test_soundings_of_two_stations_are_not_mixed(tmp_path) -> None:
@@ -192,16 +192,16 @@ def test_a_folder_holds_single_soundings_and_pages_that_are_none(tmp_path) -> No
         "height_m,speed_kt,direction_deg\n0,10,270\n9000,100,270\n"
     )
     (tmp_path / "missing.txt").write_text("Sorry, unable to generate a list for this time\n")
-    found = tv.read_soundings(tmp_path)
+    soundings = tv.read_soundings(tmp_path)
 
-    assert found.times.astype(str).tolist() == [
+    assert soundings.times.astype(str).tolist() == [
         "2024-02-15T11:02", "2024-02-16T00:00", "2024-02-17T00:00", "2024-02-17T12:00",
     ]  # fmt: skip
-    assert found.usable.tolist() == [True, True, False, True]
-    assert "154.333 m/s, above 130" in found.why[2]
-    assert found[3].speed[1] == pytest.approx(100 * 1852 / 3600)
-    assert any("files without a sounding, left out" in note for note in found.notes)
-    assert any("no date in it" in note and "nodate.csv" in note for note in found.notes)
+    assert soundings.usable.tolist() == [True, True, False, True]
+    assert "154.333 m/s, above 130" in soundings.why[2]
+    assert soundings[3].speed[1] == pytest.approx(100 * 1852 / 3600)
+    assert any("files without a sounding, left out" in note for note in soundings.notes)
+    assert any("no date in it" in note and "nodate.csv" in note for note in soundings.notes)
 
 
 def test_the_user_may_say_the_times(tmp_path) -> None:
@@ -210,9 +210,9 @@ def test_the_user_may_say_the_times(tmp_path) -> None:
             "height_m,speed_kt,direction_deg\n0,10,270\n9000,99,270\n"
         )
     files = [tmp_path / "a.csv", tmp_path / "b.csv"]
-    found = tv.read_soundings(files, times=["2024-02-02T00", "2024-02-01T12"])
+    soundings = tv.read_soundings(files, times=["2024-02-02T00", "2024-02-01T12"])
 
-    assert found.times.astype(str).tolist() == ["2024-02-01T12:00", "2024-02-02T00:00"]
+    assert soundings.times.astype(str).tolist() == ["2024-02-01T12:00", "2024-02-02T00:00"]
     with pytest.raises(tv.InputError, match="no date in it"):
         tv.read_soundings(files)
 
@@ -221,17 +221,17 @@ def test_slices_masks_and_profiles_hold_the_same_levels(tmp_path) -> None:
     rng = np.random.default_rng(1)
     tops = [float(top) for top in rng.uniform(15e3, 30e3, 9)]
     times = days("2024-02-01T00", 9)
-    found = read(
+    result = read(
         tmp_path, *(Balloon(t, jet(40.0, top)) for t, top in zip(times, tops, strict=True))
     )
-    made = tv.winds.Soundings.from_profiles(list(found)[::-1], found.times[::-1], found.station)
+    made = tv.winds.Soundings.from_profiles(list(result)[::-1], result.times[::-1], result.station)
 
-    assert np.array_equal(made.height, found.height)
-    assert np.array_equal(made.east, found.east)
-    some = found[np.arange(9) % 2 == 1]
-    assert all(np.array_equal(some[k].height, found[2 * k + 1].height) for k in range(4))
-    assert len(found[2:4]) == 2
-    assert np.array_equal(found[-1].height, found[8].height)
+    assert np.array_equal(made.height, result.height)
+    assert np.array_equal(made.east, result.east)
+    some = result[np.arange(9) % 2 == 1]
+    assert all(np.array_equal(some[k].height, result[2 * k + 1].height) for k in range(4))
+    assert len(result[2:4]) == 2
+    assert np.array_equal(result[-1].height, result[8].height)
 
 
 def test_a_reader_tells_how_far_it_is(tmp_path) -> None:

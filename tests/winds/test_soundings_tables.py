@@ -196,9 +196,9 @@ def test_a_folder_of_tables_without_units_is_read_alike(tmp_path) -> None:
     with pytest.raises(tv.InputError, match="holds no sounding: 2 files"):
         tv.read_soundings(tmp_path, format="igra")
     for form in (None, "openrocket"):
-        found = tv.read_soundings(tmp_path, format=form, units="ft,mph,deg", above_ground=100.0)
+        soundings = tv.read_soundings(tmp_path, format=form, units="ft,mph,deg", above_ground=100.0)
         above = [(h + 100.0 / FOOT, s, d) for h, s, d in LEVELS]
-        for profile in found:
+        for profile in soundings:
             holds(profile, above, FOOT, MILE / 3600)
     station = tmp_path / "station.txt"
     station.write_text(Balloon("2024-02-01T00", jet(30.0)).text)

@@ -26,7 +26,7 @@ direction_deg = 270
 def test_a_file_is_read_in_its_units(tmp_path) -> None:
     file = tmp_path / "jet.toml"
     file.write_text(TEXT)
-    found = tv.winds.read_sounding(file)
+    profile = tv.winds.read_sounding(file)
     bare = tv.winds.synthetic_profile(
         np.array([0.0, 11e3, 30e3]),
         np.array([20.0, 120.0, 30.0]) * 1852.0 / 3600.0,
@@ -38,7 +38,7 @@ def test_a_file_is_read_in_its_units(tmp_path) -> None:
     gust = {"base": 10400.0, "amplitude": 9.0, "blend": 60.0, "thickness": 100.0}
     made = tv.winds.add_gust(bare, azimuth=np.pi / 2, **gust)
     for name in ("height", "east", "north"):
-        np.testing.assert_allclose(getattr(found, name), getattr(made, name), atol=1e-9)
+        np.testing.assert_allclose(getattr(profile, name), getattr(made, name), atol=1e-9)
 
 
 @pytest.mark.parametrize(
