@@ -112,6 +112,7 @@ def _layers() -> list[list[float]]:
 
 @cache
 def _bases() -> tuple[FloatArray, FloatArray]:
+    """Return temperature [K] and pressure [Pa] at the base of each layer, ``(layers,)``."""
     thickness = np.diff(_BASES)
     temperatures = _SEA_TEMPERATURE + np.concatenate([[0.0], np.cumsum(_LAPSES[:-1] * thickness)])
     falls = _fall(temperatures[:-1], _LAPSES[:-1], thickness)

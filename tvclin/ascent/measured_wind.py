@@ -187,6 +187,7 @@ class MeasuredWind:
 
 
 def _time_of(vehicle: Vehicle) -> float:
+    """Return the flight time [s] of a vehicle; `InputError` without one."""
     instance("vehicle", vehicle, Vehicle, "see FlightSchedule.at")
     single("vehicle", vehicle.batch)
     if vehicle.time is None:

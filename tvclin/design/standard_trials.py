@@ -347,6 +347,7 @@ def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
     """Return the bounds of every law by wind, without a forecast and with a known wind."""
 
     def bounds_in(wind: History) -> Bounds:
+        """Return trim [deg] in a wind, and the bounds of every law over trim."""
         trim = abs(float(plant.coefficients.B * wind.peak))
         peak = _defined(lambda: optimum_deflection(plant, wind, min(0.0, float(wind.onset))).peak)
         free = _defined(lambda: float(forecast_free_limit(plant, wind).limit))

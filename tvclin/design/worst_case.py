@@ -288,6 +288,7 @@ class _Case:
         """
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
+            """Return the margin at values of the parameters, ``(n,)``."""
             key = tuple(np.asarray(v).tobytes() for v in values.values())
             if key not in self.seen:
                 self.seen[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
@@ -297,9 +298,10 @@ class _Case:
         return value
 
     def deflection(self, dead_band: float) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
-        """Return the function from numbers to minus the required deflection [rad]."""
+        """Return the function from parameter values to minus the required deflection [rad]."""
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
+            """Return minus the required deflection [rad], ``(n,)``; -inf beyond linearity."""
             assert self.wind is not None
             wind = self.wind.history(dict(values))
             required = required_deflection(self.plant(values), wind, dead_band)

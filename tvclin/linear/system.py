@@ -108,6 +108,7 @@ class LinearSystem:
         """Return the systems at flat positions ``(k,)`` of the batch broadcast to `shape`."""
 
         def selected(array: FloatArray, axes: int) -> FloatArray:
+            """Return the selected cases of an array whose last `axes` axes are no batch."""
             trailing = array.shape[array.ndim - axes :]
             return np.broadcast_to(array, (*shape, *trailing)).reshape(prod(shape), *trailing)[
                 index

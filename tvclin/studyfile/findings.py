@@ -453,6 +453,7 @@ def _flights(plan: StudyPlan, sizing: Sizing, _: float, progress: Progress) -> F
 
 
 def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:
+    """Return the duty of the nozzle over the flight of a plan."""
     from tvclin.nozzle.duty_over_flight import flight_duty
 
     law, random = str(request.duty_law), plan.turbulence
@@ -460,6 +461,7 @@ def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> Flight
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
+    """Return the trade-off of limit [rad] and rate limit [rad/s] in the wind of a study."""
     from tvclin.boundary.limit_over_rate import rate_trade_off
 
     limit /= study.plane_ratio  # of this plane

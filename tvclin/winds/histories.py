@@ -118,6 +118,7 @@ class History(Record, ABC):
             integral = algebra.remaining_integral(self.pieces, s)
 
         def at(t: ArrayLike) -> AnyArray:
+            """Return the remaining integrals from times [s] on, ``(batch, times)``."""
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):
                 values = _finite_values(integral(times.ravel()), s)

@@ -143,6 +143,7 @@ def _mach_of(sheet: Sheet) -> Heading:
 
 
 def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArray, Column]:
+    """Return Mach numbers ``(n,)`` and the slope [1/rad] over them; `InputError` if invalid."""
     if mach.shape != slope.shape or mach.size < 2:
         raise InputError(
             "normal_force_coefficient_slope must hold as many slopes as Mach numbers, two or more;"

@@ -60,6 +60,7 @@ def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
 
 
 def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
+    """Return the zero between 0 and `last` of a function; infinite without a change of sign."""
     ends = excess(0.0), excess(last)
     if ends[0] == 0.0 or ends[0] * ends[1] >= 0.0:
         return np.inf
@@ -216,6 +217,7 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
 
 
 def _checked_poles(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
+    """Return the two poles [1/s] and the ratio of K1 as float arrays; all positive."""
     b1, b2 = positive("beta1", beta1, "1/s"), positive("beta2", beta2, "1/s")
     K = positive("K1_ratio", K1_ratio)
     together(beta1=b1, beta2=b2, K1_ratio=K)
@@ -223,6 +225,7 @@ def _checked_poles(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any
 
 
 def _checked_ratio(ratio: ArrayLike) -> FloatArray:
+    """Return the ratio of slow to fast pole as a float array, between 0 and 1."""
     r = positive("ratio", ratio)
     if np.any(r >= 1.0):
         raise InputError(f"ratio must be below 1, slow pole over fast; got {r.max():.6g}")

@@ -401,6 +401,7 @@ def turbulence_along(
     own_pressure = given.dynamic_pressure is None and flight.altitude is not None
 
     def loop_at(times: FloatArray) -> DrivenLoop:
+        """Return the loops in turbulence at flight times [s], constant beyond the flight."""
         inside = np.clip(times, *flight.span)
         vehicle = flight.at(inside)
         plant: AnyPlant

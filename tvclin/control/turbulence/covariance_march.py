@@ -78,6 +78,7 @@ class VaryingLoop:
             return first if np.all(values == first) else _combined(values, position, weights)
 
         def signal(output: str) -> Signal:
+            """Return the row, direct term and rate of an output at the times."""
             row, direct, rate = self._nodes.signal(output)
             if rate is not None:
                 rate = varying(rate[0] + self._slopes(row)), varying(rate[1])

@@ -348,6 +348,7 @@ def driven_loop(
 def _continuous(
     autopilot: Autopilot, plant: AnyPlant, shape: FilterMatrices, noise: SensorNoise | None
 ) -> DrivenLoop:
+    """Return a loop without samples behind a shaping filter, with the noise of its sensors."""
     loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
     if not plant.batch and pade_misleads(autopilot, plant, loop):
         raise InputError(PADE_WARNING.format(autopilot.pade_order))
@@ -387,6 +388,7 @@ def _behind_filter(
 def _sampled(
     autopilot: Autopilot, plant: AnyPlant, shape: FilterMatrices, noise: SensorNoise | None
 ) -> DrivenLoop:
+    """Return a sampled loop behind a shaping filter; its states jump at each sample."""
     period = 1.0 / float(autopilot.sample_rate or 1.0)
     complete, rest = split_delay(float(autopilot.delay), period)
     whole, remainder = int(complete), float(rest)
@@ -456,6 +458,7 @@ def _with_states(
     unit, nothing = np.eye(count), np.zeros((count, count))
 
     def wider(matrix: FloatArray, corner: FloatArray) -> FloatArray:
+        """Return a matrix with further states, whose block at the lower right is `corner`."""
         result = np.zeros((*matrix.shape[:-2], matrix.shape[-2] + len(corner), n + count))
         result[..., : matrix.shape[-2], :n] = matrix
         result[..., matrix.shape[-2] :, n:] = corner

@@ -152,6 +152,7 @@ def dispersed_plan(
     relative = {d.parameter: d.relative for d in dispersions.distributions}
 
     def changed(name: str, base: Any) -> Any:
+        """Return a number over the flight, scaled or shifted by the dispersion of the case."""
         centre = float(nominal[name])
         if relative[name]:
             return np.asarray(base) * (values[name] / centre)

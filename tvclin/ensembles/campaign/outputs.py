@@ -459,6 +459,7 @@ def _flown_limits(campaign: Campaign, batch: Batch) -> dict[str, float]:
     vehicle, wind = batch.first.vehicle, batch.first.wind
 
     def flown(K: float) -> float:
+        """Return the magnitude [rad] of the flown boundary limit at a dead band."""
         boundary = flown_boundary(
             vehicle, wind, K, engine="sixdof", plane=campaign.plane, tolerance=_BOUNDARY_TOLERANCE
         )

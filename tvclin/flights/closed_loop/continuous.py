@@ -235,6 +235,7 @@ def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
     """Return the end of a mode: demand below `release` if engaged, else above `engage`."""
 
     def past(t: Any, states: FloatArray) -> Any:
+        """Return by how much [rad] the demand is beyond the threshold; positive after the end."""
         demand = sign * loop.demand(states, loop.measured(t, states, gust(t), regime))
         if regime.mode:
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand

@@ -345,6 +345,7 @@ def flown_plane_limit(
     scale = abs(float(np.asarray(plant.coefficients.B))) * float(wind.peak)
 
     def status(limits: FloatArray) -> NDArray[np.str_]:
+        """Return the status of flights with limits normalised by trim, ``(n,)``."""
         options = {
             "limit_shape": limit_shape,
             "saturate": saturate,

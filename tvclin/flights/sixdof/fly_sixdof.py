@@ -317,6 +317,7 @@ def planes_verdict(
     numbers = vehicle.replace(name="", time=None)
 
     def survives(limit: float) -> bool:
+        """Return whether the vehicle survives the wind with a deflection limit [rad]."""
         with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
             steering = _steering(law, limit, step)
             rows = airframe.fly_both(steering, speeds, angles, control.lateral_sensors)

@@ -433,6 +433,7 @@ def frozen_requirement(
     said: list[str] = []
 
     def value_or(function: Callable[[], Any], missing: Any) -> Any:
+        """Return the value of a function, or `missing` and a note where it raises `InputError`."""
         try:
             return function()
         except InputError as error:

@@ -511,6 +511,7 @@ class SizingRequest:
         gust = self._flight_winds(case).gust
 
         def peak(vehicle: Vehicle) -> float:
+            """Return the peak [rad] of the gust at a flight time; the linear limit if not known."""
             try:
                 return 0.0 if gust is None else float(gust_at(gust, vehicle).peak)
             except NotKnownError:

@@ -110,7 +110,7 @@ def loop_margins(plan: StudyPlan) -> Margins:
 
 @Cached
 def placed(plan: StudyPlan) -> ShapedWind:
-    """Return the wind with its gust at its time, or at the worst one."""
+    """Return the wind with its gust at the time of the request, or at the worst time."""
     return plan.wind_at(plan.dead_band)
 
 
@@ -234,6 +234,7 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
     def in_placed_wind(compute: Cached) -> CachedAnswer:
+        """Return the answer of a function in the wind with its gust at the worst time."""
         at = placed(gust)
         if at.value is None:
             return at
