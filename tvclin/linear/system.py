@@ -170,9 +170,9 @@ class LinearSystem:
         return replace(self, A=A, B=B, C=C, states=states, period=period)
 
     def _transition(self, times: FloatArray) -> FloatArray:
-        """Return [E(t), P(t)] of states and held inputs over times t [s], ``(..., n, n + inputs)``.
+        """Return [E(t), P(t)], x(t) = E x(0) + P u at constant inputs u, ``(..., n, n + inputs)``.
 
-        The times have the batch of the whole.
+        `times`: times t [s], ``(...)``, the batch of the system.
         """
         generator = augmented_matrix(self.A, self.B)
         shape = (*times.shape, *generator.shape[-2:])

@@ -193,7 +193,10 @@ class PlaneWind:
 
     @cached_property
     def direction(self) -> Any:
-        """Angle [rad] of that line, shape ``batch``; of a veering wind, of its largest term."""
+        """Direction [rad] of the wind vector from the pitch plane, shape ``batch``.
+
+        Of a veering wind it is the direction of its largest term.
+        """
         pitch, yaw = self._terms
         largest = np.argmax(np.abs(pitch) + np.abs(yaw), axis=-1)[..., np.newaxis]
         x, y = (

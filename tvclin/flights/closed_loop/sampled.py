@@ -160,7 +160,7 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
         return Tracked(rows, None, None)
-    derivatives = system.A @ at.free + system.B[:, :1] * at.command
+    derivatives = system.A @ at.unlimited + system.B[:, :1] * at.command
     before = times < at.onset
     rate = np.where(before, 0.0, np.where(at.bounded, at.slope, derivatives[n]))
     return Tracked(rows, rate, np.where(before | at.bounded, 0.0, system.A[n] @ derivatives))
@@ -187,8 +187,8 @@ def _rows(
 ) -> FloatArray:
     """Return the n states of the plant and the deflection [rad] at m times, ``(n + 1, m)``.
 
-    `at`: substeps of the times. `bare`: the plant without nozzle or structure of the loop. `times`:
-    flight times [s]. Zero before the onset.
+    They are zero before the onset. `at`: substeps of the times. `bare`: system of the plant without
+    its actuator. `times`: flight times [s].
     """
     y, first, slope = at.y, at.first, at.slope
     n = len(bare.states)
@@ -197,13 +197,13 @@ def _rows(
         before = np.where(np.abs(y[:, n]) <= at.limit, y[:, n + 1], 0.0)
         vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]
     rows = np.zeros((n + 1, times.size))
-    rows[:n] = at.free[:n]
+    rows[:n] = at.unlimited[:n]
     if np.any(at.bounded):
-        ramp = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.once).A
+        ramp = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.distinct).A
         limited = at.stepped(ramp, np.column_stack([vehicle, first, slope]))[:n]
         rows[:n] = np.where(at.bounded, limited, rows[:n])
     rows[:n] += _wind_response(bare.A, bare.B[:, 1], wind, at)
-    position = at.command if actuator is None else np.clip(at.free[n], -at.limit, at.limit)
+    position = at.command if actuator is None else np.clip(at.unlimited[n], -at.limit, at.limit)
     rows[n] = np.where(at.bounded, first + slope * at.u, position)
     return np.where(times < at.onset, 0.0, rows)
 
@@ -211,32 +211,33 @@ def _rows(
 class _Substeps(NamedTuple):
     """Substep of each of m times, and the time `u` [s] since its start.
 
-    `begins`: starts of the substeps [s]. `once`, `which`: different values of `u`, and their index
-    for each time. `y`: state at the start. `command`: command [rad] of the substep. `bounded`:
-    whether rate or deflection are limited. `first`, `slope`: deflection [rad] at the start and its
-    constant rate [rad/s] if limited. `free`: state at the time without limits and wind.
+    `begins`: starts of the substeps [s]. `distinct`, `which`: distinct values of `u` [s], and their
+    index for each time. `y`: state at the start. `command`: command [rad] of the substep.
+    `bounded`: whether rate or deflection are limited. `first`, `slope`: deflection [rad] at the
+    start and its constant rate [rad/s] if limited. `unlimited`: state at the time without limits
+    and wind.
     """
 
     onset: float
     limit: float
     begins: FloatArray
     u: FloatArray
-    once: FloatArray
+    distinct: FloatArray
     which: IndexArray
     y: FloatArray
     command: FloatArray
     bounded: BoolArray
     first: FloatArray
     slope: FloatArray
-    free: FloatArray
+    unlimited: FloatArray
 
     def stepped(self, steps: AnyArray, states: AnyArray) -> AnyArray:
         """Return the products of step matrices and states, as columns ``(n, m)``.
 
-        `steps`: matrices of the distinct times `once`. `states`: ``(m, n)``.
+        `steps`: matrices of the distinct times. `states`: ``(m, n)``.
         """
         columns = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
-        if self.once.size > _MAX_LOOPED_TIMES:
+        if self.distinct.size > _MAX_LOOPED_TIMES:
             width = max(_MAX_NUMBERS // max(steps[0].size, 1), 1)
             for k in range(0, len(states), width):
                 block = slice(k, k + width)
@@ -255,7 +256,7 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
-    once, which = np.unique(np.round(u, _TIME_DECIMALS), return_inverse=True)
+    distinct, which = np.unique(np.round(u, _TIME_DECIMALS), return_inverse=True)
     y, (command, last, bounded) = track[row, :N], track[row, N:-1].T
     lengths = np.diff(begins, append=f.cases.start[0] + f.steps.lengths[0, 0] * f.now.ended[0])[row]
     first = np.clip(y[:, n], -limit, limit)
@@ -264,20 +265,20 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
         limit=limit,
         begins=begins[row],
         u=u,
-        once=np.asarray(once, dtype=np.float64),
+        distinct=np.asarray(distinct, dtype=np.float64),
         which=which,
         y=y,
         command=command,
         bounded=bounded > 0.0,
         first=first,
         slope=(last - first) / lengths,
-        free=y,
+        unlimited=y,
     )
-    steps = system.select(INPUTS[:1], ()).to_steps(at.once)
-    free = at.stepped(
+    steps = system.select(INPUTS[:1], ()).to_steps(at.distinct)
+    unlimited = at.stepped(
         np.concatenate([steps.A, steps.B], axis=2), np.column_stack([y[:, :order], command])
     )
-    return at._replace(free=free)
+    return at._replace(unlimited=unlimited)
 
 
 def _written(f: Flights) -> FloatArray:
@@ -289,7 +290,7 @@ def _wind_response(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps
     """Return the response of the states to the wind since the start of the substep, ``(n, m)``."""
     n, pieces = len(A), wind.pieces
     matrix, begins = piece_matrix(A, gust, pieces), at.begins
-    steps = matrix_exponentials(matrix, at.once)[:, :n, n:]
+    steps = matrix_exponentials(matrix, at.distinct)[:, :n, n:]
     added = np.real(at.stepped(steps, input_states(pieces, begins)))
     knots = pieces.knots[:, np.newaxis]
     ends = begins + at.u

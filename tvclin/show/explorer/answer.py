@@ -86,7 +86,7 @@ class Cached:
         return self.cache[plain]
 
     def _computed(self, plain: tuple[Any, ...]) -> CachedAnswer:
-        """Return the computed part with its warnings, or the message of an `InputError`."""
+        """Return the computed value with its warnings, or the message of an `InputError`."""
         said: list[str] = []
         with pass_warnings(said.append):
             try:
