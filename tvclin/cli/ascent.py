@@ -17,7 +17,17 @@ from tvclin.base.fields import document
 from tvclin.base.lines import Table
 from tvclin.case.case import Case
 from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
-from tvclin.cli.options import BOTH_LIMITS, GROUP, MODEL, AsJson, Given, More, Plot, asked, to_write
+from tvclin.cli.options import (
+    BOTH_LIMITS,
+    GROUP,
+    MODEL,
+    AsJson,
+    Given,
+    More,
+    Plot,
+    option,
+    to_write,
+)
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, say_lines
 from tvclin.cli.wind import FlightOptions, check_reading
 from tvclin.requirement.flight import sizing_tables as tables
@@ -78,7 +88,7 @@ SOURCE = (
 class PlaneOptions:
     """Option of the plane of a flight, or of both with a limit shape."""
 
-    plane: str | None = asked(
+    plane: str | None = option(
         "Plane of the motion: pitch, yaw, or both with one limit, of a shape: --set"
         " nozzle.limit_shape SHAPE.",
         shown="pitch",
@@ -105,7 +115,7 @@ def ascent(
     question: Given = Given("requirement.flight.request.SizingRequest", _FIELDS, "sizing"),
     more: More = False,
     as_json: AsJson = False,
-    csv: Path | None = asked(
+    csv: Path | None = option(
         "Also write every flight time and wind into this file.", callback=to_write
     ),
     plot: Plot = None,

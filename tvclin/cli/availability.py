@@ -11,7 +11,7 @@ import typer
 from tvclin.base.errors import InputError, within
 from tvclin.base.files import called
 from tvclin.cli.inputs import note_source
-from tvclin.cli.options import GROUP, LIMIT, MODEL, AsJson, Given, More, Plot, asked, to_write
+from tvclin.cli.options import GROUP, LIMIT, MODEL, AsJson, Given, More, Plot, option, to_write
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, waiting
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today
@@ -28,10 +28,10 @@ _REQUEST = "ensembles.availability.availability.AvailabilityRequest"
 class FlightTimes:
     """Options of the flight times that count; `grouped` gives them to a command."""
 
-    begin: float | None = asked(
+    begin: float | None = option(
         "First flight time that counts, in s.", flag="--from", shown="the first"
     )
-    end: float | None = asked("Last flight time that counts, in s.", flag="--to", shown="the last")
+    end: float | None = option("Last flight time that counts, in s.", flag="--to", shown="the last")
 
 
 def availability(
@@ -50,23 +50,23 @@ def availability(
             help="A station file of IGRA (.txt or .zip), or files and folders of soundings.",
         ),
     ] = None,
-    azimuth: list[float] | None = asked(
+    azimuth: list[float] | None = option(
         "Direction of flight, in deg from north, clockwise; may be given several times.",
         flag="--azimuth-deg",
     ),
     limit: Given = LIMIT,
-    limit_shape: str | None = asked(
+    limit_shape: str | None = option(
         "Limit shape of the nozzle: round (root of the sum of squares) or square.", shown="round"
     ),
     model: Given = MODEL,
     question: Given = Given(_REQUEST, ("plane",)),
-    months: list[int] | None = asked(
+    months: list[int] | None = option(
         "Only this month, from 1 to 12; may be given several times.", flag="--month"
     ),
     times: FlightTimes = GROUP,
-    today: Path | None = asked("Also judge this balloon of today: go or no go?", metavar="FILE"),
+    today: Path | None = option("Also judge this balloon of today: go or no go?", metavar="FILE"),
     as_json: AsJson = False,
-    csv: Path | None = asked(
+    csv: Path | None = option(
         "Also write what every sounding needs into this file: required_deg (empty where"
         " --limit-deg is not judged), and its bounds, lower_deg and upper_deg.",
         callback=to_write,

@@ -12,7 +12,7 @@ from tvclin.boundary.limit import OK, boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.options import GROUP, MOTION, SOURCE_HELP, At, Given, More, ShownCurves, asked
+from tvclin.cli.options import GROUP, MOTION, SOURCE_HELP, At, Given, More, ShownCurves, option
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
@@ -48,19 +48,19 @@ def boundary(
     ] = None,
     time: At = None,
     winds: WindOptions = GROUP,
-    dead_band: list[float] | None = asked(
+    dead_band: list[float] | None = option(
         "Dead band K, from 0 to 1; may be given several times.", shown="1, 0.75, 0.5, 0.25 and 0"
     ),
-    tau_beta: list[float] | None = asked(
+    tau_beta: list[float] | None = option(
         "Duration of the wind times beta (with damping, times the pole), in place of the wind of"
         " the vehicle; may be given several times.",
         shown="without a vehicle, 0.5 to 20",
     ),
-    start: float | None = asked(
+    start: float | None = option(
         "Start of the control that knows the wind, in s; negative: before the wind.",
         shown="the onset of the wind",
     ),
-    horizon: float | None = asked("Time after which its deflection must be zero again, in s."),
+    horizon: float | None = option("Time after which its deflection must be zero again, in s."),
     motion: Given = MOTION,
     more: More = False,
     shown: ShownCurves = GROUP,

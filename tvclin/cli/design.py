@@ -25,7 +25,7 @@ from tvclin.cli.margins import (
     print_autopilot,
     print_bounds,
 )
-from tvclin.cli.options import GROUP, MOTION, TIMING, At, Given, More, Shown, Source, asked, switch
+from tvclin.cli.options import GROUP, MOTION, TIMING, At, Given, More, Shown, Source, option, switch
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -176,7 +176,7 @@ class MinimumGainOptions:
         " and in winds half and twice as long.",
     )
     three_gains: bool = switch("--three-gains", "With --least: also feed back the angle of attack.")
-    crossover: float | None = asked("With --least: highest gain crossover, in rad/s.")
+    crossover: float | None = option("With --least: highest gain crossover, in rad/s.")
 
     panel = "Gains for the minimum deflection"
 

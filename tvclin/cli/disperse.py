@@ -22,7 +22,7 @@ from tvclin.cli.options import (
     At,
     Given,
     More,
-    asked,
+    option,
     to_write,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, say
@@ -63,9 +63,9 @@ class FolderOptions:
             help="Compute into this folder, in chunks; the same command again continues.",
         ),
     ] = None
-    workers: int | None = asked("Number of worker processes; with --folder.")
-    scheduler: str | None = asked("A Dask scheduler, as tcp://10.0.0.1:8786; with --folder.")
-    shard: str | None = asked("Compute part i of n of the chunks, i/n; with --folder.")
+    workers: int | None = option("Number of worker processes; with --folder.")
+    scheduler: str | None = option("A Dask scheduler, as tcp://10.0.0.1:8786; with --folder.")
+    shard: str | None = option("Compute part i of n of the chunks, i/n; with --folder.")
 
     panel = "Folder"
 
@@ -107,10 +107,10 @@ class FolderOptions:
 class AnswerOptions:
     """Options of the statistics that are printed; `grouped` gives them to a command."""
 
-    case: int | None = asked("Compute one case again, and print it in full with its response.")
-    output: str | None = asked("Output of the statistics.", shown="the first of the file")
-    probability: float | None = asked("Fraction of all flights to be covered.", shown="0.99865")
-    confidence: float | None = asked("Confidence of each bound.", shown="0.9")
+    case: int | None = option("Compute one case again, and print it in full with its response.")
+    output: str | None = option("Output of the statistics.", shown="the first of the file")
+    probability: float | None = option("Fraction of all flights to be covered.", shown="0.99865")
+    confidence: float | None = option("Confidence of each bound.", shown="0.9")
 
     panel = "Answer"
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.options import VEHICLE_HELP, At, asked, switch
+from tvclin.cli.options import VEHICLE_HELP, At, option, switch
 from tvclin.cli.output import say
 
 
@@ -18,7 +18,7 @@ def explore(
             " out); then options of JupyterLab, such as --allow-root.",
         ),
     ] = None,
-    vehicle: str | None = asked(f"The same as SOURCE: {VEHICLE_HELP}"),
+    vehicle: str | None = option(f"The same as SOURCE: {VEHICLE_HELP}"),
     time: At = None,
     no_browser: bool = switch("--no-browser", "Start JupyterLab and print its address only."),
 ) -> None:

@@ -15,7 +15,7 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.lines import Table, words
-from tvclin.cli.options import GROUP, More, asked, grouped, to_write
+from tvclin.cli.options import GROUP, More, grouped, option, to_write
 from tvclin.cli.output import print_answer, say
 from tvclin.vehicle.coefficients import Coefficients
 
@@ -37,12 +37,12 @@ Gimbal = Annotated[float, typer.Option(help="Station of the gimbal, in m from th
 class Site:
     """Options of the slope of the normal force and the launch site; `grouped` gives them."""
 
-    cn_alpha_per_rad: float | None = asked("Slope of the normal force coefficient, per rad.")
-    cn_alpha: Path | None = asked(
+    cn_alpha_per_rad: float | None = option("Slope of the normal force coefficient, per rad.")
+    cn_alpha: Path | None = option(
         "The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
         flag="--cn-alpha",
     )
-    ground_m: float | None = asked(
+    ground_m: float | None = option(
         "Elevation of the launch site above the sea, in m, from -450 to 9000."
     )
 
@@ -60,9 +60,9 @@ class Site:
 class Rows:
     """Options that select the rows of a file; `grouped` gives them to a command."""
 
-    start: float | None = asked("Earliest time, in s.", flag="--from")
-    stop: float | None = asked("Latest time, in s.", flag="--to")
-    max_rows: int = asked(
+    start: float | None = option("Earliest time, in s.", flag="--from")
+    stop: float | None = option("Latest time, in s.", flag="--to")
+    max_rows: int = option(
         "Most rows to write; a longer flight is thinned to straight lines.",
         200,
         flag="--most-rows",
@@ -76,7 +76,7 @@ def openrocket(
     gimbal_station_m: Gimbal,
     output: Output,
     site: Site = GROUP,
-    reference_area_m2: float | None = asked(
+    reference_area_m2: float | None = option(
         "Reference area of a given slope, in m^2.", shown="that of the file"
     ),
     rows: Rows = GROUP,
@@ -157,10 +157,10 @@ def log(
         Path, typer.Argument(help="A table with column names, or a .mat file of version 5.")
     ],
     output: Output,
-    wind_output: Path | None = asked(
+    wind_output: Path | None = option(
         "Also write the wind that the flight met, over height, as CSV.", callback=to_write
     ),
-    columns: Path | None = asked(
+    columns: Path | None = option(
         "TOML file with a table named columns, as of tvclin import table.",
         shown="our names, with their units",
     ),

@@ -14,7 +14,7 @@ from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_au
 from tvclin.cli.fly_laws import fly_laws
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, only_with
-from tvclin.cli.options import GROUP, LIMIT, MOTION, At, Given, More, ShownCurves, Source, asked
+from tvclin.cli.options import GROUP, LIMIT, MOTION, At, Given, More, ShownCurves, Source, option
 from tvclin.cli.output import waiting
 from tvclin.cli.wind import FlightOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -39,18 +39,18 @@ _POINTS = 401
 class WhatFlies:
     """Options of the law, the engine and the dead band; `grouped` gives them to a command."""
 
-    law: str | None = asked(
+    law: str | None = option(
         f"Control law: {listed((REPORT, *LAWS), 'or')}; or all: the limit of each in standard"
         f" winds. Gains below are of {AUTOPILOT}.",
         shown=f"{AUTOPILOT} with gains or --engine {LINEAR}, else {REPORT}",
     )
-    engine: str | None = asked(
+    engine: str | None = option(
         "linear: linear equations with bending and slosh, a sampled law and an actuator; planar:"
         " nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom; planar-varying"
         " or sixdof-varying: mass, speed and dynamic pressure vary in flight.",
         shown=f"{LINEAR} for a flexible vehicle and for {AUTOPILOT}, else planar",
     )
-    dead_band: float | None = asked(
+    dead_band: float | None = option(
         "Dead band K of the laws report and dead-band.", shown="1 for report, 0.5 for dead-band"
     )
 

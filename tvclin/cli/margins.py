@@ -28,7 +28,7 @@ from tvclin.cli.options import (
     ShownCurves,
     Source,
     System,
-    asked,
+    option,
     switch,
     to_write,
 )
@@ -237,7 +237,7 @@ def margins(
     ),
     limit: Given = LIMIT,
     winds: WindOptions = GROUP,
-    chart: str = asked(
+    chart: str = option(
         "What --plot draws of a single time: nichols, bode, nyquist or root-locus.", "nichols"
     ),
     system: System = None,

@@ -29,7 +29,7 @@ from tvclin.cli.options import (
     Given,
     More,
     ShownCurves,
-    asked,
+    option,
     switch,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, waiting
@@ -60,7 +60,7 @@ class NozzleOptions:
     winds: FlightOptions = GROUP
     limits: Given = BOTH_LIMITS
     load: Given = Given("case.load.LoadBound", ("load",), "load")
-    law: list[str] | None = asked(
+    law: list[str] | None = option(
         f"Fly this law with the limits too: {listed(LAWS, 'or')}. May be given several times"
         f" with {IN_A_WIND}.",
         shown=f"none; with --over {FLIGHT} that of the study file, or trim",
@@ -89,7 +89,7 @@ def nozzle(
         str,
         typer.Argument(metavar="VEHICLE|STUDY|SCHEDULE", help=SOURCE_HELP),
     ] = "configuration-i",
-    over: str | None = asked(
+    over: str | None = option(
         f"What the deflection is traded for: its {RATE}, or the {LOAD} on the structure, in one"
         f" wind; or the duty of the nozzle over a {FLIGHT}: angle, rate, travel, torque.",
         shown=f"{RATE}; {FLIGHT} for a flight schedule without --at",

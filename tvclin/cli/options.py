@@ -82,7 +82,7 @@ System = Annotated[
 ]
 
 
-def asked(
+def option(
     help: str,
     default: Any = None,
     *,
@@ -91,7 +91,7 @@ def asked(
     metavar: str | None = None,
     callback: Callable[[Any], Any] | None = None,
 ) -> Any:
-    """Return the option of a parameter, with its help and the default shown there."""
+    """Return the option of a command for a parameter, with its help and the default shown there."""
     named = [flag] if flag else []
     return typer.Option(
         default,
@@ -216,7 +216,7 @@ def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None)
 
 GROUP: Any = object()
 """The default of a parameter that is a dataclass of options."""
-SHAPE = asked(f"Shape of the wind: {listed(SHAPES, 'or')}.", shown="triangular")
+SHAPE = option(f"Shape of the wind: {listed(SHAPES, 'or')}.", shown="triangular")
 STUDY = "studyfile.study_plan.StudyPlan"
 DESIGN = "control.autopilot.design_rules.AutopilotDesign"
 NOZZLE = "case.nozzle.Nozzle"

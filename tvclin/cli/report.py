@@ -7,7 +7,7 @@ import typer
 
 from tvclin.base.files import called, write_whole
 from tvclin.cli.inputs import note_omissions, only_with
-from tvclin.cli.options import At, asked
+from tvclin.cli.options import At, option
 from tvclin.cli.output import bar, say
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import all_yes, sufficient
@@ -61,7 +61,7 @@ def report(
 
 
 def reproduce(
-    output: str = asked(
+    output: str = option(
         "Directory for the files; made if it is missing.", "reproduced", metavar="DIRECTORY"
     ),
 ) -> None:

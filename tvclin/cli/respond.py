@@ -24,7 +24,7 @@ from tvclin.cli.options import (
     ShownCurves,
     Source,
     Until,
-    asked,
+    option,
 )
 from tvclin.cli.output import answer, print_answer
 from tvclin.cli.wind import WindOptions, wind_words
@@ -184,10 +184,10 @@ def respond(
     vehicle: Source = "configuration-i",
     time: At = None,
     winds: WindOptions = GROUP,
-    dead_band: float | None = asked(
+    dead_band: float | None = option(
         "Dead band K, from 0 to 1: trim up to K times the limit.", shown="1.0"
     ),
-    capability: float | None = asked(
+    capability: float | None = option(
         "Deflection limit over what is required: 1 is the boundary.", shown="1"
     ),
     limit: Given = LIMIT,

@@ -22,7 +22,7 @@ from tvclin.cli.options import (
     More,
     Plot,
     Source,
-    asked,
+    option,
     switch,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, say, waiting
@@ -48,7 +48,7 @@ from tvclin.winds.wind_file import gust_of
 class StudyWind(PulseOptions):
     """Options of a pulse with its gust; `grouped` gives them to a command."""
 
-    gust: tuple[float, float] | None = asked(
+    gust: tuple[float, float] | None = option(
         "Gust (1 - cosine) on top of the wind: its peak and duration; more: --set gust.KEY VALUE.",
         metavar="DEG S",
     )
@@ -79,7 +79,7 @@ def study(
     winds: StudyWind = GROUP,
     question: Given = Given(STUDY, ("dead_band", "switch", "sign", "model", "plane")),
     limits: Given = BOTH_LIMITS,
-    limit_shape: str | None = asked(
+    limit_shape: str | None = option(
         f"Judge both planes with one limit of this shape: {LIMIT_SHAPES_HELP} The peak that the"
         " limit survives is then that of the wind's vector; without, that of its part in"
         " --plane. Needs --set wind.direction_deg.",

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.options import AsJson, At, asked, switch
+from tvclin.cli.options import AsJson, At, option, switch
 from tvclin.cli.output import say
 
 
@@ -43,8 +43,10 @@ def init(
     file: Annotated[Path | None, typer.Argument(help="The file to write, such as my.toml.")] = None,
     study: bool = switch("--study", "A study file: vehicle, wind, laws, margins and more."),
     campaign: bool = switch("--campaign", "A campaign file, for tvclin disperse: many cases."),
-    vehicle: str | None = asked("Copy this vehicle of the package instead (see: tvclin vehicles)."),
-    schedule: str | None = asked(
+    vehicle: str | None = option(
+        "Copy this vehicle of the package instead (see: tvclin vehicles)."
+    ),
+    schedule: str | None = option(
         "Write the vehicle of this flight schedule at a time instead, with --at.",
         flag="--from",
         metavar="SCHEDULE",

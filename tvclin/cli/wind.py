@@ -14,7 +14,7 @@ from tvclin.base.files import called
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.case import DEFAULT_WIND, Case
 from tvclin.cli.inputs import chosen, keys_set, only_with
-from tvclin.cli.options import SHAPE, asked
+from tvclin.cli.options import SHAPE, option
 from tvclin.cli.output import say
 from tvclin.requirement.case_requirement import CaseRequirement, pulse_of
 from tvclin.studyfile.read import vehicle_source
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Pulse:
-    duration: float | None = asked("Duration of the wind, in s.", shown="7.5")
-    peak_deg: float | None = asked("Peak wind angle of attack, in deg.", shown="5")
-    peak_speed: float | None = asked(
+    duration: float | None = option("Duration of the wind, in s.", shown="7.5")
+    peak_deg: float | None = option("Peak wind angle of attack, in deg.", shown="5")
+    peak_speed: float | None = option(
         "Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e)."
     )
 
@@ -43,7 +43,7 @@ class PulseOptions(_Pulse):
     """Options of a pulse; `grouped` gives them to a command."""
 
     wind: str | None = SHAPE
-    azimuth_deg: float | None = asked(
+    azimuth_deg: float | None = option(
         "Direction of flight, in deg from north, clockwise: for a sounding, or for a wind with a"
         " direction, --set wind.direction_deg, whose peak is then that of its vector."
     )
@@ -90,7 +90,7 @@ class PulseOptions(_Pulse):
 class WindOptions(PulseOptions):
     """Options of a pulse or a sounding; `grouped` gives them to a command."""
 
-    winds: Path | None = asked(
+    winds: Path | None = option(
         "A sounding, in place of a pulse, around the vehicle's time of flight; with --azimuth-deg."
         " Its format, window, ...: --set sounding.KEY VALUE.",
         metavar="FILE",
@@ -166,7 +166,7 @@ class WindOptions(PulseOptions):
 class FlightOptions(PulseOptions):
     """Options of a pulse whose peak comes at each flight time, and of soundings."""
 
-    winds: list[Path] | None = asked(
+    winds: list[Path] | None = option(
         "A sounding to fly through, with --azimuth-deg, or a folder or a station file of several;"
         " may be given several times. Its format, window, ...: --set sounding.KEY VALUE.",
         metavar="FILE",
