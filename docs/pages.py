@@ -71,7 +71,7 @@ def root_page(name: str) -> str:
 
 
 def for_the_site(name: str, text: list[str]) -> None:
-    """Adapt the links of a page: to where pages of the root stand, and to titles for file names.
+    """Adapt the links of a page: to pages of the root and notebooks, and to titles for file names.
 
     Parameters
     ----------
@@ -83,4 +83,5 @@ def for_the_site(name: str, text: list[str]) -> None:
     if "/" not in name:
         for moved in MOVED:
             text[0] = text[0].replace(f"](../{moved}.md", f"](_generated/{moved.lower()}.md")
+        text[0] = text[0].replace("](../notebooks/", "](_generated/notebooks/")
     text[0] = re.sub(r"\[[\w/-]+\.md\](\([\w./-]+\.md\))", r"[]\1", text[0])

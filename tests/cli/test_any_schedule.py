@@ -162,7 +162,7 @@ def test_a_flight_that_is_known_nowhere_is_not_known_to_be_covered(
     for winds in (wind, ("--peak-speed", "20")):
         result = CliRunner().invoke(app, [*pad, *winds])
         assert result.exit_code == 1
-        assert "Limit 3.000 deg: NOT KNOWN; required deflection NOT KNOWN below" in result.output
+        assert "Limit 3.000 deg: NOT KNOWN; required deflection NOT KNOWN" in result.output
         assert "SUFFICIENT" not in result.output
         assert " meets the flight at more than 30 deg" in result.output or "20 m/s" in result.output
 

@@ -165,9 +165,13 @@ def test_pages_of_the_root_keep_their_links_in_the_site(pages: ModuleType) -> No
         for target in re.findall(r"\]\(([^)#:]+)\)", pages.root_page(name)):
             assert Path(*(place / target).parts).resolve().exists(), (name, target)
 
-    text = ["See [CONTRIBUTING.md](../CONTRIBUTING.md) and [map.md](map.md)."]
+    text = [
+        "See [CONTRIBUTING.md](../CONTRIBUTING.md), [map.md](map.md), [this](../notebooks/a.ipynb)."
+    ]
     pages.for_the_site("index", text)
-    assert text == ["See [](_generated/contributing.md) and [](map.md)."]
+    assert text == [
+        "See [](_generated/contributing.md), [](map.md), [this](_generated/notebooks/a.ipynb)."
+    ]
 
 
 def test_the_first_page_of_the_site_has_the_question_the_picture_and_the_eight_lines() -> None:

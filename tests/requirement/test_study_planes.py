@@ -126,7 +126,7 @@ def test_a_file_gives_the_direction_in_its_wind() -> None:
 
 def test_what_has_no_direction_is_told_so(booster) -> None:
     said = {
-        ("--limit-shape", "round"): "a stop of both planes needs a wind with a direction",
+        ("--limit-shape", "round"): "a limit of both planes needs a wind with a direction",
         ("--azimuth-deg", "9"): "--azimuth-deg is for a sounding",
         ("--set", "wind.direction_deg=0", "--azimuth-deg", "90"): "has no part in pitch",
         (*JET, "--limit-shape", "oval"): "--limit-shape must be one of round",
@@ -135,7 +135,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
         result = run("study", *options)
         assert result.exit_code == 2
         assert words in " ".join(result.output.split())
-    with pytest.raises(tv.InputError, match="a stop of both planes needs a wind with a direction"):
+    with pytest.raises(tv.InputError, match="a limit of both planes needs a wind with a direction"):
         tv.Study.from_vehicle(
             booster, duration=7.5, peak=0.08, limit_shape="round", model="fixed-path"
         )

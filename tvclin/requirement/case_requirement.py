@@ -248,7 +248,8 @@ class CaseRequirement:
             return {"sufficient": sufficient, "survivable_peak": None}
         size = limit / needed if needed else np.inf
         if not self.at_nominal_pressure and 0.0 < size < np.inf:
-            size = survived_size(limit, self.required_at)
+            largest = MAX_LINEAR_ANGLE / self.wind_angle
+            size = survived_size(limit, self.required_at, largest)
         bound = self.peak_bound
         peak = bound if np.isinf(size) else self.judged_peak * size
         return {
@@ -281,7 +282,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
         planes = heading_requirement(vehicle, case.model, placed, limit_shape, K)
     elif limit_shape is not None:
         raise InputError(
-            "a stop of both planes needs a wind with a direction: give where it blows from,"
+            "a limit of both planes needs a wind with a direction: give where it blows from,"
             " and the azimuth of the flight"
         )
     plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), in_plane.history({})
@@ -359,8 +360,11 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     return required
 
 
-def survived_size(limit: float, need: Callable[[float], float]) -> float:
-    """Return the factor on a wind at which the required deflection, `need` of it, is the limit."""
+def survived_size(limit: float, need: Callable[[float], float], largest: float = np.inf) -> float:
+    """Return the factor on a wind at which the required deflection, `need` of it, is the limit.
+
+    `largest`: factor beyond which nothing is known, at least one; returned where it is survived.
+    """
     from scipy.optimize import brentq
 
     @cache
@@ -371,7 +375,10 @@ def survived_size(limit: float, need: Callable[[float], float]) -> float:
     first = -excess(0.0)
     if abs(first) < _SIZE_TOLERANCE:
         return 1.0
-    end = first if excess(first) * first > 0.0 else 2.0 * first
+    most = float(np.log(largest))
+    end = min(first, most)
+    if end < most and excess(end) * first <= 0.0:
+        end = min(2.0 * first, most)
     while first < 0.0 < excess(end):
         end *= 2.0
     if excess(end) < 0.0 < first:

@@ -412,7 +412,7 @@ def _turbulence(
     from tvclin.case.turbulence import LoopInTurbulence
 
     if study.judges_both_planes:
-        raise InputError("turbulence is answered in one plane; leave out the stop of both planes")
+        raise InputError("turbulence is answered in one plane; leave out the limit of both planes")
     wind, limit = study.history, plan.nozzle.limit
     altitude = _altitude(plan) if request.needs_altitude else None
     return LoopInTurbulence.of(

@@ -224,7 +224,7 @@ class Campaign(Case):
     autopilot stand in every law, and its gains may be dispersed. A `controller` is the same in all
     cases.
 
-    With a stop of both planes, which needs a wind with a direction, both are judged: autopilot and
+    With a limit of both planes, which needs a wind with a direction, both are judged: autopilot and
     law are designed in each, and there are columns of each plane and of both. "margins" are
     the margins in `plane`.
 
@@ -233,7 +233,7 @@ class Campaign(Case):
     vehicle : Vehicle
         The nominal vehicle, no batch.
     wind : ShapedWind, FixedWind or WindEnsemble
-        The wind or winds, in the plane, or with a direction and a stop of both planes. A gust
+        The wind or winds, in the plane, or with a direction and a limit of both planes. A gust
         without a time is placed where the nominal vehicle requires most at the first of
         `dead_bands`, as in a study, and keeps its time from the middle of the wind in all cases.
     dispersions : Dispersions
@@ -273,7 +273,7 @@ class Campaign(Case):
     Raises
     ------
     InputError
-        Same exceptions as `Case`; also for a stop of both planes without a wind with a direction, a
+        Same exceptions as `Case`; also for a limit of both planes without a wind with a direction, a
         wind without a component in the plane, and a dispersed parameter without a nominal value.
     """
 
@@ -322,20 +322,20 @@ class Campaign(Case):
             return
         if self.heading is None:
             raise InputError(
-                "a stop of both planes needs a wind with a direction: give where it blows from,"
+                "a limit of both planes needs a wind with a direction: give where it blows from,"
                 " and the azimuth of the flight"
             )
         one_of("limit_shape of a campaign", self.nozzle.limit_shape, LIMIT_SHAPES)
         directions_of(self)
         if "flown" in self.outputs:
             raise InputError(
-                'the output "flown" is of one plane: leave it out, or the stop of both planes'
+                'the output "flown" is of one plane: leave it out, or the limit of both planes'
             )
         _ = self.plane_campaigns  # refuses a wind without a part in the plane
 
     @cached_property
     def plane_campaigns(self) -> dict[str, Self]:
-        """The campaign by plane, for each plane with wind; this campaign without a stop of both.
+        """The campaign by plane, for each plane with wind; this campaign without a limit of both.
 
         Raises
         ------

@@ -160,7 +160,7 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
         "vehicle": ("vehicle", vehicles, vehicles[0]),
         "plane": ("plane", [*PLANES, BOTH], plan.planes),
         "stop": (
-            "stop of both",
+            "limit of both",
             list(LIMIT_SHAPES),
             stop if isinstance(stop, str) else next(iter(LIMIT_SHAPES)),
         ),
