@@ -134,7 +134,7 @@ class LoopCovariance(Shown):
         return float(np.sqrt(self._variances(self._row(output)).max()))
 
     def quantile(self, probability: float, output: str = DEFLECTION) -> float:
-        """Return the size that |output| does not exceed at a time with a probability.
+        """Return the quantile of the size of an output, ``|output|``, at a probability.
 
         Raises
         ------

@@ -273,8 +273,8 @@ class Campaign(Case):
     Raises
     ------
     InputError
-        Same exceptions as `Case`; also for a limit of both planes without a wind with a direction, a
-        wind without a component in the plane, and a dispersed parameter without a nominal value.
+        Same exceptions as `Case`; also for a limit of both planes without a wind with a direction,
+        a wind without a component in the plane, and a dispersed parameter without a nominal value.
     """
 
     vehicle: Vehicle
