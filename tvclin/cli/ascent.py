@@ -22,8 +22,8 @@ from tvclin.cli.options import (
     GROUP,
     MODEL,
     AsJson,
-    Given,
     More,
+    Options,
     Plot,
     option,
     to_write,
@@ -109,10 +109,10 @@ def ascent(
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
     winds: FlightOptions = GROUP,
-    model: Given = MODEL,
+    model: Options = MODEL,
     planes: PlaneOptions = GROUP,
-    limits: Given = BOTH_LIMITS,
-    question: Given = Given("requirement.flight.request.SizingRequest", _FIELDS, "sizing"),
+    limits: Options = BOTH_LIMITS,
+    question: Options = Options("requirement.flight.request.SizingRequest", _FIELDS, "sizing"),
     more: More = False,
     as_json: AsJson = False,
     csv: Path | None = option(
@@ -303,8 +303,8 @@ def case_over_flight(
     command: str,
     source: str,
     winds: FlightOptions,
-    question: Given,
-    *changes: Given | PlaneOptions,
+    question: Options,
+    *changes: Options | PlaneOptions,
 ) -> StudyPlan:
     """Return the case of a flight from a file and options."""
     soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))

@@ -11,7 +11,7 @@ import typer
 from tvclin.base.errors import InputError, within
 from tvclin.base.files import called
 from tvclin.cli.inputs import note_source
-from tvclin.cli.options import GROUP, LIMIT, MODEL, AsJson, Given, More, Plot, option, to_write
+from tvclin.cli.options import GROUP, LIMIT, MODEL, AsJson, More, Options, Plot, option, to_write
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, waiting
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today
@@ -54,12 +54,12 @@ def availability(
         "Direction of flight, in deg from north, clockwise; may be given several times.",
         flag="--azimuth-deg",
     ),
-    limit: Given = LIMIT,
+    limit: Options = LIMIT,
     limit_shape: str | None = option(
         "Limit shape of the nozzle: round (root of the sum of squares) or square.", shown="round"
     ),
-    model: Given = MODEL,
-    question: Given = Given(_REQUEST, ("plane",)),
+    model: Options = MODEL,
+    question: Options = Options(_REQUEST, ("plane",)),
     months: list[int] | None = option(
         "Only this month, from 1 to 12; may be given several times.", flag="--month"
     ),

@@ -12,7 +12,7 @@ from tvclin.boundary.limit import OK, boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.options import GROUP, MOTION, SOURCE_HELP, At, Given, More, ShownCurves, option
+from tvclin.cli.options import GROUP, MOTION, SOURCE_HELP, At, More, Options, ShownCurves, option
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
@@ -61,7 +61,7 @@ def boundary(
         shown="the onset of the wind",
     ),
     horizon: float | None = option("Time after which its deflection must be zero again, in s."),
-    motion: Given = MOTION,
+    motion: Options = MOTION,
     more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:
@@ -129,7 +129,9 @@ def _largest(axis: str, x: FloatArray, K: FloatArray, limit: FloatArray) -> str:
     return f"at most {finite[n, k]:.3f} of static trim, at {axis} = {x[n]:g} and K = {K[k]:g}"
 
 
-def _subject(vehicle: str | None, time: float | None, motion: Given) -> tuple[str, Plant, str, str]:
+def _subject(
+    vehicle: str | None, time: float | None, motion: Options
+) -> tuple[str, Plant, str, str]:
     """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1."""
     if vehicle is None:
         motion.only_with("a vehicle")

@@ -25,7 +25,18 @@ from tvclin.cli.margins import (
     print_autopilot,
     print_bounds,
 )
-from tvclin.cli.options import GROUP, MOTION, TIMING, At, Given, More, Shown, Source, option, switch
+from tvclin.cli.options import (
+    GROUP,
+    MOTION,
+    TIMING,
+    At,
+    More,
+    Options,
+    Shown,
+    Source,
+    option,
+    switch,
+)
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -263,11 +274,11 @@ def design(
     vehicle: Source = "configuration-i",
     time: At = None,
     winds: WindOptions = GROUP,
-    gains: Given = GAINS,
-    timing: Given = TIMING,
+    gains: Options = GAINS,
+    timing: Options = TIMING,
     least: MinimumGainOptions = GROUP,
     box: Box = None,
-    motion: Given = MOTION,
+    motion: Options = MOTION,
     more: More = False,
     shown: Shown = GROUP,
 ) -> None:

@@ -20,8 +20,8 @@ from tvclin.cli.options import (
     STUDY,
     AsJson,
     At,
-    Given,
     More,
+    Options,
     option,
     to_write,
 )
@@ -126,10 +126,10 @@ def disperse(
     ] = "configuration-i",
     time: At = None,
     winds: WindOptions = GROUP,
-    limit: Given = LIMIT,
-    motion: Given = MOTION,
-    dead_band: Given = Given(STUDY, ("dead_band",)),
-    drawn: Given = Given(STUDY, ("cases",)),
+    limit: Options = LIMIT,
+    motion: Options = MOTION,
+    dead_band: Options = Options(STUDY, ("dead_band",)),
+    drawn: Options = Options(STUDY, ("cases",)),
     work: FolderOptions = GROUP,
     shown: AnswerOptions = GROUP,
     as_json: AsJson = False,
@@ -170,7 +170,7 @@ def disperse(
 
 
 def _campaign(
-    source: str, time: float | None, winds: WindOptions, changes: Sequence[Given]
+    source: str, time: float | None, winds: WindOptions, changes: Sequence[Options]
 ) -> Campaign:
     """Return the campaign of a file or a vehicle, with the keys of these options set."""
     values = {name: value for change in changes for name, value in change.values.items()}

@@ -14,7 +14,7 @@ from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_au
 from tvclin.cli.fly_laws import fly_laws
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, only_with
-from tvclin.cli.options import GROUP, LIMIT, MOTION, At, Given, More, ShownCurves, Source, option
+from tvclin.cli.options import GROUP, LIMIT, MOTION, At, More, Options, ShownCurves, Source, option
 from tvclin.cli.output import waiting
 from tvclin.cli.wind import FlightOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -66,7 +66,7 @@ class WhatFlies:
         only_with(FROZEN, law=law, engine=engine, dead_band=self.dead_band)
 
     def on(
-        self, source: str, case: StudyPlan, flies: FlownLaw, model: Given
+        self, source: str, case: StudyPlan, flies: FlownLaw, model: Options
     ) -> tuple[str, bool, str, Any]:
         """Return engine, whether parameters vary, law and dead band for a case.
 
@@ -96,9 +96,9 @@ def fly(
     time: At = None,
     winds: FlightOptions = GROUP,
     what: WhatFlies = GROUP,
-    limit: Given = replace(LIMIT, shown={"limit": "1.1 times the boundary of the law"}),
+    limit: Options = replace(LIMIT, shown={"limit": "1.1 times the boundary of the law"}),
     flies: FlownLaw = GROUP,
-    motion: Given = MOTION,
+    motion: Options = MOTION,
     more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:

@@ -12,7 +12,7 @@ from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_omissions, only_with
 from tvclin.cli.margins import parts_line
-from tvclin.cli.options import Given, ShownCurves
+from tvclin.cli.options import Options, ShownCurves
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.law import Law
@@ -42,7 +42,7 @@ from tvclin.winds.wind_angles import linear_notes
 def fly_laws(
     vehicle: str,
     time: float | None,
-    motion: Given,
+    motion: Options,
     winds: WindOptions,
     flies: FlownLaw,
     more: bool,

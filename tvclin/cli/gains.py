@@ -5,7 +5,7 @@ from typing import Any
 
 from tvclin.base.errors import InputError
 from tvclin.cli.inputs import keys_set
-from tvclin.cli.options import DESIGN, TIMING, Given
+from tvclin.cli.options import DESIGN, TIMING, Options
 from tvclin.control.autopilot.design_rules import (
     GIVEN_GAINS,
     POLE_PLACEMENT_RULES,
@@ -18,7 +18,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 
 
 @dataclass(frozen=True)
-class GainOptions(Given):
+class GainOptions(Options):
     """Options of the gains, or of a rule for them."""
 
     def over(self, plan: StudyPlan) -> StudyPlan:
@@ -37,8 +37,8 @@ GAINS = GainOptions(
 class FlownLaw:
     """Options of a flown law: its samples and delay, and the gains of the law autopilot."""
 
-    timing: Given = TIMING
-    gains: Given = GAINS
+    timing: Options = TIMING
+    gains: Options = GAINS
 
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the values of all these options."""

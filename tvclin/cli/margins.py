@@ -23,8 +23,8 @@ from tvclin.cli.options import (
     MOTION,
     TIMING,
     At,
-    Given,
     More,
+    Options,
     ShownCurves,
     Source,
     System,
@@ -226,16 +226,16 @@ class _ShownMargins(ShownCurves):
 def margins(
     vehicle: Source = "configuration-i",
     time: At = None,
-    gains: Given = GAINS,
-    timing: Given = TIMING,
-    motion: Given = MOTION,
+    gains: Options = GAINS,
+    timing: Options = TIMING,
+    motion: Options = MOTION,
     detuned: bool = switch(
         "--detuned",
         "Also print the margins with the frequency of each mode off by up to 20 percent,"
         " with half its damping, and with the signs of its slopes at the sensors reversed; the"
         " criteria judge these too.",
     ),
-    limit: Given = LIMIT,
+    limit: Options = LIMIT,
     winds: WindOptions = GROUP,
     chart: str = option(
         "What --plot draws of a single time: nichols, bode, nyquist or root-locus.", "nichols"

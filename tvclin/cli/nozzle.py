@@ -26,8 +26,8 @@ from tvclin.cli.options import (
     SOURCE_HELP,
     STUDY,
     At,
-    Given,
     More,
+    Options,
     ShownCurves,
     option,
     switch,
@@ -58,8 +58,8 @@ class NozzleOptions:
     """Options of the case of a nozzle; `grouped` gives them to a command."""
 
     winds: FlightOptions = GROUP
-    limits: Given = BOTH_LIMITS
-    load: Given = Given("case.load.LoadBound", ("load",), "load")
+    limits: Options = BOTH_LIMITS
+    load: Options = Options("case.load.LoadBound", ("load",), "load")
     law: list[str] | None = option(
         f"Fly this law with the limits too: {listed(LAWS, 'or')}. May be given several times"
         f" with {IN_A_WIND}.",
@@ -71,12 +71,12 @@ class NozzleOptions:
         " it needs; it takes about a minute.",
     )
     gains: GainOptions = GainOptions(DESIGN, ("natural_frequency",))
-    times: Given = Given(
+    times: Options = Options(
         "requirement.flight.request.SizingRequest", ("start", "stop", "every"), "sizing"
     )
-    model: Given = MODEL
+    model: Options = MODEL
     planes: PlaneOptions = GROUP
-    dead_band: Given = Given(STUDY, ("dead_band",))
+    dead_band: Options = Options(STUDY, ("dead_band",))
 
     @property
     def names(self) -> list[str]:

@@ -109,7 +109,7 @@ def switch(flag: str, help: str) -> Any:
 
 
 @dataclass(frozen=True)
-class Given:
+class Options:
     """Options of declared fields of a case or a question; `grouped` gives them to a command.
 
     `kind`: the module of the dataclass, and its name: "case.nozzle.Nozzle". `names`: its fields;
@@ -222,11 +222,11 @@ DESIGN = "control.autopilot.design_rules.AutopilotDesign"
 NOZZLE = "case.nozzle.Nozzle"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
 """Panels of the help, by the record whose options they group."""
-MOTION = Given(STUDY, ("model", "plane"))
-MODEL, PLANE = (Given(STUDY, (name,)) for name in ("model", "plane"))
-LIMIT = Given(NOZZLE, ("limit",), "nozzle")
-BOTH_LIMITS = Given(NOZZLE, ("limit", "rate_limit"), "nozzle")
-TIMING = Given(DESIGN, ("sample_rate", "delay"), "design")
+MOTION = Options(STUDY, ("model", "plane"))
+MODEL, PLANE = (Options(STUDY, (name,)) for name in ("model", "plane"))
+LIMIT = Options(NOZZLE, ("limit",), "nozzle")
+BOTH_LIMITS = Options(NOZZLE, ("limit", "rate_limit"), "nozzle")
+TIMING = Options(DESIGN, ("sample_rate", "delay"), "design")
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,7 @@ class ShownCurves(Shown, _Csv):
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options of each parameter that is a group of them, in its place.
 
-    A group is a `Given`, which is the default of its parameter, or a dataclass of options and of
+    A group is an `Options`, which is the default of its parameter, or a dataclass of options and of
     such groups.
     """
     shown, call = _expanded(command)
@@ -283,7 +283,7 @@ def _expanded(
     takers: dict[str, Callable[[dict[str, Any]], Any]] = {}
     for name, parameter in signature(made).parameters.items():
         group, kind = parameter.default, parameter.annotation
-        if isinstance(group, Given):
+        if isinstance(group, Options):
             shown += group.parameters()
             takers[name] = group.taken
         elif group is GROUP:

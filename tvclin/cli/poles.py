@@ -6,7 +6,7 @@ import numpy as np
 
 from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
-from tvclin.cli.options import PLANE, AsJson, At, Given, Plot, Source, System, option
+from tvclin.cli.options import PLANE, AsJson, At, Options, Plot, Source, System, option
 from tvclin.cli.output import answer, draw, print_answer
 from tvclin.linear.flexible import AnyPlant, mode_tables, named_modes
 from tvclin.linear.modes import Modes, all_modes, mode_table, select_unstable
@@ -18,7 +18,7 @@ def poles(
     vehicle: Source = "configuration-i",
     time: At = None,
     model: str = option("fixed-path, drift, drift-exact, drift-and-speed, or all.", "all"),
-    within: Given = PLANE,
+    within: Options = PLANE,
     system: System = None,
     as_json: AsJson = False,
     plot: Plot = None,

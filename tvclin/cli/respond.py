@@ -18,8 +18,8 @@ from tvclin.cli.options import (
     LIMIT,
     MOTION,
     At,
-    Given,
     More,
+    Options,
     Points,
     ShownCurves,
     Source,
@@ -190,8 +190,8 @@ def respond(
     capability: float | None = option(
         "Deflection limit over what is required: 1 is the boundary.", shown="1"
     ),
-    limit: Given = LIMIT,
-    motion: Given = MOTION,
+    limit: Options = LIMIT,
+    motion: Options = MOTION,
     until: Until = 3.0,
     points: Points = 301,
     more: More = False,

@@ -238,12 +238,12 @@ def field_key(option: str) -> str | None:
 
 def _field_keys() -> dict[str, tuple[str, ...]]:
     """Return the keys without units of the options of declared fields, by option."""
-    from tvclin.cli.options import Given
+    from tvclin.cli.options import Options
     from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS
 
     keys: dict[str, tuple[str, ...]] = {}
     for kind, heading in _HEADINGS.items():
-        for parameter, item in Given(kind).fields.items():
+        for parameter, item in Options(kind).fields.items():
             flag = item.option or f"--{parameter.strip('_').replace('_', '-')}"
             home = "campaign" if item.name in _CAMPAIGN else heading
             home = "question" if item.name in _QUESTION else home

@@ -18,8 +18,8 @@ from tvclin.cli.options import (
     STUDY,
     AsJson,
     At,
-    Given,
     More,
+    Options,
     Plot,
     Source,
     option,
@@ -77,8 +77,8 @@ def study(
     source: Source = "configuration-i",
     time: At = None,
     winds: StudyWind = GROUP,
-    question: Given = Given(STUDY, ("dead_band", "switch", "sign", "model", "plane")),
-    limits: Given = BOTH_LIMITS,
+    question: Options = Options(STUDY, ("dead_band", "switch", "sign", "model", "plane")),
+    limits: Options = BOTH_LIMITS,
     limit_shape: str | None = option(
         f"Judge both planes with one limit of this shape: {LIMIT_SHAPES_HELP} The peak that the"
         " limit survives is then that of the wind's vector; without, that of its part in"
