@@ -56,7 +56,59 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
     assert "Flexible vehicle (--set study.rigid true: without): 3 bending modes, 2 tanks" in shown
     for mode in expected.modes:
         word = {"with the rigid body": "rigid"}.get(mode.stabilised, mode.stabilised)
-        assert re.search(rf"{mode.name} +{word} +{mode.frequency:.4g}", shown)
+        at = mode.crossover_frequency if word == "phase" else mode.frequency
+        assert re.search(rf"{mode.name} +{word} +{at:.4g}", shown)
+
+
+PHASED = """
+[vehicle]
+mass_kg = 1.2e6
+moment_of_inertia_kg_m2 = 1.6e8
+thrust_kN = 20000
+control_arm_m = 22.0
+aerodynamic_arm_m = 8.0
+velocity_m_per_s = 520.0
+attitude_deg = 50.0
+dynamic_pressure_kPa = 38.0
+reference_area_m2 = 30.0
+normal_force_coefficient_slope_per_deg = 0.08
+axial_force_coefficient = 0.5
+[[bending]]
+frequency_Hz = 2.5
+damping = 0.005
+modal_mass_kg = 4.0e5
+gimbal_displacement = 1.0
+gimbal_slope_per_m = -0.06
+attitude_slope_per_m = 0.10
+rate_slope_per_m = 0.10
+"""
+"""A vehicle whose mode is held by its phase, near its crossovers."""
+TURNING = ("--natural-frequency", "1.3", "--damping", "0.7")
+TURNING += ("--delay-ms", "30", "--sample-rate", "25")
+
+
+@pytest.fixture
+def phased(tmp_path: Path) -> str:
+    """Return the path of a vehicle file with a phase-stabilised mode."""
+    (tmp_path / "phased.toml").write_text(PHASED)
+    return str(tmp_path / "phased.toml")
+
+
+def test_the_smallest_margins_of_the_bands_are_those_of_the_whole_loop(phased):
+    """The gain may rise by 2.69 dB at a phase crossover of the mode, of the rigid body by 40 dB."""
+    result = run("margins", phased, *TURNING)
+    for whole, band in (
+        (r"gain may rise +2\.69 dB \(1\.36x\) +13\.3 ", r"bending 1 up +13\.3 +2\.69 dB"),
+        (r" phase +5\.42 deg +14\.02 ", r"bending 1 +phase +14\.02 +5\.42 deg"),
+        (r"gain may fall +16\.32 dB +0\.2116", r"rigid down +0\.2116 +16\.32 dB"),
+    ):
+        assert re.search(whole, result.output)
+        assert re.search(band, result.output)
+    document = json.loads(run("margins", phased, *TURNING, "--json").stdout)
+    mode, total = document["bands"]["modes"]["bending 1"], document["margins"]
+    for name in ("gain_increase_dB", "gain_increase_frequency_rad_per_s"):
+        assert mode[name] == total[name]
+    assert mode["crossover_frequency_rad_per_s"] == total["crossover_frequency_rad_per_s"]
 
 
 def test_modes_are_judged_where_the_command_line_asks_it_of_them():

@@ -233,8 +233,12 @@ class ModeBand(Shown):
     lag_margin, lead_margin : float or ndarray
         Smallest phase [rad] by which L may lag, and lead, at crossovers that the mode owns;
         infinite without one, and NaN in a loop that is not stable.
+    crossover_frequency : float or ndarray
+        Frequency of the smaller one of lag and lead margin [rad/s].
     gain_reduction, gain_increase : float or ndarray
         Factors above one by which the gain may fall and rise at phase crossovers of the mode.
+    gain_reduction_frequency, gain_increase_frequency : float or ndarray
+        Frequencies of these factors [rad/s].
     distance : float or ndarray
         Minimum of ``|1 + L|`` within eight half-widths of the pole.
     alias : float or ndarray
@@ -249,8 +253,11 @@ class ModeBand(Shown):
     peak_frequency: Any = field(metadata=spec("natural frequency", card=False))
     lag_margin: Any = field(metadata=spec("angle", card=False))
     lead_margin: Any = field(metadata=spec("angle", card=False))
+    crossover_frequency: Any = field(metadata=spec("natural frequency", card=False))
     gain_reduction: Any = field(metadata=spec("gain", card=False))
+    gain_reduction_frequency: Any = field(metadata=spec("natural frequency", card=False))
     gain_increase: Any = field(metadata=spec("gain", card=False))
+    gain_increase_frequency: Any = field(metadata=spec("natural frequency", card=False))
     distance: Any = field(metadata=spec())
     alias: Any = field(metadata=spec("natural frequency", card=False))
 
@@ -356,9 +363,11 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
     signed = (np.where(phase > 0.0, phase, np.nan) for phase in (owned.phases, -owned.phases))
     lags = [row_minimum(phase, analysis.gain_frequencies)[0] for phase in signed]
-    margins = np.stack([*lags, *classical_margins(owned)[:2, 0]])
+    gain_reduction, gain_increase, (_, crossover) = classical_margins(owned)[:3]
+    margins = np.stack([*lags, crossover, *gain_reduction, *gain_increase])
     margins[:, ~analysis.stable] = np.nan
-    names = ("lag_margin", "lead_margin", "gain_reduction", "gain_increase")
+    of_gain = (f"gain_{way}{of}" for way in ("reduction", "increase") for of in ("", "_frequency"))
+    names = ("lag_margin", "lead_margin", "crossover_frequency", *of_gain)
     return {
         **dict(zip(names, margins, strict=True)),
         "pole": pole,

@@ -1,6 +1,6 @@
 """Criteria for stability margins: their limits with their sources, judgements, and their tables."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -9,7 +9,7 @@ import numpy as np
 from tvclin.base import lines
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, each, instance, nonnegative, number, one_of, plain, text
-from tvclin.base.fields import Field, spec, specs
+from tvclin.base.fields import Field, decibels, spec, specs
 from tvclin.base.lines import Line, Table, labelled, significant
 from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import FileTable
@@ -323,19 +323,22 @@ def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
 
 
 def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
-    """Return the table of margins by band; without the rigid body for an unstable loop."""
+    """Return the table of margins by band; without the rigid body for an unstable loop.
+
+    A mode at whose phase crossover the gain may fall or rise the least has a row for that, so that
+    the margins of the whole loop are among those of the bands.
+    """
     rows: list[tuple[Line, ...]] = []
     for name, label in zip(MARGINS, ("down", "up", "phase"), strict=False):
         _, unit, where = MARGINS[name]
         at = significant(f"rigid.{name}.rad_per_s", getattr(bands.rigid, where))
         value = margin(f"rigid.{name}", getattr(bands.rigid, name), unit)
-        rows.append(((f"rigid, {label}",), ("",), at, value, ("",), ("",)))
+        rows.append(((f"rigid {label}",), ("",), at, value, ("",), ("",)))
     rows = rows if bands.margins.stable else []
     by_mode = {j.band: j for j in judged if j.band and not np.isnan(j.value)}
-    rows += [
-        (*_mode_cells(k, mode), *_limit_cells(by_mode.get(mode.name)))
-        for k, mode in enumerate(bands.modes)
-    ]
+    for k, mode in enumerate(bands.modes):
+        rows.append((*_mode_cells(k, mode), *_limit_cells(by_mode.get(mode.name))))
+        rows += [(*cells, ("",), ("",)) for cells in _gain_cells(k, mode, bands.margins)]
     head = ("band", "held by", "at [rad/s]", "margin", "required", "by")
     width = len(head) if by_mode else len(head) - 2
     return Table("Margins by band", head[:width], tuple(row[:width] for row in rows))
@@ -349,12 +352,24 @@ def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
         PHASE: margin(f"{key}.phase", mode.phase_margin_deg, "deg"),
         RIGID: (*lines.number(f"{key}.distance", mode.distance, 2), " from -1"),
     }
+    crossover = np.isfinite(mode.crossover_frequency)
     return (
         (mode.name,),
         (_WORDS.get(mode.stabilised, str(mode.stabilised)),),
-        significant(f"{key}.rad_per_s", mode.frequency),
+        significant(f"{key}.rad_per_s", mode.crossover_frequency if crossover else mode.frequency),
         margins.get(mode.stabilised, ("none",)),
     )
+
+
+def _gain_cells(k: int, mode: ModeBand, whole: Margins) -> Iterator[tuple[Line, ...]]:
+    """Yield name, frequency and factor on the gain of the k-th mode, where the whole loop's."""
+    smallest = {"reduction": ("down", whole.aero_margin), "increase": ("up", whole.gain_increase)}
+    for way, (label, of_whole) in smallest.items():
+        factor, at = (getattr(mode, f"gain_{way}{of}") for of in ("", "_frequency"))
+        if np.isfinite(factor) and factor == of_whole:
+            key = f"band.{k}.gain_{way}"
+            value = margin(key, decibels(factor), "dB")
+            yield (f"{mode.name} {label}",), ("",), significant(f"{key}.rad_per_s", at), value
 
 
 def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
