@@ -173,13 +173,17 @@ def test_the_verdict_says_whether_a_forecast_would_help():
         assert result.verdict == f"NOT SUFFICIENT, below the lower bound, {words}"
 
 
-def test_what_no_rate_or_acceleration_survives_is_refused_with_the_least():
+def test_no_limit_is_sufficient_at_too_low_a_rate_and_too_low_an_acceleration_is_refused():
     wind = triangle(FIXED, 4.0)
     front = rate_trade_off(FIXED, wind)
     assert front.minimum_rate == pytest.approx(BETA * tv.optimum_deflection(FIXED, wind).peak)
+    slow = rate_trade_off(FIXED, wind, limit=0.3, rate_limit=front.minimum_rate)
+    assert np.isinf(slow.limits[0])
+    assert np.isinf(slow.lower_bound)
+    assert slow.above_lower_bound is False
+    assert slow.verdict == "NOT SUFFICIENT, below the lower bound, wind known"
     with pytest.raises(tv.InputError, match=f"{front.minimum_rate:.6g} rad/s"):
-        rate_trade_off(FIXED, wind, rate_limit=front.minimum_rate)
-    assert np.isinf(rate_trade_off(FIXED, wind, [front.minimum_rate]).limits[0])
+        tv.boundary.load_trade_off(FIXED, wind, rate_limit=front.minimum_rate)
     with pytest.raises(tv.InputError, match="acceleration_limit must be above"):
         rate_trade_off(FIXED, wind, acceleration_limit=BETA * front.minimum_rate)
     with pytest.raises(tv.InputError, match="one unstable pole decides"):

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,12 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.turns import usual
+from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.nozzle.duty_over_flight import FlownDuty
+from tvclin.studyfile.assumptions import sentence
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.questions import questions
 
 SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
 
@@ -83,7 +88,7 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
                 "trim is lost",
             ),
             (("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot"), 0, "flown: MET"),
-            (("--rate-limit-deg", "0.05"), 2, "more than 0.101665 deg/s"),
+            (("--rate-limit-deg", "0.05"), 1, "at this rate limit: no limit is sufficient"),
             (("--law", "trim"), 2, "--limit-deg"),
             (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
             (("--set", "autopilot.attitude_gain=1"), 2, "--law"),
@@ -202,29 +207,67 @@ def test_a_hinge_without_what_turns_about_it_is_refused(tmp_path) -> None:
     assert "arm_m" in words
 
 
+def in_head_wind() -> tv.Vehicle:
+    """Return configuration I at the dynamic pressure at the peak of a head wind of 5 deg."""
+    vehicle, angle = tv.load_vehicle("configuration-i"), np.radians(-5.0)
+    path = float(vehicle.attitude)
+    against = np.sin(angle) / np.sin(path + angle)
+    more = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
+    return vehicle.replace(
+        normal_force_slope=vehicle.normal_force_slope * more,
+        axial_force=vehicle.axial_force * more,
+    )
+
+
+@pytest.mark.parametrize(
+    ("bound", "vehicle", "ratio", "yes"),
+    usual(
+        [
+            ("required_rate", in_head_wind(), 1.001, True),
+            ("required_rate", in_head_wind(), 0.999, None),
+            ("minimum_rate", in_head_wind(), 1.001, None),
+            ("minimum_rate", in_head_wind(), 0.999, None),
+            ("required_rate", None, 1.001, None),
+            ("required_rate", None, 0.999, False),
+            ("minimum_rate", None, 0.999, False),
+        ],
+        *(0, 3, 6),
+    ),
+)
+def test_less_rate_never_has_a_better_answer(tmp_path, bound, vehicle, ratio, yes) -> None:
+    """Nor where no deflection survives at that rate, at one dynamic pressure or at both."""
+    plan = tv.load_study(study_file(tmp_path, ""))
+    rate = float(ratio * getattr(front(vehicle, limit=0.6), bound))
+    findings = find(replace(plan, nozzle=replace(plan.nozzle, rate_limit=rate)))
+    (answer,) = (one for one in questions(findings) if one.name == "nozzle rate")
+    assert answer.yes is yes
+    required = np.degrees(front(in_head_wind(), limit=0.6).required_rate)
+    assert answer.measure.required == pytest.approx(required)
+    unknown = replace(findings, head=replace(findings.head, rates=None))
+    (answer,) = (one for one in questions(unknown) if one.name == "nozzle rate")
+    assert answer.yes is (None if yes else yes)
+    if bound == "minimum_rate" and vehicle is None:
+        assert text(sentence(findings)) == (
+            f"NOT MET: with this limit any control requires {required:.3f} deg/s and has"
+            f" {np.degrees(rate):.3f} deg/s."
+        )
+
+
 @pytest.mark.parametrize(
     ("limit", "rate", "yes"), usual([(0.6, 10.0, True), (0.25, 0.2, False), (0.3, 0.2, None)], 1, 2)
 )
 def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, limit, rate, yes):
     """At nominal pressure and, if it survives there, at that of a head wind's peak throughout."""
     file = Path(study_file(tmp_path, ""))
-    text = file.read_text().replace("= 0.6", f"= {limit}").replace("= 10", f"= {rate}")
-    file.write_text(text)
+    study = file.read_text().replace("= 0.6", f"= {limit}").replace("= 10", f"= {rate}")
+    file.write_text(study)
     result = CliRunner().invoke(app, ["study", str(file), "--json"])
     (request,) = (
         one for one in json.loads(result.stdout)["questions"] if one["name"] == "nozzle rate"
     )
-    vehicle, angle = tv.load_vehicle("configuration-i"), np.radians(-5.0)
-    path = float(vehicle.attitude)
-    against = np.sin(angle) / np.sin(path + angle)
-    more = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
-    denser = vehicle.replace(
-        normal_force_slope=vehicle.normal_force_slope * more,
-        axial_force=vehicle.axial_force * more,
-    )
     calm, needed = (
         np.degrees(front(one, limit=limit, rate_limit=rate).required_rate)
-        for one in (vehicle, denser)
+        for one in (None, in_head_wind())
     )
     if limit == 0.3:
         assert (round(calm, 3), round(needed, 3)) == (0.173, 0.314)

@@ -20,7 +20,7 @@ QUANTITIES = {
     "survivable peak": "the largest peak of a wind of this shape and duration that the limit"
     " survives, up to a wind angle of 30 deg",
     "required rate": "the smallest rate limit with which a control that knows the wind survives"
-    " with the deflection limit",
+    " with the deflection limit; along a flight, that of a ramp for the required deflection",
     "controllability ratio": "the available deflection over static trim with all that adds up; it"
     " takes the wind for lasting",
 }

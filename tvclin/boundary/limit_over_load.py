@@ -470,6 +470,13 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
     if np.isfinite(rate):
         slow = rate_trade_off(plant, wind, [rate], rate_limit=rate)
         minimum_deflection = float(slow.limits[0])
+        if np.isinf(minimum_deflection):
+            least = slow.minimum_rate
+            raise InputError(
+                "rate_limit is too small for any deflection to survive this wind; got"
+                f" {np.degrees(rate):.4g} deg/s, and more than {np.degrees(least):.6g} deg/s"
+                f" ({least:.6g} rad/s) is required"
+            )
         if no_forecast:
             pole = float(np.real(unstable_poles(plant)[0]))
             no_forecast = float(ramped_deflection(no_forecast, pole, rate))
@@ -548,7 +555,8 @@ def load_trade_off(
     ------
     InputError
         Where `optimum_deflection` or, with a rate limit, `rate_trade_off` raises it; for loads that
-        are not positive, and a load of the structure below the lower bound of every deflection.
+        are not positive, a rate limit with which no deflection is sufficient, and a load of the
+        structure below the lower bound of every deflection.
 
     Notes
     -----

@@ -201,7 +201,8 @@ class RateTradeOff(TradeOff):
     limit, rate_limit : float or None
         Limits of the nozzle [rad, rad/s].
     lower_bound : float
-        The larger of limit and bound [rad], at the nozzle's rate or else at any.
+        The larger of limit and bound [rad], at the nozzle's rate or else at any; infinite where no
+        angle is sufficient at that rate.
     required_rate : float
         The minimum rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
     angle : float
@@ -331,8 +332,8 @@ def rate_trade_off(
     ------
     InputError
         Where `optimum_deflection` raises it; for a fastest pole that is not real, limits that are
-        not positive, a rate limit of the nozzle or an acceleration with which no angle is enough,
-        and an acceleration limit where two poles decide.
+        not positive, an acceleration with which no angle is sufficient, and an acceleration limit
+        where two poles decide.
 
     Notes
     -----
@@ -359,12 +360,6 @@ def rate_trade_off(
     )
     case = _case_of(plant, wind, c)
     minimum_rate = case.minimum_rate
-    if nozzle_rate is not None and nozzle_rate <= minimum_rate:
-        raise InputError(
-            "rate_limit is too small for any deflection to survive this wind; got"
-            f" {np.degrees(nozzle_rate):.4g} deg/s, and more than"
-            f" {np.degrees(minimum_rate):.6g} deg/s ({minimum_rate:.6g} rad/s) is required"
-        )
     no_forecast = case.no_forecast
     usual = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
     if nozzle_rate is not None:

@@ -22,6 +22,7 @@ from tvclin.base.quantities import (
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import DIGITS, margin, unit_factor
+from tvclin.requirement.flight.total import OF_RAMP
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.study_plan import StudyPlan
@@ -252,14 +253,19 @@ def _rate(findings: Findings) -> Question:
     line: Line = ("the least rate with which any control survives with this limit",)
     if np.isinf(front.required_rate):
         line = ("with this limit no rate is sufficient",)
-    yes = front.above_lower_bound
-    if findings.head is not None and findings.head.rates is not None:
+    yes, head = front.above_lower_bound, findings.head
+    if head is not None and head.rates is not None:
         nominal = degrees("asked.calm_rate", front.required_rate, unit="deg/s")
-        line, front = (*line, _at_peak(findings), *nominal), findings.head.rates
+        line, front = (*line, _at_peak(findings), *nominal), head.rates
         yes = _also(yes, front.above_lower_bound)
+    elif head is not None and yes:
+        return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
     required = front.lower_bound * findings.study.plane_ratio
+    whose = "at this rate any control requires"
+    if yes is False and np.isinf(required):  # no angle is sufficient at this rate
+        required, whose = np.nan, "with this limit any control requires"
     measure = _of_angles(front.required_rate, front.rate_limit or np.nan, "deg/s")
-    return Question(name, yes, line, required, "at this rate any control requires", measure)
+    return Question(name, yes, line, required, whose, measure)
 
 
 def _load(findings: Findings) -> Question:
@@ -293,7 +299,8 @@ def _flight(findings: Findings) -> Question:
     if total.too_slow and (
         limit is None or covers(limit, total.required)
     ):  # the angle is sufficient
-        line = (f"the least rate with which the limit is sufficient for {flight}", reserve)
+        least = f"the least rate {OF_RAMP} with which the limit is sufficient"
+        line = (f"{least} for {flight}", reserve)
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
         return Question(name, False, line, whose=whose, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
@@ -313,7 +320,9 @@ def _flight_rate(findings: Findings) -> Iterator[Question]:
         yield Question(_FLIGHT_RATE, None, ("not known along the flight",))
         return
     none = np.isinf(total.needed_rate)
-    line = "no rate is sufficient with this limit" if none else "at the worst flight time"
+    line = (
+        "no rate is sufficient with this limit" if none else f"{OF_RAMP}, at the worst flight time"
+    )
     measure = _of_angles(total.needed_rate, total.rate_limit, "deg/s")
     yield Question(_FLIGHT_RATE, not total.too_slow, (line,), measure=measure)
 

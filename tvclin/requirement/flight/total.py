@@ -50,6 +50,8 @@ _MIN_SHORTFALL_RAD = float(np.radians(0.001))
 """Shortfall [rad] below which more than three digits behind the point are shown."""
 RATES = (1e-15, 1e9)
 """Smallest and largest rate limit [rad/s]."""
+OF_RAMP = "of a ramp for the required deflection"
+"""Definition of the required rate along a flight: not that of a control that knows the wind."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,8 @@ class DeflectionTotal(Shown):
         End of the flight at that time, in words, beyond which the total may be larger; empty
         between the ends.
     needed_rate : float
-        Required rate [rad/s], at the limit or else at any; NaN where it is not known.
+        Required rate [rad/s] of a ramp for the required deflection of the wind, at the limit or
+        else at any; NaN where it is not known.
     """
 
     lines: tuple[Line, ...] = field(metadata=spec(card=False))
@@ -154,7 +157,7 @@ class DeflectionTotal(Shown):
             available = degrees("total.rate_limit", self.rate_limit, unit="deg/s")
             needed = degrees("total.needed_rate", self.needed_rate, unit="deg/s")
             word = f"{sufficiency(False)}, " if self.too_slow else ""
-            line = ("required rate ", *needed)
+            line = ("required rate ", *needed, f" {OF_RAMP}")
             if not np.isfinite(self.needed_rate):
                 unknown = np.isnan(self.needed_rate)
                 line = (
