@@ -340,8 +340,32 @@ def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, arch
     below, above = result.fraction().bounds
     assert below < result.fraction().fraction < above
     assert result.today(burst).go is None
-    # where even a wind as strong as that of others does not matter, it is known again
+    # where even the strongest wind does not matter, it is known again
     assert result.with_limit(np.radians(20.0)).fraction().unknown == 0
+
+
+@pytest.mark.parametrize("top", [np.inf, 15e3], ids=["above the end", "in a gap"])
+@pytest.mark.parametrize("speed", usual([-130.0, 120.0], 1))
+def test_no_wind_where_none_was_measured_requires_more_than_the_upper_bound(
+    flight, speed, top
+) -> None:
+    """Though no other sounding of the archive was so strong; `size` says what it requires."""
+    height = np.arange(0.0, 35e3, 250.0)
+    seen = (height <= 9e3) | (height >= top)
+    whole, part = (
+        tv.WindProfile(height=height[keep], east=east[keep], north=0.0 * height[keep])
+        for east, keep in (
+            (np.where(seen, 20.0, speed), np.ones(height.size, dtype=bool)),
+            (np.full(height.size, 20.0), seen),
+        )
+    )
+    required = size_says(flight, whole, pressure=True)
+    options = {"limit": 0.9 * required, "azimuth": EAST, "plane": "pitch"}
+    result = tv.availability(flight, one(part), **options)
+
+    assert result.lower[0] < options["limit"] < required <= result.upper[0] * (1.0 + JETS)
+    assert result.fraction().unknown == 1
+    assert result.today(part).go is None
 
 
 def test_what_ends_below_the_largest_dynamic_pressure_is_never_judged(archive) -> None:
@@ -372,7 +396,11 @@ def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(
     assert np.all(
         (computed.lower - CLOSE <= whole.required) & (whole.required <= computed.upper + CLOSE)
     )
-    assert computed.fraction().unknown <= 2
+    # lost where they are lost below; flown where any wind above is survived
+    assert np.array_equal(computed.flies, np.where(whole.flies == 0.0, 0.0, np.nan), equal_nan=True)
+    flown = computed.with_limit(np.radians(0.56)).flies
+    assert np.sum(flown == 1.0) > 10
+    assert np.array_equal(flown == 1.0, computed.upper < np.radians(0.56))
     further = tv.availability(flight, old, limit=np.radians(0.3), known_to=20e3, **PITCH)
     assert set(further.why) == {"the sounding ends below known_to"}
 
@@ -391,7 +419,8 @@ def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archi
 
 
 def test_a_calm_flies_with_no_limit_at_all(flight) -> None:
-    calm = tv.WindProfile(height=[0.0, 40e3], east=[0, 0], north=[0, 0])
+    height = np.linspace(0.0, 40e3, 21)
+    calm = tv.WindProfile(height=height, east=0.0 * height, north=0.0 * height)
     result = tv.availability(flight, one(calm), limit=0.0, azimuth=EAST)
 
     assert result.required == [0.0]

@@ -1,8 +1,9 @@
 """Required deflections of the soundings of an archive: bounds, equal where all wind is known.
 
 Where the wind of a sounding is not known, two winds are computed: a calm; and a wind against the
-vehicle, as strong as the last known one, or as the 95 % quantile of the archive at that height, if
-that is stronger. The required deflection lies between the requirements of both.
+vehicle, as strong as any that a sounding may have, or, in gaps up to `MAX_BOUNDED_DISTANCE`, as the
+stronger one of both edges, or as the 95 % quantile of the archive at that height, if that is
+stronger. The required deflection is at most the larger of both requirements.
 
 The equations of the vehicle are computed once, at even steps of the interval; all winds are marched
 along them at the wind angle and dynamic pressure encountered. In a plane the requirement is the
@@ -22,6 +23,7 @@ import numpy as np
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.ensembles.availability.sounding_winds import (
+    MAX_BOUNDED_DISTANCE,
     FlightPath,
     LineWinds,
     SoundingWinds,
@@ -351,7 +353,7 @@ class Judge:
         pressure: bool,
         **options: Any,
     ) -> Judge:
-        """Return the judge of a flight, for which an unknown wind is as strong as in the archive.
+        """Return the judge of a flight, with the strength of the winds of an archive in gaps.
 
         Same exceptions as `FlightMode` and `FlightPath`.
         """
@@ -588,7 +590,9 @@ class Judge:
         unknown, size = np.zeros(height.shape, dtype=bool), wind
         if strong:
             usual = np.interp(height, self.heights, self.strength[plane, azimuth])
-            unknown, size = soundings.unknown(height), np.maximum(np.abs(wind), usual)
+            unbounded = soundings.unknown(height, MAX_BOUNDED_DISTANCE)
+            strongest = np.where(unbounded, self.path.fastest_wind(height), usual)
+            unknown, size = soundings.unknown(height), np.maximum(np.abs(wind), strongest)
         judged = np.ptp(height, axis=1, keepdims=True) > 0.0
         for sign in (1.0, -1.0):
             speed = judged * (np.where(unknown, sign * size, wind) + sign * growth)

@@ -41,6 +41,7 @@ from tvclin.base.errors import (
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings, gather
+from tvclin.winds.soundings.levels import MAX_WIND_SPEED
 from tvclin.winds.soundings.profile import checked_flight, longest_interval
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, along_from_angle, pressure_in_winds
 
@@ -155,8 +156,11 @@ def grown_by(
 
 MAX_LEVEL_DISTANCE = 2000.0
 """Largest distance of two levels [m] between which the wind is known."""
+MAX_BOUNDED_DISTANCE = 3000.0
+"""Largest distance of two levels [m] between which an unknown wind is bounded by both and by the
+archive: above that of the mandatory pressure levels up to 50 hPa."""
 _EDGE_DISTANCE = 0.01
-"""Distance [m] of the additional levels from the edges of a gap."""
+"""Distance [m] of the additional levels from the edges of an unknown wind."""
 _SOUNDING_OFFSET = 1e6
 """Offset [m] between the heights of successive soundings, where all are in one array."""
 _STRENGTH_QUANTILE = 0.95
@@ -193,6 +197,14 @@ class FlightPath:
     def speed_and_climb(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return speed [m/s] and flight path angle [rad] at times [s]."""
         return np.interp(times, self.time, self.speed), np.interp(times, self.time, self.climb)
+
+    def fastest_wind(self, height: FloatArray) -> FloatArray:
+        """Return the fastest wind [m/s] that is judged at heights [m], in their shape.
+
+        It is `MAX_WIND_SPEED`, or less where its angle would exceed `MAX_LINEAR_ANGLE`.
+        """
+        speed = np.interp(height, self.height, self.speed)
+        return np.minimum(MAX_WIND_SPEED, np.sin(MAX_LINEAR_ANGLE) * speed)
 
     def nominal_angle(self, wind: FloatArray, times: FloatArray, plane: str) -> FloatArray:
         """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight, eq (B1e)."""
@@ -342,10 +354,14 @@ class SoundingWinds:
         inside = (ends[:, :1] <= path.densest) & (path.densest <= ends[:, 1:])
         return np.where(inside, ends, np.nan)
 
-    def unknown(self, height: FloatArray) -> BoolArray:
-        """Return whether the wind at heights [m] is not measured, ``(n, k)``."""
+    def unknown(self, height: FloatArray, distance: float = 0.0) -> BoolArray:
+        """Return whether the wind at heights [m] is not measured, ``(n, k)``.
+
+        It is not beyond the levels, and in gaps wider than a distance [m].
+        """
+        gaps = self.gaps[self.height[self.gaps + 2] - self.height[self.gaps - 1] > distance]
         edge = np.zeros(self.height.size)
-        edge[self.gaps] = edge[self.gaps + 1] = 1.0
+        edge[gaps] = edge[gaps + 1] = 1.0
         outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
         return np.asarray(outside | (self.interpolated(edge, height) > 0.5))
 
@@ -366,17 +382,19 @@ class SoundingWinds:
     def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
         """Return the heights [m] of levels and of rows of the flight, ascending, ``(n, k)``.
 
-        They are from the lowest to the highest level, or, with `strong`, along the entire flight;
-        soundings with fewer levels repeat heights.
+        They are from the lowest to the highest level, or, with `strong`, along the entire flight,
+        with two more where the wind becomes unknown; soundings with fewer levels repeat heights.
         """
         counts = np.diff(self.offsets)
         index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
         levels = self.height[self.offsets[:-1, np.newaxis] + index]
         first, last = path.height[0], path.height[-1]
         low, high = (np.clip(end, first, last)[:, np.newaxis] for end in (self.bottom, self.top))
-        if strong:
-            low, high = np.full_like(low, first), np.full_like(high, last)
         rows = np.broadcast_to(path.height, (counts.size, path.height.size))
+        if strong:
+            edges = np.stack([self.bottom - _EDGE_DISTANCE, self.top + _EDGE_DISTANCE], axis=1)
+            levels = np.concatenate([levels, edges], axis=1)
+            low, high = np.full_like(low, first), np.full_like(high, last)
         return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
 
     def interpolated(self, wind: FloatArray, height: FloatArray) -> FloatArray:
