@@ -117,6 +117,30 @@ def test_bad_input_is_one_sentence_and_exit_code_two(station, options, said) -> 
     assert said in result.output
 
 
+def test_an_archive_without_a_usable_sounding_is_one_sentence_with_its_line(tmp_path) -> None:
+    (tmp_path / "2024-01-05.csv").write_text(
+        "altitude_m,speed_m_per_s,direction_deg\n0,10,260\n11000,200,260\n26000,20,260\n"
+    )
+    result = run(str(tmp_path), *EAST, "--limit-deg", "0.6")
+
+    assert result.exit_code == 2
+    assert "none of 1 soundings can be used: " in result.output
+    assert "line 3: no wind blows with 200 m/s, above 130" in result.output
+
+
+def test_ascent_and_availability_know_nothing_above_the_end_of_a_sounding(tmp_path) -> None:
+    file = tmp_path / "2024-01-05.csv"
+    rows = "".join(f"{height},20,260\n" for height in range(0, 9001, 500))
+    file.write_text(f"altitude_m,speed_m_per_s,direction_deg\n{rows}")
+    days = run(str(tmp_path), *EAST, "--limit-deg", "0.6")
+    options = ("--winds", str(file), "--azimuth-deg", "90", "--limit-deg", "0.6")
+    flight = CliRunner().invoke(app, ["ascent", "configuration-i", *options])
+
+    assert "none judged, 1 unknown" in days.output
+    assert "required deflection NOT KNOWN above 9.0 km" in flight.output
+    assert (days.exit_code, flight.exit_code) == (1, 1)
+
+
 def test_the_figure_is_what_the_library_says(station, tmp_path) -> None:
     import matplotlib.pyplot as plt
 

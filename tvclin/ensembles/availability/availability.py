@@ -121,7 +121,7 @@ def availability(
     Raises
     ------
     InputError
-        For a flight without altitude, no soundings at all, and numbers out of range.
+        For a flight without altitude, no usable sounding, and numbers out of range.
 
     Examples
     --------
@@ -137,13 +137,9 @@ def availability(
     1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
     """
     instance("flight", flight, FlightSchedule, "see load_schedule")
-    instance("soundings", soundings, Soundings, "see read_soundings")
+    _check_usable(soundings)
     one_of("plane", plane, (BOTH, *PLANES))
     one_of("model", model, MODELS)
-    if not len(soundings):
-        raise InputError(
-            "soundings must hold one or more; got none (check month, years and station)"
-        )
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
     checked_gust(gust)
@@ -197,6 +193,17 @@ def availability(
         judged=required.judged,
         judge=judge,
     )
+
+
+def _check_usable(soundings: Soundings) -> None:
+    """Raise `InputError` for another type than an archive, or one without a usable sounding."""
+    instance("soundings", soundings, Soundings, "see read_soundings")
+    if not len(soundings):
+        raise InputError(
+            "soundings must hold one or more; got none (check month, years and station)"
+        )
+    if not np.any(soundings.usable):
+        raise InputError(f"none of {len(soundings)} soundings can be used: {soundings.why[0]}")
 
 
 def _added(
@@ -293,8 +300,8 @@ class AvailabilityRequest:
     Raises
     ------
     InputError
-        For other types than flight and archive, an empty archive, unknown names, and numbers out
-        of range.
+        For other types than flight and archive, an archive without a usable sounding, unknown
+        names, and numbers out of range.
     """
 
     flight: FlightSchedule
@@ -309,11 +316,7 @@ class AvailabilityRequest:
 
     def __post_init__(self) -> None:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")
-        instance("soundings", self.soundings, Soundings, "see read_soundings")
-        if not len(self.soundings):
-            raise InputError(
-                "soundings must hold one or more; got none (check month, years and station)"
-            )
+        _check_usable(self.soundings)
         checked(self)
         growth_of(self.persistence)
 
