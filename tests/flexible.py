@@ -99,3 +99,28 @@ def transfer(matrices, s):
     """Return C (s - A)^-1 B + D at one complex frequency."""
     A, B, C, D = matrices
     return C @ np.linalg.solve(s * np.eye(A.shape[-1]) - A, B) + D
+
+
+PHASED = """
+[vehicle]
+mass_kg = 1.2e6
+moment_of_inertia_kg_m2 = 1.6e8
+thrust_kN = 20000
+control_arm_m = 22.0
+aerodynamic_arm_m = 8.0
+velocity_m_per_s = 520.0
+attitude_deg = 50.0
+dynamic_pressure_kPa = 38.0
+reference_area_m2 = 30.0
+normal_force_coefficient_slope_per_deg = 0.08
+axial_force_coefficient = 0.5
+[[bending]]
+frequency_Hz = 2.5
+damping = 0.005
+modal_mass_kg = 4.0e5
+gimbal_displacement = 1.0
+gimbal_slope_per_m = -0.06
+attitude_slope_per_m = 0.10
+rate_slope_per_m = 0.10
+"""
+"""A vehicle whose mode is held by its phase, near its crossovers."""

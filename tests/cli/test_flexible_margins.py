@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.flexible import PHASED
 from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.vehicle.vehicle_file import read_vehicle_text
@@ -60,29 +61,6 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
         assert re.search(rf"{mode.name} +{word} +{at:.4g}", shown)
 
 
-PHASED = """
-[vehicle]
-mass_kg = 1.2e6
-moment_of_inertia_kg_m2 = 1.6e8
-thrust_kN = 20000
-control_arm_m = 22.0
-aerodynamic_arm_m = 8.0
-velocity_m_per_s = 520.0
-attitude_deg = 50.0
-dynamic_pressure_kPa = 38.0
-reference_area_m2 = 30.0
-normal_force_coefficient_slope_per_deg = 0.08
-axial_force_coefficient = 0.5
-[[bending]]
-frequency_Hz = 2.5
-damping = 0.005
-modal_mass_kg = 4.0e5
-gimbal_displacement = 1.0
-gimbal_slope_per_m = -0.06
-attitude_slope_per_m = 0.10
-rate_slope_per_m = 0.10
-"""
-"""A vehicle whose mode is held by its phase, near its crossovers."""
 TURNING = ("--natural-frequency", "1.3", "--damping", "0.7")
 TURNING += ("--delay-ms", "30", "--sample-rate", "25")
 
@@ -109,6 +87,28 @@ def test_the_smallest_margins_of_the_bands_are_those_of_the_whole_loop(phased):
     for name in ("gain_increase_dB", "gain_increase_frequency_rad_per_s"):
         assert mode[name] == total[name]
     assert mode["crossover_frequency_rad_per_s"] == total["crossover_frequency_rad_per_s"]
+
+
+NOTCH = '[{kind = "notch", frequency_Hz = 2.5, zero_damping = 0.05, pole_damping = 0.5}]'
+
+
+def test_a_mode_that_is_unstable_within_a_tenth_of_its_frequency_is_noted(phased):
+    """At 1.06 of its frequency the loop is stable, at 1.07 it is not."""
+    notched = (*TURNING, "--set", f"autopilot.filter={NOTCH}")
+    note = "bending 1 is unstable at 1.065 of its frequency; --detuned shows the margins"
+    result = run("margins", phased, *notched, "--json")
+    assert note in json.loads(result.stdout)["notes"]
+    assert result.exit_code == 0
+    off = run("margins", phased, *notched, "--detuned", "--json")
+    document = json.loads(off.stdout)
+    assert f"{document['detuned']['edges'][0]['upper']:.3f}" == "1.065"
+    assert note not in document["notes"]
+    for factor, stable in ((0.95, True), (1.06, True), (1.07, False)):
+        moved = PHASED.replace("frequency_Hz = 2.5", f"frequency_Hz = {2.5 * factor}")
+        Path(phased).write_text(moved)
+        document = json.loads(run("margins", phased, *notched, "--json").stdout)
+        assert document["stable"] is stable
+        assert any("is unstable at" in note for note in document["notes"]) is (factor == 1.06)
 
 
 def test_modes_are_judged_where_the_command_line_asks_it_of_them():
@@ -258,7 +258,7 @@ def test_detuned_modes_are_those_of_the_library():
     edge = expected.stable_ranges[1]
     assert document["edges"][1]["lower"] == pytest.approx(edge.lower, rel=1e-9)
     shown = margins(*arguments, "--more").output
-    assert f"bending 2: unstable at {edge.lower:.3f} of its frequency" in shown
+    assert f"bending 2 is unstable at {edge.lower:.3f} of its frequency" in shown
     assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)
 
 

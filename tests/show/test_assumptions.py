@@ -2,16 +2,18 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.flexible import PHASED
 from tests.show.pages import section
 from tests.turns import usual
 from tvclin.base.lines import Number, text
 from tvclin.studyfile import assumptions as verdict
-from tvclin.studyfile.assumptions import assumptions, study_warnings
+from tvclin.studyfile.assumptions import assumptions, detuning_notes, study_warnings
 from tvclin.studyfile.findings import Findings, find
 
 HEADER = re.compile(r"<header.*?</header>", re.DOTALL)
@@ -50,6 +52,34 @@ def test_a_rate_that_theory_or_autopilot_exceeds_is_not_marked_as_holding(
 ) -> None:
     answers = found(f"rate_limit_deg_per_s = {rate}\n[autopilot]\n", tmp_path, limit=2.0)
     assert check_of(answers, "The boundary does not count the rate limit").state == state
+
+
+def test_a_mode_that_is_unstable_near_its_frequency_is_a_doubtful_assumption(tmp_path) -> None:
+    """A mode at 0.95 of the notch is unstable at 1.126 of its frequency, at the notch at 1.069."""
+    answers = found("", tmp_path)
+    words = "The frequencies of modes are those of the vehicle file"
+    assert not any(text(one.line).startswith(words) for one in assumptions(answers))
+    unstable = "bending 1 is unstable at 1.069 of its frequency"
+    for factor, state, notes in (
+        (0.95, "ok", []),
+        (1.0, "doubt", [f"{unstable}; tvclin margins --detuned shows the margins"]),
+    ):
+        moved = PHASED.replace("frequency_Hz = 2.5", f"frequency_Hz = {2.5 * factor}")
+        (tmp_path / "phased.toml").write_text(moved)
+        plant = tv.linear.plant_of(tv.load_vehicle(tmp_path / "phased.toml"), "drift-exact")
+        autopilot = replace(
+            tv.design_gains(plant.rigid, natural_frequency=1.3, damping=0.7),
+            filters=(tv.vehicle.Filter.notch(5.0 * np.pi, 0.05, 0.5),),
+            delay=0.05,
+            actuator=tv.Actuator(),
+        )
+        detuned = tv.control.detuned(autopilot, plant)
+        flexible = SimpleNamespace(bands=autopilot.band_margins(plant), detuned=detuned)
+        with_modes = replace(answers, flexible=flexible)
+        check = check_of(with_modes, words)
+        assert check.state == state
+        assert (f"{words}, but {unstable}." == text(check.line)) is (state == "doubt")
+        assert list(detuning_notes(with_modes)) == notes
 
 
 @pytest.mark.thorough

@@ -36,7 +36,7 @@ from tvclin.cli.output import answer, draw, print_answer, print_tables, say, say
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
-from tvclin.control.autopilot.detuning import Detuned, detuned
+from tvclin.control.autopilot.detuning import Detuned, detuned, detuning_note, stable_ranges
 from tvclin.control.autopilot.margin_bounds import MarginBounds, margin_bounds
 from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.margins.bands import BandMargins
@@ -302,9 +302,19 @@ class _Answer:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Notes on gains that were not specified, and on gains that satisfy the criteria."""
+        """Notes on modes slightly off their frequency, and on gains: see `gain_notes`."""
         satisfied, margins = self.margins.satisfied, self.margins.whole
-        return tuple(gain_notes(self.case, self.case.held_to, satisfied, margins.delay_margin))
+        notes = gain_notes(self.case, self.case.held_to, satisfied, margins.delay_margin)
+        return (*self._detuning_notes(), *notes)
+
+    def _detuning_notes(self) -> Iterator[str]:
+        """Yield the note on modes that make a stable loop unstable near their frequency."""
+        loop = self.margins
+        if self.detuned is None and loop.whole.stable and loop.bands and loop.bands.modes:
+            assert isinstance(loop.plant, FlexiblePlant)
+            note = detuning_note(stable_ranges(loop.autopilot, loop.plant))
+            if note:
+                yield f"{note}; --detuned shows the margins"
 
     @property
     def satisfied(self) -> bool:

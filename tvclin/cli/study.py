@@ -1,5 +1,6 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -29,7 +30,7 @@ from tvclin.cli.output import answer, bar, print_answer, print_tables, say, wait
 from tvclin.cli.wind import PulseOptions
 from tvclin.requirement import study_tables as tables
 from tvclin.requirement.case_requirement import pulse_of
-from tvclin.studyfile.assumptions import loop_notes, nominal_notes
+from tvclin.studyfile.assumptions import detuning_notes, loop_notes, nominal_notes
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.questions import (
     all_yes,
@@ -124,9 +125,15 @@ def _document(findings: Findings) -> dict[str, Any]:
     for name in ("dispersed", "turbulence"):
         if getattr(findings, name) is not None:
             extra[name] = getattr(findings, name)
-    said = [*findings.study.notes, *nominal_notes(findings), *loop_notes(findings)]
+    said = [*findings.study.notes, *_loop_notes(findings)]
     answers = {"questions": questions(findings), "all_answers_yes": sufficient(findings)}
     return findings.study.as_dict() | extra | answers | {"notes": said}
+
+
+def _loop_notes(findings: Findings) -> Iterator[str]:
+    """Yield the notes on nominal pressure, on detuned modes, and on what the plan leaves open."""
+    for notes in (nominal_notes, detuning_notes, loop_notes):
+        yield from notes(findings)
 
 
 def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
@@ -135,7 +142,7 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     required, *judged = (text(line) for line in tables.verdict(s))
     wind = "\n".join([*judged, required])
     days = () if findings.availability is None else findings.availability.notes
-    of_all = (*nominal_notes(findings), *loop_notes(findings), *days)
+    of_all = (*_loop_notes(findings), *days)
     random, unknown = findings.turbulence, findings.reasons.get("turbulence")
     of_all = (*of_all, *([f"turbulence: {unknown}"] if unknown and not several else []))
 

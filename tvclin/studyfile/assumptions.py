@@ -12,6 +12,7 @@ from tvclin.base.lines import Line, degrees, listed, minimum_limit, number, sign
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import Reason
 from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.control.autopilot.detuning import NEAR, detuning_note
 from tvclin.control.margins.bands import BandMargins
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
@@ -218,7 +219,7 @@ class Assumption:
 
 def assumptions(findings: Findings) -> tuple[Assumption, ...]:
     """Return the assumptions of the verdict, each with whether it holds here."""
-    makers = (_wind, _sign, _linear, _slow, _frozen, _rigid, _nozzle)
+    makers = (_wind, _sign, _linear, _slow, _frozen, _rigid, _modes, _nozzle)
     return tuple(assumption for make in makers for assumption in make(findings))
 
 
@@ -378,6 +379,31 @@ def _rigid(findings: Findings) -> Iterator[Assumption]:
     if findings.plan.vehicle.structure is None:
         words = "Nothing bends or sloshes: the vehicle file has no bending and no slosh."
         yield Assumption("reader", (words,))
+
+
+def _modes(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption on the frequencies of modes, of a stable loop."""
+    f = findings.flexible
+    if f is None or f.detuned is None or not f.bands.margins.stable:
+        return
+    unstable: Line = ()
+    for j, mode in enumerate(f.detuned.stable_ranges):
+        line = mode.line(f"assumptions.edge.{j}", NEAR)
+        unstable += (", and " if unstable else "", *line) if line else ()
+    words = "The frequencies of modes are those of the vehicle file"
+    if unstable:
+        yield Assumption("doubt", (f"{words}, but ", *unstable, "."))
+    else:
+        stays = f"the loop stays stable with each up to {100 * NEAR:g} percent off."
+        yield Assumption("ok", (f"{words}; {stays}",))
+
+
+def detuning_notes(findings: Findings) -> Iterator[str]:
+    """Yield the note on modes that make a stable loop unstable near their frequency."""
+    detuned = findings.flexible and findings.flexible.detuned
+    note = detuning_note(detuned.stable_ranges) if detuned else ""
+    if note:
+        yield f"{note}; tvclin margins --detuned shows the margins"
 
 
 def _nozzle(findings: Findings) -> Iterator[Assumption]:

@@ -6,6 +6,7 @@ low-frequency gain falls as 1/omega^2. Texts that hold the modal gain constant g
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,7 +17,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import table
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
 from tvclin.base.fields import document
-from tvclin.base.lines import Line, Table, number
+from tvclin.base.lines import Line, Table, listed, number, text
 from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.bands import BandMargins
@@ -28,10 +29,12 @@ from tvclin.vehicle.structure import SloshTank, Structure
 
 _COLUMNS = {"aero_margin_dB": "down", "gain_increase_dB": "up", "phase_margin_deg": "phase"}
 """Margins of the table, and their headings."""
-_FACTORS = 41
-"""Number of frequency factors at which stability is evaluated, over the whole range."""
-_BISECTIONS = 20
-"""Bisections of the interval of factors in which the loop becomes unstable."""
+_INTERVALS = 20
+"""Number of intervals of frequency factors on each side of one, with a trial at each end."""
+_REFINEMENTS, _PARTS = 4, 16
+"""Refinements of the interval in which the loop becomes unstable, and parts of it in each."""
+NEAR = 0.1
+"""Usual uncertainty of a mode's frequency, relative."""
 _MAX_NAMED = 3
 """Largest number of changes that a verdict names."""
 
@@ -47,6 +50,20 @@ class StableRange:
     name: str
     lower: float
     upper: float
+
+    def line(self, key: str = "edge", within: float = np.inf) -> Line:
+        """Return the factors that differ from one by at most `within` in a sentence; () without.
+
+        `key`: first part of the names of the numbers.
+        """
+        bounds = {"lower": self.lower, "upper": self.upper}
+        shown = [
+            number(f"{key}.{side}", factor)
+            for side, factor in bounds.items()
+            if abs(factor - 1.0) <= within
+        ]
+        factors = (*shown[0], " and ", *shown[1]) if len(shown) > 1 else sum(shown, ())
+        return (f"{self.name} is unstable at ", *factors, " of its frequency") if shown else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,14 +144,9 @@ class Detuned:
     @property
     def stability_lines(self) -> tuple[Line, ...]:
         """Factors on its frequency at which each mode makes the loop unstable, a line each."""
-        lines = []
-        for j, mode in enumerate(self.stable_ranges):
-            bounds = {"lower": mode.lower, "upper": mode.upper}
-            shown = [number(f"edge.{j}.{k}", at) for k, at in bounds.items() if np.isfinite(at)]
-            if shown:
-                line = shown[0] if len(shown) == 1 else (*shown[0], " and ", *shown[1])
-                lines.append((f"{mode.name}: unstable at ", *line, " of its frequency"))
-        return tuple(lines) or (("The loop becomes unstable at no frequency between these.",),)
+        modes = (mode.line(f"edge.{j}") for j, mode in enumerate(self.stable_ranges))
+        lines = tuple(line for line in modes if line)
+        return lines or (("The loop becomes unstable at no frequency between these.",),)
 
     def _repr_html_(self) -> str:
         return table(self.table(), self.stability_lines)
@@ -210,7 +222,7 @@ def detuned(
         margins,
         _critical_margins(criteria, bands or margins, margins, len(changes)),
         np.broadcast_to(criteria.are_satisfied(bands or margins), len(changes)),
-        tuple(_stable_ranges(autopilot, plant, names, float(row.min()), float(row.max()))),
+        stable_ranges(autopilot, plant, float(row.min()), float(row.max()), _INTERVALS),
         plants,
     )
 
@@ -317,38 +329,56 @@ def _critical_margins(
     return tuple(names[k] if good else "unstable" for k, good in zip(critical, stable, strict=True))
 
 
-def _stable_ranges(
-    autopilot: Autopilot, plant: FlexiblePlant, names: tuple[str, ...], low: float, high: float
-) -> list[StableRange]:
-    """Return the stable range of each mode's frequency factor, by bisection on the poles."""
+def stable_ranges(
+    autopilot: Autopilot,
+    plant: FlexiblePlant,
+    low: float = 1.0 - NEAR,
+    high: float = 1.0 + NEAR,
+    intervals: int = _INTERVALS // 2,
+) -> tuple[StableRange, ...]:
+    """Return the stable range of each mode's frequency factor, by refinement on the poles.
+
+    `low`, `high`: smallest and largest factor. `intervals`: number of intervals on each side of
+    one, the smallest width of a range of factors with an unstable loop that is certain to count.
+    """
+    names, _ = named_modes(plant)
+    count = len(names)
 
     def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
-        """Return whether the loop is unstable with factors on mode frequencies, ``(n,)``."""
-        frequency = np.ones((factors.size, len(names)))
-        frequency[np.arange(factors.size), modes] = factors
+        """Return whether the loop is unstable with factors on mode frequencies, ``(m, n)``."""
+        frequency = np.ones((factors.size, count))
+        frequency[np.arange(factors.size), np.repeat(modes, factors.shape[1])] = factors.ravel()
         damping = np.ones_like(frequency)
         loop = autopilot.exact_loop(with_mode_factors(plant, frequency, damping))
         verdict = stability(loop.form)
-        return np.asarray((verdict.unstable_poles > 0) | verdict.marginal)
+        fails = (verdict.unstable_poles > 0) | verdict.marginal
+        return np.asarray(fails).reshape(factors.shape)
 
-    count = len(names)
-    outward = [np.linspace(1.0, end, _FACTORS // 2 + 1)[1:] for end in (min(low, 1), max(high, 1))]
-    inner, outer = np.full((2, 2, count), np.nan)
-    trials = np.concatenate(outward)
-    states = unstable(np.tile(trials, count), np.repeat(np.arange(count), trials.size))
-    if unstable(np.ones(1), np.zeros(1, dtype=int))[0]:
-        return [StableRange(name, 1.0, 1.0) for name in names]
-    for end, (factors, fails) in enumerate(
-        zip(outward, np.split(states.reshape(count, -1), 2, axis=1), strict=True)
-    ):
-        first = np.argmax(fails, axis=1)
-        exists = np.any(fails, axis=1)
-        outer[end] = np.where(exists, factors[first], np.nan)
-        inner[end] = np.where(exists, np.append(1.0, factors)[first], np.nan)
-    direction, mode = np.nonzero(np.isfinite(outer))
-    for _ in range(_BISECTIONS if mode.size else 0):
-        middle = 0.5 * (inner[direction, mode] + outer[direction, mode])
-        fails = unstable(middle, mode)
-        outer[direction, mode] = np.where(fails, middle, outer[direction, mode])
-        inner[direction, mode] = np.where(fails, inner[direction, mode], middle)
-    return [StableRange(name, *outer[:, k].tolist()) for k, name in enumerate(names)]
+    # One row for each mode below one, then above; rows that are stable throughout are dropped.
+    rows = np.arange(2 * count)
+    inner, outer = np.ones(2 * count), np.repeat([min(low, 1.0), max(high, 1.0)], count)
+    for refinement in range(_REFINEMENTS + 1):
+        parts = np.linspace(0.0, 1.0, 1 + (_PARTS if refinement else intervals))
+        factors = inner[:, np.newaxis] + (outer - inner)[:, np.newaxis] * parts
+        fails = unstable(factors, rows % count)
+        fails[:, -1] |= refinement > 0
+        exists, first = np.any(fails, axis=1), np.argmax(fails, axis=1)
+        rows, first, factors = rows[exists], first[exists], factors[exists]
+        if not rows.size:
+            break
+        at = np.arange(rows.size)
+        inner, outer = factors[at, np.maximum(first - 1, 0)], factors[at, first]
+    bounds = np.full(2 * count, np.nan)
+    bounds[rows] = outer[: rows.size]
+    lower, upper = bounds.reshape(2, count).tolist()
+    return tuple(StableRange(*of) for of in zip(names, lower, upper, strict=True))
+
+
+def detuning_note(ranges: Sequence[StableRange]) -> str:
+    """Return the factors within 10 percent of each mode's frequency at which the loop is unstable.
+
+    Empty where it is stable within 10 percent of all, and where it is unstable without a change.
+    """
+    changed = (mode.line(within=NEAR) for mode in ranges if mode.lower != mode.upper)
+    lines = [text(line) for line in changed if line]
+    return listed(lines) if lines else ""
