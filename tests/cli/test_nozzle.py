@@ -103,7 +103,7 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
             (("--over", "loads"), 2, "--over must be one of rate, load"),
             (("--over", "flight", "--at", "60"), 2, "--at needs --over rate or load"),
             (("--over", "flight", "--dead-band", "0.5"), 2, "--dead-band needs --over rate"),
-            (("--set", "nozzle.travel_limit_deg=1"), 0, "is left out here"),
+            (("--set", "nozzle.travel_limit_deg=1"), 0, "not counted here"),
             (
                 ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.torque_limit_N_m=1e4"),
                 2,

@@ -194,7 +194,7 @@ def test_a_part_is_computed_told_or_refused(question, part, files, base):
     changed = result.exit_code in (0, 1) and result.stdout != base(question)
     said = " ".join(result.output.split())
     # a key that is set is one of the file, whose notes say what is left out
-    left_out = "--set" in options and "is left out here" in said
+    left_out = "--set" in options and "not counted here" in said
     kind = use_of(question, part)
     if kind == REFUSED:
         assert (result.exit_code == 2 and "tvclin" in said) or left_out, said[:300]
@@ -280,7 +280,7 @@ def test_every_part_of_a_study_is_computed_or_told(files):
     wrong = {}
     for part, change in IN_FILES.items():
         result = found(changed_by(STUDY, change))
-        named = f"what the file says of {part} is left out here" in " ".join(result.stderr.split())
+        named = f"not counted here: {part} (tvclin" in " ".join(result.stderr.split())
         if (
             result.exit_code == 2
             or (result.stdout == base.stdout) != (part == WORK)
@@ -340,7 +340,7 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
         result = found(changed_by(STUDY | {"nozzle": {"limit_deg": 2.0}}, change), *more)
         changed = result.exit_code in (0, 1) and own(result) != own(base(*more))
         said = " ".join(result.stderr.split())
-        listed = " ".join(re.findall(r"what the file says of (.*?) is left out here", said))
+        listed = " ".join(re.findall(r"not counted here: (.*?) \(tvclin", said))
         named = part in listed
         if result.exit_code == 2 or changed == named or (use_of(question, part) == REFUSED) > named:
             wrong[part] = (result.exit_code, changed, said[:300])

@@ -177,7 +177,7 @@ def test_a_command_without_turbulence_says_so(tmp_path: Path, command: str) -> N
     file.write_text(f"{STUDY}\n[campaign]\ncases = 20\n[turbulence]\nintensity_m_per_s = 6\n")
     result = CliRunner().invoke(app, [command, str(file)])
     assert result.exit_code in (0, 1), result.output
-    left_out = re.search("what the file says of (.*?) is left out here", result.stderr)
+    left_out = re.search(r"not counted here: (.*?) \(tvclin", result.stderr)
     assert left_out, result.stderr
     assert "turbulence" in left_out[1]
 

@@ -179,7 +179,7 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
     for who, parts in (("study", set(named) - {_WORK}), (duty_command, set(named) & {_WORK})):
         if parts:
             of = listed([feature for feature in named if feature in parts])
-            yield f"what the file says of {of} is left out here; tvclin {who} has it"
+            yield f"not counted here: {of} (tvclin {who} counts it)"
 
 
 def is_rigid_only(question: str) -> bool:

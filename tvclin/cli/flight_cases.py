@@ -305,6 +305,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     arguments = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
     flight = compare_flight(case.vehicle, case.control, case.wind, times, **arguments)
     ratio_text = f"{limit / case.boundary:.4g} times the linear boundary"
+    rate = "" if case.case.nozzle.rate_limit is None else " and no rate limit"
     return Compared(
         case=case,
         flight=flight,
@@ -314,7 +315,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
         heads=case.heads,
         verdict=(
-            f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg at {case.pressure}"
+            f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg{rate} at {case.pressure}"
             f" dynamic pressure; linear theory: {survival(flight.predicted)}"
         ),
         flight_notes=tuple(_flight_notes(case, flight)),
