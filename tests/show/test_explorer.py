@@ -348,7 +348,7 @@ def test_a_study_file_begins_with_its_case_and_tells_what_is_left_out(tmp_path: 
     assert repr(found.plan.nozzle) == repr(plan.nozzle)
     assert (found.plan.wind, found.plan.plane) == (plan.wind, "yaw")
     assert found.plan.autopilot_design.delay == pytest.approx(0.03, rel=1e-15)
-    (left,) = [note for note in answer(found, 0).notes if "left out" in note]
+    (left,) = [note for note in answer(found, 0).notes if note.startswith("Not counted")]
     assert "dispersion" in left
 
 
