@@ -30,6 +30,8 @@ STATIC_TRIM = "static trim"
 WIND_KNOWN, NO_FORECAST = "lower bound, wind known", "lower bound, no forecast"
 REQUIRED, REQUIREMENT, BUDGET = "required deflection", "autopilot requirement", "budget"
 REQUIRED_RATE = "required rate"
+OF_RAMP = f"of a ramp for the {REQUIRED}"
+"""Definition of the required rate along a flight: not that of a control that knows the wind."""
 NOMINAL = "at nominal dynamic pressure"
 """Of an answer that leaves out the dynamic pressure that the wind itself makes."""
 

@@ -12,8 +12,6 @@ from tvclin.control.autopilot.design_rules import (
     RULE_KEYS,
     AutopilotDesign,
 )
-from tvclin.control.laws.registry import AUTOPILOT
-from tvclin.studyfile.settings import quantity_name
 from tvclin.studyfile.study_plan import StudyPlan
 
 
@@ -51,6 +49,8 @@ class FlownLaw:
 
     def only_with_autopilot(self, source: str) -> None:
         """Raise `InputError` for gains, by options or keys of --set, of a law that has none."""
+        from tvclin.control.laws.registry import AUTOPILOT  # late: of all laws
+
         needed = f"--law {AUTOPILOT}"
         self.gains.only_with(needed)
         for key in self._gain_keys(source):
@@ -62,8 +62,12 @@ class FlownLaw:
 
     def _gain_keys(self, source: str) -> list[str]:
         """Return the keys of --set that give gains, or a rule for them."""
+        if not (keys := keys_set(source)):
+            return []
+        from tvclin.studyfile.settings import quantity_name  # late: it knows the keys of all files
+
         gains = {f"autopilot.{name}" for name in (*GIVEN_GAINS, *RULE_KEYS, "integral_gain")}
-        return [key for key in keys_set(source) if quantity_name(key) in gains]
+        return [key for key in keys if quantity_name(key) in gains]
 
 
 def with_gains(base: AutopilotDesign, **values: float | str | None) -> AutopilotDesign:

@@ -12,7 +12,6 @@ from tvclin.base.lines import Line, degrees, listed, minimum_limit, number, sign
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import Reason
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.control.autopilot.detuning import NEAR, detuning_note
 from tvclin.control.margins.bands import BandMargins
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
@@ -386,6 +385,8 @@ def _modes(findings: Findings) -> Iterator[Assumption]:
     f = findings.flexible
     if f is None or f.detuned is None or not f.bands.margins.stable:
         return
+    from tvclin.control.autopilot.detuning import NEAR  # late: a rigid study has no modes
+
     unstable: Line = ()
     for j, mode in enumerate(f.detuned.stable_ranges):
         line = mode.line(f"assumptions.edge.{j}", NEAR)
@@ -401,8 +402,11 @@ def _modes(findings: Findings) -> Iterator[Assumption]:
 def detuning_notes(findings: Findings) -> Iterator[str]:
     """Yield the note on modes that make a stable loop unstable near their frequency."""
     detuned = findings.flexible and findings.flexible.detuned
-    note = detuning_note(detuned.stable_ranges) if detuned else ""
-    if note:
+    if not detuned:
+        return
+    from tvclin.control.autopilot.detuning import detuning_note  # late, as above
+
+    if note := detuning_note(detuned.stable_ranges):
         yield f"{note}; tvclin margins --detuned shows the margins"
 
 

@@ -11,6 +11,7 @@ from tvclin.base.lines import Line, Table, degrees, minimum_limit, number, signi
 from tvclin.base.quantities import (
     BUDGET,
     NOMINAL,
+    OF_RAMP,
     REQUIRED,
     REQUIRED_RATE,
     REQUIREMENT,
@@ -22,7 +23,6 @@ from tvclin.base.quantities import (
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import DIGITS, margin, unit_factor
-from tvclin.requirement.flight.total import OF_RAMP
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.study_plan import StudyPlan

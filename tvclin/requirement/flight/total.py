@@ -32,7 +32,7 @@ from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line as Cell
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.base.lines import text as cell_text
-from tvclin.base.quantities import sufficiency
+from tvclin.base.quantities import OF_RAMP, sufficiency
 from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
 from tvclin.linear.modes import unstable_modes
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
@@ -50,8 +50,6 @@ _MIN_SHORTFALL_RAD = float(np.radians(0.001))
 """Shortfall [rad] below which more than three digits behind the point are shown."""
 RATES = (1e-15, 1e9)
 """Smallest and largest rate limit [rad/s]."""
-OF_RAMP = "of a ramp for the required deflection"
-"""Definition of the required rate along a flight: not that of a control that knows the wind."""
 
 
 @dataclass(frozen=True)
