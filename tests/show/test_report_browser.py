@@ -114,7 +114,7 @@ def test_nothing_overflows_and_every_figure_is_seen(browser: Any, width: int) ->
         "const page = document.documentElement; return [page.scrollWidth, page.clientWidth]"
     )
     assert wide == seen <= width
-    assert len(figures) == 6
+    assert len(figures) == 8
     for left, right, wide, high, drawn in figures:
         assert 0 <= left < right <= width
         assert wide > 0.55 * min(width, 800)
