@@ -1,6 +1,6 @@
 """Pade approximation of a delay in state space, and whether it leaves a closed loop its stability.
 
-P(s) of order n has |P| = 1 on the imaginary axis, and with x = omega T
+P(s) of order n has |P| = 1 on the imaginary axis, and with x the frequency times the delay
 
     |e^(-j x) - P(j x)| <= c x^(2 n + 1),    c = n!^2/((2 n)! (2 n + 1)!),
 
@@ -44,13 +44,13 @@ def pade_keeps_stability(
     """Return whether a bound proves that the exact delay has the same number of unstable poles.
 
     `A`, `B`, `C`: closed loop with the Pade approximation of order `order`, from what adds to the
-    command to the command that returns, T(s) = C (s - A)^-1 B; ``(n, n)``, ``(n,)`` and ``(n,)``.
-    `delay`: T [s]. False where the bound is too coarse, too.
+    command to the command that returns, H(s) = C (s - A)^-1 B; ``(n, n)``, ``(n,)`` and ``(n,)``.
+    `delay`: T [s]. False also where the bound is too coarse.
 
-    1 + L with the exact delay is (1 + L P) (1 + T (e^(-s T)/P - 1)) up to the sign of T, so that by
-    Rouche's theorem both have as many unstable zeros where ``|T| |e^(-j omega T) - P| < 1`` on the
-    whole axis. ``|T|`` is at most the sum of ``|residue|/|j omega - pole|``, largest in a band of
-    frequencies at its point next to each pole.
+    1 + L with the exact delay is (1 + L P) (1 + H (e^(-s T)/P - 1)) up to the sign of H, so that by
+    Rouche's theorem both have as many unstable zeros where ``|H| |e^(-j omega T) - P| < 1`` on the
+    whole axis. ``|H|`` is at most the sum of ``|residue|/|j omega - pole|``, each term of which is
+    largest, in a band of frequencies, at the frequency nearest to the pole.
     """
     poles, vectors = np.linalg.eig(A)
     try:

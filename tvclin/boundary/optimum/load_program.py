@@ -343,7 +343,8 @@ def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
 def _diagonal(blocks: FloatArray, behind: int = 0) -> Any:
     """Return the sparse block-diagonal matrix ``(n m, n q)`` of blocks ``(n, m, q)``.
 
-    With `behind` blocks stand that many columns further left, and the first `behind` are omitted.
+    `behind`: number of block columns by which each block is moved to the left; as many of the first
+    blocks are omitted.
     """
     from scipy import sparse
 

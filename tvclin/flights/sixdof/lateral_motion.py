@@ -58,6 +58,6 @@ class LateralMotion:
         return self._drift + 0.5 * self._step * (self._drift_rate + rate)
 
     def _lagged(self, felt: float) -> float:
-        """Return the lagged acceleration at the end of a step with this one there [m/s^2]."""
+        """Return the lagged acceleration [m/s^2] at the end of a step; `felt`: without the lag."""
         decayed = self._felt + self._decay * (self._acceleration - self._felt)
         return decayed + self._ramp * (felt - self._felt)

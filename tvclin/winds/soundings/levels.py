@@ -18,8 +18,7 @@ EARTH_RADIUS = 6_356_766.0
 MIN_HEIGHT, MAX_HEIGHT = -1e3, 1e5
 """Heights [m] between which a sounding has levels."""
 MAX_WIND_SPEED = 130.0
-"""Largest wind speed [m/s], above all that balloons have measured; archives of some stations hold
-winds ten times too large."""
+"""Largest wind speed [m/s] of a sounding; some archives hold winds ten times too large."""
 _RELATIVE_ROUNDING = 1e-9
 """Relative rounding of directions and speeds from components or other units."""
 _EMPTY = "; leave the cell empty where a value is missing"
