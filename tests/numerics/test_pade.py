@@ -7,7 +7,7 @@ import pytest
 
 from tvclin.numerics.loop_margins import stability
 from tvclin.numerics.loops import StateLoop
-from tvclin.numerics.pade import pade_delay, pade_keeps_stability
+from tvclin.numerics.state_space import pade_delay, pade_keeps_stability
 
 ORDERS = range(1, 11)
 

@@ -26,7 +26,7 @@ from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
-from tvclin.control.autopilot.drift_gains import steady_drift
+from tvclin.control.autopilot.gains import steady_drift
 from tvclin.control.autopilot.wiring import closed_loop, wind_numerator
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant

@@ -26,8 +26,7 @@ from tvclin.linear.modes import Modes, all_modes
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.numerics import polynomials
 from tvclin.numerics.loops import Rational
-from tvclin.numerics.pade import pade_delay
-from tvclin.numerics.state_space import Matrices, series
+from tvclin.numerics.state_space import Matrices, pade_delay, series
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import (
     MODE,

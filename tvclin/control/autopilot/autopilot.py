@@ -45,7 +45,7 @@ from tvclin.linear.response import time_response
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_plant import SystemPlant
 from tvclin.numerics.loop_margins import stability
-from tvclin.numerics.pade import pade_keeps_stability
+from tvclin.numerics.state_space import pade_keeps_stability
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:

@@ -31,12 +31,12 @@ from tvclin.base.lines import listed
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.drift_gains import drift_gains
 from tvclin.control.autopilot.feedback import ACCELEROMETER, ACCELEROMETER_BANDWIDTH, CHAINS, GAINS
 from tvclin.control.autopilot.gain_table import GainTable, ModeNotch, load_gains
 from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,
+    drift_gains,
     drift_minimum_gains,
     half_relief_gains,
     load_minimum_gains,

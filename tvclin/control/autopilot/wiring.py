@@ -32,8 +32,7 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
 from tvclin.numerics import polynomials, state_space
 from tvclin.numerics.loops import StateLoop
-from tvclin.numerics.pade import pade_delay
-from tvclin.numerics.state_space import Matrices
+from tvclin.numerics.state_space import Matrices, pade_delay
 from tvclin.vehicle.filters import Filter
 
 _Documented = TypeVar("_Documented", bound=Callable[..., Any])

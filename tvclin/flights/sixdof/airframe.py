@@ -21,9 +21,8 @@ from tvclin.base.errors import InputError, missing
 from tvclin.base.units import FOOT
 from tvclin.control.laws.law import Measurement
 from tvclin.flights.engine_interface import MAX_ATTITUDE, OUTPUTS
-from tvclin.flights.sixdof.lateral_motion import LateralMotion
 from tvclin.flights.sixdof.model import DEFLECTIONS, Earth, InitialState, model_xml, planet_xml
-from tvclin.flights.sixdof.steering import Steering
+from tvclin.flights.sixdof.steering import LateralMotion, Steering
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
@@ -125,14 +124,15 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
     """Return the readers of a plane; yaw angles run from the vertical plane to the right."""
     read = engine.reader
     axis = "q" if plane == "pitch" else "r"
-    rate, push = read(f"velocities/{axis}-rad_sec"), read(f"accelerations/{axis}dot-rad_sec2")
+    rate = read(f"velocities/{axis}-rad_sec")
+    acceleration = read(f"accelerations/{axis}dot-rad_sec2")
     theta, mass = read("attitude/theta-rad"), read("inertia/mass-slugs")
     velocities = [read(f"velocities/v-{name}-fps") for name in ("north", "east", "down")]
     force = read(f"tvclin/without-weight-{'z' if plane == 'pitch' else 'y'}-lbs")
     upwards = -FOOT if plane == "pitch" else FOOT
 
     def rates() -> tuple[float, float]:
-        return rate(), push()
+        return rate(), acceleration()
 
     def lateral() -> tuple[float, float]:
         return FOOT * hypot(*(component() for component in velocities)), upwards * force() / mass()
@@ -192,8 +192,8 @@ class Prediction:
     """
 
     __slots__ = (
-        "_alpha", "_attitude", "_blown", "_deflection", "_lateral", "_path", "_path_before",
-        "_push", "_push_before", "_rate", "_senses", "_step",
+        "_acceleration", "_acceleration_before", "_alpha", "_attitude", "_deflection", "_lateral",
+        "_path", "_path_before", "_rate", "_senses", "_step", "_wind_angle",
     )  # fmt: skip
 
     def __init__(
@@ -204,9 +204,9 @@ class Prediction:
         if self._lateral is not None:
             self._lateral.move(0.0, senses.lateral()[0], 0.0, 0.0)
         self._attitude, self._path = senses.angles()
-        self._rate, self._push = senses.rates()
-        self._path_before, self._push_before = self._path - turn, self._push
-        self._alpha = self._blown = self._deflection = 0.0
+        self._rate, self._acceleration = senses.rates()
+        self._path_before, self._acceleration_before = self._path - turn, self._acceleration
+        self._alpha = self._wind_angle = self._deflection = 0.0
 
     def measurement(self, angle: float, nominal: Row) -> Measurement:
         """Return the predicted measurements of a law, minus the outputs of the nominal flight.
@@ -214,30 +214,30 @@ class Prediction:
         `angle`: wind angle [rad] at the end of the step. `nominal`: outputs of the nominal flight.
         """
         h, rate = self._step, self._rate
-        next_rate = rate + h * (1.5 * self._push - 0.5 * self._push_before)
+        next_rate = rate + h * (1.5 * self._acceleration - 0.5 * self._acceleration_before)
         rotation = 0.5 * h * (rate + next_rate)
         path_rotation = self._path - self._path_before
         plain = Measurement(
             self._attitude + rotation - nominal[0],
             next_rate - nominal[1],
             self._path + path_rotation - nominal[2],
-            self._alpha + rotation - path_rotation - (angle - self._blown) - nominal[3],
+            self._alpha + rotation - path_rotation - (angle - self._wind_angle) - nominal[3],
             self._deflection,
         )
         return plain if self._lateral is None else self._lateral.measured(plain)
 
     def moved(self, deflection: float, angle: float, nominal: Row) -> Row:
         """Return the row after a step, minus the nominal one; updates the state."""
-        self._push_before, self._path_before = self._push, self._path
-        self._deflection, self._blown = deflection, angle
+        self._acceleration_before, self._path_before = self._acceleration, self._path
+        self._deflection, self._wind_angle = deflection, angle
         self._attitude, self._path = attitude, path = self._senses.angles()
-        (self._rate, self._push), self._alpha = self._senses.rates(), self._senses.alpha()
+        (self._rate, self._acceleration), self._alpha = self._senses.rates(), self._senses.alpha()
         off = attitude - nominal[0], self._rate - nominal[1], path - nominal[2]
-        force, push = 0.0, self._push - nominal[6]
+        force, acceleration = 0.0, self._acceleration - nominal[6]
         if self._lateral is not None:
             speed, force = self._senses.lateral()
-            self._lateral.move(off[2], speed, force := force - nominal[5], push)
-        return (*off, self._alpha - nominal[3], deflection, force, push)
+            self._lateral.move(off[2], speed, force := force - nominal[5], acceleration)
+        return (*off, self._alpha - nominal[3], deflection, force, acceleration)
 
 
 Surroundings = Earth | InitialState | None

@@ -2,12 +2,15 @@
 
 JSBSim integrates forces at its samples to second order, so that each sample represents the step
 around it: a deflection that jumps or bends within that step is given as its mean over the step.
+
+A law measures the drift, integrated by the trapezoidal rule, and the lateral acceleration, whose
+lag is exact for a force that is a straight line over each step, extrapolated over the next one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import copysign
+from math import copysign, exp, sin
 
 import numpy as np
 
@@ -16,6 +19,7 @@ from tvclin.control.autopilot.actuator import actuator_system
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.engine_interface import ONSET_OVER_LIMIT, Command
+from tvclin.linear.lateral import LateralSensors
 from tvclin.winds.histories import History
 
 Steering = Callable[[int, Measurement], float]
@@ -146,3 +150,56 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
         return mode * limit if mode else min(max(demand, -limit), limit)
 
     return command
+
+
+class LateralMotion:
+    """Lateral motion in one plane, from the steps of a flight.
+
+    `_force` is the force per mass [m/s^2] on the accelerometer at its station, without its lag.
+
+    `sensors`: lateral sensors of the law. `step`: step [s].
+    """
+
+    __slots__ = (
+        "_acceleration", "_decay", "_drift", "_drift_rate", "_force", "_last_force", "_ramp",
+        "_sensors", "_speed", "_step",
+    )  # fmt: skip
+
+    def __init__(self, sensors: LateralSensors, step: float) -> None:
+        lag = sensors.bandwidth * step
+        self._sensors, self._step, self._decay = sensors, step, exp(-lag)
+        self._ramp = 1.0 - (1.0 - self._decay) / lag
+        self._drift = self._drift_rate = self._speed = 0.0
+        self._acceleration = self._force = self._last_force = 0.0
+
+    def measured(self, plain: Measurement) -> Measurement:
+        """Return the measurements at the end of the next step with those of lateral motion."""
+        sensors, rate = self._sensors, self._speed * sin(plain.flight_path_angle)
+        extrapolated = 2.0 * self._force - self._last_force
+        return plain._replace(
+            drift_rate=rate if sensors.drift_rate else 0.0,
+            drift=self._drifted(rate) if sensors.drift else 0.0,
+            acceleration=self._lagged(extrapolated) if sensors.acceleration else 0.0,
+        )
+
+    def move(self, path: float, speed: float, force: float, angular_acceleration: float) -> None:
+        """Update the state to the end of a step, which begins a flight too.
+
+        `path`: flight path angle [rad]. `speed`: over the ground [m/s]. `force`: force per mass at
+        the centre of gravity [m/s^2], normal to the body, without weight. `angular_acceleration`:
+        of the attitude [rad/s^2]. All but the speed are relative to the nominal flight.
+        """
+        rate = speed * sin(path)
+        self._drift, self._drift_rate, self._speed = self._drifted(rate), rate, speed
+        local = force + self._sensors.station * angular_acceleration
+        self._acceleration = self._lagged(local)
+        self._last_force, self._force = self._force, local
+
+    def _drifted(self, rate: float) -> float:
+        """Return the drift [m] at the end of a step with a drift rate [m/s] there."""
+        return self._drift + 0.5 * self._step * (self._drift_rate + rate)
+
+    def _lagged(self, force: float) -> float:
+        """Return the lagged acceleration [m/s^2] at the end of a step, with the force there."""
+        decayed = self._force + self._decay * (self._acceleration - self._force)
+        return decayed + self._ramp * (force - self._force)
