@@ -19,18 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.atmosphere import HIGHEST, LOWEST, air_at, density_at, standard_atmosphere
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    MAX_TIME,
-    InputError,
-    between,
-    finite,
-    instance,
-    naming,
-    number,
-    positive,
-    single,
-)
 from tvclin.base.fields import checked, file_table, quantity
 from tvclin.base.files import called
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
@@ -58,10 +48,10 @@ class FlightCondition:
         For numbers out of range.
     """
 
-    altitude: float = quantity("length", check=between(LOWEST, HIGHEST))
-    specific_impulse: float = quantity("time", check=positive)
-    reference_area: float | None = quantity("area", None, positive)
-    table_scale: float = quantity("number", 1.0, positive)
+    altitude: float = quantity("length", check=errors.between(LOWEST, HIGHEST))
+    specific_impulse: float = quantity("time", check=errors.positive)
+    reference_area: float | None = quantity("area", None, errors.positive)
+    table_scale: float = quantity("number", 1.0, errors.positive)
 
     def __post_init__(self) -> None:
         checked(self)
@@ -108,10 +98,10 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
     table = {} if is_schedule(source) else table_of(text, path, FLIGHT_TABLE)
     name = called(path)
     if not table:
-        raise InputError(
+        raise errors.InputError(
             f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"
         )
-    with naming(name):
+    with errors.naming(name):
         return FlightCondition(**FLIGHT_TABLE.read(table))
 
 
@@ -138,10 +128,10 @@ class NominalFlight:
 
         `InputError` for times outside the span.
         """
-        times = finite("t", t, "s")
+        times = errors.finite("t", t, "s")
         slack = 1e-9 * (self.stop - self.start)
         if np.any((times < self.start - slack) | (times > self.stop + slack)):
-            raise InputError(
+            raise errors.InputError(
                 f"t must be between {self.start:.6g} and {self.stop:.6g} s, the span of the"
                 f" nominal flight; got {float(times.min()):.6g} to {float(times.max()):.6g} s"
             )
@@ -268,7 +258,7 @@ class NominalFlight:
             events=leaves,
         )
         if solution.status:
-            raise InputError(
+            raise errors.InputError(
                 f"the nominal flight does not reach t = {end:.6g} s: at {solution.t[-1]:.6g} s"
                 " it is"
                 f" at {solution.y[2, -1]:.6g} m with {solution.y[0, -1]:.6g} m/s; ask for a"
@@ -299,16 +289,16 @@ def nominal_flight(
     >>> bool(flight.states(66.0)[0] == vehicle.velocity)
     True
     """
-    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    instance("condition", condition, FlightCondition, "see load_flight_condition")
-    single("vehicle", vehicle.batch)
+    errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    errors.instance("condition", condition, FlightCondition, "see load_flight_condition")
+    errors.single("vehicle", vehicle.batch)
     begin, end = (
-        number(name, value, between(-MAX_TIME, MAX_TIME), "s")
+        errors.number(name, value, errors.between(-errors.MAX_TIME, errors.MAX_TIME), "s")
         for name, value in (("start", start), ("stop", stop))
     )
     vehicle_time = _time_of(vehicle)
     if not begin <= vehicle_time <= end or begin == end:
-        raise InputError(
+        raise errors.InputError(
             f"start and stop must lie around the vehicle's time, {vehicle_time:.6g} s; got"
             f" {begin:.6g} and"
             f" {end:.6g} s"
@@ -323,7 +313,9 @@ def _integrated_once(
     """Return the flight, kept for the next that goes the same way: it takes half of a flight."""
     flight = NominalFlight(vehicle, condition, begin, end)
     if flight.mass(end) <= 0.0:
-        raise InputError(f"the mass is used up before t = {end:.6g} s; ask for a shorter span")
+        raise errors.InputError(
+            f"the mass is used up before t = {end:.6g} s; ask for a shorter span"
+        )
     _ = flight._solutions
     return flight
 

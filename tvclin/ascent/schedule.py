@@ -13,22 +13,9 @@ from numpy.typing import ArrayLike
 from tvclin.ascent.atmosphere import speed_of_sound, standard_atmosphere
 from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight
 from tvclin.ascent.structure_schedule import StructureSchedule
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    between,
-    each,
-    finite,
-    instance,
-    number,
-    one_of,
-    positive,
-    small_angle,
-    text,
-    within,
-)
-from tvclin.base.errors import path as a_path
 from tvclin.base.fields import derived, spec
 from tvclin.base.files import called, write_text
 from tvclin.linear.plant import Plant
@@ -88,42 +75,42 @@ class FlightSchedule(Shown):
     actuator_damping: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        errors.instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         times = np.asarray(self.vehicle.time)
         if self.vehicle.time is None or times.ndim != 1 or times.size < 2:
-            raise InputError(
+            raise errors.InputError(
                 "vehicle must be a batch with two or more times [s] in its field time; got"
                 f" {'none' if self.vehicle.time is None else f'times of shape {times.shape}'}"
             )
         if np.any(np.diff(times) <= 0.0):
             late = int(np.argmax(np.diff(times) <= 0.0)) + 1
-            raise InputError(
+            raise errors.InputError(
                 f"the times of a schedule must rise; got {times[late]:.6g} s after"
                 f" {times[late - 1]:.6g} s at index {late}"
             )
-        nominal = small_angle("a deflection")("nominal_deflection", self.nominal_deflection)
+        nominal = errors.small_angle("a deflection")("nominal_deflection", self.nominal_deflection)
         object.__setattr__(self, "nominal_deflection", nominal)
         numbers = {"nominal_deflection": nominal, **_numbers(self.vehicle)}
         if self.altitude is not None:
-            object.__setattr__(self, "altitude", finite("altitude", self.altitude, "m"))
+            object.__setattr__(self, "altitude", errors.finite("altitude", self.altitude, "m"))
             numbers["altitude"] = self.altitude
         numbers |= self._checked_actuator()
         for name, values in numbers.items():
             if np.shape(values) not in ((), times.shape):
-                raise InputError(
+                raise errors.InputError(
                     f"{name} must be one number or one for each of the {times.size} times; got"
                     f" shape {np.shape(values)}"
                 )
-        notes = each("notes", self.notes, str, "one for each remark")
-        object.__setattr__(self, "notes", tuple(text("notes", note) for note in notes))
+        notes = errors.each("notes", self.notes, str, "one for each remark")
+        object.__setattr__(self, "notes", tuple(errors.text("notes", note) for note in notes))
         _check_structure(self.structure, times)
 
     def _checked_actuator(self) -> dict[str, FloatArray]:
         """Return frequency [rad/s] and damping of the actuator by name, checked; empty without."""
         given = {name: getattr(self, name) for name in _ACTUATOR if getattr(self, name) is not None}
         if len(given) == 1:
-            raise InputError("an actuator over the flight needs a frequency and a damping")
-        checked = {name: positive(name, value) for name, value in given.items()}
+            raise errors.InputError("an actuator over the flight needs a frequency and a damping")
+        checked = {name: errors.positive(name, value) for name, value in given.items()}
         for name, array in checked.items():
             object.__setattr__(self, name, array)
         return checked
@@ -143,7 +130,7 @@ class FlightSchedule(Shown):
     def height(self) -> FloatArray:
         """The altitude at the times [m], ``(n,)``; `InputError` where it is not known."""
         if self.altitude is None:
-            raise InputError("the schedule has no altitude; give altitude_m in it")
+            raise errors.InputError("the schedule has no altitude; give altitude_m in it")
         return np.broadcast_to(np.asarray(self.altitude), self.times.shape)
 
     @property
@@ -170,11 +157,11 @@ class FlightSchedule(Shown):
         InputError
             For times outside the schedule.
         """
-        times = finite("time", time, "s")
+        times = errors.finite("time", time, "s")
         first, last = self.span
         if np.any((times < first) | (times > last)):
             ends = dict.fromkeys((f"{times.min():.6g}", f"{times.max():.6g}"))
-            raise InputError(
+            raise errors.InputError(
                 f"time must be between {first:.6g} and {last:.6g} s, the span of the schedule; got"
                 f" {' to '.join(ends)} s"
             )
@@ -182,7 +169,7 @@ class FlightSchedule(Shown):
 
     def clamped_at(self, time: ArrayLike) -> Vehicle:
         """Return the vehicle at any time [s], constant outside the schedule."""
-        times = finite("time", time, "s")
+        times = errors.finite("time", time, "s")
         numbers = {
             name: np.interp(times, self.times, values) if np.ndim(values) else values
             for name, values in _numbers(self.vehicle).items()
@@ -223,10 +210,16 @@ class FlightSchedule(Shown):
             For times outside the schedule, or not in order.
         """
         first, last = self.span
-        low = first if start is None else number("start", start, between(first, last), "s")
-        high = last if stop is None else number("stop", stop, between(first, last), "s")
+        low = (
+            first
+            if start is None
+            else errors.number("start", start, errors.between(first, last), "s")
+        )
+        high = (
+            last if stop is None else errors.number("stop", stop, errors.between(first, last), "s")
+        )
         if not low < high:
-            raise InputError(f"start must lie before stop; got {low:.6g} and {high:.6g} s")
+            raise errors.InputError(f"start must lie before stop; got {low:.6g} and {high:.6g} s")
         times = np.concatenate(
             [[low], self.times[(self.times > low) & (self.times < high)], [high]]
         )
@@ -244,7 +237,7 @@ class FlightSchedule(Shown):
     def nominal_at(self, time: ArrayLike) -> Any:
         """Return the nominal deflection [rad] at any times [s], constant outside the schedule."""
         values = np.broadcast_to(np.asarray(self.nominal_deflection), self.times.shape)
-        return np.interp(finite("time", time, "s"), self.times, values)
+        return np.interp(errors.finite("time", time, "s"), self.times, values)
 
     def actuator_at(self, time: ArrayLike) -> tuple[FloatArray, FloatArray] | None:
         """Return natural frequency [rad/s] and damping ratio of the actuator at any times [s].
@@ -253,7 +246,7 @@ class FlightSchedule(Shown):
         """
         if self.actuator_frequency is None or self.actuator_damping is None:
             return None
-        at = finite("time", time, "s")
+        at = errors.finite("time", time, "s")
         frequency, damping = (
             np.interp(at, self.times, np.broadcast_to(values, self.times.shape))
             for values in (self.actuator_frequency, self.actuator_damping)
@@ -282,9 +275,9 @@ class FlightSchedule(Shown):
         InputError
             For another ending, and a file that cannot be written.
         """
-        target = a_path("path", path)
+        target = errors.path("path", path)
         if target.suffix.lower() != ".csv":
-            raise InputError(
+            raise errors.InputError(
                 f"path must end in .csv, by which a schedule is known; got {called(target)}"
             )
         numbers = {"time": self.times} | _numbers(self.vehicle)
@@ -333,10 +326,10 @@ class FlightSchedule(Shown):
             As `nominal_flight`, and for a step not positive.
         """
         flight = nominal_flight(vehicle, condition, start=start, stop=stop)
-        width = number("step", step, positive, "s")
+        width = errors.number("step", step, errors.positive, "s")
         reference = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
         if (flight.stop - flight.start) / width > _MAX_ROWS:
-            raise InputError(f"step must give at most {_MAX_ROWS} rows; got {width:.6g} s")
+            raise errors.InputError(f"step must give at most {_MAX_ROWS} rows; got {width:.6g} s")
         before, after = (
             np.arange(reference, end, step)
             for end, step in ((flight.start, -width), (flight.stop, width))
@@ -349,10 +342,10 @@ def _check_structure(structure: StructureSchedule | None, times: FloatArray) -> 
     """Raise `InputError` for a structure that is not known at all times [s] of a flight."""
     if structure is None:
         return
-    instance("structure", structure, StructureSchedule, "see load_structure")
+    errors.instance("structure", structure, StructureSchedule, "see load_structure")
     first, last = structure.span
     if first > times[0] or last < times[-1]:
-        raise InputError(
+        raise errors.InputError(
             f"the structure must be known over the whole flight, {times[0]:.6g} to"
             f" {times[-1]:.6g} s; got {first:.6g} to {last:.6g} s"
         )
@@ -393,9 +386,9 @@ def flight_variable(flight: FlightSchedule, variable: str, time: ArrayLike) -> F
     >>> tv.ascent.flight_variable(flight, "mach", [50.0, 66.0, 80.0]).round(2)
     array([1.32, 1.83, 2.33])
     """
-    instance("flight", flight, FlightSchedule, "see load_schedule")
-    one_of("variable", variable, VARIABLES)
-    times = within("time", finite("time", time, "s"), *flight.span, "s")
+    errors.instance("flight", flight, FlightSchedule, "see load_schedule")
+    errors.one_of("variable", variable, VARIABLES)
+    times = errors.within("time", errors.finite("time", time, "s"), *flight.span, "s")
     if variable == "time":
         return times
     speed = np.asarray(np.interp(times, flight.times, flight.speed))

@@ -30,19 +30,9 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    between,
-    broadcast,
-    ending,
-    instance,
-    nonnegative,
-    number,
-    plain,
-    single,
-)
 from tvclin.base.fields import Field, spec, specs
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import REACH_COMPILED, REACH_PLAIN, minimum_reaches, slow_edges
@@ -108,11 +98,11 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     >>> unstable_coordinates(plant).left_eigenvectors  # attitude + rate/(p + damping)
     array([[1., 2.]])
     """
-    instance("plant", plant, Plant, PLANT_HINT)
-    single("plant", plant.batch)
+    errors.instance("plant", plant, Plant, PLANT_HINT)
+    errors.single("plant", plant.batch)
     poles = unstable_poles(plant)
     if not poles.size or np.iscomplexobj(poles) or poles.size > MAX_MODES:
-        raise InputError(
+        raise errors.InputError(
             "plant must have one or two real unstable poles, as the models fixed-path, drift and"
             f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
             f" {poles_text(poles)}"
@@ -256,15 +246,15 @@ def forecast_free_limit(
     1.5 0.4593
     3.0 0.5638
     """
-    instance("plant", plant, Plant, PLANT_HINT)
-    instance("wind", wind, History, "such as TriangularWind")
-    R = number("reversal", reversal, nonnegative)
-    turn_cosine = np.cos(number("turn", turn, between(0.0, np.pi), "rad"))
-    ending("wind", wind.end)
-    shape = broadcast(plant=plant.batch, wind=wind.batch)
+    errors.instance("plant", plant, Plant, PLANT_HINT)
+    errors.instance("wind", wind, History, "such as TriangularWind")
+    R = errors.number("reversal", reversal, errors.nonnegative)
+    turn_cosine = np.cos(errors.number("turn", turn, errors.between(0.0, np.pi), "rad"))
+    errors.ending("wind", wind.end)
+    shape = errors.broadcast(plant=plant.batch, wind=wind.batch)
     poles = unstable_poles(plant)
     if not shape and (not poles.size or np.imag(poles[0])):
-        raise InputError(
+        raise errors.InputError(
             f"plant must have real unstable poles, the fastest at least; it has {poles_text(poles)}"
         )
     fast = poles[..., :1] if poles.shape[-1] else np.full((*plant.batch, 1), np.nan)
@@ -277,7 +267,7 @@ def forecast_free_limit(
     pole = np.broadcast_to(pole[..., 0], shape)
     peak = wind.peak
     if not np.all(wind.constant_sign):
-        raise InputError(
+        raise errors.InputError(
             "a limit without forecast is not defined for a wind that changes its sign; give the"
             " wind of one sign, and what may follow it as reversal"
         )
@@ -297,9 +287,9 @@ def forecast_free_limit(
     if kind == EXACT and R > 0.0 and np.any(turn_cosine > -R / 2.0 / np.maximum(limit, R)):
         kind = BEFORE_THE_END
     return ForecastFreeLimit(
-        plain(limit),
-        plain(-limit * np.asarray(plant.coefficients.B) * peak),
+        errors.plain(limit),
+        errors.plain(-limit * np.asarray(plant.coefficients.B) * peak),
         kind,
-        plain(strength * wind_known),
-        plain(np.asarray(when)),
+        errors.plain(strength * wind_known),
+        errors.plain(np.asarray(when)),
     )

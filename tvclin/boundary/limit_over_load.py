@@ -20,17 +20,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import ComplexArray, FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    finite,
-    number,
-    one_row,
-    positive,
-    small_angle,
-    unlimited,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.lines import number as figure
@@ -472,7 +463,7 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
         minimum_deflection = float(slow.limits[0])
         if np.isinf(minimum_deflection):
             least = slow.minimum_rate
-            raise InputError(
+            raise errors.InputError(
                 "rate_limit is too small for any deflection to survive this wind; got"
                 f" {np.degrees(rate):.4g} deg/s, and more than {np.degrees(least):.6g} deg/s"
                 f" ({least:.6g} rad/s) is required"
@@ -575,21 +566,25 @@ def load_trade_off(
     >>> np.degrees(front.limits).round(3).tolist()
     [0.199, 0.258, 0.308]
     """
-    angle = small_angle("a load", positive)
+    angle = errors.small_angle("a load", errors.positive)
     nozzle_limit = (
-        None if limit is None else number("limit", limit, small_angle("a limit", positive), "rad")
+        None
+        if limit is None
+        else errors.number("limit", limit, errors.small_angle("a limit", errors.positive), "rad")
     )
-    load_limit = None if load is None else number("load", load, angle, "rad")
-    M = number("moment_ratio", moment_ratio, finite)
+    load_limit = None if load is None else errors.number("load", load, angle, "rad")
+    M = errors.number("moment_ratio", moment_ratio, errors.finite)
     if 0.0 < abs(M) < _MIN_MOMENT_RATIO:
-        raise InputError(
+        raise errors.InputError(
             f"moment_ratio must be zero or at least {_MIN_MOMENT_RATIO:g}; got {M:.6g}"
         )
-    rate = unlimited("rate_limit", rate_limit, between(*RATE_RANGE), "rad/s")
-    load_bounds = None if loads is None else angle("loads", one_row("loads", loads, "rad"), "rad")
+    rate = errors.unlimited("rate_limit", rate_limit, errors.between(*RATE_RANGE), "rad/s")
+    load_bounds = (
+        None if loads is None else angle("loads", errors.one_row("loads", loads, "rad"), "rad")
+    )
     case = load_limits(plant, wind, M, rate)
     if load_limit is not None and load_limit < case.load_floor:
-        raise InputError(
+        raise errors.InputError(
             f"load is below what any deflection leaves; got {np.degrees(load_limit):.4g} deg, and"
             f" {np.degrees(case.load_floor):.6g} deg ({case.load_floor:.6g} rad) is the least"
         )

@@ -25,17 +25,9 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    between,
-    number,
-    one_row,
-    positive,
-    small_angle,
-    unlimited,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.quantities import NO_FORECAST, REQUIRED_RATE, WIND_KNOWN, sufficiency
@@ -351,12 +343,21 @@ def rate_trade_off(
     >>> (front.limits / front.minimum_deflection).round(2).tolist()
     [1.28, 1.02]
     """
-    c = unlimited("acceleration_limit", acceleration_limit, between(*RATE_RANGE), "rad/s2")
-    angle, turning = small_angle("a deflection", positive), between(*RATE_RANGE)
-    nozzle_limit = None if limit is None else number("limit", limit, angle, "rad")
-    nozzle_rate = None if rate_limit is None else number("rate_limit", rate_limit, turning, "rad/s")
+    c = errors.unlimited(
+        "acceleration_limit", acceleration_limit, errors.between(*RATE_RANGE), "rad/s2"
+    )
+    angle, turning = (
+        errors.small_angle("a deflection", errors.positive),
+        errors.between(*RATE_RANGE),
+    )
+    nozzle_limit = None if limit is None else errors.number("limit", limit, angle, "rad")
+    nozzle_rate = (
+        None if rate_limit is None else errors.number("rate_limit", rate_limit, turning, "rad/s")
+    )
     requested = (
-        None if rates is None else turning("rates", one_row("rates", rates, "rad/s"), "rad/s")
+        None
+        if rates is None
+        else turning("rates", errors.one_row("rates", rates, "rad/s"), "rad/s")
     )
     case = _case_of(plant, wind, c)
     minimum_rate = case.minimum_rate
@@ -425,7 +426,7 @@ class _Case:
         """Rate [rad/s] that must be exceeded; `InputError` for too low an acceleration."""
         p, c = self.pole, self.acceleration
         if self.minimum > 0.0 and c <= p**2 * self.fast_deflection:
-            raise InputError(
+            raise errors.InputError(
                 f"acceleration_limit must be above {p**2 * self.fast_deflection:.6g} rad/s2, or no"
                 f" deflection survives this wind; got {c:.6g} rad/s2"
             )
@@ -450,7 +451,7 @@ class _Case:
         ):
             return deflection
         if np.isfinite(self.acceleration):
-            raise InputError(
+            raise errors.InputError(
                 "acceleration_limit requires a case that one unstable pole decides; leave it out"
             )
         return minimum_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
@@ -531,7 +532,7 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
     poles = constraints.poles
     if poles.size and np.imag(poles[0]):
-        raise InputError(
+        raise errors.InputError(
             "plant must have a real unstable pole as its fastest; it has"
             f" {poles_text(unstable_poles(plant))}"
         )

@@ -22,23 +22,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
-from tvclin.base.errors import (
-    MAX_AXES,
-    InputError,
-    array_of,
-    between,
-    directions,
-    each,
-    flag,
-    instance,
-    nonzero,
-    number,
-    one_of,
-    shown,
-    whole_number,
-    within,
-)
 from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.plane_wind import unit_vector
 
@@ -72,10 +57,10 @@ _MAX_ENGINES = 100
 def vectors(name: str, value: ArrayLike) -> Vectors:
     """Return `value` as complex numbers; `InputError` unless they are within 1e100 in size."""
     rule = f"numbers up to {_MAX_SIZE:g} in size, pitch + 1j*yaw"
-    array = array_of(name, value, "iufc", rule).astype(complex)
+    array = errors.array_of(name, value, "iufc", rule).astype(complex)
     good = np.maximum(np.abs(array.real), np.abs(array.imag)) <= _MAX_SIZE
-    if array.ndim > MAX_AXES or not np.all(good):
-        raise InputError(f"{name} must be {rule}; got {shown(value)}")
+    if array.ndim > errors.MAX_AXES or not np.all(good):
+        raise errors.InputError(f"{name} must be {rule}; got {errors.shown(value)}")
     return array
 
 
@@ -125,7 +110,7 @@ class LimitShape(ABC):
 
     def reach(self, angle: ArrayLike) -> FloatArray:
         """Return the largest deflection of a unit limit in directions [rad], a ratio."""
-        return 1.0 / self.gauge(unit_vector(directions("angle", angle)))
+        return 1.0 / self.gauge(unit_vector(errors.directions("angle", angle)))
 
     def each_plane(self) -> PolygonShape:
         """Return the square inside the shape, for planes that are limited separately.
@@ -150,8 +135,8 @@ class LimitShape(ABC):
         InputError
             For less than 4, or more than 10000.
         """
-        if not 4 <= whole_number("sides", sides) <= _MAX_CORNERS:
-            raise InputError(f"sides must be 4 to {_MAX_CORNERS}; got {shown(sides)}")
+        if not 4 <= errors.whole_number("sides", sides) <= _MAX_CORNERS:
+            raise errors.InputError(f"sides must be 4 to {_MAX_CORNERS}; got {errors.shown(sides)}")
         around = unit_vector(2.0 * np.pi * np.arange(sides) / sides)
         return PolygonShape(around * self.reach(np.angle(around)))
 
@@ -201,7 +186,7 @@ class EllipticShape(LimitShape):
 
     def __post_init__(self) -> None:
         for name in ("pitch", "yaw"):
-            axis = number(name, getattr(self, name), between(_MIN_RATIO, _MAX_RATIO))
+            axis = errors.number(name, getattr(self, name), errors.between(_MIN_RATIO, _MAX_RATIO))
             object.__setattr__(self, name, axis)
 
     @property
@@ -248,20 +233,20 @@ class PolygonShape(LimitShape):
     def __post_init__(self) -> None:
         c = vectors("corners", self.corners)
         if c.ndim != 1 or not 3 <= c.size <= _MAX_CORNERS:
-            raise InputError(
+            raise errors.InputError(
                 f"corners must be one row of 3 to {_MAX_CORNERS} numbers, pitch + 1j*yaw; got an"
                 f" array of shape {c.shape}"
             )
-        size = within("the largest of corners", np.abs(c).max(), _MIN_RATIO, _MAX_RATIO)
+        size = errors.within("the largest of corners", np.abs(c).max(), _MIN_RATIO, _MAX_RATIO)
         c = c if scalar_product(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
         edges = (np.roll(c, -1) - c) / size
         turns = scalar_product(1j * edges, np.roll(edges, -1))
         around = np.angle(np.roll(edges, -1) * np.conj(edges)).sum()
         inside = scalar_product(-1j * edges, c) > _ROUNDING * size * np.abs(edges)
         if np.any(turns < -_ROUNDING) or not np.isclose(around, 2.0 * np.pi) or not np.all(inside):
-            raise InputError(
+            raise errors.InputError(
                 "corners must go once around a convex polygon that has zero inside; got"
-                f" {shown(self.corners)}"
+                f" {errors.shown(self.corners)}"
             )
         object.__setattr__(self, "corners", _vertices(c))
 
@@ -320,7 +305,7 @@ class SquareShape(PolygonShape):
     """
 
     def __init__(self, rotation: float = 0.0) -> None:
-        angle = number("turn", rotation, directions, "rad")
+        angle = errors.number("turn", rotation, errors.directions, "rad")
         PolygonShape.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit_vector(angle)
         )
@@ -344,11 +329,11 @@ def limit_shape_of(limit_shape: LimitShape | str, name: str = "limit_shape") -> 
     if isinstance(limit_shape, LimitShape):
         return limit_shape
     if not isinstance(limit_shape, str):
-        raise InputError(
+        raise errors.InputError(
             f"{name} must be one of {', '.join(LIMIT_SHAPES)}, or a LimitShape; got"
-            f" {shown(limit_shape)}"
+            f" {errors.shown(limit_shape)}"
         )
-    return _SHAPES[one_of(name, limit_shape, LIMIT_SHAPES)]()
+    return _SHAPES[errors.one_of(name, limit_shape, LIMIT_SHAPES)]()
 
 
 @dataclass(frozen=True)
@@ -385,15 +370,19 @@ class ClusterEngine:
         for name in ("at", "deflection"):
             array = vectors(name, getattr(self, name))
             if array.ndim or abs(array) > 1e9:
-                raise InputError(f"{name} must be one number within 1e9 in size, pitch + 1j*yaw")
+                raise errors.InputError(
+                    f"{name} must be one number within 1e9 in size, pitch + 1j*yaw"
+                )
             object.__setattr__(self, name, complex(array))
-        object.__setattr__(self, "share", number("share", self.share, between(1e-6, 1e9)))
-        instance("limit_shape", self.limit_shape, LimitShape, "such as CircularShape")
-        one_of("state", self.state, STATES)
+        object.__setattr__(
+            self, "share", errors.number("share", self.share, errors.between(1e-6, 1e9))
+        )
+        errors.instance("limit_shape", self.limit_shape, LimitShape, "such as CircularShape")
+        errors.one_of("state", self.state, STATES)
         if self.deflection and self.state != "stuck":
-            raise InputError('deflection must be zero, or state "stuck"')
+            raise errors.InputError('deflection must be zero, or state "stuck"')
         if self.limit_shape.gauge(self.deflection) > 1.0 + 1e-12:
-            raise InputError("deflection must be within the stop; 1 is the limit")
+            raise errors.InputError("deflection must be within the stop; 1 is the limit")
 
 
 @dataclass(frozen=True)
@@ -435,23 +424,25 @@ class Cluster(LimitShape):
     hold_roll: bool = True
 
     def __post_init__(self) -> None:
-        engines = each("engines", self.engines, ClusterEngine, "each with its place")
+        engines = errors.each("engines", self.engines, ClusterEngine, "each with its place")
         if len(engines) > _MAX_ENGINES or not any(engine.state == "moving" for engine in engines):
-            raise InputError(f"engines must be 1 to {_MAX_ENGINES}, one of them moving at least")
+            raise errors.InputError(
+                f"engines must be 1 to {_MAX_ENGINES}, one of them moving at least"
+            )
         if any(engine.state == "out" for engine in engines):
-            raise InputError(
+            raise errors.InputError(
                 "engines must all have thrust: of an engine that is out, give the vehicle without"
                 " its thrust, and a cluster of the others (Cluster.offset is what they must trim)"
             )
         object.__setattr__(self, "engines", engines)
-        object.__setattr__(self, "hold_roll", flag("hold_roll", self.hold_roll))
+        object.__setattr__(self, "hold_roll", errors.flag("hold_roll", self.hold_roll))
         directions = np.exp(2j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
         bias, roll = self._stuck
         if min(self._rolls(1.0) + roll, self._rolls(-1.0) - roll) <= 0.0 and roll:
-            raise InputError("engines must balance the roll moment of the one that is stuck")
+            raise errors.InputError("engines must balance the roll moment of the one that is stuck")
         worst = -bias / abs(bias) if bias else 1.0
         if self.support(np.append(directions, worst)).min() < _MIN_SUPPORT:
-            raise InputError(
+            raise errors.InputError(
                 "engines must reach to every side; those that move cannot trim the stuck one"
             )
 
@@ -494,7 +485,7 @@ class Cluster(LimitShape):
             sum s_j r_j/l_c [rad], as a vector, for ever. Add its gauge to a limit for the wind:
             the sum is enough, for the gauge of a sum is at most the sum of the gauges.
         """
-        arm = number("control_arm", control_arm, nonzero, "m")
+        arm = errors.number("control_arm", control_arm, errors.nonzero, "m")
         return complex(sum(engine.at * share for engine, share in self._shares) / arm)
 
     @property

@@ -6,15 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    nonnegative,
-    number,
-    positive,
-    single,
-    small_angle,
-)
+from tvclin.base import errors
 from tvclin.base.fields import checked, file_table, quantity
 from tvclin.boundary.limit_shapes import LimitShape, limit_shape_of
 from tvclin.control.autopilot.actuator import Actuator, positive_in_range
@@ -53,15 +45,15 @@ class NozzleData:
     """
 
     engine: Engine
-    stiffness: float = quantity("moment slope", 0.0, nonnegative)
-    damping: float = quantity("damping moment", 0.0, nonnegative)
-    friction: float = quantity("moment", 0.0, nonnegative)
+    stiffness: float = quantity("moment slope", 0.0, errors.nonnegative)
+    damping: float = quantity("damping moment", 0.0, errors.nonnegative)
+    friction: float = quantity("moment", 0.0, errors.nonnegative)
     offset: float = quantity("length", 0.0)
     thrust_offset: float = quantity("length", 0.0)
 
     def __post_init__(self) -> None:
-        instance("engine", self.engine, Engine, "Engine(mass=..., arm=...)")
-        single("engine", self.engine.batch)
+        errors.instance("engine", self.engine, Engine, "Engine(mass=..., arm=...)")
+        errors.single("engine", self.engine.batch)
         checked(self)
 
 
@@ -100,26 +92,28 @@ class Nozzle:
         torque or power limit without data.
     """
 
-    limit: float | None = quantity("angle", None, small_angle("a deflection", positive))
+    limit: float | None = quantity(
+        "angle", None, errors.small_angle("a deflection", errors.positive)
+    )
     limit_shape: LimitShape | str | None = None
-    rate_limit: float | None = quantity("angular rate", None, positive)
+    rate_limit: float | None = quantity("angular rate", None, errors.positive)
     actuator: Actuator | None = USUAL_ACTUATOR
     data: NozzleData | None = None
-    acceleration_limit: float | None = quantity("angular acceleration", None, positive)
-    travel_limit: float | None = quantity("angle", None, positive)
-    torque_limit: float | None = quantity("moment", None, positive)
-    power_limit: float | None = quantity("power", None, positive)
+    acceleration_limit: float | None = quantity("angular acceleration", None, errors.positive)
+    travel_limit: float | None = quantity("angle", None, errors.positive)
+    torque_limit: float | None = quantity("moment", None, errors.positive)
+    power_limit: float | None = quantity("power", None, errors.positive)
 
     def __post_init__(self) -> None:
         checked(self)
         if self.limit_shape is not None:
             limit_shape_of(self.limit_shape, "limit_shape")
         if self.actuator is not None:
-            instance("actuator", self.actuator, Actuator, "or None")
+            errors.instance("actuator", self.actuator, Actuator, "or None")
         if self.data is not None:
-            instance("data", self.data, NozzleData, "of an engine and its hinge")
+            errors.instance("data", self.data, NozzleData, "of an engine and its hinge")
         elif self.torque_limit is not None or self.power_limit is not None:
-            raise InputError(
+            raise errors.InputError(
                 "torque_limit and power_limit need the engine: mass_kg and arm_m in [nozzle]"
             )
 
@@ -159,7 +153,7 @@ def _data(values: dict[str, Any]) -> NozzleData | None:
 
 def actuator_of(actuator_frequency: float = 25.1, actuator_damping: float = 0.7) -> Actuator | None:
     """Return an actuator of a natural frequency [rad/s] and a damping ratio; None for zero."""
-    if number("actuator_frequency", actuator_frequency) == 0.0:
+    if errors.number("actuator_frequency", actuator_frequency) == 0.0:
         return None
     return Actuator(
         natural_frequency=positive_in_range("actuator_frequency", actuator_frequency, "rad/s"),

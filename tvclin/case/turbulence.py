@@ -14,21 +14,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from tvclin.base import errors
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    between,
-    ending,
-    fraction,
-    instance,
-    nonnegative,
-    number,
-    one_of,
-    positive,
-    single,
-    small_angle,
-)
-from tvclin.base.errors import text as a_text
 from tvclin.base.fields import checked, derived, file_table, quantity, spec, word
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.case.load import LoadBound
@@ -98,18 +85,18 @@ class TurbulenceRequest:
         both sigmas and a probability.
     """
 
-    intensity: float | None = quantity("speed", None, nonnegative)
+    intensity: float | None = quantity("speed", None, errors.nonnegative)
     severity: str | None = word(SEVERITIES, None)
-    exceedance: float | None = quantity("number", None, positive)
+    exceedance: float | None = quantity("number", None, errors.positive)
     altitude: float | None = quantity("length", None)
-    length: float | None = quantity("length", None, positive)
+    length: float | None = quantity("length", None, errors.positive)
     spectrum: str = word(SPECTRA, SPECTRA[0])
     component: str = word(COMPONENTS, COMPONENTS[0])
-    cutoff_wavelength: float | None = quantity("length", None, positive)
+    cutoff_wavelength: float | None = quantity("length", None, errors.positive)
     sigmas: float | None = quantity(
-        "number", None, between(0.0, _MAX_SIGMAS), shown=f"{_USUAL_SIGMAS:g}"
+        "number", None, errors.between(0.0, _MAX_SIGMAS), shown=f"{_USUAL_SIGMAS:g}"
     )
-    probability: float | None = quantity("number", None, fraction)
+    probability: float | None = quantity("number", None, errors.fraction)
     table: Turbulence | None = None
 
     def __post_init__(self) -> None:
@@ -117,14 +104,14 @@ class TurbulenceRequest:
         names = ("intensity", "severity", "exceedance", "table")
         requested = [name for name in names if getattr(self, name) is not None]
         if len(requested) != 1:
-            raise InputError(
+            raise errors.InputError(
                 "turbulence needs one of intensity, severity, exceedance, file and level"
                 f"{'; got ' + ' and '.join(requested) if requested else ''}"
             )
         if self.sigmas is not None and self.probability is not None:
-            raise InputError("turbulence takes sigmas or a probability, not both")
+            raise errors.InputError("turbulence takes sigmas or a probability, not both")
         if self.factor > _MAX_SIGMAS:
-            raise InputError("probability is too close to 1")
+            raise errors.InputError("probability is too close to 1")
         _ = self.over_altitude  # refuses numbers out of range
 
     @property
@@ -158,7 +145,7 @@ class TurbulenceRequest:
     def _all_wavelengths(self) -> Turbulence:
         """Turbulence without the cutoff of the request."""
         if self.table is not None:
-            instance("table", self.table, Turbulence, "see read_turbulence")
+            errors.instance("table", self.table, Turbulence, "see read_turbulence")
             return self.table if self.length is None else replace(self.table, length=self.length)
         of: dict[str, str] = {"spectrum": self.spectrum, "component": self.component}
         if self.intensity is not None:
@@ -181,7 +168,7 @@ class TurbulenceRequest:
             names = ("severity", "exceedance", "table")
             given = next(name for name in names if getattr(self, name) is not None)
             given = "levels over altitude" if given == "table" else given
-            raise InputError(
+            raise errors.InputError(
                 f"turbulence needs an altitude with {given}, on which its intensity depends: give"
                 " altitude_m in [turbulence]"
             )
@@ -201,12 +188,14 @@ def turbulence_of(document: Mapping[str, Any], folder: Path) -> TurbulenceReques
         values = TURBULENCE_TABLE.read(keys)
         path, levels = values.pop("file", None), values.pop(LEVELS, None)
         if path is not None and levels is not None:
-            raise InputError("turbulence over altitude is that of file or of level; keep one")
+            raise errors.InputError(
+                "turbulence over altitude is that of file or of level; keep one"
+            )
         of = {name: values.get(name, names[0]) for name, names in _FORMS.items()}
         for name, names in _FORMS.items():
-            one_of(name, of[name], names)
+            errors.one_of(name, of[name], names)
         if path is not None:
-            values["table"] = read_turbulence(folder / a_text("file", path), **of)
+            values["table"] = read_turbulence(folder / errors.text("file", path), **of)
         elif levels is not None:
             values["table"] = turbulence_of_levels(levels, **of)
         return TurbulenceRequest(**values)
@@ -306,25 +295,29 @@ class LoopInTurbulence(Shown):
         InputError
             For a vehicle without a speed, and as `turbulence_covariance`.
         """
-        instance("request", request, TurbulenceRequest, "of an intensity or a severity")
-        instance("wind", wind, History, "such as TriangularWind")
-        single("wind", wind.batch)
-        ending("wind", wind.end)
+        errors.instance("request", request, TurbulenceRequest, "of an intensity or a severity")
+        errors.instance("wind", wind, History, "such as TriangularWind")
+        errors.single("wind", wind.batch)
+        errors.ending("wind", wind.end)
         limit = (
             None
             if limit is None
-            else number("limit", limit, small_angle("a deflection", positive), "rad")
+            else errors.number(
+                "limit", limit, errors.small_angle("a deflection", errors.positive), "rad"
+            )
         )
         if not isinstance(vehicle, Vehicle):
-            raise InputError("turbulence needs the speed of the vehicle, which coefficients lack")
-        speed = number("velocity", vehicle.velocity, positive, "m/s")
+            raise errors.InputError(
+                "turbulence needs the speed of the vehicle, which coefficients lack"
+            )
+        speed = errors.number("velocity", vehicle.velocity, errors.positive, "m/s")
         air, k = request.at(altitude), request.factor
         stationary = turbulence_covariance(autopilot, plant, air, speed)
         ended = wind.shift(-float(wind.onset))
         duration = float(ended.end) + AFTER_WIND_S
         slopes = None
         if load is not None:
-            instance("load", load, LoadBound, "of one bound")
+            errors.instance("load", load, LoadBound, "of one bound")
             slopes = LoadSlopes(alpha_moment=1.0, deflection_moment=load.ratio)
         history = turbulence_history(
             autopilot, plant, air, speed, duration, wind=ended, settled=True, loads=slopes

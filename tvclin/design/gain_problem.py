@@ -15,20 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
-from tvclin.base.errors import (
-    InputError,
-    each,
-    ending,
-    flag,
-    instance,
-    nonnegative,
-    number,
-    positive,
-    shown,
-    single,
-    whole_number,
-)
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
@@ -78,44 +66,48 @@ class GainProblem:
 
     def __post_init__(self) -> None:
         check_plant(self.plant)
-        single("plant", self.plant.batch)
+        errors.single("plant", self.plant.batch)
         object.__setattr__(self, "winds", _checked_winds(self.winds))
-        instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
+        errors.instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
         names = self.gains if isinstance(self.gains, list | tuple) else ()
         free = tuple(name for name in names if isinstance(name, str))
         if free not in FREE_GAINS or len(free) < len(names):
-            raise InputError(
+            raise errors.InputError(
                 f"gains must be {' or '.join(map(str, FREE_GAINS))}: those that are free, in"
                 " this order;"
-                f" got {shown(self.gains)}"
+                f" got {errors.shown(self.gains)}"
             )
         object.__setattr__(self, "gains", free)
         if not isinstance(self.actuator, Actuator | None):
-            raise InputError(f"actuator must be an Actuator or None; got {shown(self.actuator)}")
-        single("actuator", () if self.actuator is None else self.actuator.batch)
+            raise errors.InputError(
+                f"actuator must be an Actuator or None; got {errors.shown(self.actuator)}"
+            )
+        errors.single("actuator", () if self.actuator is None else self.actuator.batch)
         if self.sample_rate is not None:
-            rate = number("sample_rate", self.sample_rate, positive, "Hz")
+            rate = errors.number("sample_rate", self.sample_rate, errors.positive, "Hz")
             object.__setattr__(self, "sample_rate", rate)
-        if flag("limits", self.limits):
+        if errors.flag("limits", self.limits):
             check_sample_rate(self.flown_rate, self.actuator)
-        object.__setattr__(self, "delay", number("delay", self.delay, nonnegative, "s"))
+        object.__setattr__(
+            self, "delay", errors.number("delay", self.delay, errors.nonnegative, "s")
+        )
         if self.crossover is not None:
-            limit = number("crossover", self.crossover, positive, "rad/s")
+            limit = errors.number("crossover", self.crossover, errors.positive, "rad/s")
             object.__setattr__(self, "crossover", limit)
-        if whole_number("stops", self.stops) and not self.limits:
-            raise InputError(
+        if errors.whole_number("stops", self.stops) and not self.limits:
+            raise errors.InputError(
                 "stops are sudden ends of a wind in flights with a limit: give limits=True with"
                 " them, or stops=0"
             )
         mu_alpha = float(self.plant.coefficients.mu_alpha)
         if mu_alpha <= 0.0:
-            raise InputError(
+            raise errors.InputError(
                 "gains for the minimum deflection are sought for an aerodynamically unstable"
                 " vehicle,"
                 f" mu_alpha > 0; got {mu_alpha:.6g} 1/s^2 (a stable vehicle requires no deflection)"
             )
         if not np.isfinite(self.fastest):
-            raise InputError(
+            raise errors.InputError(
                 "without actuator, delay and crossover the gains for the least deflection are"
                 " infinite: give one of these"
             )
@@ -247,13 +239,13 @@ class GainProblem:
 
 def _checked_winds(winds: Any) -> tuple[History, ...]:
     """Return winds; `InputError` for none, a batch, and a wind without an end or peak."""
-    checked = each("winds", winds, History, "such as TriangularWind")
+    checked = errors.each("winds", winds, History, "such as TriangularWind")
     if not checked:
-        raise InputError("winds must be one or more; got none")
+        raise errors.InputError("winds must be one or more; got none")
     for wind in checked:
-        single("wind", wind.batch)
-        ending("wind", wind.end)
-        number("the peak of a wind", abs(float(wind.peak)), positive, "rad")
+        errors.single("wind", wind.batch)
+        errors.ending("wind", wind.end)
+        errors.number("the peak of a wind", abs(float(wind.peak)), errors.positive, "rad")
     return checked
 
 

@@ -13,18 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
-from tvclin.base.errors import (
-    InputError,
-    each,
-    finite,
-    flag,
-    instance,
-    number,
-    one_of,
-    positive,
-    whole_number,
-)
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
@@ -63,9 +53,9 @@ class Dispersion:
 
     def __post_init__(self) -> None:
         checked_parameter("parameter", self.parameter)
-        one_of("shape", self.shape, SHAPES)
-        object.__setattr__(self, "spread", number("spread", self.spread, positive))
-        flag("relative", self.relative)
+        errors.one_of("shape", self.shape, SHAPES)
+        object.__setattr__(self, "spread", errors.number("spread", self.spread, errors.positive))
+        errors.flag("relative", self.relative)
 
     def deviates(self, normal: FloatArray) -> FloatArray:
         """Return deviations in units of the spread, ``(n,)``, from standard normal deviates."""
@@ -116,13 +106,13 @@ class Dispersions:
     correlation: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
-        dispersions = each(
+        dispersions = errors.each(
             "distributions", self.distributions, Dispersion, "one for each parameter"
         )
         object.__setattr__(self, "distributions", dispersions)
         names = list(self.parameters)
         if len(set(names)) < len(names):
-            raise InputError(f"a parameter is dispersed twice: {', '.join(sorted(names))}")
+            raise errors.InputError(f"a parameter is dispersed twice: {', '.join(sorted(names))}")
         if self.correlation is not None:
             _ = self._factor
 
@@ -161,16 +151,16 @@ class Dispersions:
         """
         from scipy.special import ndtri
 
-        instance("nominal", nominal, Mapping, "of parameters to numbers")
-        drawn = finite("numbers", numbers)
+        errors.instance("nominal", nominal, Mapping, "of parameters to numbers")
+        drawn = errors.finite("numbers", numbers)
         if drawn.ndim != 2 or drawn.shape[-1] != len(self.distributions):
-            raise InputError(
+            raise errors.InputError(
                 f"numbers must have a row of {len(self.distributions)} for each case; got an"
                 " array of shape"
                 f" {drawn.shape}"
             )
         if np.any((drawn <= 0.0) | (drawn >= 1.0)):
-            raise InputError("numbers must all be above 0 and below 1")
+            raise errors.InputError("numbers must all be above 0 and below 1")
         normal = ndtri(drawn)
         if self.correlation is not None:
             # Element by element: the bits of a matrix product depend on the number of cases.
@@ -193,10 +183,12 @@ class Dispersions:
     def _centre(nominal: Mapping[str, Any], dispersion: Dispersion) -> float:
         """Return the nominal value of a parameter; `InputError` where it cannot be dispersed."""
         if nominal.get(dispersion.parameter) is None:
-            raise InputError(f"{dispersion.parameter} is dispersed, but has no nominal value here")
-        centre = number(dispersion.parameter, nominal[dispersion.parameter])
+            raise errors.InputError(
+                f"{dispersion.parameter} is dispersed, but has no nominal value here"
+            )
+        centre = errors.number(dispersion.parameter, nominal[dispersion.parameter])
         if dispersion.relative and centre == 0.0:
-            raise InputError(
+            raise errors.InputError(
                 f"{dispersion.parameter} is zero, and no part of zero can be its spread; give one"
                 " in its unit"
             )
@@ -207,16 +199,16 @@ class Dispersions:
         """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
         """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
         """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
-        matrix = finite("correlation", () if self.correlation is None else self.correlation)
+        matrix = errors.finite("correlation", () if self.correlation is None else self.correlation)
         size = len(self.distributions)
         if matrix.shape != (size, size) or not np.allclose(matrix, matrix.T):
-            raise InputError(f"correlation must be a symmetric matrix of {size} rows")
+            raise errors.InputError(f"correlation must be a symmetric matrix of {size} rows")
         if not np.allclose(np.diag(matrix), 1.0):
-            raise InputError("correlation must have ones on its diagonal")
+            raise errors.InputError("correlation must have ones on its diagonal")
         try:
             return np.asarray(np.linalg.cholesky(matrix), dtype=float)
         except np.linalg.LinAlgError:
-            raise InputError("correlation must be positive definite") from None
+            raise errors.InputError("correlation must be positive definite") from None
 
 
 _POSITIVE = (
@@ -244,7 +236,7 @@ def checked_parameter(what: str, name: Any) -> str:
     """Return the name of a parameter that can be dispersed; `InputError` for another name."""
     if isinstance(name, str) and _SINGLE_MODE_FACTOR.fullmatch(name):
         return name
-    return one_of(what, name, PARAMETERS)
+    return errors.one_of(what, name, PARAMETERS)
 
 
 def is_mode_factor(name: str) -> bool:
@@ -327,12 +319,14 @@ def draw(
     hypercube ("latin"), which alone needs the `size` of the whole campaign.
     """
     for name, value in (("seed", seed), ("first", first), ("count", count)):
-        whole_number(name, value)
-    one_of("method", method, METHODS)
+        errors.whole_number(name, value)
+    errors.one_of("method", method, METHODS)
     if not count or not dimension:
         return np.zeros((count, dimension))
     if method == "latin" and first + count > size:
-        raise InputError(f"a Latin hypercube of {size} cases has no case {first + count - 1}")
+        raise errors.InputError(
+            f"a Latin hypercube of {size} cases has no case {first + count - 1}"
+        )
     if method == "plain":
         begin, end = first // _BLOCK, -(-(first + count) // _BLOCK)
         seeds = (np.random.SeedSequence(seed, spawn_key=(block,)) for block in range(begin, end))

@@ -16,17 +16,9 @@ from functools import partial
 import numpy as np
 
 from tvclin.ascent.schedule import FlightSchedule, flight_variable
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    number,
-    positive,
-    shown,
-    small_angle,
-    whole_number,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -188,13 +180,13 @@ def fly_turbulence(
     >>> flights.is_linear, round(flights.linear_time, 3)
     (False, 0.115)
     """
-    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    errors.instance("autopilot", autopilot, Autopilot, "see design_gains")
     _check_sampled(autopilot)
     limit = _limit(deflection_limit)
     linear = turbulence_history(
         autopilot, plant, turbulence, speed, duration, wind=wind, altitude=altitude
     )
-    V, (_, length) = number("speed", speed), turbulence.over(altitude)
+    V, (_, length) = errors.number("speed", speed), turbulence.over(altitude)
     times = _times(0.0, float(duration), float(np.min(length)) / V)
     fly = partial(
         fly_many,
@@ -249,9 +241,9 @@ def fly_turbulence_along(
     InputError
         For an autopilot without a sample rate, and as `turbulence_along` and `fly_many_along`.
     """
-    instance("schedule", schedule, FlightSchedule, "see load_schedule")
+    errors.instance("schedule", schedule, FlightSchedule, "see load_schedule")
     parts_of = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
-    instance("autopilot", parts_of, Autopilot, "or a GainSchedule")
+    errors.instance("autopilot", parts_of, Autopilot, "or a GainSchedule")
     _check_sampled(parts_of)
     limit = _limit(deflection_limit)
     linear = turbulence_along(
@@ -289,12 +281,16 @@ def fly_turbulence_along(
 def _check_sampled(autopilot: Autopilot) -> None:
     """Raise `InputError` for an autopilot without a sample rate."""
     if autopilot.sample_rate is None:
-        raise InputError("flights with limits need samples: give the autopilot a sample_rate")
+        raise errors.InputError(
+            "flights with limits need samples: give the autopilot a sample_rate"
+        )
 
 
 def _limit(value: float) -> float:
     """Return a deflection limit [rad]."""
-    return number("deflection_limit", value, small_angle("a deflection", positive), "rad")
+    return errors.number(
+        "deflection_limit", value, errors.small_angle("a deflection", errors.positive), "rad"
+    )
 
 
 def _times(start: float, stop: float, time_scale: float) -> FloatArray:
@@ -310,9 +306,9 @@ def _sampled_winds(
 
     `gusts`: turbulence of `runs` flights from the number `first` on.
     """
-    total = whole_number("runs", runs)
+    total = errors.whole_number("runs", runs)
     if not 2 <= total <= _MAX_RUNS:
-        raise InputError(f"runs must be 2 to {_MAX_RUNS}; got {shown(runs)}")
+        raise errors.InputError(f"runs must be 2 to {_MAX_RUNS}; got {errors.shown(runs)}")
     for first in range(0, total, _RUNS_AT_ONCE):
         sampled = gusts(first=first, runs=min(_RUNS_AT_ONCE, total - first))
         yield sampled if wind is None else sampled + wind

@@ -13,19 +13,9 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.nominal_flight import FlightCondition
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    between,
-    ending,
-    flag,
-    instance,
-    number,
-    one_of,
-    positive,
-    single,
-)
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -116,8 +106,8 @@ def sixdof_verdict(
 
 def _check_frozen(frozen: bool, condition: object) -> None:
     """Raise `InputError` unless exactly one of frozen parameters and a condition is given."""
-    if flag("frozen", frozen) == (condition is not None):
-        raise InputError(
+    if errors.flag("frozen", frozen) == (condition is not None):
+        raise errors.InputError(
             "condition must be given exactly when parameters are not frozen (frozen=False)"
         )
 
@@ -243,30 +233,32 @@ def flown_boundary(
     >>> round(flown.limit, 3), round(linear.limit, 3)
     (0.654, 0.654)
     """
-    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     if not isinstance(wind, PlaneWind):
-        instance("wind", wind, History, "such as TriangularWind")
-    single("wind", wind.batch)
-    ending("wind", wind.end)
+        errors.instance("wind", wind, History, "such as TriangularWind")
+    errors.single("wind", wind.batch)
+    errors.ending("wind", wind.end)
     control = ReportControl(dead_band) if law is None else law
     if law is not None and ReportControl(dead_band) != ReportControl():
-        raise InputError("dead_band belongs to the report's control; leave it out with a law")
-    upper = number("highest", highest, positive)
-    number("highest", upper, between(0.0, _MAX_LIMIT_OVER_TRIM))
-    width = number("tolerance", tolerance, between(_MIN_TOLERANCE, 0.5))
+        raise errors.InputError(
+            "dead_band belongs to the report's control; leave it out with a law"
+        )
+    upper = errors.number("highest", highest, errors.positive)
+    errors.number("highest", upper, errors.between(0.0, _MAX_LIMIT_OVER_TRIM))
+    width = errors.number("tolerance", tolerance, errors.between(_MIN_TOLERANCE, 0.5))
     engine_verdict = (
-        engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)].verdict
+        engine if callable(engine) else ENGINES[errors.one_of("engine", engine, ENGINES)].verdict
     )
     if isinstance(wind, PlaneWind):
         if engine != "sixdof":
-            raise InputError('a wind with a direction is flown with engine="sixdof"')
+            raise errors.InputError('a wind with a direction is flown with engine="sixdof"')
         survives = planes_verdict(vehicle, wind, control, frozen=frozen, **options)
     else:
         survives = engine_verdict(vehicle, wind, control, plane=plane, frozen=frozen, **options)
     trim = -float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak)
     scale = abs(trim)
     if not survives(upper * scale):
-        raise InputError(
+        raise errors.InputError(
             f"wind must be survived with {upper:g} times the largest trim deflection as the limit"
         )
     diverged, saved, flights = 0.0, upper, 1

@@ -11,19 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.nominal_flight import FlightCondition
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.base.errors import (
-    InputError,
-    ending,
-    instance,
-    number,
-    one_of,
-    positive,
-    shown,
-    single,
-    small_angle,
-    times_row,
-)
 from tvclin.base.lines import Line, Table, degrees, minimum_limit
 from tvclin.boundary.limit import boundary_limit
 from tvclin.control.laws.law import Law
@@ -94,7 +83,7 @@ class FlightComparison:
         InputError
             For an unknown output, and where no time lies in the wind.
         """
-        row = OUTPUTS.index(one_of("name", name, OUTPUTS))
+        row = OUTPUTS.index(errors.one_of("name", name, OUTPUTS))
         flown, linear = (
             self._peak(rows, row, limit if ended else None)
             for rows, limit, ended in zip(
@@ -110,7 +99,7 @@ class FlightComparison:
         """
         samples = rows[:, self._during_wind & np.isfinite(rows[0])]
         if not samples.size:
-            raise InputError("timepts must have some time before the wind ends")
+            raise errors.InputError("timepts must have some time before the wind ends")
         peak = float(np.abs(samples[row]).max())
         if last_attitude is None or samples.shape[1] < 2:
             return peak
@@ -192,7 +181,7 @@ def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -
         plant, control, wind, sample_rate=SAMPLE_RATE, highest=_MAX_LIMIT_OVER_TRIM
     )
     if not np.isfinite(limits.limit):
-        raise InputError(
+        raise errors.InputError(
             f"control must survive with {_MAX_LIMIT_OVER_TRIM:g} times the largest trim deflection"
             " as its limit"
         )
@@ -251,23 +240,30 @@ def compare_flight(
     (True, True, [0.43, 0.43])
     """
     plant = Plant.from_vehicle(vehicle, DEFAULT_MODEL, plane)
-    instance("wind", wind, History, "such as TriangularWind")
-    single("wind", wind.batch)
-    ending("wind", wind.end)
+    errors.instance("wind", wind, History, "such as TriangularWind")
+    errors.single("wind", wind.batch)
+    errors.ending("wind", wind.end)
     if not isinstance(control, ReportControl | Law):
-        raise InputError(f"control must be a ReportControl or a Law; got {shown(control)}")
-    limit = number(
-        "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
+        raise errors.InputError(
+            f"control must be a ReportControl or a Law; got {errors.shown(control)}"
+        )
+    limit = errors.number(
+        "deflection_limit",
+        deflection_limit,
+        errors.small_angle("a deflection", errors.positive),
+        "rad",
     )
-    last, end = float(np.max(times_row("timepts", timepts))), float(wind.end)
+    last, end = float(np.max(errors.times_row("timepts", timepts))), float(wind.end)
     if last < end - _LIMIT_TOLERANCE * abs(end):
-        raise InputError(f"timepts must reach the end of the wind, {end:.6g} s; got {last:.6g} s")
+        raise errors.InputError(
+            f"timepts must reach the end of the wind, {end:.6g} s; got {last:.6g} s"
+        )
     if boundary is None:
         minimum = linear_boundary(plant, control, wind)
     else:
-        minimum = number("boundary", boundary, positive, "rad")
+        minimum = errors.number("boundary", boundary, errors.positive, "rad")
     options: dict[str, Any] = {"plane": plane, "condition": condition}
-    simulator = ENGINES[one_of("engine", engine, ENGINES)]
+    simulator = ENGINES[errors.one_of("engine", engine, ENGINES)]
     survives = simulator.verdict(vehicle, wind, control, frozen=condition is None, **options)
     survived, predicted = survives(limit), limit >= minimum
     holds = isinstance(control, ReportControl)

@@ -11,19 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray, IndexArray
-from tvclin.base.errors import (
-    InputError,
-    finite,
-    instance,
-    nonzero,
-    one_of,
-    plain,
-    shown,
-    small_angle,
-    together,
-    within,
-)
 from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics import pieces as algebra
 from tvclin.numerics.pieces import Pieces
@@ -54,10 +43,13 @@ class ConstantDeflection(History):
     start: float | FloatArray = 0.0
 
     def __post_init__(self) -> None:
-        limit, start = nonzero("limit", self.limit, "rad"), finite("start", self.start, "s")
-        together(limit=limit, start=start)
-        object.__setattr__(self, "limit", plain(limit))
-        object.__setattr__(self, "start", plain(start))
+        limit, start = (
+            errors.nonzero("limit", self.limit, "rad"),
+            errors.finite("start", self.start, "s"),
+        )
+        errors.together(limit=limit, start=start)
+        object.__setattr__(self, "limit", errors.plain(limit))
+        object.__setattr__(self, "start", errors.plain(start))
 
     def _pieces(self) -> Pieces:
         """Pieces of a deflection at the limit, whose sign changes at each switching time."""
@@ -90,16 +82,21 @@ class BangBang(History):
     start: float | FloatArray = 0.0
 
     def __post_init__(self) -> None:
-        limit, start = nonzero("limit", self.limit, "rad"), finite("start", self.start, "s")
-        times = np.atleast_1d(finite("switch_times", self.switch_times, "s"))
-        together(limit=limit, start=start, switch_times=times[..., 0] if times.size else limit)
+        limit, start = (
+            errors.nonzero("limit", self.limit, "rad"),
+            errors.finite("start", self.start, "s"),
+        )
+        times = np.atleast_1d(errors.finite("switch_times", self.switch_times, "s"))
+        errors.together(
+            limit=limit, start=start, switch_times=times[..., 0] if times.size else limit
+        )
         if times.size and (np.any(np.diff(times) < 0.0) or np.any(times[..., 0] < start)):
-            raise InputError(
-                f"switch_times must not decrease, nor come before start ({shown(start.tolist())}"
-                f" s); got {shown(times.tolist())}"
+            raise errors.InputError(
+                f"switch_times must not decrease, nor come before start"
+                f" ({errors.shown(start.tolist())} s); got {errors.shown(times.tolist())}"
             )
-        object.__setattr__(self, "limit", plain(limit))
-        object.__setattr__(self, "start", plain(start))
+        object.__setattr__(self, "limit", errors.plain(limit))
+        object.__setattr__(self, "start", errors.plain(start))
         object.__setattr__(self, "switch_times", times)
 
     def _pieces(self) -> Pieces:
@@ -128,8 +125,8 @@ def trim_deflection(plant: Plant, wind: History) -> History:
     wind : History
         Wind angle of attack; batches broadcast.
     """
-    instance("plant", plant, Plant, PLANT_HINT)
-    instance("wind", wind, History, "such as TriangularWind")
+    errors.instance("plant", plant, Plant, PLANT_HINT)
+    errors.instance("wind", wind, History, "such as TriangularWind")
     from_wind = plant.numerator("attitude", "wind")
     return wind.filter(-from_wind, plant.numerator("attitude", "deflection"))
 
@@ -171,16 +168,16 @@ def trim_then_hold(
         When the limit has the sign of the wind moment instead of opposing it, and for a dead band
         outside [0, 1].
     """
-    limit = small_angle("a deflection", nonzero)("limit", limit)
-    dead_band = within("dead_band", dead_band, 0.0, 1.0)
+    limit = errors.small_angle("a deflection", errors.nonzero)("limit", limit)
+    dead_band = errors.within("dead_band", dead_band, 0.0, 1.0)
     trim = trim_deflection(plant, wind)
     opposing = -np.sign(np.asarray(plant.coefficients.B) * wind.peak)
     if np.any(opposing * limit < 0.0):
-        raise InputError(
+        raise errors.InputError(
             "limit must oppose the wind, with the sign of -B alpha_w,max; got"
             f" {limit.ravel()[0]:.6g} rad against a wind of {np.ravel(wind.peak)[0]:.6g} rad"
         )
-    literal = one_of("switch", switch, SWITCHES) == "literal"
+    literal = errors.one_of("switch", switch, SWITCHES) == "literal"
     driver = trim if literal else wind * -np.asarray(plant.coefficients.B)
     time = exit_time(driver, limit, dead_band)
     exits = np.isfinite(time)

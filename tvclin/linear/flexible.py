@@ -18,18 +18,9 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    broadcast,
-    instance,
-    number,
-    one_of,
-    plain,
-    positive,
-    shown,
-)
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant, upper_pole
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
@@ -92,13 +83,13 @@ class FlexiblePlant(Shown, WithCoefficients):
     plane: str = field(default="pitch", metadata=spec())
 
     def __post_init__(self) -> None:
-        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
-        instance("structure", self.structure, Structure, "Structure(bending=..., slosh=...)")
-        if one_of("model", self.model, MODELS) == "drift":
-            raise InputError(
+        errors.instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        errors.instance("structure", self.structure, Structure, "Structure(bending=..., slosh=...)")
+        if errors.one_of("model", self.model, MODELS) == "drift":
+            raise errors.InputError(
                 'model "drift" leaves out forces that move liquid and structure; use "drift-exact"'
             )
-        one_of("plane", self.plane, PLANES)
+        errors.one_of("plane", self.plane, PLANES)
         _ = self._motions  # refuses impossible masses
 
     @classmethod
@@ -155,7 +146,7 @@ class FlexiblePlant(Shown, WithCoefficients):
     @cached_property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
-        return broadcast(vehicle=self.vehicle.batch, structure=self.structure.batch)
+        return errors.broadcast(vehicle=self.vehicle.batch, structure=self.structure.batch)
 
     @cached_property
     def rigid(self) -> Plant:
@@ -203,7 +194,7 @@ class FlexiblePlant(Shown, WithCoefficients):
         InputError
             For a factor that is not positive.
         """
-        multiple = positive("factor", factor)
+        multiple = errors.positive("factor", factor)
         with np.errstate(over="ignore"):  # an overflow is refused below
             slope = multiple * np.asarray(self.vehicle.control_force)
         return replace(self, vehicle=self.vehicle.replace(control_force_slope=slope))
@@ -296,7 +287,9 @@ class FlexiblePlant(Shown, WithCoefficients):
         """
         unstable = unstable_poles(self.rigid)
         if not unstable.shape[-1] or np.any(np.isnan(unstable[..., 0])):
-            raise InputError("shift() needs a vehicle with a growing mode; this one has none")
+            raise errors.InputError(
+                "shift() needs a vehicle with a growing mode; this one has none"
+            )
         rigid_pole = unstable[..., 0]
         A, B = self._airframe
         pole, row = left_eigenvector(A, rigid_pole)
@@ -305,8 +298,8 @@ class FlexiblePlant(Shown, WithCoefficients):
         rigid_ratio = wind_over_deflection(self.rigid, rigid_pole[..., np.newaxis])[..., 0]
         relative_trim = np.abs(coupling[..., 1] / from_deflection) / np.abs(rigid_ratio)
         return Shift(
-            plain(100.0 * (np.abs(pole) / np.abs(rigid_pole) - 1.0)),
-            plain(100.0 * (relative_trim - 1.0)),
+            errors.plain(100.0 * (np.abs(pole) / np.abs(rigid_pole) - 1.0)),
+            errors.plain(100.0 * (relative_trim - 1.0)),
         )
 
     def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
@@ -318,8 +311,8 @@ class FlexiblePlant(Shown, WithCoefficients):
             drift rate     V gamma + sum phi eta'
             acceleration   z'' + x theta'' + sum phi eta'' - a (theta + sum sigma eta)
         """
-        one_of("signal", signal, LATERAL_SIGNALS)
-        station = number("station", station, STATION_RANGE, "m")
+        errors.one_of("signal", signal, LATERAL_SIGNALS)
+        station = errors.number("station", station, STATION_RANGE, "m")
         rigid, modes = len(self.rigid.states), self.structure.bending
         columns = rigid + 2 * np.arange(len(modes))
         C = np.zeros((*self.batch, len(self.states)))
@@ -477,7 +470,7 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
     ('FlexiblePlant', 'Plant')
     """
     if not isinstance(vehicle, LinearVehicle):
-        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     if isinstance(vehicle, LinearVehicle) or vehicle.structure is None:
         return Plant.from_vehicle(vehicle, model, plane)
     return FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model or DEFAULT_MODEL, plane)
@@ -486,9 +479,9 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
 def check_plant(plant: object) -> None:
     """Raise `InputError` unless `plant` is a plant, rigid or flexible."""
     if not isinstance(plant, AnyPlant):
-        raise InputError(
-            f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle,"
-            " or linear.SystemPlant of a control.StateSpace)"
+        raise errors.InputError(
+            f"plant must be a Plant or a FlexiblePlant; got {errors.shown(plant)} (see"
+            " Plant.from_vehicle, or linear.SystemPlant of a control.StateSpace)"
         )
 
 

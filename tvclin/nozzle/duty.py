@@ -12,18 +12,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.errors import (
-    InputError,
-    directions,
-    instance,
-    number,
-    positive,
-    single,
-    small_angle,
-    times_row,
-)
 from tvclin.base.fields import Field, derived, rows, spec, specs
 from tvclin.base.lines import Line, Table, quantities, significant
 from tvclin.base.lines import number as figure
@@ -176,23 +167,23 @@ def nozzle_duty(
     >>> round(float(np.degrees(duty.rate.value)), 2), round(float(np.degrees(duty.travel)), 2)
     (18.85, 12.0)
     """
-    t = times_row("times", times)
+    t = errors.times_row("times", times)
     delta = _row("deflection", deflection, t)
     if t.size < 3 or np.any(np.diff(t) <= 0.0):
-        raise InputError("times must be three or more, each after the one before")
+        raise errors.InputError("times must be three or more, each after the one before")
     if limit is not None:
-        limit = number("limit", limit, small_angle("a limit", positive), "rad")
-    window = number("window", window, positive, "s")
+        limit = errors.number("limit", limit, errors.small_angle("a limit", errors.positive), "rad")
+    window = errors.number("window", window, errors.positive, "s")
     notes = []
     if nozzle is not None:
-        instance("nozzle", nozzle, NozzleData, "of an engine and its hinge")
+        errors.instance("nozzle", nozzle, NozzleData, "of an engine and its hinge")
     if vehicle is not None:
-        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-        single("vehicle", vehicle.batch)
+        errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        errors.single("vehicle", vehicle.batch)
         if attitude is None or angle_of_attack is None:
             notes.append("without angle of attack and attitude the vehicle does not turn")
     elif angle_of_attack is not None or attitude is not None:
-        raise InputError("angle_of_attack and attitude need a vehicle")
+        raise errors.InputError("angle_of_attack and attitude need a vehicle")
     zero = np.zeros(t.size)
     alpha = zero if angle_of_attack is None else _row("angle_of_attack", angle_of_attack, t)
     theta = zero if attitude is None else _row("attitude", attitude, t)
@@ -238,9 +229,13 @@ def duty_of_motion(
 
 def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
     """Return angles [rad] at the times `t`, ``(n,)``; `InputError` for another shape or size."""
-    row = (directions if name == "attitude" else small_angle("an angle"))(name, values, "rad")
+    row = (errors.directions if name == "attitude" else errors.small_angle("an angle"))(
+        name, values, "rad"
+    )
     if row.shape != t.shape:
-        raise InputError(f"{name} must be a row of {t.size} numbers, as times; got {row.shape}")
+        raise errors.InputError(
+            f"{name} must be a row of {t.size} numbers, as times; got {row.shape}"
+        )
     return row
 
 

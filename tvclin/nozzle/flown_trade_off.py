@@ -9,18 +9,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    callable_for,
-    different,
-    each,
-    instance,
-    one_of,
-    whole_number,
-    within,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
@@ -155,11 +146,11 @@ def flown_trade_offs(
     {'half-relief': False, 'trim': True, 'recoverable-attitude': True}
     """
     if progress is not None:
-        callable_for("progress", progress, "of how many are done and how many there are")
-    instance("cases", cases, Mapping, "by name")
-    each("cases", tuple(cases.values()), Case, "by name")
-    names = tuple(one_of("laws", name, LAWS) for name in different("laws", laws))
-    within("cuts", whole_number("cuts", cuts), 0, 1000)
+        errors.callable_for("progress", progress, "of how many are done and how many there are")
+    errors.instance("cases", cases, Mapping, "by name")
+    errors.each("cases", tuple(cases.values()), Case, "by name")
+    names = tuple(errors.one_of("laws", name, LAWS) for name in errors.different("laws", laws))
+    errors.within("cuts", errors.whole_number("cuts", cuts), 0, 1000)
     minima = {key: _minimum(case, rates) for key, case in cases.items()}
     total = len(names) * sum(minimum.rates.size for minimum in minima.values())
     _check_samples(cases, minima, len(names) * (cuts + 1))
@@ -209,7 +200,7 @@ def _check_samples(
         span = float(case.history.end) - float(case.history.onset)
         samples += winds * minima[key].rates.size * limits * span * case.hardware["sample_rate"]
     if samples > _MAX_SAMPLES:
-        raise InputError(
+        raise errors.InputError(
             f"flights of laws may have at most {_MAX_SAMPLES:.3g} samples in all, and these may"
             f" have {samples:.3g}: take a lower sample rate, a shorter wind, fewer laws or fewer"
             " rates"

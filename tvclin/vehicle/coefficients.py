@@ -15,20 +15,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record, card, card_rows, lines
-from tvclin.base.errors import (
-    InputError,
-    finite,
-    instance,
-    nonnegative,
-    nonzero,
-    one_of,
-    plain,
-    positive,
-    together,
-    within,
-)
 from tvclin.base.fields import derived, parameters, spec
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
@@ -39,7 +28,7 @@ _MAX_COEFFICIENT = 1e18
 """Largest coefficient, and largest 1/mu_delta: products of several must not overflow."""
 
 
-def _number(kind: str, name: str, check: Callable[..., Any] = finite) -> Mapping[str, Any]:
+def _number(kind: str, name: str, check: Callable[..., Any] = errors.finite) -> Mapping[str, Any]:
     """Return the metadata of a coefficient, whose symbol is its label and its key."""
     return spec(kind, label=name, key=name, check=check)
 
@@ -88,20 +77,22 @@ class Coefficients(Record):
     """
 
     mu_alpha: float | FloatArray = field(metadata=_number("per time squared", "mu_alpha"))
-    mu_delta: float | FloatArray = field(metadata=_number("per time squared", "mu_delta", nonzero))
+    mu_delta: float | FloatArray = field(
+        metadata=_number("per time squared", "mu_delta", errors.nonzero)
+    )
     C1: float | FloatArray = field(default=0.0, metadata=_number("per time", "C1"))
     C2: float | FloatArray = field(default=0.0, metadata=_number("per time cubed", "C2"))
     b1: float | FloatArray = field(default=0.0, metadata=_number("per time", "b1"))
     b2: float | FloatArray = field(default=0.0, metadata=_number("per time", "b2"))
     q: float | FloatArray = field(
-        default=0.0, metadata=_number("per time squared", "q", nonnegative)
+        default=0.0, metadata=_number("per time squared", "q", errors.nonnegative)
     )
     damping: float | FloatArray = field(
-        default=0.0, metadata=_number("per time", "damping", nonnegative)
+        default=0.0, metadata=_number("per time", "damping", errors.nonnegative)
     )
     velocity: float | FloatArray = field(
         default=0.0,
-        metadata=spec("speed", check=nonnegative, card=False, document=False),
+        metadata=spec("speed", check=errors.nonnegative, card=False, document=False),
     )
     name: str = field(default="", compare=False, repr=False)
 
@@ -110,18 +101,18 @@ class Coefficients(Record):
             name: item.check(name, getattr(self, name), item.si_unit)
             for name, item in parameters(Coefficients).items()
         }
-        together(**checked)
+        errors.together(**checked)
         for name, array in checked.items():
-            within(name, array, -_MAX_COEFFICIENT, _MAX_COEFFICIENT)
+            errors.within(name, array, -_MAX_COEFFICIENT, _MAX_COEFFICIENT)
         smallest = np.abs(checked["mu_delta"]).min(initial=np.inf)
         if smallest < 1.0 / _MAX_COEFFICIENT:
-            raise InputError(
+            raise errors.InputError(
                 f"mu_delta must be at least {1.0 / _MAX_COEFFICIENT:g} 1/s^2 in size; got"
                 f" {smallest:.6g}"
             )
         for name, array in checked.items():
-            object.__setattr__(self, name, plain(array))
-        instance("name", self.name, str, "the vehicle's")
+            object.__setattr__(self, name, errors.plain(array))
+        errors.instance("name", self.name, str, "the vehicle's")
 
     def _repr_html_(self) -> str:
         title = f"Coefficients: {self.name}" if self.name else "Coefficients"
@@ -147,8 +138,8 @@ class Coefficients(Record):
         Appendix B. Its rule for yaw sets Theta_n to 90 degrees throughout, which is right for
         the cosine alone: it would make C2 too large by the factor 1/sin(Theta_n).
         """
-        plane = one_of("plane", plane, PLANES)
-        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        plane = errors.one_of("plane", plane, PLANES)
+        errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
         v = vehicle
         momentum = v.mass * v.velocity  # m V_n
         weight_along = v.weight * np.sin(v.attitude)  # W sin(Theta_n)
@@ -183,16 +174,16 @@ class Coefficients(Record):
         **others
             C1, C2, b1, b2, q, damping and name, as in `Coefficients`.
         """
-        beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
-        within("beta", beta, 0.0, _MAX_COEFFICIENT**0.5, "1/s")
-        together(beta=beta, B=B)
+        beta, B = errors.positive("beta", beta, "1/s"), errors.nonzero("B", B)
+        errors.within("beta", beta, 0.0, _MAX_COEFFICIENT**0.5, "1/s")
+        errors.together(beta=beta, B=B)
         return cls(mu_alpha=beta**2, mu_delta=beta**2 / B, **others)
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some fields changed."""
         unknown = set(changes) - set(self.__dataclass_fields__)
         if unknown:
-            raise InputError(f"Coefficients has no field {', '.join(sorted(unknown))}")
+            raise errors.InputError(f"Coefficients has no field {', '.join(sorted(unknown))}")
         return replace(self, **changes)
 
     @cached_property
@@ -216,11 +207,11 @@ class Coefficients(Record):
             For an aerodynamically stable vehicle (mu_alpha <= 0), which has no such pole.
         """
         if np.any(np.asarray(self.mu_alpha) <= 0.0):
-            raise InputError(
+            raise errors.InputError(
                 "beta needs an aerodynamically unstable vehicle, mu_alpha > 0; got mu_alpha ="
                 f" {np.min(self.mu_alpha):.6g} 1/s^2"
             )
-        return plain(np.sqrt(self.mu_alpha))
+        return errors.plain(np.sqrt(self.mu_alpha))
 
     @property
     @derived("per time", of=_if_unstable("pole"))
@@ -236,7 +227,7 @@ class Coefficients(Record):
         """
         beta, half = np.asarray(self.beta), np.asarray(self.damping) / 2.0
         slowed = self.mu_alpha / (half + np.hypot(half, beta))  # without a difference
-        return plain(np.where(half == 0.0, beta, slowed))
+        return errors.plain(np.where(half == 0.0, beta, slowed))
 
     @property
     def pole_symbol(self) -> str:

@@ -9,21 +9,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import card, card_rows, lines
-from tvclin.base.errors import (
-    Faults,
-    InputError,
-    broadcast,
-    finite,
-    instance,
-    nonnegative,
-    nonzero,
-    plain,
-    positive,
-    text,
-    together,
-)
 from tvclin.base.fields import fields_of, parameters, spec
 from tvclin.vehicle.structure import Structure
 
@@ -45,12 +33,12 @@ Boosters have about 1.05 to 5."""
 
 
 def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
-    array = finite(name, value, unit)
+    array = errors.finite(name, value, unit)
     beyond = array[np.abs(array) > np.pi / 2]
     if beyond.size:
         with np.errstate(over="ignore"):
             got = f"{beyond[0]:.6g} rad ({np.degrees(beyond[0]):.6g} deg)"
-        raise InputError(f"{name} must be within 90 degrees, in radians; got {got}")
+        raise errors.InputError(f"{name} must be within 90 degrees, in radians; got {got}")
     return array
 
 
@@ -110,29 +98,33 @@ class Vehicle:
     deflection.
     """
 
-    weight: float | FloatArray = field(metadata=spec("force", "gross weight W", check=positive))
+    weight: float | FloatArray = field(
+        metadata=spec("force", "gross weight W", check=errors.positive)
+    )
     moment_of_inertia: float | FloatArray = field(
-        metadata=spec("inertia", "moment of inertia I", check=positive)
+        metadata=spec("inertia", "moment of inertia I", check=errors.positive)
     )
     normal_force_slope: float | FloatArray = field(
-        metadata=spec("force slope", "normal force slope N", check=nonnegative)
+        metadata=spec("force slope", "normal force slope N", check=errors.nonnegative)
     )
-    thrust: float | FloatArray = field(metadata=spec("force", "thrust T", check=positive))
+    thrust: float | FloatArray = field(metadata=spec("force", "thrust T", check=errors.positive))
     aerodynamic_arm: float | FloatArray = field(metadata=spec("length", "aerodynamic arm l_a"))
     control_arm: float | FloatArray = field(
-        metadata=spec("length", "control arm l_c", check=nonzero)
+        metadata=spec("length", "control arm l_c", check=errors.nonzero)
     )
     axial_force: float | FloatArray = field(
-        metadata=spec("force", "axial force F_A", check=nonnegative)
+        metadata=spec("force", "axial force F_A", check=errors.nonnegative)
     )
-    velocity: float | FloatArray = field(metadata=spec("speed", "velocity V_n", check=positive))
+    velocity: float | FloatArray = field(
+        metadata=spec("speed", "velocity V_n", check=errors.positive)
+    )
     attitude: float | FloatArray = field(
         metadata=spec("angle", "attitude Theta_n", check=_checked_attitude)
     )
     name: str = ""
     time: float | FloatArray | None = field(default=None, metadata=spec("time", "time of flight"))
     control_force_slope: float | FloatArray | None = field(
-        default=None, metadata=spec("force slope", check=positive)
+        default=None, metadata=spec("force slope", check=errors.positive)
     )
     pitch_damping: float | FloatArray = field(
         default=0.0,
@@ -140,28 +132,30 @@ class Vehicle:
             "damping moment",
             of=lambda vehicle: vehicle.pitch_damping if np.any(vehicle.pitch_damping) else None,
             label="pitch damping M_q",
-            check=nonnegative,
+            check=errors.nonnegative,
         ),
     )
     numbers_from: str = field(default="", compare=False)
     structure: Structure | None = None
 
     def __post_init__(self) -> None:
-        text("name", self.name)
-        text("numbers_from", self.numbers_from)
-        checked, faults = {}, Faults()
+        errors.text("name", self.name)
+        errors.text("numbers_from", self.numbers_from)
+        checked, faults = {}, errors.Faults()
         for item in fields_of(self):
             with faults.kept():
                 if item.name not in _OPTIONAL or getattr(self, item.name) is not None:
                     value = item.check(item.name, getattr(self, item.name), item.si_unit)
                     checked[item.name] = value
         faults.tell()
-        together(**checked)
+        errors.together(**checked)
         for name, array in checked.items():
             _check_size(name, array)
-            object.__setattr__(self, name, plain(array))
+            object.__setattr__(self, name, errors.plain(array))
         if self.structure is not None:
-            instance("structure", self.structure, Structure, "Structure(bending=..., slosh=...)")
+            errors.instance(
+                "structure", self.structure, Structure, "Structure(bending=..., slosh=...)"
+            )
             if self.structure.is_rigid:
                 object.__setattr__(self, "structure", None)
 
@@ -205,17 +199,17 @@ class Vehicle:
         """
         for derived in ("normal_force_slope", "axial_force"):
             if derived in others:
-                raise InputError(f"{derived} follows from the coefficients; leave it out")
+                raise errors.InputError(f"{derived} follows from the coefficients; leave it out")
         slope = "normal_force_coefficient_slope"
         numbers = {
-            "dynamic_pressure": positive("dynamic_pressure", dynamic_pressure, "Pa"),
-            "reference_area": positive("reference_area", reference_area, "m^2"),
-            slope: nonnegative(slope, normal_force_coefficient_slope, "1/rad"),
-            "axial_force_coefficient": nonnegative(
+            "dynamic_pressure": errors.positive("dynamic_pressure", dynamic_pressure, "Pa"),
+            "reference_area": errors.positive("reference_area", reference_area, "m^2"),
+            slope: errors.nonnegative(slope, normal_force_coefficient_slope, "1/rad"),
+            "axial_force_coefficient": errors.nonnegative(
                 "axial_force_coefficient", axial_force_coefficient
             ),
         }
-        together(**numbers)
+        errors.together(**numbers)
         for name, array in numbers.items():
             _check_size(name, array)
         pressure, area, lift, axial = numbers.values()
@@ -226,14 +220,14 @@ class Vehicle:
         """Return a copy with some fields changed."""
         unknown = set(changes) - set(self.__dataclass_fields__)
         if unknown:
-            raise InputError(f"Vehicle has no field {', '.join(sorted(unknown))}")
+            raise errors.InputError(f"Vehicle has no field {', '.join(sorted(unknown))}")
         return replace(self, **changes)
 
     @property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
         shapes = {name: np.shape(getattr(self, name)) for name in NUMBERS}
-        return broadcast(**shapes, structure=self.structure.batch if self.structure else ())
+        return errors.broadcast(**shapes, structure=self.structure.batch if self.structure else ())
 
     @property
     def rigid(self) -> Self:
@@ -256,7 +250,7 @@ def _check_size(name: str, array: FloatArray) -> None:
     size = np.abs(array)
     tiny = (size < _MIN_SIZE) & (size > 0.0) & (name not in _UNBOUNDED_BELOW)
     if np.any(tiny | (size > _MAX_SIZE)):
-        raise InputError(
+        raise errors.InputError(
             f"{name} must be a size between {_MIN_SIZE:g} and {_MAX_SIZE:g} in SI units; got"
             f" {array.ravel()[np.argmax(tiny | (size > _MAX_SIZE))]:.6g}"
         )

@@ -19,21 +19,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    ending,
-    finite,
-    instance,
-    nonnegative,
-    nonzero,
-    plain,
-    positive,
-    single,
-    small_angle,
-    together,
-    within,
-)
 from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import History, linear_pieces
 
@@ -53,23 +40,25 @@ _AREA_ROUNDING = 1e-12
 
 def checked_peak(peak: ArrayLike) -> FloatArray:
     """Return `peak` as a float array; `InputError` unless it is a wind angle, and not zero."""
-    peak = small_angle("a wind angle", nonzero)("peak", peak)
+    peak = errors.small_angle("a wind angle", errors.nonzero)("peak", peak)
     if np.any(np.abs(peak) < _MIN_PEAK):
-        raise InputError(f"peak must be at least {_MIN_PEAK:g} rad in size; got {peak.min():.6g}")
+        raise errors.InputError(
+            f"peak must be at least {_MIN_PEAK:g} rad in size; got {peak.min():.6g}"
+        )
     return peak
 
 
 def checked_duration(name: str, value: ArrayLike) -> FloatArray:
     """Return a duration as a float array; `InputError` unless it is between 1 ns and 1e9 s."""
-    value = positive(name, value, "s")
-    return within(name, value, MIN_DURATION, MAX_DURATION, "s")
+    value = errors.positive(name, value, "s")
+    return errors.within(name, value, MIN_DURATION, MAX_DURATION, "s")
 
 
 def checked_interval(name: str, value: ArrayLike) -> FloatArray:
     """Return an interval of a duration [s], which may be zero; `InputError` below 1 ns."""
-    value = within(name, nonnegative(name, value, "s"), 0.0, MAX_DURATION, "s")
+    value = errors.within(name, errors.nonnegative(name, value, "s"), 0.0, MAX_DURATION, "s")
     if np.any((value > 0.0) & (value < MIN_DURATION)):
-        raise InputError(
+        raise errors.InputError(
             f"{name} must be zero, or {MIN_DURATION:g} s or longer; got {value.min():.6g} s"
         )
     return value
@@ -78,16 +67,16 @@ def checked_interval(name: str, value: ArrayLike) -> FloatArray:
 def check_end(wind: History) -> None:
     """Raise `InputError` for a wind that is zero throughout, or never ends."""
     if np.any(np.isneginf(wind.end)):
-        raise InputError("wind must differ from zero; got a history that is zero throughout")
+        raise errors.InputError("wind must differ from zero; got a history that is zero throughout")
     if np.any(np.isposinf(wind.end)):
-        raise InputError("wind must end: the last piece of its history must be zero")
+        raise errors.InputError("wind must end: the last piece of its history must be zero")
 
 
 def set_fields(wind: History, **checked: FloatArray) -> None:
     """Set the checked fields of a frozen wind, all in the shape of its batch."""
-    together(**checked)
+    errors.together(**checked)
     for name, value in zip(checked, np.broadcast_arrays(*checked.values()), strict=True):
-        object.__setattr__(wind, name, plain(value))
+        object.__setattr__(wind, name, errors.plain(value))
 
 
 def piecewise_linear(time: FloatArray, angle: FloatArray) -> Pieces:
@@ -128,14 +117,17 @@ class SampledWind(History):
     angle: FloatArray
 
     def __post_init__(self) -> None:
-        time, angle = finite("time", self.time, "s"), finite("angle", self.angle, "rad")
+        time, angle = (
+            errors.finite("time", self.time, "s"),
+            errors.finite("angle", self.angle, "rad"),
+        )
         if time.ndim != 1 or time.size < 2 or angle.ndim < 1 or angle.shape[-1] != time.size:
-            raise InputError(
+            raise errors.InputError(
                 "time must hold two or more samples and angle one for each along its last axis;"
                 f" got time of shape {time.shape} and angle of shape {angle.shape}"
             )
         _check_sample_times(time)
-        within("time", time, -MAX_DURATION, MAX_DURATION, "s")
+        errors.within("time", time, -MAX_DURATION, MAX_DURATION, "s")
         _check_sample_angles(time, angle)
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "angle", angle)
@@ -155,7 +147,7 @@ def _check_sample_times(time: FloatArray) -> None:
     invalid = (step < 0.0) | thrice
     if np.any(invalid):
         index = int(np.argmax(invalid)) + 1
-        raise InputError(
+        raise errors.InputError(
             "time must not decrease, and may stand twice (a jump) but not three times; got"
             f" {time[index]:.6g} s at index {index}"
         )
@@ -164,13 +156,13 @@ def _check_sample_times(time: FloatArray) -> None:
 def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
     """Raise `InputError` for angles beyond 90 degrees, and for a wind that is zero."""
     if np.any(np.abs(angle) >= np.pi / 2):
-        raise InputError(
+        raise errors.InputError(
             "angle must be a wind within 90 degrees, in radians; got a largest size of"
             f" {np.abs(angle).max():.6g} rad"
         )
     has_wind = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
     if not np.all(np.any(has_wind & (np.diff(time) > 0.0), axis=-1)):
-        raise InputError(
+        raise errors.InputError(
             "angle must be a wind that is not zero throughout; got one that is zero wherever"
             f" time advances, from {time[0]:.6g} s to {time[-1]:.6g} s"
         )
@@ -260,9 +252,9 @@ class AsymmetricTriangularWind(Pulse):
 
     def __post_init__(self) -> None:
         peak, duration = checked_peak(self.peak), checked_duration("duration", self.duration)
-        peak_time = nonnegative("peak_time", self.peak_time, "s")
+        peak_time = errors.nonnegative("peak_time", self.peak_time, "s")
         set_fields(self, peak=peak, duration=duration, peak_time=peak_time)
-        nonnegative("duration - peak_time", duration - peak_time, "s")
+        errors.nonnegative("duration - peak_time", duration - peak_time, "s")
 
     def _pieces(self) -> Pieces:
         return _vertices_to_pieces((0.0, self.peak_time, self.duration), (0.0, self.peak, 0.0))
@@ -375,7 +367,7 @@ class LayeredGust(History):
 
     def __post_init__(self) -> None:
         peak, blend = checked_peak(self.peak), checked_interval("blend", self.blend)
-        plateau = nonnegative("plateau", self.plateau, "s")
+        plateau = errors.nonnegative("plateau", self.plateau, "s")
         set_fields(self, peak=peak, blend=blend, plateau=plateau)
         checked_duration("blend + plateau", blend + plateau)
 
@@ -400,9 +392,9 @@ def _half_waves(
 def checked_gust(gust: History | None) -> History | None:
     """Return a gust or None; `InputError` for a batch, and for an endless gust."""
     if gust is not None:
-        instance("gust", gust, History, "such as OneMinusCosineGust")
-        single("gust", gust.batch)
-        ending("gust", gust.end)
+        errors.instance("gust", gust, History, "such as OneMinusCosineGust")
+        errors.single("gust", gust.batch)
+        errors.ending("gust", gust.end)
     return gust
 
 
@@ -440,9 +432,9 @@ def equivalent_triangle(wind: History) -> History:
     >>> equivalent_triangle(OneMinusCosineGust(peak=0.08, duration=6.0))
     TriangularWind(peak=0.08, duration=6.0)
     """
-    instance("wind", wind, History, "such as OneMinusCosineGust")
+    errors.instance("wind", wind, History, "such as OneMinusCosineGust")
     if np.any(wind.end == np.inf):
-        raise InputError("wind must end: the last piece of its history must be zero")
+        raise errors.InputError("wind must end: the last piece of its history must be zero")
     peak, area = np.asarray(wind.peak), wind.laplace(0.0)
     _check_area(area, peak, _AREA_ROUNDING * wind.laplace_magnitude(0.0))
     triangle = TriangularWind(peak=peak, duration=2.0 * area / peak)
@@ -455,7 +447,7 @@ def _check_area(area: FloatArray, peak: FloatArray, minimum: FloatArray) -> None
     invalid = np.sign(peak) * area <= minimum
     if np.any(invalid):
         index = int(np.argmax(invalid))
-        raise InputError(
+        raise errors.InputError(
             f"wind must have a time integral with the sign of its peak; got {area.flat[index]:.6g}"
             f" rad s with a peak of {peak.flat[index]:.6g} rad"
         )

@@ -27,24 +27,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import (
-    InputError,
-    between,
-    broadcast,
-    finite,
-    fraction,
-    nonnegative,
-    number,
-    one_of,
-    plain,
-    shown,
-    times_row,
-    together,
-    whole_number,
-    within,
-)
 from tvclin.base.fields import spec
 from tvclin.base.units import UNITS
 from tvclin.numerics.covariance import stationary_covariance, steps
@@ -91,7 +76,7 @@ _LOW_ALTITUDES_FT = (10, 20, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 10
 _MIN_ALTITUDE_OF_TABLE_FT = 2000.0
 """Altitude [ft] from which the table counts; below are straight lines down to 1000 ft."""
 
-_SPEEDS = between(1e-3, 1e6)
+_SPEEDS = errors.between(1e-3, 1e6)
 """Check of airspeeds [m/s]."""
 _LENGTH_RANGE, _MAX_INTENSITY, _MAX_FREQUENCY = (1e-3, 1e9), 1e4, 1e9
 """Scale lengths [m], largest intensity [m/s] and largest frequency [rad/s]."""
@@ -150,30 +135,30 @@ class Turbulence(Record):
     cutoff_wavelength: float | None = field(default=None, metadata=spec("length"))
 
     def __post_init__(self) -> None:
-        one_of("spectrum", self.spectrum, SPECTRA)
-        one_of("component", self.component, COMPONENTS)
-        intensity = within("intensity", self.intensity, 0.0, _MAX_INTENSITY, "m/s")
+        errors.one_of("spectrum", self.spectrum, SPECTRA)
+        errors.one_of("component", self.component, COMPONENTS)
+        intensity = errors.within("intensity", self.intensity, 0.0, _MAX_INTENSITY, "m/s")
         length = LENGTHS[self.spectrum] if self.length is None else self.length
-        length = within("length", length, *_LENGTH_RANGE, "m")
-        together(intensity=intensity, length=length)
+        length = errors.within("length", length, *_LENGTH_RANGE, "m")
+        errors.together(intensity=intensity, length=length)
         if self.cutoff_wavelength is not None:
-            check, cutoff = between(*_LENGTH_RANGE), self.cutoff_wavelength
+            check, cutoff = errors.between(*_LENGTH_RANGE), self.cutoff_wavelength
             object.__setattr__(
-                self, "cutoff_wavelength", number("cutoff_wavelength", cutoff, check)
+                self, "cutoff_wavelength", errors.number("cutoff_wavelength", cutoff, check)
             )
         if self.altitude is not None:
-            altitude = finite("altitude", self.altitude, "m")
+            altitude = errors.finite("altitude", self.altitude, "m")
             if altitude.ndim != 1 or altitude.size < 2 or np.any(np.diff(altitude) <= 0.0):
-                raise InputError("altitude must be two or more rising altitudes in m")
+                raise errors.InputError("altitude must be two or more rising altitudes in m")
             object.__setattr__(self, "altitude", altitude)
         table = () if self.altitude is None else self.altitude.shape
         if any(array.shape not in {(), table} for array in (intensity, length)):
-            raise InputError(
+            raise errors.InputError(
                 "intensity and length must be one number, or one for each altitude; got shapes"
                 f" {intensity.shape} and {length.shape} for altitudes of shape {table}"
             )
-        object.__setattr__(self, "intensity", plain(intensity))
-        object.__setattr__(self, "length", plain(length))
+        object.__setattr__(self, "intensity", errors.plain(intensity))
+        object.__setattr__(self, "length", errors.plain(length))
 
     @classmethod
     def mil_f_8785c(
@@ -208,11 +193,11 @@ class Turbulence(Record):
             For unknown names, a probability outside the specification, and a negative wind.
         """
         if isinstance(exceedance, str):
-            probability = SEVERITIES[one_of("exceedance", exceedance, SEVERITIES)]
+            probability = SEVERITIES[errors.one_of("exceedance", exceedance, SEVERITIES)]
         else:
-            probability = fraction("exceedance", exceedance)
+            probability = errors.fraction("exceedance", exceedance)
             if not _PROBABILITIES[-1] <= probability <= _PROBABILITIES[0]:
-                raise InputError(
+                raise errors.InputError(
                     "exceedance must be a probability from 1e-6 to 0.2, which MIL-F-8785C covers,"
                     f" or one of {', '.join(SEVERITIES)}; got {probability:.6g}"
                 )
@@ -221,11 +206,11 @@ class Turbulence(Record):
             names = -np.log10(list(SEVERITIES.values()))
             low_wind = _KNOT * float(np.interp(exponent, names, list(_LOW_WINDS_KT.values())))
         else:
-            low_wind = number("wind_at_20_ft", wind_at_20_ft, nonnegative, "m/s")
+            low_wind = errors.number("wind_at_20_ft", wind_at_20_ft, errors.nonnegative, "m/s")
         exponents = -np.log10(_PROBABILITIES)
         high = [np.interp(exponent, exponents, row) for row in np.transpose(_INTENSITIES_FT_PER_S)]
         low_ft, table_ft = np.array(_LOW_ALTITUDES_FT, float), np.array(_ALTITUDES_FT, float)
-        one_of("component", component, COMPONENTS)
+        errors.one_of("component", component, COMPONENTS)
         start, above = _MIN_ALTITUDE_OF_TABLE_FT, table_ft > _MIN_ALTITUDE_OF_TABLE_FT
         vertical, factor = 0.1 * low_wind, 0.177 + 0.000823 * low_ft
         if component == _TRANSVERSE:
@@ -233,7 +218,7 @@ class Turbulence(Record):
         else:
             low_sigma, low_length = np.full(low_ft.shape, vertical), low_ft
         high_sigma = _FOOT * np.array([np.interp(start, table_ft, high), *np.array(high)[above]])
-        length = LENGTHS[one_of("spectrum", spectrum, SPECTRA)]
+        length = LENGTHS[errors.one_of("spectrum", spectrum, SPECTRA)]
         return cls(
             np.concatenate([low_sigma, high_sigma]),
             np.concatenate([_FOOT * low_length, np.full(high_sigma.shape, length)]),
@@ -246,7 +231,7 @@ class Turbulence(Record):
         """Return the turbulence of one altitude [m]; itself without a table over altitude."""
         if self.altitude is None:
             return self
-        sigma, length = self.over(number("altitude", altitude, unit="m"))
+        sigma, length = self.over(errors.number("altitude", altitude, unit="m"))
         return replace(self, intensity=float(sigma), length=float(length), altitude=None)
 
     def over(self, altitude: ArrayLike | None) -> tuple[FloatArray, FloatArray]:
@@ -260,10 +245,10 @@ class Turbulence(Record):
         if self.altitude is None:
             return np.asarray(self.intensity), np.asarray(self.length)
         if altitude is None:
-            raise InputError(
+            raise errors.InputError(
                 "this turbulence is a table over altitude; give the altitude, or take at(altitude)"
             )
-        heights = finite("altitude", altitude, "m")
+        heights = errors.finite("altitude", altitude, "m")
         sigma, length = (
             np.interp(heights, self.altitude, np.broadcast_to(table, self.altitude.shape))
             for table in (np.asarray(self.intensity), np.asarray(self.length))
@@ -299,7 +284,7 @@ class Turbulence(Record):
         """
         V = _SPEEDS("speed", speed, "m/s")
         sigma, length = self.over(altitude)
-        shape = broadcast(speed=V.shape, altitude=sigma.shape)
+        shape = errors.broadcast(speed=V.shape, altitude=sigma.shape)
         rate, size = (
             np.broadcast_to(x, shape)[..., np.newaxis, np.newaxis] for x in (V / length, sigma)
         )
@@ -353,9 +338,9 @@ class Turbulence(Record):
         InputError
             As `shaping_filter`, and for frequencies beyond 0 to 1e9 rad/s.
         """
-        V = number("speed", speed, _SPEEDS, "m/s")
-        sigma, length = self.over(None if altitude is None else number("altitude", altitude))
-        frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
+        V = errors.number("speed", speed, _SPEEDS, "m/s")
+        sigma, length = self.over(None if altitude is None else errors.number("altitude", altitude))
+        frequencies = errors.within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
         x = frequencies * length / V
         if self.spectrum == _VON_KARMAN:
             square = (_VON_KARMAN_LENGTH_FACTOR * x) ** 2
@@ -403,19 +388,19 @@ class Turbulence(Record):
         InputError
             For times that do not rise, numbers out of range, and a table without an altitude.
         """
-        when, V = times_row("times", times), _SPEEDS("speed", speed, "m/s")
+        when, V = errors.times_row("times", times), _SPEEDS("speed", speed, "m/s")
         if np.any(np.diff(when) <= 0.0):
-            raise InputError("times must rise")
-        seed, first, runs = map(whole_number, ("seed", "first", "runs"), (seed, first, runs))
+            raise errors.InputError("times must rise")
+        seed, first, runs = map(errors.whole_number, ("seed", "first", "runs"), (seed, first, runs))
         if not 1 <= runs * when.size <= _MAX_SAMPLES:
-            raise InputError(
+            raise errors.InputError(
                 f"runs must be 1 or more, with up to {_MAX_SAMPLES:.0g} samples in all; got"
-                f" {shown(runs)} runs of {when.size} samples"
+                f" {errors.shown(runs)} runs of {when.size} samples"
             )
         sigma, length = self.over(altitude)
         for name, array in {"speed": V, "altitude": sigma}.items():
             if array.shape not in {(), when.shape}:
-                raise InputError(
+                raise errors.InputError(
                     f"{name} must be one number, or one for each of the {when.size} times; got"
                     f" shape {array.shape}"
                 )
@@ -462,7 +447,7 @@ class Turbulence(Record):
         """
         wind = self.samples(times, speed, altitude=altitude, seed=seed, first=first, runs=runs)
         angle = wind / _SPEEDS("speed", speed, "m/s")
-        return SampledWind(time=times_row("times", times), angle=angle)
+        return SampledWind(time=errors.times_row("times", times), angle=angle)
 
 
 def _square_root(covariance: FloatArray) -> FloatArray:

@@ -32,16 +32,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
-from tvclin.base.errors import (
-    InputError,
-    NotKnownError,
-    directions,
-    finite,
-    number,
-    positive,
-    together,
-)
 from tvclin.numerics import pieces
 from tvclin.winds.histories import History
 
@@ -136,14 +128,14 @@ def angle_from_speed(
     InputError
         When no wind angle exists: ``|V_w sin(gamma)| > V_R``.
     """
-    speed = finite("speed", speed, "m/s")
-    velocity = positive("velocity", velocity, "m/s")
-    path = directions("flight_path_angle", flight_path_angle)
-    together(speed=speed, velocity=velocity, flight_path_angle=path)
+    speed = errors.finite("speed", speed, "m/s")
+    velocity = errors.positive("velocity", velocity, "m/s")
+    path = errors.directions("flight_path_angle", flight_path_angle)
+    errors.together(speed=speed, velocity=velocity, flight_path_angle=path)
     with np.errstate(over="ignore"):  # an infinite ratio is refused with the others
         sine = speed * np.sin(path) / velocity
     if np.any(np.abs(sine) > 1.0):
-        raise NotKnownError(
+        raise errors.NotKnownError(
             "speed must stay below velocity / sin(flight_path_angle), or none can meet it; got a"
             f" ratio of {np.abs(sine).max():.6g}"
         )
@@ -185,10 +177,16 @@ def angles_from_vector_size(
     that are not finite, for a wind along a level flight, which has no wind angle, and for a vector
     that no wind slower than the flight makes.
     """
-    size, gamma = np.broadcast_arrays(finite("peak", peak, "rad"), directions("attitude", attitude))
-    along, across = sines_by_heading(number("heading", heading, directions, "rad"), gamma)
+    size, gamma = np.broadcast_arrays(
+        errors.finite("peak", peak, "rad"), errors.directions("attitude", attitude)
+    )
+    along, across = sines_by_heading(
+        errors.number("heading", heading, errors.directions, "rad"), gamma
+    )
     if np.any((along == 0.0) & (across == 0.0)):
-        raise InputError("a wind along a level flight has no wind angle; give another heading")
+        raise errors.InputError(
+            "a wind along a level flight has no wind angle; give another heading"
+        )
     sines = np.stack([along, across])
     max_ratio = (1.0 - _AXIS_ROUNDING) / np.abs(sines).max(axis=0)
     ratio = np.minimum(np.abs(size) / np.hypot(along, across), max_ratio)
@@ -201,7 +199,7 @@ def angles_from_vector_size(
     single_plane = (along == 0.0) | (across == 0.0)  # exact in a single plane
     pitch, yaw = np.where(single_plane, np.sign(sines) * np.abs(size), np.arcsin(ratio * sines))
     if not np.allclose(np.hypot(pitch, yaw), np.abs(size), rtol=1e-9, atol=0.0):
-        raise NotKnownError(
+        raise errors.NotKnownError(
             "peak must be an angle that a wind slower than the flight makes; got"
             f" {float(np.abs(size).max()):.6g} rad"
         )
@@ -216,11 +214,15 @@ def angles_from_speed(
     `speed`, `velocity`: of the wind and of the vehicle relative to the air [m/s]. `attitude`,
     `heading`: as in `sines_by_heading`. `InputError` as `angle_from_speed`.
     """
-    sines = sines_by_heading(number("heading", heading, directions, "rad"), float(attitude))
-    wind = number("speed", speed, unit="m/s")
+    sines = sines_by_heading(
+        errors.number("heading", heading, errors.directions, "rad"), float(attitude)
+    )
+    wind = errors.number("speed", speed, unit="m/s")
     pitch, yaw = (float(angle_from_speed(wind * sine, velocity, np.pi / 2)) for sine in sines)
     if (size := np.degrees(np.hypot(pitch, yaw))) >= 90.0:
-        raise NotKnownError(f"speed must make a vector of angles below 90 deg; got {size:.4g} deg")
+        raise errors.NotKnownError(
+            f"speed must make a vector of angles below 90 deg; got {size:.4g} deg"
+        )
     return pitch, yaw
 
 
@@ -253,7 +255,7 @@ def doubtfully_linear(angle: float) -> bool:
 def checked_linear(angle: float) -> float:
     """Return a wind angle [rad]; raise `NotKnownError` above `MAX_LINEAR_ANGLE`."""
     if beyond := beyond_linear(angle):
-        raise NotKnownError(beyond)
+        raise errors.NotKnownError(beyond)
     return angle
 
 
@@ -375,7 +377,7 @@ class EncounteredWind:
                 np.abs(self.of_angle[0] * _history_values(self.angle, times)).max()
             )
             paths = self.path if self.flight is None else self.flight[1]
-            raise InputError(
+            raise errors.InputError(
                 f"a wind of {largest:.4g} deg along the path has no dynamic pressure for a flight"
                 f" at {np.degrees(np.min(paths)):.4g} deg: no horizontal wind turns it so far"
             )

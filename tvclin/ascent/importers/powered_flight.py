@@ -18,17 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    nonnegative,
-    number,
-    one_row,
-    positive,
-    shown,
-    whole_number,
-)
 from tvclin.base.lines import plural
 from tvclin.base.sheet import Column, Heading, Headings, Sheet, letters, read_sheet
 from tvclin.base.units import DEGREE
@@ -55,18 +46,22 @@ def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
         at, slope = read_slopes(slope_source)
     elif isinstance(slope_source, tuple | list):
         if len(slope_source) != 2:
-            raise InputError(
+            raise errors.InputError(
                 "normal_force_coefficient_slope must be a number [1/rad], a pair of Mach numbers"
-                f" and slopes, or a file; got {shown(slope_source)}"
+                f" and slopes, or a file; got {errors.shown(slope_source)}"
             )
-        row = one_row("the Mach numbers of normal_force_coefficient_slope", slope_source[0])
-        slopes = one_row("the slopes of normal_force_coefficient_slope", slope_source[1], "1/rad")
+        row = errors.one_row("the Mach numbers of normal_force_coefficient_slope", slope_source[0])
+        slopes = errors.one_row(
+            "the slopes of normal_force_coefficient_slope", slope_source[1], "1/rad"
+        )
         at, slope = _checked(row, slopes, "given over Mach")
     else:
-        value = number("normal_force_coefficient_slope", slope_source, nonnegative, "1/rad")
+        value = errors.number(
+            "normal_force_coefficient_slope", slope_source, errors.nonnegative, "1/rad"
+        )
         return Column(np.full(mach.shape, value), f"given, {value:g} per rad")
     if mach.max() > at[-1] or mach.min() < at[0] > _MAX_CONSTANT_MACH:
-        raise InputError(
+        raise errors.InputError(
             f"normal_force_coefficient_slope must cover the flight, Mach {mach.min():.3g} to"
             f" {mach.max():.3g}; got Mach {at[0]:.3g} to {at[-1]:.3g}"
         )
@@ -97,14 +92,14 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
     """Return the slope CN Potential/Alpha at the smallest Alpha above zero, over Mach."""
     angle = sheet.find("Alpha")
     if angle is None:
-        raise InputError(f"{sheet.text.source} has no column Alpha beside {heading.text}")
+        raise errors.InputError(f"{sheet.text.source} has no column Alpha beside {heading.text}")
     mach = sheet.numbers(_mach_of(sheet), "number").values
     alpha = sheet.numbers(angle, "angle", {"": DEGREE}).values
     force = sheet.numbers(heading, "number").values
     smallest = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
     first = np.array([alpha[i] == smallest.get(mach[i]) for i in range(mach.size)])
     if not np.any(first):
-        raise InputError(
+        raise errors.InputError(
             f"{sheet.text.source} holds no angle of attack above zero; export it with Alpha 0, 2, 4"
         )
     origin = f"{sheet.text.source}, column {heading.text} over the smallest Alpha"
@@ -122,13 +117,13 @@ def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
             if letters(component.name).startswith(("cn", "normal"))
         ]
         is_none = f"; {nearest[0]} is a coefficient, not its slope" if nearest else ""
-        raise InputError(
+        raise errors.InputError(
             f"{sheet.text.source} has no slope of the normal force coefficient{is_none}: it must"
             " have a column CN Potential (RASAero II) or CN alpha (OpenRocket's component analysis)"
         )
     slopes = [sheet.numbers(component, "per angle").values for component in columns]
     if len(columns) > 1 and not np.allclose(slopes[0], np.sum(slopes[1:], axis=0), rtol=1e-2):
-        raise InputError(
+        raise errors.InputError(
             f"{sheet.text.source} holds {len(columns)} columns CN alpha, the first of them not the"
             " sum of the others; export that of the whole rocket alone"
         )
@@ -145,13 +140,13 @@ def _mach_of(sheet: Sheet) -> Heading:
 def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArray, Column]:
     """Return Mach numbers ``(n,)`` and the slope [1/rad] over them; `InputError` if invalid."""
     if mach.shape != slope.shape or mach.size < 2:
-        raise InputError(
+        raise errors.InputError(
             "normal_force_coefficient_slope must hold as many slopes as Mach numbers, two or more;"
             f" got {slope.size} and {mach.size}"
         )
     finite_rows = np.isfinite(mach) & np.isfinite(slope)
     if not np.all(finite_rows) or np.any(np.diff(mach) <= 0.0) or np.any(slope < 0.0):
-        raise InputError(
+        raise errors.InputError(
             "the Mach numbers of normal_force_coefficient_slope must rise, and no slope may be"
             f" missing or negative; got another row in what is {origin}"
         )
@@ -201,7 +196,7 @@ class Flight:
         """Raise `InputError` about the first row that is not good; `say` makes its message."""
         if not np.all(good):
             i = int(np.argmin(good))
-            raise InputError(f"{self.places[i]}: {say(i)}")
+            raise errors.InputError(f"{self.places[i]}: {say(i)}")
 
     def rows(self, index: IndexArray) -> Flight:
         """Return the flight with the rows of an index alone."""
@@ -219,15 +214,15 @@ def powered(
     """
     time, thrust = flight["time"], flight["thrust"]
     _check_times(flight)
-    low = -np.inf if start is None else number("start", start, unit="s")
-    high = np.inf if stop is None else number("stop", stop, unit="s")
+    low = -np.inf if start is None else errors.number("start", start, unit="s")
+    high = np.inf if stop is None else errors.number("stop", stop, unit="s")
     inside = (time >= low) & (time <= high)
     later = np.append(np.diff(time) > 0.0, True)  # of rows at one time the last counts
     index = np.flatnonzero(inside & later)
     thrust_or_zero = np.nan_to_num(thrust[index], nan=0.0)
     largest = max(thrust_or_zero, default=0.0)
     if not largest > 0.0:
-        raise InputError(
+        raise errors.InputError(
             f"{flight.source} has no thrust between start and stop; give the times of a burn"
         )
     out = np.isfinite(thrust[index]) & (thrust_or_zero < _BURNING * largest)
@@ -235,7 +230,7 @@ def powered(
     launched = True if free is None else free[index]
     first = np.flatnonzero(~out & moving & launched)
     if not first.size:
-        raise InputError(
+        raise errors.InputError(
             f"{flight.source} has no row of a free flight with thrust: where the motor burns, the"
             " centre of pressure or the speed is missing or zero in every row"
         )
@@ -245,7 +240,7 @@ def powered(
     for name, column in burn.columns.items():
         _check_numbers(burn, name, column)
     if len(burn.places) < 2:
-        raise InputError(
+        raise errors.InputError(
             f"{flight.source} must hold two or more rows of powered flight; got {len(burn.places)}"
         )
     return burn.noted(*_omitted(flight, inside & ~later, index, first[0], last))
@@ -354,12 +349,12 @@ def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> No
     forward = np.flatnonzero(gravity >= gimbal)
     if forward.size:
         i = forward[0]
-        raise InputError(
+        raise errors.InputError(
             f"gimbal_station must lie behind the centre of gravity, {gravity[i]:.4g} m from the"
             f" nose tip at {flight['time'][i]:g} s; got {gimbal[i]:.6g} m"
         )
     if gimbal.max() > _MAX_GIMBAL_OVER_GRAVITY * gravity.max() > 0.0:
-        raise InputError(
+        raise errors.InputError(
             f"gimbal_station must be in m from the nose tip, and the centre of gravity is"
             f" {gravity.max():.4g} m from it; got {gimbal.max():.6g} m (is it in cm, or in inches?)"
         )
@@ -368,12 +363,12 @@ def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> No
 def _check_slope(slope: FloatArray) -> None:
     """Raise `InputError` for slopes [1/rad] larger than for slender bodies with fins."""
     if slope.max() > MAX_SLOPE:
-        raise InputError(
+        raise errors.InputError(
             f"normal_force_coefficient_slope must be per radian, at most {MAX_SLOPE:g} with large"
             f" fins; got {slope.max():.4g} (was it turned from degrees twice?)"
         )
     if slope.max() < MIN_SLOPE:
-        raise InputError(
+        raise errors.InputError(
             f"normal_force_coefficient_slope must be per radian, and slender bodies have about 2;"
             f" got at most {slope.max():.4g} (a coefficient, or per degree: then times 57.3?)"
         )
@@ -385,7 +380,7 @@ def _check_masses(flight: Flight, weight: FloatArray) -> None:
     best = int(np.argmax(ratio))
     smallest, largest = _THRUST_OVER_WEIGHT
     if not smallest <= ratio[best] <= largest:
-        raise InputError(
+        raise errors.InputError(
             f"{flight.places[best]}: thrust over weight must be between {smallest:g} and"
             f" {largest:g} for a booster; got {ratio[best]:.3g}, so check the units of mass and"
             " thrust"
@@ -407,7 +402,7 @@ def _check_inertia(
     flight: Flight, inertia: FloatArray, weight: FloatArray, arm: FloatArray
 ) -> None:
     """Raise `InputError` for an inertia in another unit, or about another axis."""
-    positive("moment_of_inertia", inertia, "kg m^2")
+    errors.positive("moment_of_inertia", inertia, "kg m^2")
     size = np.abs(arm)
     ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / size
     smallest, largest = _RADIUS_OVER_ARM
@@ -440,9 +435,9 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     The speed upwards, `climb`, is compared with the attitude where it is given. `InputError` for
     implausible numbers.
     """
-    largest = whole_number("max_rows", max_rows)
+    largest = errors.whole_number("max_rows", max_rows)
     if largest < 2:
-        raise InputError(f"max_rows must be 2 or more; got {largest}")
+        raise errors.InputError(f"max_rows must be 2 or more; got {largest}")
     columns = vehicle_columns(flight)
     values = {key: column.values for key, column in columns.items()}
     if "angle_of_attack" in flight.columns:
@@ -542,11 +537,11 @@ def given_gimbal(flight: Flight, station: float) -> Column:
 def above_sea(above_ground: Column, source: str, ground: float | None) -> Column:
     """Return altitudes above the sea [m] of those above the ground."""
     if ground is None:
-        raise InputError(
+        raise errors.InputError(
             f"{source} has altitudes above the ground, and winds are above the sea: give ground,"
             " the elevation of the launch site in m (0 at the sea)"
         )
-    site = number("ground", ground, between(*SITE_ELEVATIONS), "m")
+    site = errors.number("ground", ground, errors.between(*SITE_ELEVATIONS), "m")
     return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
 
 

@@ -11,20 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
-from tvclin.base.errors import (
-    InputError,
-    each,
-    instance,
-    naming,
-    nonnegative,
-    number,
-    one_of,
-    path,
-    positive,
-    shown,
-    single,
-    text,
-)
+from tvclin.base import errors
 from tvclin.base.fields import checked, count, file_table, quantity, word
 from tvclin.base.files import exists
 from tvclin.base.lines import listed
@@ -86,8 +73,10 @@ def filter_chains(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Filter, 
     chains: dict[str, list[Filter]] = {chain: [] for chain in CHAIN_OF_POSITION.values()}
     for k, row in enumerate(rows, start=1):
         if not isinstance(row, Mapping):
-            raise InputError(f"filter must be given as {FILTER_TABLE.heading}; got {shown(row)}")
-        with naming(f"filter {k} of the autopilot"):
+            raise errors.InputError(
+                f"filter must be given as {FILTER_TABLE.heading}; got {errors.shown(row)}"
+            )
+        with errors.naming(f"filter {k} of the autopilot"):
             position, filter_ = _filter(row)
         chains[CHAIN_OF_POSITION[position]].append(filter_)
     return {chain: tuple(filters) for chain, filters in chains.items()}
@@ -96,15 +85,17 @@ def filter_chains(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Filter, 
 def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
     """Return the position and the filter of one table."""
     keys = FILTER_TABLE.read(row)
-    position = one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
-    kind = one_of("kind", keys.pop("kind"), _MAKERS)
+    position = errors.one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
+    kind = errors.one_of("kind", keys.pop("kind"), _MAKERS)
     FILTER_TABLE.need(keys, _NEEDED[kind])
     for name in keys:
         if name not in _ALLOWED[kind]:
-            raise InputError(f"a {kind} filter takes {', '.join(_ALLOWED[kind])}; got {name}")
+            raise errors.InputError(
+                f"a {kind} filter takes {', '.join(_ALLOWED[kind])}; got {name}"
+            )
     for name in ("numerator", "denominator"):
         if name in keys:
-            keys[name] = [number(f"{name}[{k}]", c) for k, c in enumerate(keys[name])]
+            keys[name] = [errors.number(f"{name}[{k}]", c) for k, c in enumerate(keys[name])]
     return position, _MAKERS[kind](**keys)
 
 
@@ -115,7 +106,7 @@ def _mode_notch(row: Mapping[str, Any]) -> ModeNotch:
     kind, position = keys.pop("kind"), keys.pop("on", "sum")
     FILTER_TABLE.need(keys, allowed[:3])
     if kind != "notch" or position != "sum" or set(keys) - set(allowed):
-        raise InputError(
+        raise errors.InputError(
             f"a filter that follows a mode is a notch on the sum, of {listed(allowed)}"
         )
     return ModeNotch(**keys)
@@ -228,24 +219,24 @@ class AutopilotDesign:
     acceleration_gain: float = quantity(GAINS["acceleration_gain"], 0.0)
     acceleration_station: float = quantity("length", 0.0, STATION_RANGE)
     accelerometer_bandwidth: float = quantity(
-        "natural frequency", ACCELEROMETER_BANDWIDTH, positive
+        "natural frequency", ACCELEROMETER_BANDWIDTH, errors.positive
     )
-    delay: float = quantity("delay", 0.0, nonnegative)
+    delay: float = quantity("delay", 0.0, errors.nonnegative)
     crossover: float | None = quantity("natural frequency", None)
     minimum: str = word(MINIMA, "peak")
     sudden_ends: int = count(0)
     filters: tuple[Filter, ...] = ()
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
-    sample_rate: float | None = quantity("sample rate", None, positive)
+    sample_rate: float | None = quantity("sample rate", None, errors.positive)
     schedule: GainTable | None = None
 
     def __post_init__(self) -> None:
         checked(self)
         if self.schedule is not None:
-            instance("schedule", self.schedule, GainTable, "see load_gains")
+            errors.instance("schedule", self.schedule, GainTable, "see load_gains")
         for name in CHAINS:
-            chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
+            chain = errors.each(name, getattr(self, name), Filter, "Filter.notch(...)")
             object.__setattr__(self, name, chain)
 
     @classmethod
@@ -265,7 +256,11 @@ class AutopilotDesign:
         chains: dict[str, Any] = filter_chains([row for row in rows if row not in following])
         if "schedule" in keys or following:
             name = keys.pop("schedule", None)
-            gains = GainTable() if name is None else load_gains(_file(name, path("folder", folder)))
+            gains = (
+                GainTable()
+                if name is None
+                else load_gains(_file(name, errors.path("folder", folder)))
+            )
             notches = tuple(_mode_notch(row) for row in following)
             keys["schedule"] = replace(gains, notches=notches)
         return cls(**keys, **chains)
@@ -300,7 +295,7 @@ class AutopilotDesign:
         Raises `InputError` for an actuator that is none.
         """
         if actuator is not None:
-            instance("actuator", actuator, Actuator, "of a bandwidth")
+            errors.instance("actuator", actuator, Actuator, "of a bandwidth")
         return {
             "actuator": actuator,
             **{name: getattr(self, name) for name in ADDED_GAINS},
@@ -318,22 +313,24 @@ class AutopilotDesign:
             For a rule and gains together, a single gain, a rule with too few numbers or too many, a
             schedule over the flight, and in the same cases as the rule.
         """
-        instance("plant", plant, Plant, "see Plant.from_vehicle")
-        single("plant", plant.batch)
+        errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
+        errors.single("plant", plant.batch)
         if self.crossover is not None and self.design != LEAST_NOZZLE:
-            raise InputError(
+            raise errors.InputError(
                 f"crossover is of gains for the minimum deflection: design {LEAST_NOZZLE}"
             )
         if self.schedule is not None:
-            raise InputError("a schedule of gains and a notch at a mode need a flight")
+            raise errors.InputError("a schedule of gains and a notch at a mode need a flight")
         options = self.options(actuator)
         rule = [getattr(self, name) for name in RULE_PARAMETERS]
         if all(getattr(self, name) is None for name in GIVEN_GAINS):
             return _by_rule(plant, self, options)
         if any(number is not None for number in rule):
-            raise InputError("give gains or a rule for them (design, natural_frequency), not both")
+            raise errors.InputError(
+                "give gains or a rule for them (design, natural_frequency), not both"
+            )
         if self.attitude_gain is None or self.rate_gain is None:
-            raise InputError("gains of your own need attitude_gain and rate_gain, both")
+            raise errors.InputError("gains of your own need attitude_gain and rate_gain, both")
         return Autopilot(
             attitude_gain=self.attitude_gain,
             rate_gain=self.rate_gain,
@@ -347,7 +344,7 @@ AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, words=("schedule",)
 
 def _file(name: Any, folder: Path) -> Path:
     """Return the path of the table of gains, in a folder if the file exists there."""
-    path = folder / text("schedule", name)
+    path = folder / errors.text("schedule", name)
     return path if exists(path) else Path(name)
 
 
@@ -355,24 +352,26 @@ def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> 
     """Return the autopilot of a design rule; without a name the rule is "poles" or "canonical"."""
     natural_frequency, damping = design.natural_frequency, design.damping
     has_poles = natural_frequency is not None or damping is not None
-    rule = one_of("design", design.design or ("poles" if has_poles else "canonical"), DESIGNS)
+    rule = errors.one_of(
+        "design", design.design or ("poles" if has_poles else "canonical"), DESIGNS
+    )
     if rule == LEAST_NOZZLE:
-        raise InputError(
+        raise errors.InputError(
             f"design {LEAST_NOZZLE} needs a wind: tvclin design and study files have one; in"
             " Python see minimum_deflection_gains"
         )
     further = _further_numbers(design, rule, options)
     if rule in _OTHER_RULES:
         if has_poles:
-            raise InputError(f"design {rule} takes no natural_frequency and no damping")
+            raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
         return _OTHER_RULES[rule](plant, **further, **options)
     if natural_frequency is None:
-        raise InputError(f"design {rule} needs natural_frequency, in rad/s")
+        raise errors.InputError(f"design {rule} needs natural_frequency, in rad/s")
     damping = _DEFAULT_DAMPING if damping is None else damping
     poles = {"natural_frequency": natural_frequency, "damping": damping}
     if rule == DRIFT_POLES:
         if "drift_frequency" not in further:
-            raise InputError(f"design {rule} needs drift_frequency, in rad/s")
+            raise errors.InputError(f"design {rule} needs drift_frequency, in rad/s")
         return drift_gains(
             plant, **poles, **{"drift_damping": _DEFAULT_DAMPING} | further, **options
         )
@@ -390,9 +389,11 @@ def _further_numbers(
     numbers = {name: value for name, value in numbers.items() if value is not None}
     for name in numbers:
         if _FURTHER[name] != rule:
-            raise InputError(f"{name} is of gains by design {_FURTHER[name]}; got design {rule}")
+            raise errors.InputError(
+                f"{name} is of gains by design {_FURTHER[name]}; got design {rule}"
+            )
     if rule == DRIFT_POLES or numbers.get("drift_weight") or numbers.get("drift_rate_weight"):
         for name in ("drift_rate_gain", "drift_gain"):
             if options.pop(name):
-                raise InputError(f"{name} follows from design {rule}; leave it out")
+                raise errors.InputError(f"{name} follows from design {rule}; leave it out")
     return numbers

@@ -24,17 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import ComplexArray, FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    broadcast,
-    instance,
-    nonnegative,
-    number,
-    plain,
-    positive,
-)
 from tvclin.control.autopilot.actuator import positive_in_range
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import Feedback
@@ -76,7 +67,7 @@ def canonical_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
     coefficients = _coefficients(plant)
     mu_alpha = np.min(coefficients.mu_alpha, initial=np.inf)
     if mu_alpha <= 0.0:
-        raise InputError(
+        raise errors.InputError(
             "canonical gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
             f" {mu_alpha:.6g} 1/s^2; give natural_frequency for gains by pole placement"
         )
@@ -153,9 +144,9 @@ def relief_gains(
     pole of the closed loop lies near w - ratio (b1 + w), where w = C2/mu_alpha =
     g sin(Theta_n)/V_n: below the ratio w/(b1 + w) gravity turns the path away.
     """
-    coefficients, ratio = _coefficients(plant), nonnegative("alpha_ratio", alpha_ratio)
+    coefficients, ratio = _coefficients(plant), errors.nonnegative("alpha_ratio", alpha_ratio)
     stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
-    broadcast(gains=np.shape(stiffness), alpha_ratio=ratio.shape)
+    errors.broadcast(gains=np.shape(stiffness), alpha_ratio=ratio.shape)
     with np.errstate(over="ignore"):
         attitude = ratio * np.asarray(natural_frequency, float) ** 2 / coefficients.mu_delta
     return Autopilot(
@@ -206,13 +197,13 @@ def half_relief_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
     """
     coefficients = _coefficients(plant)
     if np.any(np.asarray(coefficients.mu_alpha) <= 0.0):
-        raise InputError(
+        raise errors.InputError(
             "half-relief gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
             f" {np.min(coefficients.mu_alpha):.6g} 1/s^2 (use relief_gains instead)"
         )
     return relief_gains(
         coefficients,
-        natural_frequency=plain(np.asarray(_FREQUENCY_OVER_POLE * coefficients.pole)),
+        natural_frequency=errors.plain(np.asarray(_FREQUENCY_OVER_POLE * coefficients.pole)),
         damping=_HALF_RELIEF_DAMPING,
         alpha_ratio=0.5,
         **options,
@@ -251,7 +242,7 @@ def drift_minimum_gains(
     """
     c = _coefficients(plant)
     if np.any(np.asarray(c.mu_alpha) == 0.0) or np.any(np.asarray(c.b1) == 0.0):
-        raise InputError(
+        raise errors.InputError(
             "drift-minimum gains need coefficients with drift (b1, b2, C2) and mu_alpha other"
             " than zero; make them with Coefficients.from_vehicle"
         )
@@ -259,7 +250,7 @@ def drift_minimum_gains(
     thrust, lift = np.broadcast_arrays(c.b1 + along, c.b2 + along)
     worst = np.unravel_index(np.argmin(np.minimum(thrust, lift)), thrust.shape)
     if thrust[worst] <= 0.0 or lift[worst] < 0.0:
-        raise InputError(
+        raise errors.InputError(
             "there are no drift-minimum gains: no attitude in a steady wind keeps the path of this"
             f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s (w ="
             " C2/mu_alpha) would have to be positive; use design_gains instead"
@@ -312,20 +303,20 @@ def _coefficients(plant: PlantOrVehicle) -> Coefficients:
         return plant.coefficients
     if isinstance(plant, AnyVehicle):
         return coefficients_of(plant)
-    instance("plant", plant, Coefficients, "or a plant, or a vehicle")
+    errors.instance("plant", plant, Coefficients, "or a plant, or a vehicle")
     return plant
 
 
 def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
     """Raise `InputError` for a closed-loop frequency below the pole frequency of the vehicle."""
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
-    broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
+    errors.broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
     specified, bare = np.broadcast_arrays(
         frequency, np.sqrt(np.maximum(-np.asarray(coefficients.mu_alpha), 0.0))
     )
     if np.any(specified < bare):
         worst = np.unravel_index(np.argmin(specified - bare), bare.shape)
-        raise InputError(
+        raise errors.InputError(
             "natural_frequency must not be below the pole frequency of the vehicle alone,"
             " sqrt(-mu_alpha) ="
             f" {bare[worst]:.6g} rad/s: the feedback would be positive; got {specified[worst]:.6g}"
@@ -338,7 +329,7 @@ def _stiffness(
     """Return the stiffness gain a0 + b0 and the rate gain a1 [s] of a frequency and a damping."""
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     ratio, c = positive_in_range("damping", damping), coefficients
-    broadcast(
+    errors.broadcast(
         coefficients=coefficients.batch, natural_frequency=frequency.shape, damping=ratio.shape
     )
     with np.errstate(over="ignore"):
@@ -346,12 +337,12 @@ def _stiffness(
         damping_rate, bare = np.broadcast_arrays(2.0 * ratio * frequency, c.damping)
         if np.any(damping_rate < bare):
             worst = np.unravel_index(np.argmin(damping_rate - bare), bare.shape)
-            raise InputError(
+            raise errors.InputError(
                 "2 damping natural_frequency must not be below the vehicle's own damping M_q/I ="
                 f" {bare[worst]:.6g} 1/s: the rate feedback would be positive; got"
                 f" {damping_rate[worst]:.6g} 1/s"
             )
-        return plain(stiffness), plain(np.asarray((damping_rate - bare) / c.mu_delta))
+        return errors.plain(stiffness), errors.plain(np.asarray((damping_rate - bare) / c.mu_delta))
 
 
 _MAX_WEIGHT = 1e12
@@ -398,9 +389,9 @@ def lqr_gains(
         For a batch, for "drift-and-speed", whose fourth state an autopilot does not measure, and
         for weights that leave an unstable mode without a cost.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
     if plant.batch or plant.model == "drift-and-speed":
-        raise InputError(
+        raise errors.InputError(
             "lqr_gains needs one plant whose states an autopilot measures (fixed-path, drift or"
             f" drift-exact); got {plant.model} of shape {plant.batch}"
         )
@@ -411,12 +402,14 @@ def lqr_gains(
         "drift_rate_weight": drift_rate_weight,
         "drift_weight": drift_weight,
     }
-    costs = [number(name, value, nonnegative) for name, value in weights.items()]
-    cost = number("deflection_weight", deflection_weight, positive)
+    costs = [errors.number(name, value, errors.nonnegative) for name, value in weights.items()]
+    cost = errors.number("deflection_weight", deflection_weight, errors.positive)
     for name, weight in zip((*weights, "deflection_weight"), (*costs, cost), strict=True):
-        number(name, weight, between(0.0, _MAX_WEIGHT))
+        errors.number(name, weight, errors.between(0.0, _MAX_WEIGHT))
     if cost * _MAX_WEIGHT < max(costs):
-        raise InputError(f"deflection_weight must be at least 1/{_MAX_WEIGHT:g} of the others")
+        raise errors.InputError(
+            f"deflection_weight must be at least 1/{_MAX_WEIGHT:g} of the others"
+        )
     sensors = LateralSensors(drift_rate_weight > 0.0 or drift_weight > 0.0, drift_weight > 0.0)
     feedback = -_optimal_feedback(sensors.system(plant), costs, cost)
     on_attitude, on_rate, *on_path = feedback.tolist()
@@ -451,7 +444,7 @@ def _optimal_feedback(system: LinearSystem, costs: list[float], cost: float) -> 
     except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
         poles, gains = np.ones(1), np.zeros((1, len(A)))
     if np.real(poles).max() >= -_MIN_DECAY_OVER_POLE * np.abs(poles).max():
-        raise InputError(
+        raise errors.InputError(
             "the weights leave a mode of the plant without a cost; raise attitude_weight,"
             " alpha_weight or drift_rate_weight"
         )
@@ -508,7 +501,7 @@ def drift_gains(
 
     speed = _speed(plant)
     if plant.batch:
-        raise InputError(f"drift_gains is for one plant; got a batch of shape {plant.batch}")
+        raise errors.InputError(f"drift_gains is for one plant; got a batch of shape {plant.batch}")
     pairs = (
         ("natural_frequency", natural_frequency, "damping", damping),
         ("drift_frequency", drift_frequency, "drift_damping", drift_damping),
@@ -521,9 +514,9 @@ def drift_gains(
     except ValueError:
         gains = np.full(4, np.nan)
     placed = np.linalg.eigvals(A - B * np.nan_to_num(gains))
-    errors = np.abs(placed[:, np.newaxis] - poles).min(axis=0)
-    if not np.all(errors < _RELATIVE_POLE_ERROR * np.abs(poles)):
-        raise InputError(
+    distances = np.abs(placed[:, np.newaxis] - poles).min(axis=0)
+    if not np.all(distances < _RELATIVE_POLE_ERROR * np.abs(poles)):
+        raise errors.InputError(
             "the poles of attitude and drift cannot be placed: give them different frequencies or"
             " damping ratios, and no damping ratio of 1"
         )
@@ -571,10 +564,10 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
     -5.04
     """
     speed = _speed(plant)
-    instance("autopilot", autopilot, Feedback, "see design_gains")
+    errors.instance("autopilot", autopilot, Feedback, "see design_gains")
     if autopilot.controller is not None:
-        raise InputError("steady_drift is of gains; of a controller see its wind_response")
-    broadcast(autopilot=autopilot.batch, plant=plant.batch)
+        raise errors.InputError("steady_drift is of gains; of a controller see its wind_response")
+    errors.broadcast(autopilot=autopilot.batch, plant=plant.batch)
     c = plant.coefficients
     b1, difference = np.asarray(c.b1), np.asarray(c.b1 - c.b2)
     gravity = 0.0 if plant.model == "drift" else c.C2 / np.asarray(c.mu_alpha)
@@ -587,22 +580,22 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
         k = c.B - autopilot.alpha_gain - autopilot.acceleration_gain * speed * difference
         rest = a0 + autopilot.drift_rate_gain * speed + (k - a0) * gravity / (b1 + gravity)
         path = ((k - a0) * difference / (b1 + gravity) - k) / rest
-    return plain(np.asarray(speed * path))
+    return errors.plain(np.asarray(speed * path))
 
 
 def _speed(plant: Plant) -> FloatArray:
     """Return the speed of a plant [m/s]; `InputError` for another model, or without a speed."""
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
     if not plant.is_rigid or plant.model not in ("drift", "drift-exact"):
-        raise InputError(f"drift needs a plant drift or drift-exact; got {plant.model}")
+        raise errors.InputError(f"drift needs a plant drift or drift-exact; got {plant.model}")
     plant.lateral_rows("drift_rate", 0.0)  # raises without a speed
     return np.asarray(plant.coefficients.velocity)
 
 
 def _pair(name: str, frequency: float, damping_name: str, damping: float) -> ComplexArray:
     """Return the two poles [1/s] of a natural frequency [rad/s] and a damping ratio."""
-    w = number(name, frequency, positive_in_range, "rad/s")
-    ratio = number(damping_name, damping, positive_in_range)
+    w = errors.number(name, frequency, positive_in_range, "rad/s")
+    ratio = errors.number(damping_name, damping, positive_in_range)
     return np.roots([1.0, 2.0 * ratio * w, w**2]).astype(complex)
 
 

@@ -9,17 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, ComplexArray, FloatArray
 from tvclin.base.cards import Column, Columns, Tabled, table
-from tvclin.base.errors import (
-    InputError,
-    finite,
-    instance,
-    one_row,
-    positive,
-    times_row,
-    whole_number,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, number, significant, text
 from tvclin.base.quantities import satisfaction
@@ -197,7 +189,7 @@ class Sweep(Tabled):
         `InputError` for rows that are no whole number.
         """
         shown = np.arange(self.times.size)
-        if rows is not None and shown.size > whole_number("rows", rows):
+        if rows is not None and shown.size > errors.whole_number("rows", rows):
             worst = [int(np.argmin(np.abs(self.times - w.time))) for w in self.worst]
             shown = np.unique([*np.linspace(0, shown[-1], rows).round().astype(int), *worst])
         columns = self._by_time()
@@ -370,20 +362,20 @@ def sweep(
     Each time is judged as if frozen: margins at every time are no proof of the flight, see
     `fly_along`.
     """
-    instance("flight", flight, FlightSchedule, "see load_schedule")
-    instance("criteria", criteria, Criteria, "see Criteria.custom")
-    at = times_row("times", times)
+    errors.instance("flight", flight, FlightSchedule, "see load_schedule")
+    errors.instance("criteria", criteria, Criteria, "see Criteria.custom")
+    at = errors.times_row("times", times)
     if not at.size:
-        raise InputError("times must be one or more times of flight in s")
-    row = finite("factors", factors)
-    row = positive("factors", one_row("factors", row)) if row.size else np.zeros(0)
+        raise errors.InputError("times must be one or more times of flight in s")
+    row = errors.finite("factors", factors)
+    row = errors.positive("factors", errors.one_row("factors", row)) if row.size else np.zeros(0)
     if isinstance(autopilot, Autopilot) and autopilot.batch:
-        raise InputError("autopilot must be one autopilot for all times, or a GainSchedule")
+        raise errors.InputError("autopilot must be one autopilot for all times, or a GainSchedule")
     laws = autopilot_along(autopilot, flight, at)
     plants = plants_along(flight, at, model, plane)
     names = flight_mode_names(flight, plants)
     if criteria.has_mode_limits and not names:
-        raise InputError("criteria of modes need a flight with a structure over time")
+        raise errors.InputError("criteria of modes need a flight with a structure over time")
     delays = any(limit.margin == "delay_margin" for limit in criteria.limits)
     loop = laws.exact_loop(plants)
     warn_of_feedback(laws, plants)

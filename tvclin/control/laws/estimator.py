@@ -11,18 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    nonnegative,
-    nonzero,
-    number,
-    positive,
-    single,
-    whole_number,
-)
 from tvclin.base.fields import spec
 from tvclin.control.laws.autopilot_law import SystemLaw
 from tvclin.control.laws.law import Chains, Law, Measurement
@@ -65,18 +56,18 @@ class WindEstimator(Record):
 
     def __post_init__(self) -> None:
         object.__setattr__(
-            self, "bandwidth", number("bandwidth", self.bandwidth, positive, "rad/s")
+            self, "bandwidth", errors.number("bandwidth", self.bandwidth, errors.positive, "rad/s")
         )
-        noise = number("rate_noise", self.rate_noise, nonnegative, "rad/s")
+        noise = errors.number("rate_noise", self.rate_noise, errors.nonnegative, "rad/s")
         object.__setattr__(self, "rate_noise", noise)
-        object.__setattr__(self, "seed", whole_number("seed", self.seed))
+        object.__setattr__(self, "seed", errors.whole_number("seed", self.seed))
 
     def states(self, plant: Plant) -> tuple[FloatArray, FloatArray]:
         """Return F ``(2, 2)`` and G ``(2, 5)`` of the states q^ and d^, for the design plant."""
-        instance("plant", plant, Plant, "see Plant.from_vehicle")
-        single("plant", plant.batch)
+        errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
+        errors.single("plant", plant.batch)
         c, w = plant.coefficients, self.bandwidth
-        mu_alpha = float(nonzero("mu_alpha", c.mu_alpha, "1/s^2"))
+        mu_alpha = float(errors.nonzero("mu_alpha", c.mu_alpha, "1/s^2"))
         gains = np.array([2.0 * _OBSERVER_DAMPING * w, -(w**2) / mu_alpha])
         F = np.array([[-gains[0], -mu_alpha], [-gains[1], 0.0]])
         G = np.zeros((2, 5))
@@ -120,13 +111,17 @@ class EstimatedLaw(Law):
     plant: Plant
 
     def __post_init__(self) -> None:
-        instance("law", self.law, Law, "such as SaturatedLaw")
-        instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
+        errors.instance("law", self.law, Law, "such as SaturatedLaw")
+        errors.instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
         numbers = self.law.numbers
         if isinstance(self.law, SystemLaw):
-            raise InputError("a controller in state space takes no estimator; put one into it")
+            raise errors.InputError(
+                "a controller in state space takes no estimator; put one into it"
+            )
         if isinstance(self.law, EstimatedLaw) or (numbers is not None and numbers.estimates):
-            raise InputError("law has an estimator already; give it the angle of attack of one")
+            raise errors.InputError(
+                "law has an estimator already; give it the angle of attack of one"
+            )
         self.estimator.states(self.plant)
         for name in ("engage", "release"):
             object.__setattr__(self, name, getattr(self.law, name))

@@ -9,16 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    between,
-    instance,
-    nonnegative,
-    number,
-    positive,
-    small_angle,
-    unlimited,
-)
 from tvclin.base.fields import spec
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import (
@@ -94,22 +86,31 @@ class RecoverableAttitudeLaw(Law):
     def __post_init__(self) -> None:
         modes = measured_coordinates(self.plant)
         for name in ("reach", "trust"):
-            fraction = number(name, getattr(self, name), between(1e-3, 1.0))
+            fraction = errors.number(name, getattr(self, name), errors.between(1e-3, 1.0))
             object.__setattr__(self, name, fraction)
-        object.__setattr__(self, "gain", number("gain", self.gain, positive))
+        object.__setattr__(self, "gain", errors.number("gain", self.gain, errors.positive))
         object.__setattr__(
             self,
             "dead_band",
-            number("dead_band", self.dead_band, small_angle("a wind angle", nonnegative), "rad"),
+            errors.number(
+                "dead_band",
+                self.dead_band,
+                errors.small_angle("a wind angle", errors.nonnegative),
+                "rad",
+            ),
         )
-        rate = unlimited("rate_limit", self.rate_limit, RATE_LIMIT_RANGE, "rad/s")
+        rate = errors.unlimited("rate_limit", self.rate_limit, RATE_LIMIT_RANGE, "rad/s")
         object.__setattr__(self, "rate_limit", rate)
         if self.design_peak is not None:
-            peak = abs(number("design_peak", self.design_peak, small_angle("a wind angle"), "rad"))
+            peak = abs(
+                errors.number(
+                    "design_peak", self.design_peak, errors.small_angle("a wind angle"), "rad"
+                )
+            )
             object.__setattr__(self, "design_peak", peak)
         if self.estimator is None:
             return
-        instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
+        errors.instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
         if self.estimator.bandwidth < modes.poles[0]:
             warnings.warn(
                 f"the estimator, bandwidth = {self.estimator.bandwidth:.6g} rad/s, is slower than"

@@ -23,19 +23,9 @@ import numpy as np
 from tvclin.ascent.atmosphere import LAYER_ALTITUDES
 from tvclin.ascent.schedule import FlightSchedule, flight_variable
 from tvclin.ascent.structure_schedule import StructureSchedule
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    MAX_TIME,
-    InputError,
-    between,
-    flag,
-    fraction,
-    instance,
-    number,
-    one_of,
-    positive,
-)
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
@@ -59,7 +49,7 @@ from tvclin.vehicle.structure import Structure
 from tvclin.winds.histories import History
 from tvclin.winds.turbulence import Turbulence
 
-_DURATIONS = between(1e-3, MAX_TIME)
+_DURATIONS = errors.between(1e-3, errors.MAX_TIME)
 """Check of durations [s]."""
 
 
@@ -110,7 +100,7 @@ class CovarianceHistory(Shown):
         InputError
             As `mean`, and for a number of standard deviations beyond 0 to 10.
         """
-        k = number("sigmas", sigmas, between(0.0, 10.0))
+        k = errors.number("sigmas", sigmas, errors.between(0.0, 10.0))
         sizes = np.abs(self.mean(output)) + k * self.deviation(output)
         at = int(np.argmax(sizes))
         return float(sizes[at]), float(self.times[at])
@@ -177,7 +167,7 @@ class CovarianceHistory(Shown):
         InputError
             As `crossings`.
         """
-        bound = number("limit", limit, positive)
+        bound = errors.number("limit", limit, errors.positive)
         row, direct = self._output(output)
         rate = self._rate(output)
         spread, motion = self._spread(row), self._spread(rate[0])
@@ -196,7 +186,7 @@ class CovarianceHistory(Shown):
         InputError
             As `mean`, and for a limit that is not positive.
         """
-        bound = number("limit", limit, positive)
+        bound = errors.number("limit", limit, errors.positive)
         return exceedance(bound, self.mean(output), self.deviation(output))
 
     def time_fraction(self, limit: float, output: str = DEFLECTION) -> float:
@@ -232,15 +222,15 @@ class CovarianceHistory(Shown):
         """
         from scipy.special import ndtri  # late: scipy takes long to import
 
-        z = float(ndtri(fraction("probability", probability)))
+        z = float(ndtri(errors.fraction("probability", probability)))
         return self.mean(output) + z * self.deviation(output)
 
     def _output(self, output: str) -> tuple[FloatArray, FloatArray]:
-        return self._signals[one_of("output", output, self.outputs)][:2]
+        return self._signals[errors.one_of("output", output, self.outputs)][:2]
 
     def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
         """Return row and direct part of an output's rate; `InputError` for an output that jumps."""
-        return self._signals[one_of("output", output, self.outputs)].smooth_rate(output)
+        return self._signals[errors.one_of("output", output, self.outputs)].smooth_rate(output)
 
     def _value(self, row: FloatArray, direct: FloatArray) -> FloatArray:
         """Return the mean of an output of given row and direct part."""
@@ -311,13 +301,13 @@ def turbulence_history(
     checked_parts(autopilot, turbulence, noise, loads)
     check_plant(plant)
     check_single("turbulence_history", autopilot, plant, loads)
-    V = number("speed", speed)
-    altitude = None if altitude is None else number("altitude", altitude, unit="m")
+    V = errors.number("speed", speed)
+    altitude = None if altitude is None else errors.number("altitude", altitude, unit="m")
     shape = turbulence.shaping_filter(V, altitude)
     shape = *shape[:2], shape[2] / V
-    at_rest = not flag("settled", settled)
+    at_rest = not errors.flag("settled", settled)
     loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, drift=at_rest)
-    times = march_times(0.0, number("duration", duration, _DURATIONS, "s"), wind, loop)
+    times = march_times(0.0, errors.number("duration", duration, _DURATIONS, "s"), wind, loop)
     start = None if at_rest else stationary(loop)[0][0]
     moments = march(loop, times, wind, start)
     signals = {output: loop.signal(output) for output in loop.labels}
@@ -379,11 +369,11 @@ def turbulence_along(
     a continuous autopilot is its Pade approximation; with samples it is exact, the law has the
     gains of each sample, and the history shows the motion between samples too.
     """
-    instance("schedule", schedule, FlightSchedule, "see load_schedule")
+    errors.instance("schedule", schedule, FlightSchedule, "see load_schedule")
     parts = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
     checked_parts(parts, turbulence, noise, loads)
     if not isinstance(autopilot, GainSchedule) and parts.batch:
-        raise InputError(
+        raise errors.InputError(
             f"autopilot must be one autopilot, or a GainSchedule; got a batch of {parts.batch}"
         )
     delay = _constant("delay", parts.delay)
@@ -393,7 +383,7 @@ def turbulence_along(
     if isinstance(structure, StructureSchedule):
         flight = replace(flight, structure=structure)
     elif structure is not None:
-        instance("structure", structure, Structure, "or a StructureSchedule")
+        errors.instance("structure", structure, Structure, "or a StructureSchedule")
         frozen = structure
     if turbulence.altitude is not None:
         _ = flight.height  # refuses a schedule without altitude
@@ -430,7 +420,7 @@ def _constant(name: str, value: float | FloatArray) -> float:
     """Return a number of an autopilot that must be the same along a flight."""
     values = np.unique(value)
     if values.size > 1:
-        raise InputError(f"the {name} of the autopilot must be the same along the flight")
+        raise errors.InputError(f"the {name} of the autopilot must be the same along the flight")
     return float(values[0])
 
 

@@ -16,19 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import (
-    InputError,
-    between,
-    broadcast,
-    finite,
-    instance,
-    number,
-    plain,
-    shown,
-    within,
-)
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.autopilot import PADE_WARNING, Autopilot, pade_misleads
@@ -53,7 +43,7 @@ FILTERED = "filtered_"
 """Begin of the names of angle of attack and loads behind a low-pass."""
 _SLOPES = ("dynamic_pressure", "alpha_moment", "deflection_moment")
 """Names of the numbers of loads that may vary along a flight."""
-_BANDWIDTHS = between(1e-3, 1e5)
+_BANDWIDTHS = errors.between(1e-3, 1e5)
 """Check of bandwidths of a low-pass [rad/s]."""
 _MAX_DENSITY = 1e3
 """Largest noise density of a sensor, in its unit."""
@@ -88,7 +78,9 @@ class SensorNoise(Record):
 
     def __post_init__(self) -> None:
         for name in ("attitude", "rate"):
-            density = number(name, within(name, getattr(self, name), 0.0, _MAX_DENSITY))
+            density = errors.number(
+                name, errors.within(name, getattr(self, name), 0.0, _MAX_DENSITY)
+            )
             object.__setattr__(self, name, density)
 
     @property
@@ -134,12 +126,14 @@ class LoadSlopes(Record):
         shapes = {}
         for name in _SLOPES:
             if getattr(self, name) is not None:
-                value = finite(name, getattr(self, name))
+                value = errors.finite(name, getattr(self, name))
                 shapes[name] = value.shape
-                object.__setattr__(self, name, plain(value))
-        broadcast(**shapes)
+                object.__setattr__(self, name, errors.plain(value))
+        errors.broadcast(**shapes)
         if self.bandwidth is not None:
-            object.__setattr__(self, "bandwidth", number("bandwidth", self.bandwidth, _BANDWIDTHS))
+            object.__setattr__(
+                self, "bandwidth", errors.number("bandwidth", self.bandwidth, _BANDWIDTHS)
+            )
 
     @property
     def batch(self) -> tuple[int, ...]:
@@ -160,7 +154,7 @@ class LoadSlopes(Record):
 def loads_at(loads: LoadSlopes, times: FloatArray, at: FloatArray) -> LoadSlopes:
     """Return the slopes of loads at other times, given those ``(n,)`` or ``()`` at `times` [s]."""
     if loads.batch not in {(), times.shape}:
-        raise InputError(
+        raise errors.InputError(
             f"loads along a flight must have one number, or one for each of the {times.size} times"
             f" of the schedule; got shape {loads.batch}"
         )
@@ -185,7 +179,7 @@ class Signal(NamedTuple):
     def smooth_rate(self, output: str) -> tuple[FloatArray, FloatArray]:
         """Return row and direct part of the rate; `InputError` for an output that jumps."""
         if self.rate is None:
-            raise InputError(
+            raise errors.InputError(
                 f"{output} has no rate of finite variance, as it follows the turbulence, the noise"
                 " or a sample at once: it crosses every limit infinitely often, and has no travel;"
                 " see its rms and quantile"
@@ -351,13 +345,13 @@ def _continuous(
     """Return a loop without samples behind a shaping filter, with the noise of its sensors."""
     loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
     if not plant.batch and pade_misleads(autopilot, plant, loop):
-        raise InputError(PADE_WARNING.format(autopilot.pade_order))
+        raise errors.InputError(PADE_WARNING.format(autopilot.pade_order))
     loop = loop.select(loop.inputs, loop.outputs[:-1])
     A, wind, rows, direct, driven = _behind_filter(loop, shape)
     if noise is not None:
         sensed = loop.select(SENSOR_NOISE, (DEFLECTION,))
         if np.any(sensed.D * np.sqrt(noise.intensities)):
-            raise InputError(
+            raise errors.InputError(
                 "the deflection follows the noise of the sensors at once and has no variance; give"
                 " the autopilot an actuator, or a sample rate"
             )
@@ -489,12 +483,12 @@ def checked_parts(
     loads: LoadSlopes | None,
 ) -> None:
     """Raise `InputError` for arguments of another type."""
-    instance("turbulence", turbulence, Turbulence, "see Turbulence.mil_f_8785c")
-    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    errors.instance("turbulence", turbulence, Turbulence, "see Turbulence.mil_f_8785c")
+    errors.instance("autopilot", autopilot, Autopilot, "see design_gains")
     if noise is not None and not isinstance(noise, SensorNoise):
-        raise InputError(f"noise must be a SensorNoise or None; got {shown(noise)}")
+        raise errors.InputError(f"noise must be a SensorNoise or None; got {errors.shown(noise)}")
     if loads is not None and not isinstance(loads, LoadSlopes):
-        raise InputError(f"loads must be LoadSlopes or None; got {shown(loads)}")
+        raise errors.InputError(f"loads must be LoadSlopes or None; got {errors.shown(loads)}")
 
 
 def check_single(
@@ -503,7 +497,7 @@ def check_single(
     """Raise `InputError` for a batch, as the function is for one loop."""
     batches = autopilot.batch, plant.batch, () if loads is None else loads.batch
     if any(batches):
-        raise InputError(
+        raise errors.InputError(
             f"{function}() is for one autopilot and one plant; got batches of shape {batches[0]}"
             f" and {batches[1]}, loads {batches[2]} (see turbulence_along)"
         )

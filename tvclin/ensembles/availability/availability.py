@@ -12,20 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    callable_for,
-    directions,
-    fraction,
-    instance,
-    nonnegative,
-    nonzero,
-    number,
-    one_of,
-    small_angle,
-)
 from tvclin.base.fields import checked, file_table, quantity, word
 from tvclin.case.case import Case
 from tvclin.ensembles.availability.availability_record import Availability, scalar_or_row
@@ -136,23 +124,25 @@ def availability(
     >>> print(available.fraction())
     1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
     """
-    instance("flight", flight, FlightSchedule, "see load_schedule")
+    errors.instance("flight", flight, FlightSchedule, "see load_schedule")
     _check_usable(soundings)
-    one_of("plane", plane, (BOTH, *PLANES))
-    one_of("model", model, MODELS)
+    errors.one_of("plane", plane, (BOTH, *PLANES))
+    errors.one_of("model", model, MODELS)
     if progress is not None:
-        callable_for("progress", progress, "of how many are done and how many there are")
+        errors.callable_for("progress", progress, "of how many are done and how many there are")
     checked_gust(gust)
     if gust_speed is not None:
         if gust is None:
-            raise InputError("gust_speed is the speed of a gust: give the gust as well")
-        nonzero("gust_speed", gust_speed, "m/s")
-        gust_speed = number("gust_speed", gust_speed, between(-1e3, 1e3), "m/s")
+            raise errors.InputError("gust_speed is the speed of a gust: give the gust as well")
+        errors.nonzero("gust_speed", gust_speed, "m/s")
+        gust_speed = errors.number("gust_speed", gust_speed, errors.between(-1e3, 1e3), "m/s")
     azimuths = scalar_or_row("azimuth", azimuth)
-    directions("azimuth", azimuths)
+    errors.directions("azimuth", azimuths)
     growth = growth_of(persistence)
-    capability = number("limit", limit, small_angle("a deflection", nonnegative), "rad")
-    confidence = fraction("confidence", confidence)
+    capability = errors.number(
+        "limit", limit, errors.small_angle("a deflection", errors.nonnegative), "rad"
+    )
+    confidence = errors.fraction("confidence", confidence)
     if utc_offset is not None:
         soundings = soundings.with_utc_offset(utc_offset)
     judge = Judge.of(
@@ -161,11 +151,13 @@ def availability(
         plane=plane,
         model=model,
         azimuths=azimuths,
-        limit_shape=one_of("limit_shape", limit_shape, STOPS),
+        limit_shape=errors.one_of("limit_shape", limit_shape, STOPS),
         growth=growth if isinstance(growth, WindGrowth) else None,
         gust=gust,
         gust_speed=gust_speed,
-        known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
+        known_to=None
+        if known_to is None
+        else errors.number("known_to", known_to, errors.between(0, 1e5), "m"),
         pressure=uses_encountered_pressure(sign),
     )
     bounds = judge.requirements(soundings, progress)
@@ -197,13 +189,15 @@ def availability(
 
 def _check_usable(soundings: Soundings) -> None:
     """Raise `InputError` for another type than an archive, or one without a usable sounding."""
-    instance("soundings", soundings, Soundings, "see read_soundings")
+    errors.instance("soundings", soundings, Soundings, "see read_soundings")
     if not len(soundings):
-        raise InputError(
+        raise errors.InputError(
             "soundings must hold one or more; got none (check month, years and station)"
         )
     if not np.any(soundings.usable):
-        raise InputError(f"none of {len(soundings)} soundings can be used: {soundings.why[0]}")
+        raise errors.InputError(
+            f"none of {len(soundings)} soundings can be used: {soundings.why[0]}"
+        )
 
 
 def _added(
@@ -306,16 +300,16 @@ class AvailabilityRequest:
 
     flight: FlightSchedule
     soundings: Soundings
-    azimuth: float = quantity("angle", check=directions)
+    azimuth: float = quantity("angle", check=errors.directions)
     plane: str = word((BOTH, *PLANES), BOTH)
     persistence: float | WindGrowth | PairGrowth | str | None = None
-    known_to: float | None = quantity("length", None, between(0.0, 1e5))
-    confidence: float = quantity("number", 0.95, fraction)
-    least_part: float | None = quantity("number", None, between(0.0, 1.0))
-    gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
+    known_to: float | None = quantity("length", None, errors.between(0.0, 1e5))
+    confidence: float = quantity("number", 0.95, errors.fraction)
+    least_part: float | None = quantity("number", None, errors.between(0.0, 1.0))
+    gust_speed: float | None = quantity("speed", None, errors.nonzero, key=None, option=None)
 
     def __post_init__(self) -> None:
-        instance("flight", self.flight, FlightSchedule, "see load_schedule")
+        errors.instance("flight", self.flight, FlightSchedule, "see load_schedule")
         _check_usable(self.soundings)
         checked(self)
         growth_of(self.persistence)
@@ -333,16 +327,18 @@ class AvailabilityRequest:
         """
         from tvclin.ensembles.availability.availability import availability
 
-        instance("case", case, Case, "of a wind and a nozzle")
+        errors.instance("case", case, Case, "of a wind and a nozzle")
         if case.nozzle.limit is None:
-            raise InputError("availability is judged for a limit: give limit_deg in [nozzle]")
+            raise errors.InputError(
+                "availability is judged for a limit: give limit_deg in [nozzle]"
+            )
         return availability(
             self.flight,
             self.soundings,
             limit=case.nozzle.limit,
             azimuth=self.azimuth if azimuth is None else azimuth,
             plane=self.plane,
-            limit_shape=one_of(
+            limit_shape=errors.one_of(
                 "limit_shape of availability", case.nozzle.limit_shape or "round", STOPS
             ),
             model=case.model,

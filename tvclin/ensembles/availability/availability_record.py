@@ -9,18 +9,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Column, Columns, Shown, Tabled, card
-from tvclin.base.errors import (
-    between,
-    finite,
-    instance,
-    nonnegative,
-    number,
-    one_row,
-    small_angle,
-    within,
-)
 from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Line, Table, degrees, minimum_limit, text
 from tvclin.base.lines import number as number_cell
@@ -169,7 +160,7 @@ class Availability(Tabled):
         confidence interval, with unknown soundings counted as lost for True, and as flown for
         False.
         """
-        fraction = number("fraction", fraction, between(0.0, 1.0))
+        fraction = errors.number("fraction", fraction, errors.between(0.0, 1.0))
         all_soundings = np.ones(len(self.soundings), dtype=bool)
         ends = [
             self._rows(self._fractions(self.limit, all_soundings, unknown))
@@ -193,7 +184,9 @@ class Availability(Tabled):
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
         """Return the fractions that fly with other limits [rad], ``(m,)``."""
         all_soundings = np.ones(len(self.soundings), dtype=bool)
-        row = small_angle("a deflection", nonnegative)("limits", scalar_or_row("limits", limits))
+        row = errors.small_angle("a deflection", errors.nonnegative)(
+            "limits", scalar_or_row("limits", limits)
+        )
         return tuple(self._fractions(limit, all_soundings) for limit in row.tolist())
 
     def placard(self, fractions: ArrayLike = PLACARD) -> FloatArray:
@@ -202,7 +195,7 @@ class Availability(Tabled):
         Infinite where no limit is sufficient, NaN where no sounding is known. Shape
         ``(p,)``, or ``(a, p)`` for several azimuths.
         """
-        fractions = within("fractions", scalar_or_row("fractions", fractions), 0.0, 1.0)
+        fractions = errors.within("fractions", scalar_or_row("fractions", fractions), 0.0, 1.0)
 
         def limits(lower: FloatArray, upper: FloatArray) -> FloatArray:
             """Return the limits [rad] sufficient for the fractions, ``(p,)``, of one azimuth.
@@ -232,7 +225,7 @@ class Availability(Tabled):
         InputError
             For another type than a profile.
         """
-        instance("profile", profile, WindProfile, "see read_sounding")
+        errors.instance("profile", profile, WindProfile, "see read_sounding")
         sounding = Soundings.from_profiles([profile], ["2000-01-01"])
         limits = self.limit - self.persistence
         required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
@@ -280,7 +273,10 @@ class Availability(Tabled):
     def with_limit(self, limit: float) -> Self:
         """Return the availability with another limit [rad]; `InputError` for a negative limit."""
         return replace(
-            self, limit=number("limit", limit, small_angle("a deflection", nonnegative), "rad")
+            self,
+            limit=errors.number(
+                "limit", limit, errors.small_angle("a deflection", errors.nonnegative), "rad"
+            ),
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -368,8 +364,8 @@ class Availability(Tabled):
 
 def scalar_or_row(name: str, value: ArrayLike) -> FloatArray:
     """Return a number or a row of numbers as a row, ``(n,)``; `InputError` for other shapes."""
-    array = finite(name, value)
-    return one_row(name, array if array.ndim else array[np.newaxis])
+    array = errors.finite(name, value)
+    return errors.one_row(name, array if array.ndim else array[np.newaxis])
 
 
 _MONTHS = (

@@ -26,18 +26,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
-from tvclin.base.errors import (
-    InputError,
-    finite,
-    fraction,
-    nonnegative,
-    number,
-    one_of,
-    one_row,
-    positive,
-    small_angle,
-)
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings, gather
@@ -70,18 +60,18 @@ class WindGrowth:
     height: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "speed", nonnegative("speed", self.speed, "m/s"))
+        object.__setattr__(self, "speed", errors.nonnegative("speed", self.speed, "m/s"))
         if self.height is None:
-            number("speed", self.speed, unit="m/s")
+            errors.number("speed", self.speed, unit="m/s")
             return
-        height = one_row("height", self.height, "m")
+        height = errors.one_row("height", self.height, "m")
         if np.shape(self.speed) != height.shape or np.any(np.diff(height) <= 0.0):
-            raise InputError("height must ascend, with one speed for each; check both rows")
+            raise errors.InputError("height must ascend, with one speed for each; check both rows")
         object.__setattr__(self, "height", height)
 
     def at(self, height: ArrayLike) -> FloatArray:
         """Return the speed [m/s] at heights [m], in their shape."""
-        heights, speed = finite("height", height, "m"), np.asarray(self.speed)
+        heights, speed = errors.finite("height", height, "m"), np.asarray(self.speed)
         if self.height is None:
             return np.full(heights.shape, speed)
         return np.asarray(np.interp(heights, np.asarray(self.height), speed))
@@ -112,8 +102,8 @@ class PairGrowth:
     quantile: float = 0.95
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "hours", number("hours", self.hours, positive, "h"))
-        object.__setattr__(self, "quantile", fraction("quantile", self.quantile))
+        object.__setattr__(self, "hours", errors.number("hours", self.hours, errors.positive, "h"))
+        object.__setattr__(self, "quantile", errors.fraction("quantile", self.quantile))
 
 
 def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
@@ -123,9 +113,11 @@ def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
     if isinstance(persistence, WindGrowth | PairGrowth):
         return persistence
     if isinstance(persistence, str):
-        one_of("persistence", persistence, ("pairs",))
+        errors.one_of("persistence", persistence, ("pairs",))
         return PairGrowth()
-    return number("persistence", persistence, small_angle("an angle", nonnegative), "rad")
+    return errors.number(
+        "persistence", persistence, errors.small_angle("an angle", errors.nonnegative), "rad"
+    )
 
 
 def grown_by(
@@ -146,7 +138,7 @@ def grown_by(
     grown = need[:, partner[pairs]] - need[:, earlier[pairs]]
     grown = grown[:, ~np.isnan(grown).any(axis=0)]
     if not grown.shape[1]:
-        raise InputError(
+        raise errors.InputError(
             "persistence from pairs needs soundings 12 h apart that can be judged; there are"
             " none, so give an angle [rad]"
         )

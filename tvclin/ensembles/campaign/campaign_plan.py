@@ -14,20 +14,8 @@ import numpy as np
 
 from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    different,
-    each,
-    fraction,
-    instance,
-    one_of,
-    positive,
-    shown,
-    single,
-    whole_number,
-)
 from tvclin.base.fields import count, file_table, quantity, word
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.case.case import Case
@@ -69,7 +57,7 @@ class SoundingEnsemble(WindEnsemble):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("soundings", self.soundings, MeasuredWind, "see fly_through")
+        errors.each("soundings", self.soundings, MeasuredWind, "see fly_through")
 
     @classmethod
     def of(cls, soundings: Sequence[MeasuredWind]) -> Self:
@@ -80,11 +68,11 @@ class SoundingEnsemble(WindEnsemble):
         InputError
             For no sounding, another type, and a sounding with a gust.
         """
-        winds = each("soundings", soundings, MeasuredWind, "see fly_through")
+        winds = errors.each("soundings", soundings, MeasuredWind, "see fly_through")
         if not winds:
-            raise InputError("soundings must be one or more; got none")
+            raise errors.InputError("soundings must be one or more; got none")
         if any(wind.gust is not None for wind in winds):
-            raise InputError("soundings of an ensemble must have no gust")
+            raise errors.InputError("soundings of an ensemble must have no gust")
         time = np.unique(np.concatenate([wind.wind.time for wind in winds]))
         rows = [np.interp(time, wind.wind.time, wind.wind.angle, 0.0, 0.0) for wind in winds]
         return cls(time, np.stack(rows), winds)
@@ -118,11 +106,13 @@ class FlightPlan:
     stop: float | None = None
 
     def __post_init__(self) -> None:
-        instance("flight", self.flight, FlightSchedule, "see load_schedule")
+        errors.instance("flight", self.flight, FlightSchedule, "see load_schedule")
         if not isinstance(self.autopilot, GainSchedule):
-            instance("autopilot", self.autopilot, Autopilot, "or a GainSchedule")
+            errors.instance("autopilot", self.autopilot, Autopilot, "or a GainSchedule")
         if self.law.sample_rate is None:
-            raise InputError("flights of a campaign need samples: give the autopilot a sample_rate")
+            raise errors.InputError(
+                "flights of a campaign need samples: give the autopilot a sample_rate"
+            )
         self.flight.between(self.start, self.stop)
 
     @property
@@ -176,7 +166,7 @@ def dispersed_plan(
 def _with_modes(flight: FlightSchedule, factors: Mapping[str, float]) -> FlightSchedule:
     """Return a flight with factors on its modes, by name as in `Dispersion`."""
     if flight.structure is None:
-        raise InputError("factors on modes need a flight with a structure over time")
+        raise errors.InputError("factors on modes need a flight with a structure over time")
     made = flight.structure
     structure = structure_with_mode_factors(
         made.structure,
@@ -210,9 +200,9 @@ _MAX_LATIN_CASES = 10**7
 
 def _case_count(name: str, value: object) -> int:
     """Return a number of cases; `InputError` unless it is from 1 to `_MAX_CASES`."""
-    if 0 < (number := whole_number(name, value)) <= _MAX_CASES:
+    if 0 < (number := errors.whole_number(name, value)) <= _MAX_CASES:
         return number
-    raise InputError(f"{name} must be from 1 to 1e10; got {shown(value)}")
+    raise errors.InputError(f"{name} must be from 1 to 1e10; got {errors.shown(value)}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -283,34 +273,36 @@ class Campaign(Case):
     cases: int = count(check=_case_count)
     seed: int = count(0)
     outputs: tuple[str, ...] = word(OUTPUTS, ("required",), many=True)
-    dead_bands: tuple[float, ...] = quantity("number", (1.0,), between(0.0, 1.0), many=True)
+    dead_bands: tuple[float, ...] = quantity("number", (1.0,), errors.between(0.0, 1.0), many=True)
     method: str = word(METHODS, "plain")
     chunk: int = count(1024, _case_count)
-    probability: float = quantity("number", 0.99865, fraction)
-    confidence: float = quantity("number", 0.9, fraction)
+    probability: float = quantity("number", 0.99865, errors.fraction)
+    confidence: float = quantity("number", 0.9, errors.fraction)
     law: str = word(LAWS, AUTOPILOT)
     along: FlightPlan | None = None
-    until: float | None = quantity("part", None, positive)
+    until: float | None = quantity("part", None, errors.positive)
 
     def __post_init__(self) -> None:
-        instance(
+        errors.instance(
             "vehicle", complete_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle"
         )
         super().__post_init__()
         if self.plant_system is not None:
-            raise InputError(
+            raise errors.InputError(
                 "a campaign takes no plant_system, whose matrices are one vehicle; leave it out"
             )
-        single("vehicle", self.vehicle.batch)
+        errors.single("vehicle", self.vehicle.batch)
         if not isinstance(self.wind, ShapedWind | FixedWind | WindEnsemble):
-            raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
+            raise errors.InputError(
+                f"wind must be a ShapedWind or a WindEnsemble; got {errors.shown(self.wind)}"
+            )
         self._check_planes()
         if isinstance(self.wind, ShapedWind) and self.wind.gust is not None:
             object.__setattr__(self, "wind", self.wind_at(self.dead_bands[0]))
-        instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
+        errors.instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
         self._check_outputs()
         if self.method == "latin" and self.cases > _MAX_LATIN_CASES:
-            raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
+            raise errors.InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.distributions))))
 
     def _check_planes(self) -> None:
@@ -321,14 +313,14 @@ class Campaign(Case):
                 directions_of(self)
             return
         if self.heading is None:
-            raise InputError(
+            raise errors.InputError(
                 "a limit of both planes needs a wind with a direction: give where it blows from,"
                 " and the azimuth of the flight"
             )
-        one_of("limit_shape of a campaign", self.nozzle.limit_shape, LIMIT_SHAPES)
+        errors.one_of("limit_shape of a campaign", self.nozzle.limit_shape, LIMIT_SHAPES)
         directions_of(self)
         if "flown" in self.outputs:
-            raise InputError(
+            raise errors.InputError(
                 'the output "flown" is of one plane: leave it out, or the limit of both planes'
             )
         _ = self.plane_campaigns  # refuses a wind without a part in the plane
@@ -357,35 +349,37 @@ class Campaign(Case):
     def _check_outputs(self) -> None:
         """Raise `InputError` for outputs that lack a law, limit, sign or gains."""
         if self.law != AUTOPILOT and "flight" not in self.outputs:
-            raise InputError(
+            raise errors.InputError(
                 'a law is flown by the output "flight"; add that, or leave out the law'
             )
         if self.along is not None:
             self._check_along(self.along)
         if "flight" in self.outputs and self.nozzle.limit is None:
-            raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
+            raise errors.InputError('the output "flight" needs the limit of the nozzle: limit_deg')
         if not isinstance(self.wind, ShapedWind):
             uses_encountered_pressure(self.sign)
         if self.controller is None:
             _ = self.gains  # refuses a rule that cannot be
         elif "flight" in self.outputs and self.law == AUTOPILOT:
             SaturatedLaw.of(self.autopilot)  # refuses an input that flights do not measure
-        different("dead_bands", self.dead_bands)
+        errors.different("dead_bands", self.dead_bands)
 
     def _check_along(self, plan: FlightPlan) -> None:
         """Raise `InputError` for outputs and a vehicle that do not fit to a whole flight."""
-        instance("along", plan, FlightPlan, "of a flight and its autopilot")
+        errors.instance("along", plan, FlightPlan, "of a flight and its autopilot")
         if "flight" not in self.outputs or "margins" in self.outputs or self.law != AUTOPILOT:
-            raise InputError(
+            raise errors.InputError(
                 'a campaign along a flight has the output "flight", of its autopilot, and no'
                 ' "margins" (see sweep)'
             )
         if self.controller is not None:
-            raise InputError("a controller in state space is of a single flight time")
+            raise errors.InputError("a controller in state space is of a single flight time")
         if self.nozzle.limit_shape is not None:
-            raise InputError("a campaign along a flight is of one plane: leave out the limit shape")
+            raise errors.InputError(
+                "a campaign along a flight is of one plane: leave out the limit shape"
+            )
         if self.vehicle.time is None:
-            raise InputError("a campaign along a flight needs a vehicle with its time")
+            raise errors.InputError("a campaign along a flight needs a vehicle with its time")
         plan.flight.at(self.vehicle.time)
 
     @property
@@ -429,8 +423,8 @@ class Campaign(Case):
 
     def span(self, chunk: int) -> tuple[int, int]:
         """Return the first case of a chunk and its number of cases."""
-        if whole_number("chunk", chunk) >= self.chunks:
-            raise InputError(f"chunk must be below {self.chunks}; got {shown(chunk)}")
+        if errors.whole_number("chunk", chunk) >= self.chunks:
+            raise errors.InputError(f"chunk must be below {self.chunks}; got {errors.shown(chunk)}")
         first = chunk * self.chunk
         return first, min(self.chunk, self.cases - first)
 

@@ -5,21 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    ending,
-    instance,
-    nonnegative,
-    number,
-    plain,
-    positive,
-    shown,
-    single,
-    together,
-    unlimited,
-    within,
-)
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import SUBSTEPS, frequency
@@ -45,34 +32,37 @@ _MAX_SUBSTEPS = 1000.0
 def check_flight(plant: AnyPlant, law: Law, wind: History) -> None:
     """Raise `InputError` unless the arguments are one plant, a law, and one wind that ends."""
     check_plant(plant)
-    instance("law", law, Law, "such as TrimLaw")
-    instance("wind", wind, History, "such as TriangularWind")
+    errors.instance("law", law, Law, "such as TrimLaw")
+    errors.instance("wind", wind, History, "such as TriangularWind")
     if plant.batch or wind.batch:
-        raise InputError(
+        raise errors.InputError(
             f"a flight is of one plant in one wind; got batches of shape {plant.batch} and"
             f" {wind.batch}"
         )
-    ending("wind", wind.end)
+    errors.ending("wind", wind.end)
 
 
 def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
     """Return the sample rate [Hz] of a law; `InputError` if it is too low for the actuator."""
-    number("sample_rate", sample_rate, positive, "Hz")
+    errors.number("sample_rate", sample_rate, errors.positive, "Hz")
     check_actuator(actuator)
     return float(check_sample_rates(sample_rate, actuator))
 
 
 def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> FloatArray:
     """Return sample rates [Hz]; `InputError` if one is too low for its actuator."""
-    rates = within("sample_rate", positive("sample_rate", sample_rate, "Hz"), *_SAMPLE_RATES, "Hz")
+    rates = errors.within(
+        "sample_rate", errors.positive("sample_rate", sample_rate, "Hz"), *_SAMPLE_RATES, "Hz"
+    )
     if actuator is not None:
-        instance("actuator", actuator, Actuator, "see Actuator")
+        errors.instance("actuator", actuator, Actuator, "see Actuator")
         minimum = SUBSTEPS / _MAX_SUBSTEPS * frequency(actuator)
-        together(sample_rate=rates, actuator=minimum)
+        errors.together(sample_rate=rates, actuator=minimum)
         if np.any(rates < minimum):
-            raise InputError(
-                f"sample_rate must be at least {minimum.max():.6g} Hz for an actuator of"
-                f" {frequency(actuator).max():.6g} rad/s; got {shown(plain(rates))} Hz"
+            raise errors.InputError(
+                f"sample_rate must be at least {minimum.max():.6g} Hz for an actuator"
+                f" of {frequency(actuator).max():.6g} rad/s; got"
+                f" {errors.shown(errors.plain(rates))} Hz"
             )
     return rates
 
@@ -82,12 +72,12 @@ def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
 
     `length`: sample periods [s].
     """
-    delays = nonnegative("delay", delay, "s")
-    together(delay=delays, sample_rate=length)
+    delays = errors.nonnegative("delay", delay, "s")
+    errors.together(delay=delays, sample_rate=length)
     if np.any(delays > MAX_DELAY_SAMPLES * length):
-        raise InputError(
-            f"delay must be at most {MAX_DELAY_SAMPLES} samples; got {shown(plain(delays))} s at"
-            f" {1.0 / float(length.min()):.6g} Hz"
+        raise errors.InputError(
+            f"delay must be at most {MAX_DELAY_SAMPLES} samples; got"
+            f" {errors.shown(errors.plain(delays))} s at {1.0 / float(length.min()):.6g} Hz"
         )
     return delays
 
@@ -95,7 +85,7 @@ def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
 def check_samples(span: float, length: float) -> None:
     """Raise `InputError` if a time `span` [s] has too many samples of a period `length` [s]."""
     if not span / length <= MAX_SAMPLES:
-        raise InputError(
+        raise errors.InputError(
             f"a flight may have at most {MAX_SAMPLES} samples; {span:.6g} s at"
             f" {1.0 / length:.6g} Hz are more: take a lower sample_rate, or an earlier end"
         )
@@ -105,7 +95,7 @@ def check_fastest_pole(plant: AnyPlant, length: float) -> None:
     """Raise `InputError` if the fastest pole is too large for a sample period `length` [s]."""
     pole = float(fastest_poles(plant))
     if not pole * length <= MAX_POLE_TIMES_SAMPLE:
-        raise InputError(
+        raise errors.InputError(
             f"sample_rate must be at least {pole / MAX_POLE_TIMES_SAMPLE:.6g} Hz for a plant that"
             f" moves with {pole:.6g} 1/s; got {1.0 / length:.6g} Hz"
         )
@@ -119,7 +109,7 @@ def fastest_poles(plant: AnyPlant) -> FloatArray:
 def check_span(start: float, stop: float) -> None:
     """Raise `InputError` if a flight from `start` to `stop` [s] is too long."""
     if not stop - start <= _MAX_DURATION:
-        raise InputError(
+        raise errors.InputError(
             f"a flight may last at most {_MAX_DURATION:g} s; got one from {start:.6g} to"
             f" {stop:.6g} s"
         )
@@ -127,13 +117,13 @@ def check_span(start: float, stop: float) -> None:
 
 def check_rate_limit(rate_limit: float) -> float:
     """Return the rate limit [rad/s], positive or infinite."""
-    return unlimited("rate_limit", rate_limit, unit="rad/s")
+    return errors.unlimited("rate_limit", rate_limit, unit="rad/s")
 
 
 def check_not_lost(time: float, states: FloatArray) -> None:
     """Raise `InputError` if a state at a time [s] exceeds `LOST`."""
     if not np.abs(states).max() <= LOST:
-        raise InputError(
+        raise errors.InputError(
             f"the flight is lost and grows without bounds; ask for times before t = {time:.6g} s"
         )
 
@@ -142,5 +132,5 @@ def check_actuator(actuator: Actuator | None) -> None:
     """Raise `InputError` unless `actuator` is None or a single actuator."""
     if actuator is None:
         return
-    instance("actuator", actuator, Actuator, "of one natural frequency")
-    single("actuator", actuator.batch)
+    errors.instance("actuator", actuator, Actuator, "of one natural frequency")
+    errors.single("actuator", actuator.batch)

@@ -13,21 +13,9 @@ from numpy.typing import ArrayLike
 from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule, flight_variable
 from tvclin.ascent.wind_along import WindAlong, wind_along
+from tvclin.base import errors
 from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.cards import Column, Columns, Tabled, table
-from tvclin.base.errors import (
-    InputError,
-    broadcast,
-    each,
-    finite,
-    instance,
-    number,
-    numbers,
-    one_of,
-    positive,
-    small_angle,
-    unlimited,
-)
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -113,7 +101,7 @@ class FlightAlong(Tabled):
         InputError
             For an unknown output.
         """
-        values = self.outputs[one_of("output", output, tuple(self.outputs))]
+        values = self.outputs[errors.one_of("output", output, tuple(self.outputs))]
         at = int(np.argmax(np.abs(values)))
         return Largest(float(values[at]), float(self.times[at]))
 
@@ -266,21 +254,25 @@ def fly_along(
     at each sample; in a wind that lasts to the end, over the settling time before it.
     """
     if getattr(wind, "batch", ()):
-        raise InputError("wind must be one wind; see fly_many_along for many")
+        raise errors.InputError("wind must be one wind; see fly_many_along for many")
     wind_of_flight = wind_along(flight, wind, plane, sign, gust_time)
     along = checked_flight(flight, autopilot, wind_of_flight, start, stop, model, plane)
     slopes: dict[str, FloatArray] = {}
     if alpha_moment is not None:
         slopes["alpha_moment"] = _slope(flight, "alpha_moment", alpha_moment)
         slopes["deflection_moment"] = _slope(flight, "deflection_moment", deflection_moment)
-    max_rate = unlimited("rate_limit", rate_limit, unit="rad/s")
+    max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
     if along.law.sample_rate is None:
         if deflection_limit is not None or np.isfinite(max_rate):
-            raise InputError("limits need samples: give the autopilot a sample_rate")
+            raise errors.InputError("limits need samples: give the autopilot a sample_rate")
         return _with_outputs(along, *_continuous(along), UNLIMITED, slopes)
     if deflection_limit is None:
-        raise InputError("deflection_limit must be given for an autopilot with a sample_rate")
-    limit = number("deflection_limit", deflection_limit, small_angle("a deflection", positive))
+        raise errors.InputError(
+            "deflection_limit must be given for an autopilot with a sample_rate"
+        )
+    limit = errors.number(
+        "deflection_limit", deflection_limit, errors.small_angle("a deflection", errors.positive)
+    )
     return sampled_outputs(along, limit, max_rate, slopes)
 
 
@@ -356,14 +348,16 @@ def fly_many_along(
     InputError
         Same as `fly_along`.
     """
-    limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
-    rate = numbers("rate_limit", rate_limit)
+    limit = errors.small_angle("a deflection", errors.positive)(
+        "deflection_limit", deflection_limit
+    )
+    rate = errors.numbers("rate_limit", rate_limit)
     if not np.all(rate > 0.0):
-        raise InputError("rate_limit must be positive")
+        raise errors.InputError("rate_limit must be positive")
     winds, batch = _winds_along(flight, wind, plane, sign)
-    shape = broadcast(wind=batch, deflection_limit=limit.shape, rate_limit=rate.shape)
+    shape = errors.broadcast(wind=batch, deflection_limit=limit.shape, rate_limit=rate.shape)
     if not int(np.prod(shape)):
-        raise InputError("there must be a wind and a limit or more; got none")
+        raise errors.InputError("there must be a wind and a limit or more; got none")
     which = np.broadcast_to(np.arange(int(np.prod(batch))).reshape(batch), shape).ravel()
     limits, rates = (np.array(np.broadcast_to(a, shape)).ravel() for a in (limit, rate))
     flown: dict[str, list[AnyArray]] = {name: [] for name in FlownCases.__dataclass_fields__}
@@ -390,9 +384,9 @@ def _winds_along(
     Winds at nominal dynamic pressure have the same vehicle, and are one batch.
     """
     if sign is not None:
-        one_of("sign", sign, (*SIGNS, FROZEN))
+        errors.one_of("sign", sign, (*SIGNS, FROZEN))
     if not isinstance(wind, History):
-        winds = each("wind", wind, MeasuredWind, "a History, or soundings")
+        winds = errors.each("wind", wind, MeasuredWind, "a History, or soundings")
         return [wind_along(flight, one, plane, sign) for one in winds], (len(winds),)
     if sign == FROZEN or not wind.batch:
         return [wind_along(flight, wind, plane, sign)], wind.batch
@@ -403,9 +397,9 @@ def _winds_along(
 
 def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
     """Return the slope of a moment [N m/rad] at the times of a flight, ``(n,)``."""
-    array = finite(name, value, "N m/rad")
+    array = errors.finite(name, value, "N m/rad")
     if array.shape not in {(), flight.times.shape}:
-        raise InputError(
+        raise errors.InputError(
             f"{name} must be one number or one for each of the {flight.times.size} times; got shape"
             f" {array.shape}"
         )
@@ -424,11 +418,13 @@ def checked_flight(
     """Return the checked arguments of a flight."""
     along = FlownFlight(flight, autopilot, wind, model, plane, *wind.span(flight, start, stop))
     if not isinstance(autopilot, GainSchedule):
-        instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
+        errors.instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
         if autopilot.batch:
-            raise InputError("autopilot must be one autopilot for all times, or a GainSchedule")
+            raise errors.InputError(
+                "autopilot must be one autopilot for all times, or a GainSchedule"
+            )
     if np.unique(along.law.delay).size > 1 or np.ndim(along.law.sample_rate or 0.0):
-        raise InputError("delay and sample_rate must be the same along the flight")
+        raise errors.InputError("delay and sample_rate must be the same along the flight")
     return along
 
 
@@ -439,7 +435,7 @@ def sampled_stages(along: FlownFlight) -> Stages:
     """
     law = along.law
     if law.sample_rate is None:
-        raise InputError("many flights need samples: give the autopilot a sample_rate")
+        raise errors.InputError("many flights need samples: give the autopilot a sample_rate")
     actuator = along.laws_at(np.array([along.start])).actuator
     rate = float(np.asarray(law.sample_rate))
     check_sample_rates(rate, actuator)
@@ -515,7 +511,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     for k in range(lengths.size):
         states[k + 1] = steps[k, :order, :order] @ states[k] + forced[k]
     if not np.all(np.isfinite(states)):
-        raise InputError("the motion grows beyond all numbers; the loop is not stable")
+        raise errors.InputError("the motion grows beyond all numbers; the loop is not stable")
     plants, laws = along.loops(times)
     loop = closed_loop(replace(laws, delay=float(np.unique(laws.delay)[0])), plants)
     row = loop.select(("wind",), ("deflection",))

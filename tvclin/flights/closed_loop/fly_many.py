@@ -14,19 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    MAX_TIME,
-    InputError,
-    between,
-    broadcast,
-    instance,
-    number,
-    numbers,
-    positive,
-    small_angle,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.flights.closed_loop.batch import Batch, Hardware, LawBatch, law_batch, shape_of
@@ -236,14 +226,14 @@ def fly_many(
     ['lost', 'lost', 'survived', 'survived']
     """
     check_plant(plant)
-    instance("wind", wind, History, "such as TriangularWind")
+    errors.instance("wind", wind, History, "such as TriangularWind")
     limits = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
     limit, max_rate = (_limit(name, value) for name, value in limits.items())
     rate = check_sample_rates(sample_rate, actuator)
     check_engine(plant, actuator)
     delays = check_delays(delay, 1.0 / rate)
-    factor = positive("gain", gain)
-    shape = broadcast(
+    factor = errors.positive("gain", gain)
+    shape = errors.broadcast(
         plant=plant.batch,
         law=shape_of(law),
         wind=wind.batch,
@@ -255,11 +245,15 @@ def fly_many(
         gain=factor.shape,
     )
     laws = law_batch(law, shape)
-    stop = np.inf if until is None else number("until", until, between(-MAX_TIME, MAX_TIME), "s")
+    stop = (
+        np.inf
+        if until is None
+        else errors.number("until", until, errors.between(-errors.MAX_TIME, errors.MAX_TIME), "s")
+    )
     if until is not None:
         end = float(np.max(wind.end, initial=-np.inf, where=np.isfinite(wind.end)))
         if stop < end:
-            raise InputError(
+            raise errors.InputError(
                 f"until must not lie before the end of the wind, {end:.6g} s: what blows later is"
                 f" not flown; got {stop:.6g} s"
             )
@@ -321,9 +315,9 @@ def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> Flo
 
 def _limit(name: str, value: ArrayLike) -> FloatArray:
     """Return limits [rad, rad/s]; `InputError` for a single one out of range, not for an array."""
-    array = numbers(name, value)
+    array = errors.numbers(name, value)
     if array.ndim or (name == "rate_limit" and array == np.inf):
         return array
     if name == "rate_limit":
-        return positive(name, value)
-    return small_angle("a deflection", positive)(name, value)
+        return errors.positive(name, value)
+    return errors.small_angle("a deflection", errors.positive)(name, value)

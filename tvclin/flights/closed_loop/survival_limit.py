@@ -15,19 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    between,
-    callable_for,
-    nonnegative,
-    number,
-    one_row,
-    positive,
-    shown,
-    whole_number,
-)
 from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator, check_engine
@@ -204,12 +194,12 @@ def winds_with_stops(wind: History, cuts: int, length: float) -> list[History]:
     `InputError` for cuts that are not a whole number up to 1000, or too many samples of a period
     `length` [s].
     """
-    stops = whole_number("cuts", cuts)
+    stops = errors.whole_number("cuts", cuts)
     if stops > _MAX_CUTS:
-        raise InputError(f"cuts must be at most {_MAX_CUTS}; got {shown(cuts)}")
+        raise errors.InputError(f"cuts must be at most {_MAX_CUTS}; got {errors.shown(cuts)}")
     start, end = float(wind.onset), float(wind.end)
     if (stops + 1) * (end - start) / length > _MAX_TOTAL_SAMPLES:
-        raise InputError(
+        raise errors.InputError(
             f"cuts and sample_rate may make at most {_MAX_TOTAL_SAMPLES:g} samples of all winds;"
             f" got {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
         )
@@ -334,21 +324,25 @@ def closed_loop_boundary(
     [(0.00206, 0.82), (0.00013, 0.697), (1e-05, 0.689)]
     """
     if progress is not None:
-        callable_for("progress", progress, "of how many are done and how many there are")
+        errors.callable_for("progress", progress, "of how many are done and how many there are")
     check_flight(plant, law, wind)
     check_engine(plant, actuator)
     modes = unstable_coordinates(plant.rigid)
     length = 1.0 / check_sample_rate(sample_rate, actuator)
     max_rate = check_rate_limit(rate_limit)
     check_samples(1.0 / float(modes.poles[0]), length)
-    factor = number("gain", gain, positive)
+    factor = errors.number("gain", gain, errors.positive)
     low, high = (
-        number(name, number(name, value, positive), between(*_LIMIT_RANGE))
+        errors.number(
+            name, errors.number(name, value, errors.positive), errors.between(*_LIMIT_RANGE)
+        )
         for name, value in (("lowest", lowest), ("highest", highest))
     )
     if low >= high:
-        raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
-    delays = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
+        raise errors.InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
+    delays = float(
+        check_delays(errors.number("delay", delay, errors.nonnegative, "s"), np.asarray(length))
+    )
     scale = abs(float(plant.coefficients.B) * float(wind.peak))
     check_fastest_pole(plant, length)
     winds = winds_with_stops(wind, cuts, length)
@@ -474,13 +468,13 @@ def boundary_map(
     >>> limits.round(2).tolist()
     [[1.39, 1.58], [0.99, 1.05], [0.82, 0.83]]
     """
-    factors = positive("gains", one_row("gains", gains))
-    delay_row = nonnegative("delays", one_row("delays", delays, "s"), "s")
+    factors = errors.positive("gains", errors.one_row("gains", gains))
+    delay_row = errors.nonnegative("delays", errors.one_row("delays", delays, "s"), "s")
     for name, row in (("gains", factors), ("delays", delay_row)):
         if not np.all(np.diff(row) > 0.0):
-            raise InputError(f"{name} must rise; got {shown(row)}")
+            raise errors.InputError(f"{name} must rise; got {errors.shown(row)}")
     if factors.size * delay_row.size > _MAX_BOUNDARIES:
-        raise InputError(
+        raise errors.InputError(
             f"gains and delays may make at most {_MAX_BOUNDARIES} boundaries; got {factors.size}"
             f" times {delay_row.size}"
         )

@@ -14,21 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.wind_along import WindAlong, sounding_along, wind_along
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Column, Columns, Shown, Tabled, table
-from tvclin.base.errors import (
-    InputError,
-    NotKnownError,
-    callable_for,
-    each,
-    instance,
-    number,
-    numbers,
-    one_of,
-    positive,
-    small_angle,
-    unlimited,
-)
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -105,20 +93,20 @@ def autopilot_requirements(
         For a sizing of both planes, other winds than its own, and as `size` and `fly_along`.
     """
     if progress is not None:
-        callable_for("progress", progress, "of how many are done and how many there are")
-    instance("sizing", sizing, Sizing, "see size")
-    plane = one_of("the plane of the sizing", sizing.plane, PLANES)
+        errors.callable_for("progress", progress, "of how many are done and how many there are")
+    errors.instance("sizing", sizing, Sizing, "see size")
+    plane = errors.one_of("the plane of the sizing", sizing.plane, PLANES)
     by_name = named_winds(winds)
     if tuple(by_name) != sizing.winds:
-        raise InputError(
+        raise errors.InputError(
             f"winds must be those of the sizing, {', '.join(sizing.winds)}; got"
             f" {', '.join(by_name)}"
         )
     if sign is not None:
-        one_of("sign", sign, (*SIGNS, FROZEN))
+        errors.one_of("sign", sign, (*SIGNS, FROZEN))
     signs = tuple(SIGNS) if sign is None and plane == "pitch" else (sign,)
-    width = number("window", window, positive, "s")
-    max_rate = unlimited("rate_limit", rate_limit, unit="rad/s")
+    width = errors.number("window", window, errors.positive, "s")
+    max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
     flight, placed_as = sizing.schedule, placings(by_name, placing)
     limit = np.full((sizing.times.size, len(by_name)), np.nan)
     unknown_at: dict[tuple[str, str], list[float]] = {}
@@ -134,8 +122,8 @@ def autopilot_requirements(
                 unknown = np.isinf(scan.limit) and OPEN in scan.status
                 limit[i, j] = np.fmax(limit[i, j], np.nan if unknown else scan.limit)
                 if unknown:
-                    raise NotKnownError(scan.status)
-        except NotKnownError as error:
+                    raise errors.NotKnownError(scan.status)
+        except errors.NotKnownError as error:
             limit[i, j] = np.nan
             unknown_at.setdefault((name, str(error)), []).append(time)
         if progress is not None:
@@ -149,17 +137,17 @@ def _encountered(
 ) -> list[WindAlong]:
     """Return a placed wind as the flight encounters it, by its possible directions."""
     if not placed.known:
-        raise NotKnownError(placed.why or "the wind is not known")
+        raise errors.NotKnownError(placed.why or "the wind is not known")
     if placed.calm:
-        raise NotKnownError("the wind is calm")
+        raise errors.NotKnownError("the wind is calm")
     if placed.speeds is not None:
         history = placed.two_sided or placed.history
         speeds = None if signs == (FROZEN,) else placed.speeds
         return [sounding_along(history, speeds, plane, sizing.schedule.span)]
     try:
         return [wind_along(sizing.schedule, placed.in_flight, plane, sign) for sign in signs]
-    except InputError as error:  # no horizontal wind has the angle on this path
-        raise NotKnownError(str(error)) from None
+    except errors.InputError as error:  # no horizontal wind has the angle on this path
+        raise errors.NotKnownError(str(error)) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,27 +244,31 @@ def deflection_use(
         For a sizing of one flight time, a limit out of range, unknown labels, and requirements or
         deflections at other times.
     """
-    instance("sizing", sizing, Sizing, "see size")
-    available = number("limit", limit, small_angle("a deflection", positive), "rad")
+    errors.instance("sizing", sizing, Sizing, "see size")
+    available = errors.number(
+        "limit", limit, errors.small_angle("a deflection", errors.positive), "rad"
+    )
     if sizing.times.size < 2:
-        raise InputError("deflections over the flight need two or more flight times; got 1")
+        raise errors.InputError("deflections over the flight need two or more flight times; got 1")
     order = np.argsort(sizing.times)
     times = sizing.times[order]
     every = tuple(r.label for r in sizing.required)
-    names = every if labels is None else each("labels", labels, str, "of sizing.required")
+    names = every if labels is None else errors.each("labels", labels, str, "of sizing.required")
     required = {str(name): sizing.at_times(name)[order] for name in names}
     reasons: tuple[str, ...] = ()
     if requirements is not None:
-        instance("requirements", requirements, AutopilotRequirements, "see autopilot_requirements")
+        errors.instance(
+            "requirements", requirements, AutopilotRequirements, "see autopilot_requirements"
+        )
         if not np.array_equal(requirements.times, sizing.times):
-            raise InputError("requirements must be at the flight times of the sizing")
+            raise errors.InputError("requirements must be at the flight times of the sizing")
         required[AUTOPILOT], reasons = requirements.at_times[order], requirements.reasons
     if isinstance(flown, FlightAlong):
         used = used_around(flown, times)
     else:
-        used = numbers("flown", flown)
+        used = errors.numbers("flown", flown)
         if used.shape != times.shape:
-            raise InputError(
+            raise errors.InputError(
                 f"flown must be a flight, see fly_along, or a deflection for each of the"
                 f" {times.size} flight times; got shape {used.shape}"
             )

@@ -14,21 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.ascent.measured_wind import GustOf, fly_through, gust_at, gust_of_speed
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.errors import (
-    InputError,
-    NotKnownError,
-    bearing,
-    between,
-    each,
-    instance,
-    naming,
-    nonnegative,
-    nonzero,
-    number,
-    one_of,
-    positive,
-    small_angle,
-)
+from tvclin.base import errors
 from tvclin.base.fields import checked, file_table, flag, quantity, text, word
 from tvclin.base.fields import count as integer
 from tvclin.base.lines import Line
@@ -85,10 +71,10 @@ class SoundingRequest:
     bias: WindProfile | None = None
 
     def __post_init__(self) -> None:
-        instance("profile", self.profile, WindProfile, "see read_sounding")
-        object.__setattr__(self, "azimuth", bearing("azimuth", self.azimuth))
+        errors.instance("profile", self.profile, WindProfile, "see read_sounding")
+        object.__setattr__(self, "azimuth", errors.bearing("azimuth", self.azimuth))
         if self.bias is not None:
-            instance("bias", self.bias, WindProfile, "see read_sounding")
+            errors.instance("bias", self.bias, WindProfile, "see read_sounding")
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +102,9 @@ class FlightWinds:
         """The winds by name, arguments of `size`; soundings are in flight time."""
         sign = self.case.sign
         if sign in SIGNS and any(pulse.heading is not None for pulse in self.pulses):
-            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+            raise errors.InputError(
+                "a wind with a direction is a head or a tail wind by that: leave sign"
+            )
         return {self._name(pulse): self._pulse(pulse) for pulse in self.pulses} | {
             name: self._sounding(name, pulse) for name, pulse in self.soundings.items()
         }
@@ -171,7 +159,7 @@ class FlightWinds:
 
     def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
         """Return the measured wind of a sounding along the flight."""
-        with naming(name):
+        with errors.naming(name):
             return fly_through(
                 sounding.profile,
                 self.schedule,
@@ -279,19 +267,19 @@ class SizingRequest:
     another: str = text("", key=None, option=None)
     pulse: bool = flag(True, key=None, option=None)
     others: tuple[ShapedWind, ...] = ()
-    peak_speed: float | None = quantity("speed", None, nonzero, option=None)
-    gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
+    peak_speed: float | None = quantity("speed", None, errors.nonzero, option=None)
+    gust_speed: float | None = quantity("speed", None, errors.nonzero, key=None, option=None)
     soundings: Mapping[str, SoundingRequest] = field(default_factory=dict)
-    window: float | None = quantity("time", None, positive, key=None, option=None)
+    window: float | None = quantity("time", None, errors.positive, key=None, option=None)
     start: float | None = quantity(
         "time", None, key="from", option="--from", shown="the first with all pulses in the schedule"
     )
     stop: float | None = quantity(
         "time", None, key="to", option="--to", shown="the last with all pulses in the schedule"
     )
-    every: float = quantity("time", EVERY_S, positive)
+    every: float = quantity("time", EVERY_S, errors.positive)
     dead_bands: tuple[float, ...] = quantity(
-        "number", (1.0, 0.5), between(0.0, 1.0), many=True, option="--dead-band"
+        "number", (1.0, 0.5), errors.between(0.0, 1.0), many=True, option="--dead-band"
     )
     law: str = word(WORDS["law"], "bound")
     varying: bool | None = flag(
@@ -300,26 +288,32 @@ class SizingRequest:
     count: str | None = text(
         None, shown="the largest dead band, varying, in the wind that needs more"
     )
-    dispersion: float = quantity("percent", 0.0, nonnegative)
-    thrust_offset: float = quantity("angle", 0.0, small_angle("an angle"))
+    dispersion: float = quantity("percent", 0.0, errors.nonnegative)
+    thrust_offset: float = quantity("angle", 0.0, errors.small_angle("an angle"))
     gravity_offset: float = quantity("length", 0.0)
-    reserve: float = quantity("percent", 0.0, nonnegative)
+    reserve: float = quantity("percent", 0.0, errors.nonnegative)
     duty_law: str | None = word(LAWS, None, option=None)
-    rate_noise: float = quantity("angular rate", 0.0, between(0.0, MAX_RATE_NOISE), option=None)
+    rate_noise: float = quantity(
+        "angular rate", 0.0, errors.between(0.0, MAX_RATE_NOISE), option=None
+    )
     noise_seed: int = integer(0, option=None)
-    steady_window: float = quantity("time", 0.5, positive, option=None)
+    steady_window: float = quantity("time", 0.5, errors.positive, option=None)
     scheduled_design: AutopilotDesign | None = None
 
     def __post_init__(self) -> None:
-        instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
-        object.__setattr__(self, "others", each("others", self.others, ShapedWind, "of one shape"))
-        instance("soundings", self.soundings, Mapping, "of names to SoundingRequest")
-        each("soundings", tuple(self.soundings.values()), SoundingRequest, "with their azimuth")
+        errors.instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
+        object.__setattr__(
+            self, "others", errors.each("others", self.others, ShapedWind, "of one shape")
+        )
+        errors.instance("soundings", self.soundings, Mapping, "of names to SoundingRequest")
+        errors.each(
+            "soundings", tuple(self.soundings.values()), SoundingRequest, "with their azimuth"
+        )
         checked(self)
         if self.scheduled_design is not None:
-            instance("scheduled_design", self.scheduled_design, AutopilotDesign, "of a file")
+            errors.instance("scheduled_design", self.scheduled_design, AutopilotDesign, "of a file")
         if not self.pulse and not self.others and not self.soundings:
-            raise InputError("a sizing needs a wind: a pulse or a sounding")
+            raise errors.InputError("a sizing needs a wind: a pulse or a sounding")
 
     def counted(self, sizing: Sizing, sign: str | None = None) -> Requirement:
         """Return the requirement that enters the total for the wind, unless `count` names it.
@@ -330,9 +324,9 @@ class SizingRequest:
         """
         if self.count is not None:
             return requirement_among("count", self.count, sizing.required)
-        instance("sizing", sizing, Sizing, "see sizing()")
+        errors.instance("sizing", sizing, Sizing, "see sizing()")
         if sign is not None:
-            one_of("sign", sign, (*SIGNS, FROZEN))
+            errors.one_of("sign", sign, (*SIGNS, FROZEN))
         base, worst = base_requirement(sizing), sizing.worst
         if sign == FROZEN:
             return base
@@ -346,11 +340,11 @@ class SizingRequest:
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
         """Return the pulses, with their peak at each flight time and the gust of the case."""
-        instance("case", case, Case, "of a wind and a nozzle")
+        errors.instance("case", case, Case, "of a wind and a nozzle")
         if not self.pulse and not self.others:
             return ()
         case_wind: Any = case.wind
-        instance("wind of the case", case_wind, ShapedWind, "of one shape")
+        errors.instance("wind of the case", case_wind, ShapedWind, "of one shape")
         return tuple(
             replace(pulse, gust=case_wind.gust, gust_at=case_wind.gust_at)
             for pulse in (*((case_wind,) if self.pulse else ()), *self.others)
@@ -368,14 +362,18 @@ class SizingRequest:
         first, last = self.schedule.span
         if last - first < 2.0 * half:
             half = 0.0
-        low = first + half if self.start is None else number("the first flight time", self.start)
-        high = last - half if self.stop is None else number("the last one", self.stop)
+        low = (
+            first + half
+            if self.start is None
+            else errors.number("the first flight time", self.start)
+        )
+        high = last - half if self.stop is None else errors.number("the last one", self.stop)
         if high < low:
-            raise InputError(
+            raise errors.InputError(
                 f"the last flight time must not be before the first; got {low:g} to {high:g} s"
             )
         if (high - low) / self.every > _MAX_FLIGHT_TIMES:
-            raise InputError(
+            raise errors.InputError(
                 f"there may be at most {_MAX_FLIGHT_TIMES} flight times; got one every"
                 f" {self.every:g} s"
             )
@@ -403,9 +401,9 @@ class SizingRequest:
         InputError
             For a time outside the schedule, and a wind without a component in the plane.
         """
-        instance("case", case, Case, "of a wind and a nozzle")
-        instance("pulse", pulse, ShapedWind, "one of pulses")
-        vehicle = self.schedule.at(number("time", time, unit="s"))
+        errors.instance("case", case, Case, "of a wind and a nozzle")
+        errors.instance("pulse", pulse, ShapedWind, "one of pulses")
+        vehicle = self.schedule.at(errors.number("time", time, unit="s"))
         return self._flight_winds(case).case_of(vehicle, pulse)
 
     def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
@@ -454,17 +452,19 @@ class SizingRequest:
 
         In its place the reason for which it is not known, in words; None without turbulence.
         """
-        instance("case", case, Case, "of a wind and a nozzle")
+        errors.instance("case", case, Case, "of a wind and a nozzle")
         if turbulence is None:
             return None
-        instance("turbulence", turbulence, TurbulenceRequest, "of an intensity or a severity")
+        errors.instance(
+            "turbulence", turbulence, TurbulenceRequest, "of an intensity or a severity"
+        )
         signed = tuple(pulse.heading is None for pulse in self.pulses(case))
         winds, times = self.winds(case), self.times(case)
         try:
             flown = replace(case, design=self.scheduled_design or case.design)
             along_flight = flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
             return replace(along_flight, sounding_wavelength=self._sounding_wavelength)
-        except InputError as error:
+        except errors.InputError as error:
             return str(error)
 
     @property
@@ -489,7 +489,7 @@ class SizingRequest:
 
         `turbulence`: result of `turbulence`.
         """
-        instance("case", case, Case, "of a wind and a nozzle")
+        errors.instance("case", case, Case, "of a wind and a nozzle")
         return worst_total(
             sizing,
             self.counted(sizing, case.sign),
@@ -504,8 +504,8 @@ class SizingRequest:
 
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
         """Return the controllability ratio of a sizing; None without a limit or any known trim."""
-        instance("case", case, Case, "of a wind and a nozzle")
-        instance("sizing", sizing, Sizing, "see sizing()")
+        errors.instance("case", case, Case, "of a wind and a nozzle")
+        errors.instance("sizing", sizing, Sizing, "see sizing()")
         if case.nozzle.limit is None or np.all(np.isnan(sizing.required[TRIM])):
             return None
         gust = self._flight_winds(case).gust
@@ -514,7 +514,7 @@ class SizingRequest:
             """Return the peak [rad] of the gust at a flight time; the linear limit if not known."""
             try:
                 return 0.0 if gust is None else float(gust_at(gust, vehicle).peak)
-            except NotKnownError:
+            except errors.NotKnownError:
                 return MAX_LINEAR_ANGLE
 
         return controllability_ratio(

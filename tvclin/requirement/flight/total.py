@@ -12,22 +12,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.cards import Record, Shown, table
-from tvclin.base.errors import (
-    InputError,
-    between,
-    each,
-    finite,
-    instance,
-    nonnegative,
-    number,
-    one_of,
-    positive,
-    single,
-    small_angle,
-    text,
-    within,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line as Cell
 from tvclin.base.lines import Table, degrees, significant
@@ -64,11 +50,11 @@ class Line(Record):
     kind: str = field(default="systematic", metadata=spec())
 
     def __post_init__(self) -> None:
-        one_of("kind", self.kind, KINDS)
-        text("name of a line", self.name)
+        errors.one_of("kind", self.kind, KINDS)
+        errors.text("name of a line", self.name)
         name = self.name or "deflection"
-        size = number(name, self.deflection, nonnegative, "rad")
-        within(name, size, 0.0, _MAX_DEFLECTION_RAD, "rad")
+        size = errors.number(name, self.deflection, errors.nonnegative, "rad")
+        errors.within(name, size, 0.0, _MAX_DEFLECTION_RAD, "rad")
         object.__setattr__(self, "deflection", size)
 
 
@@ -109,19 +95,25 @@ class DeflectionTotal(Shown):
     end: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "lines", each("lines", self.lines, Line, "of a total"))
-        object.__setattr__(self, "not_sized", each("not_sized", self.not_sized, str, "a place"))
-        reserve = number("reserve", self.reserve, nonnegative)
+        object.__setattr__(self, "lines", errors.each("lines", self.lines, Line, "of a total"))
+        object.__setattr__(
+            self, "not_sized", errors.each("not_sized", self.not_sized, str, "a place")
+        )
+        reserve = errors.number("reserve", self.reserve, errors.nonnegative)
         if reserve >= 1.0:
-            raise InputError(f"reserve must be a part of the limit, below 1; got {reserve:.6g}")
+            raise errors.InputError(
+                f"reserve must be a part of the limit, below 1; got {reserve:.6g}"
+            )
         if self.limit is not None:
-            number("limit", self.limit, small_angle("a deflection", positive), "rad")
+            errors.number(
+                "limit", self.limit, errors.small_angle("a deflection", errors.positive), "rad"
+            )
         if self.time is not None:
-            number("time", self.time, unit="s")
+            errors.number("time", self.time, unit="s")
         if self.rate_limit is not None:
-            number("rate_limit", self.rate_limit, between(*RATES), "rad/s")
-        instance("needed_rate", self.needed_rate, float, "in rad/s")
-        text("end", self.end)
+            errors.number("rate_limit", self.rate_limit, errors.between(*RATES), "rad/s")
+        errors.instance("needed_rate", self.needed_rate, float, "in rad/s")
+        errors.text("end", self.end)
 
     def _repr_html_(self) -> str:
         return table(total_table(self), self.verdict)
@@ -174,7 +166,7 @@ class DeflectionTotal(Shown):
 
         Raises `InputError` for an outcome that is no text.
         """
-        text("autopilot", autopilot)
+        errors.text("autopilot", autopilot)
         words = [cell_text(line) for line in self.verdict]
         words[1:] = [f"{word[0].lower()}{word[1:]}" for word in words[1:]]
         if autopilot:
@@ -333,19 +325,26 @@ def total_deflection(
     >>> round(float(np.degrees(found.total)), 3), found.sufficient
     (0.626, True)
     """
-    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    single("vehicle", vehicle.batch)
-    others = each("others", others, Line, "such as Line('wind tunnel', 0.01)")
+    errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    errors.single("vehicle", vehicle.batch)
+    others = errors.each("others", others, Line, "such as Line('wind tunnel', 0.01)")
     thrust, axial, slope, arm = (
         float(np.asarray(x))
         for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
     )
-    rotated = number("thrust_offset", thrust_offset, small_angle("an angle"), "rad")
-    aside = number("gravity_offset", gravity_offset, finite, "m")
+    rotated = errors.number("thrust_offset", thrust_offset, errors.small_angle("an angle"), "rad")
+    aside = errors.number("gravity_offset", gravity_offset, errors.finite, "m")
     lines = (
-        Line("nominal flight", abs(number("nominal", nominal, small_angle("a deflection"), "rad"))),
-        Line("wind", abs(number("wind", wind, finite, "rad"))),
-        Line("dispersions", number("dispersion", dispersion, nonnegative, "rad"), "random"),
+        Line(
+            "nominal flight",
+            abs(errors.number("nominal", nominal, errors.small_angle("a deflection"), "rad")),
+        ),
+        Line("wind", abs(errors.number("wind", wind, errors.finite, "rad"))),
+        Line(
+            "dispersions",
+            errors.number("dispersion", dispersion, errors.nonnegative, "rad"),
+            "random",
+        ),
         Line("thrust offset", thrust * float(np.sin(abs(rotated))) / slope, "random"),
         Line("centre of gravity offset", abs((thrust - axial) * aside / (slope * arm)), "random"),
     )
@@ -387,21 +386,21 @@ def worst_total(
     InputError
         For an unknown name, numbers out of range, and an infinite requirement.
     """
-    instance("sizing", sizing, Sizing, "see size")
-    ratio = number("dispersion", dispersion, nonnegative)
+    errors.instance("sizing", sizing, Sizing, "see size")
+    ratio = errors.number("dispersion", dispersion, errors.nonnegative)
     if rate_limit is not None:
-        rate_limit = number("rate_limit", rate_limit, between(*RATES), "rad/s")
+        rate_limit = errors.number("rate_limit", rate_limit, errors.between(*RATES), "rad/s")
     if turbulence is not None and not isinstance(turbulence, str):
-        instance("turbulence", turbulence, FlightTurbulence, "see SizingRequest.turbulence")
+        errors.instance("turbulence", turbulence, FlightTurbulence, "see SizingRequest.turbulence")
     requirement = requirement_among("name", name, sizing.required)
     winds, not_sized = _needs(sizing, requirement), sizing.not_sized(requirement)
     if never := [time for time, wind in winds if np.isinf(wind)]:
-        raise InputError(
+        raise errors.InputError(
             f"at {never[0]:g} s no limit is sufficient at this dead band, so that there is no"
             " total; take a larger one"
         )
     if isinstance(turbulence, str):
-        text("reason", turbulence)
+        errors.text("reason", turbulence)
         not_sized = (*not_sized, f"in turbulence: {turbulence}")
     if not winds:
         reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")

@@ -14,18 +14,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
-from tvclin.base.errors import (
-    InputError,
-    array_of,
-    between,
-    each,
-    number,
-    shown,
-    text,
-    whole_number,
-    within,
-)
 from tvclin.base.lines import plural
 from tvclin.winds.soundings.profile import RANGES, WindProfile
 
@@ -81,26 +71,36 @@ class Soundings:
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in RANGES.items():
-            object.__setattr__(self, name, within(name, getattr(self, name), low, high, unit))
+            object.__setattr__(
+                self, name, errors.within(name, getattr(self, name), low, high, unit)
+            )
         set_ = object.__setattr__
         set_(self, "offsets", self._checked_offsets())
         set_(self, "times", to_minutes("times", self.times))
         self._check_shapes()
-        text("station", self.station)
-        set_(self, "notes", each("notes", self.notes, str, "one for each remark"))
-        set_(self, "utc_offset", number("utc_offset", self.utc_offset, between(-14, 14), "h"))
-        why = each("why", self.why, str, "one for each sounding, or none")
+        errors.text("station", self.station)
+        set_(self, "notes", errors.each("notes", self.notes, str, "one for each remark"))
+        set_(
+            self,
+            "utc_offset",
+            errors.number("utc_offset", self.utc_offset, errors.between(-14, 14), "h"),
+        )
+        why = errors.each("why", self.why, str, "one for each sounding, or none")
         if not why:
             why = tuple("" if n > 1 else TOO_FEW for n in self.counts.tolist())
         set_(self, "why", why)
         if len(why) != len(self) or np.any((self.counts < 2) & self.usable):
-            raise InputError("why must hold a reason for each sounding with fewer than two levels")
+            raise errors.InputError(
+                "why must hold a reason for each sounding with fewer than two levels"
+            )
 
     def _checked_offsets(self) -> IntArray:
         """Return the offsets as a row of integers; `InputError` otherwise."""
-        offsets = array_of("offsets", self.offsets, "iu", "a row of integers")
+        offsets = errors.array_of("offsets", self.offsets, "iu", "a row of integers")
         if offsets.ndim != 1 or not offsets.size:
-            raise InputError(f"offsets must be a row of integers; got {shown(self.offsets)}")
+            raise errors.InputError(
+                f"offsets must be a row of integers; got {errors.shown(self.offsets)}"
+            )
         return offsets.astype(np.int64)
 
     def _check_shapes(self) -> None:
@@ -108,18 +108,18 @@ class Soundings:
         size, offsets = self.height.size, self.offsets
         matching = all(array.shape == (size,) for array in (self.height, self.east, self.north))
         if not matching or offsets.shape != (self.times.size + 1,) or self.times.ndim != 1:
-            raise InputError(
+            raise errors.InputError(
                 "height, east and north must be rows of one length, times one row, and offsets one"
                 f" longer; got {self.height.shape}, {self.east.shape}, {self.north.shape},"
                 f" {self.times.shape} and {offsets.shape}"
             )
         if offsets[0] != 0 or offsets[-1] != size or np.any(np.diff(offsets) < 0):
-            raise InputError(f"offsets must rise from 0 to {size}, the number of levels")
+            raise errors.InputError(f"offsets must rise from 0 to {size}, the number of levels")
         ascending = np.diff(self.height) > 0.0
         ascending[offsets[(offsets > 0) & (offsets < size)] - 1] = True
         if not np.all(ascending):
             position = int(np.argmin(ascending)) + 1
-            raise InputError(
+            raise errors.InputError(
                 f"height must ascend in each sounding; it does not at index {position}"
             )
 
@@ -145,13 +145,15 @@ class Soundings:
         """
         if isinstance(index, int | np.integer) and not isinstance(index, bool):
             if not -len(self) <= index < len(self):
-                raise InputError(f"there are {len(self)} soundings; got index {shown(index)}")
+                raise errors.InputError(
+                    f"there are {len(self)} soundings; got index {errors.shown(index)}"
+                )
             return self._profile(int(index) % len(self))
         try:
             return self._selected(np.arange(len(self))[index])
         except (IndexError, TypeError, ValueError):
-            raise InputError(
-                f"an index must be an integer, a slice or a mask; got {shown(index)}"
+            raise errors.InputError(
+                f"an index must be an integer, a slice or a mask; got {errors.shown(index)}"
             ) from None
 
     def mean(self) -> WindProfile:
@@ -175,7 +177,7 @@ class Soundings:
             count += reached
         common = count >= max(len(profiles), 1) / 2.0
         if np.count_nonzero(common) < 2:
-            raise InputError(
+            raise errors.InputError(
                 "a mean wind needs soundings, half of which know the wind at two heights or more;"
                 f" got {len(profiles)} that can be used"
             )
@@ -224,7 +226,7 @@ class Soundings:
             ("hour", hour, hours),
         ):
             if value is not None:
-                keep &= numbers == whole_number(name, value)
+                keep &= numbers == errors.whole_number(name, value)
         return self._selected(np.flatnonzero(keep))
 
     @classmethod
@@ -234,10 +236,10 @@ class Soundings:
         """Return the soundings of profiles and their times [UTC], in the order of the times."""
         iterable = isinstance(profiles, Iterable) and not isinstance(profiles, np.ndarray)
         entries = list(profiles) if iterable else profiles
-        sequence = each("profiles", entries, WindProfile, "see read_sounding")
+        sequence = errors.each("profiles", entries, WindProfile, "see read_sounding")
         checked_times = to_minutes("times", times)
         if checked_times.shape != (len(sequence),):
-            raise InputError(f"times must hold one for each of {len(sequence)} profiles")
+            raise errors.InputError(f"times must hold one for each of {len(sequence)} profiles")
         sizes = [0, *(profile.height.size for profile in sequence)]
         levels: dict[str, Any] = {
             name: np.concatenate([np.empty(0), *(getattr(profile, name) for profile in sequence)])
@@ -250,7 +252,7 @@ class Soundings:
         """Return the profile of a sounding; `InputError` with the reason if unusable."""
         time = self.times[index]
         if self.why[index]:
-            raise InputError(f"the sounding of {time} cannot be used: {self.why[index]}")
+            raise errors.InputError(f"the sounding of {time} cannot be used: {self.why[index]}")
         levels = slice(*self.offsets[index : index + 2].tolist())
         return WindProfile(
             height=self.height[levels],
@@ -299,8 +301,9 @@ def to_minutes(name: str, values: ArrayLike) -> NDArray[np.datetime64]:
             raise TypeError
         return array.astype(_MINUTE)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(
-            f"{name} must be times such as 2024-02-15T12:00, or datetime64; got {shown(values)}"
+        raise errors.InputError(
+            f"{name} must be times such as 2024-02-15T12:00, or datetime64; got"
+            f" {errors.shown(values)}"
         ) from None
 
 
@@ -320,17 +323,19 @@ class SoundingFilter:
     @classmethod
     def of(cls, months: Any, years: Any, station: Any, utc_offset: Any) -> SoundingFilter:
         """Return the filter of the arguments of `read_soundings`; `InputError` if invalid."""
-        offset = number("utc_offset", utc_offset, between(-14, 14), "h")
-        name = None if station is None else text("station", station)
+        offset = errors.number("utc_offset", utc_offset, errors.between(-14, 14), "h")
+        name = None if station is None else errors.text("station", station)
         chosen = _integers("months", months, "from 1 to 12, as [2]") if months is not None else ()
         if months is not None and (not chosen or not all(m in _MONTHS for m in chosen)):
-            raise InputError(f"months must be from 1 to 12, as [2]; got {shown(months)}")
+            raise errors.InputError(
+                f"months must be from 1 to 12, as [2]; got {errors.shown(months)}"
+            )
         if years is None:
             return cls(frozenset(chosen), None, name, offset)
         span = _integers("years", years, "the first and the last, as (1996, 2025)")
         if len(span) != 2 or span[0] > span[1]:
-            raise InputError(
-                f"years must be the first and the last, as (1996, 2025); got {shown(years)}"
+            raise errors.InputError(
+                f"years must be the first and the last, as (1996, 2025); got {errors.shown(years)}"
             )
         return cls(frozenset(chosen), (span[0], span[1]), name, offset)
 
@@ -378,7 +383,7 @@ class SoundingCollection:
         """Return all soundings in the order of their times, without repeated times."""
         if len(self.stations) > 1:
             (a, where), (b, second_file) = list(self.stations.items())[:2]
-            raise InputError(
+            raise errors.InputError(
                 f"soundings must be of one station; got {a} ({where}) and {b} ({second_file}), so"
                 " name one with station"
             )
@@ -420,5 +425,5 @@ def _integers(name: str, values: Any, rule: str) -> list[int]:
     row = isinstance(values, Iterable) and not isinstance(values, str | bytes)
     items: list[Any] = list(values) if row and getattr(values, "ndim", True) else [None]
     if not all(isinstance(item, int | np.integer) and not isinstance(item, bool) for item in items):
-        raise InputError(f"{name} must be {rule}; got {shown(values)}")
+        raise errors.InputError(f"{name} must be {rule}; got {errors.shown(values)}")
     return [int(item) for item in items]

@@ -18,24 +18,9 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import (
-    MAX_TIME,
-    InputError,
-    bearing,
-    between,
-    directions,
-    each,
-    finite,
-    instance,
-    number,
-    one_of,
-    positive,
-    single,
-    text,
-    within,
-)
 from tvclin.base.fields import derived, spec
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import Piecewise
@@ -86,7 +71,7 @@ def wind_angles_along(
     time, path, speed, climb = checked_flight(flight)
     bottom, top = max(height[0], path[0]), min(height[-1], path[-1])
     if not bottom < top:
-        raise InputError(
+        raise errors.InputError(
             f"the flight does not reach the wind: it goes from {path[0]:.6g} to {path[-1]:.6g} m,"
             f" and the wind is known from {height[0]:.6g} to {height[-1]:.6g} m"
         )
@@ -104,13 +89,13 @@ def wind_angles_along(
     if largest is not None:
         interval = longest_interval(times, sine <= np.sin(largest))
         if interval.stop - interval.start < 2:
-            raise InputError(
+            raise errors.InputError(
                 f"the wind meets the flight at more than {np.degrees(largest):.3g} deg all the way,"
                 " of which linear aerodynamics says nothing"
             )
     elif np.any(sine >= 1.0):
         unreachable = heights[distinct][sine >= 1.0]
-        raise InputError(
+        raise errors.InputError(
             f"the wind is faster than the flight can meet, first at {unreachable[0]:.6g} m; leave"
             f" out the slow part of the flight with profile.between({unreachable[-1]:.6g}, ...)"
         )
@@ -130,28 +115,28 @@ def checked_flight(flight: FlightPath) -> list[FloatArray]:
     try:
         values = {name: getattr(flight, name) for name in _FLIGHT_ARRAYS}
     except AttributeError:
-        raise InputError(
+        raise errors.InputError(
             f"flight must have arrays {', '.join(_FLIGHT_ARRAYS)} (see steady_climb); got"
             f" {type(flight).__name__}"
         ) from None
     arrays = [
-        within(name, values[name], -_MAX_FLIGHT_NUMBER, _MAX_FLIGHT_NUMBER, unit)
+        errors.within(name, values[name], -_MAX_FLIGHT_NUMBER, _MAX_FLIGHT_NUMBER, unit)
         for name, unit in _FLIGHT_ARRAYS.items()
     ]
-    directions("flight_path_angle", arrays[3])
+    errors.directions("flight_path_angle", arrays[3])
     shape = arrays[0].shape
     if len(shape) != 1 or shape[0] < 2 or any(array.shape != shape for array in arrays):
-        raise InputError(
+        raise errors.InputError(
             f"{', '.join(_FLIGHT_ARRAYS)} of a flight must be arrays of one length, two or more;"
             f" got {', '.join(str(array.shape) for array in arrays)}"
         )
     for name, array in zip(("time", "height"), arrays, strict=False):
         descending = np.diff(array) <= 0.0
         if np.any(descending):
-            raise InputError(
+            raise errors.InputError(
                 f"{name} of a flight must ascend; it does not at index {descending.argmax()}"
             )
-    positive("speed", arrays[2], "m/s")
+    errors.positive("speed", arrays[2], "m/s")
     return arrays
 
 
@@ -185,21 +170,23 @@ class WindProfile(Record):
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in RANGES.items():
-            array = within(name, getattr(self, name), low, high, unit)
+            array = errors.within(name, getattr(self, name), low, high, unit)
             object.__setattr__(self, name, array)
             if array.ndim != 1 or array.size < 2 or array.shape != self.height.shape:
-                raise InputError(
+                raise errors.InputError(
                     "height, east and north must each hold one number for each of two or more"
                     f" levels; got {name} of shape {array.shape}"
                 )
         if np.any(np.diff(self.height) <= 0.0):
             index = int(np.argmax(np.diff(self.height) <= 0.0)) + 1
-            raise InputError(
+            raise errors.InputError(
                 f"height must ascend; got {self.height[index]:.6g} m at index {index} after"
                 f" {self.height[index - 1]:.6g} m"
             )
-        text("source", self.source)
-        object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
+        errors.text("source", self.source)
+        object.__setattr__(
+            self, "notes", errors.each("notes", self.notes, str, "one for each remark")
+        )
 
     def __repr__(self) -> str:
         low, high = self.height[0], self.height[-1]
@@ -225,7 +212,7 @@ class WindProfile(Record):
         azimuth : float
             Direction of flight [rad], from north, clockwise.
         """
-        angle = bearing("azimuth", azimuth)
+        angle = errors.bearing("azimuth", azimuth)
         return np.asarray(self.east * np.sin(angle) + self.north * np.cos(angle))
 
     def cross_plane(self, azimuth: float) -> FloatArray:
@@ -236,7 +223,7 @@ class WindProfile(Record):
         azimuth : float
             Direction of flight [rad], from north, clockwise.
         """
-        angle = bearing("azimuth", azimuth)
+        angle = errors.bearing("azimuth", azimuth)
         return np.asarray(self.north * np.sin(angle) - self.east * np.cos(angle))
 
     def at(self, height: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -247,9 +234,9 @@ class WindProfile(Record):
         InputError
             For heights beyond the levels.
         """
-        heights = finite("height", height, "m")
+        heights = errors.finite("height", height, "m")
         if np.any((heights < self.height[0]) | (heights > self.height[-1])):
-            raise InputError(
+            raise errors.InputError(
                 f"height must be between {self.height[0]:.6g} and {self.height[-1]:.6g} m, where"
                 f" the wind is known; got {heights.min():.6g} to {heights.max():.6g} m"
             )
@@ -266,9 +253,9 @@ class WindProfile(Record):
         InputError
             For heights beyond the levels, or not in order.
         """
-        bottom, top = number("low", low, unit="m"), number("high", high, unit="m")
+        bottom, top = errors.number("low", low, unit="m"), errors.number("high", high, unit="m")
         if not bottom < top:
-            raise InputError(f"low must be below high; got {bottom:.6g} and {top:.6g} m")
+            raise errors.InputError(f"low must be below high; got {bottom:.6g} and {top:.6g} m")
         inside = self.height[(self.height > bottom) & (self.height < top)]
         height = np.concatenate([[bottom], inside, [top]])
         note = f"cut to {bottom:.6g} to {top:.6g} m"
@@ -289,7 +276,7 @@ class WindProfile(Record):
         low = max(self.height[0], other.height[0])
         high = min(self.height[-1], other.height[-1])
         if not low < high:
-            raise InputError(
+            raise errors.InputError(
                 f"the wind taken out is known from {other.height[0]:.6g} to"
                 f" {other.height[-1]:.6g} m, and the other one from {self.height[0]:.6g} to"
                 f" {self.height[-1]:.6g} m: no height is in both"
@@ -311,7 +298,12 @@ class WindProfile(Record):
         InputError
             For a thickness below a millimetre or beyond 1000 km.
         """
-        half = number("thickness", thickness, between(_MIN_THICKNESS, _MAX_THICKNESS), "m") / 2
+        half = (
+            errors.number(
+                "thickness", thickness, errors.between(_MIN_THICKNESS, _MAX_THICKNESS), "m"
+            )
+            / 2
+        )
         low = np.maximum(self.height - half, self.height[0])
         high = np.minimum(self.height + half, self.height[-1])
         east, north = (
@@ -353,7 +345,7 @@ class WindProfile(Record):
         The speed of the flight stands for V_R, as in the linear theory, where the dynamic
         pressure does not change with the wind either.
         """
-        one_of("plane", plane, ("pitch", "yaw"))
+        errors.one_of("plane", plane, ("pitch", "yaw"))
         wind = self.in_plane(azimuth) if plane == "pitch" else self.cross_plane(azimuth)
         time, angle = wind_angles_along(flight, self.height, wind, plane)
         return SampledWind(time=time, angle=angle)
@@ -384,7 +376,9 @@ class WindProfile(Record):
             wind_angles_along(flight, self.height, wind, plane) for plane, wind in planes.items()
         ]
         if not any(np.any(angle) for _, angle in samples):
-            raise InputError("the wind must blow along the flight; it is zero throughout there")
+            raise errors.InputError(
+                "the wind must blow along the flight; it is zero throughout there"
+            )
         pitch, yaw = (Piecewise(piecewise_linear(*sample)) for sample in samples)
         return PlaneWind(pitch=pitch, yaw=yaw)
 
@@ -465,22 +459,22 @@ def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) 
     >>> tv.winds.steady_climb(vehicle, height=11950.0, start=53.0, stop=79.0).height.round(1)
     array([ 7011.8, 16888.2])
     """
-    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    single("vehicle", vehicle.batch)
+    errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    errors.single("vehicle", vehicle.batch)
     begin, end = (
-        number(name, value, between(-MAX_TIME, MAX_TIME), "s")
+        errors.number(name, value, errors.between(-errors.MAX_TIME, errors.MAX_TIME), "s")
         for name, value in (("start", start), ("stop", stop))
     )
     if not begin < end:
-        raise InputError(f"stop must be after start; got {begin:.6g} and {end:.6g} s")
+        raise errors.InputError(f"stop must be after start; got {begin:.6g} and {end:.6g} s")
     rate = float(vehicle.velocity * np.sin(vehicle.attitude))
     if not rate > 0.0:
-        raise InputError(f"vehicle must climb; its height changes by {rate:.6g} m/s")
+        raise errors.InputError(f"vehicle must climb; its height changes by {rate:.6g} m/s")
     time = np.array([begin, end])
     vehicle_time = 0.0 if vehicle.time is None else float(vehicle.time)
     return Climb(
         time=time,
-        height=number("height", height, unit="m") + rate * (time - vehicle_time),
+        height=errors.number("height", height, unit="m") + rate * (time - vehicle_time),
         speed=np.full(2, float(vehicle.velocity)),
         flight_path_angle=np.full(2, float(vehicle.attitude)),
     )

@@ -18,17 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.errors import (
-    InputError,
-    callable_for,
-    flag,
-    one_of,
-    positive,
-    shown,
-    whole_number,
-    within,
-)
-from tvclin.base.errors import path as a_path
+from tvclin.base import errors
 from tvclin.base.fields import checked, count, file_table, quantity, text
 from tvclin.base.files import called, exists
 from tvclin.base.sheet import MAX_COLUMNS, MAX_HEAD_LINE, Headings, Text, read_lines, sheet_in
@@ -122,7 +112,7 @@ def soundings_in(
     text: Text, format: str | None, units: str | None, above_ground: float | None
 ) -> list[SoundingEntry]:
     """Return the soundings of a text; parameters as in `read_sounding`."""
-    name = recognised_format(text) if format is None else one_of("format", format, READERS)
+    name = recognised_format(text) if format is None else errors.one_of("format", format, READERS)
     if name in _TABLES:
         reading = TableOptions.of(units, above_ground, assumed=name == "openrocket")
         return wind_table.soundings_in(text, reading)
@@ -131,9 +121,9 @@ def soundings_in(
     return READERS[name](text)
 
 
-def not_a_table_error(source: str, name: str) -> InputError:
+def not_a_table_error(source: str, name: str) -> errors.InputError:
     """Return the error about units or a site elevation for a format that has its own."""
-    return InputError(
+    return errors.InputError(
         "units and above_ground in [sounding] are for tables of the formats"
         f" {' and '.join(_TABLES)}; {source} is of the format {name}"
     )
@@ -145,7 +135,7 @@ def recognised_format(text: Text) -> str:
     if re.search(r"^#\w{11} \d{4} \d\d \d\d ", content, flags=re.MULTILINE):
         return "igra"
     if re.search(r"W I N D {2,}S T A T", content):
-        raise InputError(
+        raise errors.InputError(
             f"{text.source} holds monthly statistics, not one wind; read it with"
             " read_range_reference"
         )
@@ -157,7 +147,7 @@ def recognised_format(text: Text) -> str:
         return "synthetic"
     if wind_table.header_index(text) is not None:
         return "csv"
-    raise InputError(
+    raise errors.InputError(
         f"{text.source} is in no format that is recognised; a table needs a header such as"
         f" height_m,speed_m_per_s,direction_deg in its first {MAX_HEAD_LINE} lines, with at most"
         f" {MAX_COLUMNS} columns (or name the format,"
@@ -175,7 +165,9 @@ def _entry_at(text: Text, entries: list[SoundingEntry], time: str | None) -> Sou
             return entry
     listed = ", ".join(repr(name) for name in times[:_MAX_LISTED_TIMES]) or "none"
     more = f" and {len(times) - _MAX_LISTED_TIMES} more" if len(times) > _MAX_LISTED_TIMES else ""
-    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {listed}{more}")
+    raise errors.InputError(
+        f"{text.source} has no sounding of time {errors.shown(time)}; it has {listed}{more}"
+    )
 
 
 def read_soundings(
@@ -241,19 +233,19 @@ def read_soundings(
     """
     sounding_filter = SoundingFilter.of(months, years, station, utc_offset)
     if progress is not None:
-        callable_for("progress", progress, "of how much is read and how much there is")
-    times_by_name = {} if dates is None else _times_by_name(a_path("dates", dates))
+        errors.callable_for("progress", progress, "of how much is read and how much there is")
+    times_by_name = {} if dates is None else _times_by_name(errors.path("dates", dates))
     files = [file for file in _files(source) if dates is None or file != Path(dates)]
     checked_times = None if times is None else to_minutes("times", times)
     if checked_times is not None and checked_times.shape != (len(files),):
-        raise InputError(
+        raise errors.InputError(
             f"times must hold one for each of {len(files)} files; got {checked_times.shape}"
         )
-    if flag("in_order", in_order) and checked_times is not None:
-        raise InputError("give times or in_order=True, not both")
+    if errors.flag("in_order", in_order) and checked_times is not None:
+        raise errors.InputError("give times or in_order=True, not both")
 
     if format is not None:
-        one_of("format", format, READERS)
+        errors.one_of("format", format, READERS)
     TableOptions.of(units, above_ground, assumed=False)  # refuses unknown units
     collection = SoundingCollection()
     for i, file in enumerate(files):
@@ -272,7 +264,7 @@ def read_soundings(
             progress(i + 1, len(files))
     if not collection.pieces and not collection.stations and collection.counted:
         remark, (count, where) = next(iter(collection.counted.items()))
-        raise InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
+        raise errors.InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
     return collection.soundings(sounding_filter.utc_offset)
 
 
@@ -286,7 +278,7 @@ def _times_by_name(path: Path) -> dict[str, Any]:
     try:
         return {name: np.datetime64(time, "m") for name, time in sheet.cells}
     except ValueError:
-        raise InputError(
+        raise errors.InputError(
             f"{called(path)} must have a name and a time in each line, as 7.csv,2024-02-15T12"
         ) from None
 
@@ -296,15 +288,19 @@ def _files(source: Any) -> list[Path]:
     several = not isinstance(source, str | PathLike) and isinstance(source, Iterable)
     if isinstance(source, np.ndarray):  # without axes it is iterable, but iteration fails
         several = source.ndim > 0
-    paths = [a_path("source", item) for item in (source if several else [source])]
+    paths = [errors.path("source", item) for item in (source if several else [source])]
     files = []
     for item in paths:
         if not exists(item):
-            raise InputError(f"{called(item)} does not exist; load it down from its archive first")
+            raise errors.InputError(
+                f"{called(item)} does not exist; load it down from its archive first"
+            )
         inside = sorted(item.iterdir()) if item.is_dir() else [item]
         files += [file for file in inside if file.is_file() and not file.name.startswith(".")]
     if not files:
-        raise InputError(f"source must name files or folders with files; got {shown(source)}")
+        raise errors.InputError(
+            f"source must name files or folders with files; got {errors.shown(source)}"
+        )
     return files
 
 
@@ -325,7 +321,7 @@ def _add_single(
     try:
         text = read_lines(file)
         entries = soundings_in(text, *reading)
-    except InputError as error:
+    except errors.InputError as error:
         collection.count("files without a sounding, left out", str(error))
         return
     for entry in entries:
@@ -350,7 +346,7 @@ def _add_entry(
     times = np.array([time])
     try:
         profile = profile_of(entry.levels())
-    except InputError as error:
+    except errors.InputError as error:
         collection.pieces.append(([], [], [], np.array([0]), times))
         collection.why.append(str(error))
         return
@@ -386,7 +382,7 @@ def _entry_time(text: Text, entry: SoundingEntry, file: Path, given_time: Any) -
 
 def _month(name: str, value: object) -> int:
     """Return the number of a month; `InputError` otherwise."""
-    return int(within(name, whole_number(name, value), 1, 12))
+    return int(errors.within(name, errors.whole_number(name, value), 1, 12))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -423,7 +419,7 @@ class SoundingReading:
     units: str | None = text(None, shown="m,m/s,deg with the format openrocket")
     above_ground: float | None = quantity("length", None)
     window: float | None = quantity(
-        "time", None, positive, shown="all of it over a flight, 20 at one time"
+        "time", None, errors.positive, shown="all of it over a flight, 20 at one time"
     )
     bias: str | None = text(None)
     bias_month: int | None = count(None, _month, shown="all")
@@ -431,7 +427,7 @@ class SoundingReading:
     def __post_init__(self) -> None:
         checked(self)
         if self.bias_month is not None and self.bias is None:
-            raise InputError("bias_month needs bias, the file of a station")
+            raise errors.InputError("bias_month needs bias, the file of a station")
 
     @classmethod
     def of(cls, document: Mapping[str, Any], folder: Path) -> SoundingReading:
@@ -466,7 +462,7 @@ class SoundingReading:
             months = None if self.bias_month is None else [self.bias_month]
             return read_soundings(file, months=months).mean()
         if self.bias_month is not None:
-            raise InputError("bias_month needs a bias that is the file of a station")
+            raise errors.InputError("bias_month needs a bias that is the file of a station")
         return read_sounding(file)
 
 

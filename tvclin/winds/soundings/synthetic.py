@@ -11,17 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    bearing,
-    between,
-    finite,
-    instance,
-    nonnegative,
-    number,
-    positive,
-)
 from tvclin.base.files import tables_of
 from tvclin.base.sheet import Text
 from tvclin.base.tables import FileTable, check_known
@@ -92,12 +83,12 @@ def add_gust(
     The shape is the same as in `LayeredGust`, over height. The package suggests no size: it is
     given by the design criteria.
     """
-    instance("profile", profile, WindProfile, "see read_sounding")
-    low, angle = number("base", base, unit="m"), bearing("azimuth", azimuth)
-    flank = number("blend", blend, between(_MIN_BLEND, _MAX_BLEND), "m")
-    top = low + flank + number("thickness", thickness, nonnegative, "m")
+    errors.instance("profile", profile, WindProfile, "see read_sounding")
+    low, angle = errors.number("base", base, unit="m"), errors.bearing("azimuth", azimuth)
+    flank = errors.number("blend", blend, errors.between(_MIN_BLEND, _MAX_BLEND), "m")
+    top = low + flank + errors.number("thickness", thickness, errors.nonnegative, "m")
     if low < profile.height[0] or top + flank > profile.height[-1]:
-        raise InputError(
+        raise errors.InputError(
             f"the gust from {low:.6g} to {top + flank:.6g} m must lie within the profile, which is"
             f" known from {profile.height[0]:.6g} to {profile.height[-1]:.6g} m"
         )
@@ -105,7 +96,7 @@ def add_gust(
     height = np.unique(np.concatenate([profile.height, low + steps, top + steps]))
     inside = np.minimum(height - low, top + flank - height)
     rise = (1.0 - np.cos(np.pi * np.clip(inside / flank, 0.0, 1.0))) / 2
-    gust = number("amplitude", amplitude, unit="m/s") * rise
+    gust = errors.number("amplitude", amplitude, unit="m/s") * rise
     east, north = profile.at(height)
     return WindProfile(
         height=height,
@@ -138,9 +129,14 @@ def power_law_shear(change: ArrayLike, thickness: ArrayLike) -> FloatArray:
     G. H. Fichtl (1972), NTRS 19720036021: mean, standard deviation and percentiles of the shear
     over intervals below 1 km go with the 0.7 power of the interval.
     """
-    change, layer = nonnegative("change", change, "m/s"), nonnegative("thickness", thickness, "m")
+    change, layer = (
+        errors.nonnegative("change", change, "m/s"),
+        errors.nonnegative("thickness", thickness, "m"),
+    )
     if np.any(layer > _SHEAR_LAYER):
-        raise InputError(f"thickness must be at most {_SHEAR_LAYER:g} m; got {layer.max():.6g} m")
+        raise errors.InputError(
+            f"thickness must be at most {_SHEAR_LAYER:g} m; got {layer.max():.6g} m"
+        )
     return np.asarray(change * (layer / _SHEAR_LAYER) ** _SHEAR_EXPONENT)
 
 
@@ -181,13 +177,19 @@ def synthetic_profile(
     -----
     The package has no envelopes or shears of its own.
     """
-    z, w = finite("height", height, "m"), nonnegative("speed", speed, "m/s")
-    layer, drop = positive("thickness", thickness, "m"), positive("change", change, "m/s")
+    z, w = errors.finite("height", height, "m"), errors.nonnegative("speed", speed, "m/s")
+    layer, drop = (
+        errors.positive("thickness", thickness, "m"),
+        errors.positive("change", change, "m/s"),
+    )
     _ascending("height and speed", z, w, z)
     _ascending("thickness and change", layer, drop, layer, drop)
-    centre, angle = number("peak_height", peak_height, unit="m"), bearing("azimuth", azimuth)
+    centre, angle = (
+        errors.number("peak_height", peak_height, unit="m"),
+        errors.bearing("azimuth", azimuth),
+    )
     if not z[0] <= centre <= z[-1]:
-        raise InputError(
+        raise errors.InputError(
             f"peak_height must be within the envelope, {z[0]:.6g} to {z[-1]:.6g} m; got"
             f" {centre:.6g} m"
         )
@@ -210,11 +212,11 @@ def synthetic_profile(
 def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: FloatArray) -> None:
     """Raise `InputError` unless two rows have one length and the given rows ascend."""
     if first.ndim != 1 or first.shape != second.shape or not first.size:
-        raise InputError(
+        raise errors.InputError(
             f"{names} must be two lists of one length; got shapes {first.shape} and {second.shape}"
         )
     if any(np.any(np.diff(values) <= 0.0) for values in rising):
-        raise InputError(f"{names} must ascend")
+        raise errors.InputError(f"{names} must ascend")
 
 
 def soundings_in(text: Text) -> list[SoundingEntry]:
@@ -252,9 +254,9 @@ def _values_with_azimuth(table: FileTable, row: dict[str, Any]) -> dict[str, Any
     for key, value in row.items():
         name, factor = table.keys[key]
         if name in values:
-            raise InputError(f"{name} is given twice in {table.heading}; keep one")
-        values[name] = finite(f"{key} in {table.heading}", value) * factor
+            raise errors.InputError(f"{name} is given twice in {table.heading}; keep one")
+        values[name] = errors.finite(f"{key} in {table.heading}", value) * factor
     missing = [table.spelled(name) for name in table.quantities if name not in values]
     if missing:
-        raise InputError(f"{table.heading} needs {', '.join(missing)}")
+        raise errors.InputError(f"{table.heading} needs {', '.join(missing)}")
     return {"azimuth": values.pop("direction") - np.pi, **values}
