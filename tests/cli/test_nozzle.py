@@ -14,9 +14,9 @@ from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.nozzle.duty_over_flight import FlownDuty
-from tvclin.studyfile.assumptions import sentence
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.questions import questions
+from tvclin.studyfile.verdict import sentence
 
 SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
 
@@ -249,7 +249,8 @@ def test_less_rate_never_has_a_better_answer(tmp_path, bound, vehicle, ratio, ye
     if bound == "minimum_rate" and vehicle is None:
         assert text(sentence(findings)) == (
             f"NOT MET: with this limit any control requires {required:.3f} deg/s and has"
-            f" {np.degrees(rate):.3f} deg/s."
+            f" {np.degrees(rate):.3f} deg/s; SUFFICIENT for the 0.412 deg that the ideal trim law"
+            " requires in this wind."
         )
 
 

@@ -45,7 +45,7 @@ def run(*arguments: str) -> Result:
             (
                 ("study", "configuration-i", *WIND, *LIMIT),
                 1,
-                (REQUIRED, "Limit 0.400 deg: NOT SUFF"),
+                (REQUIRED, "NOT SUFFICIENT: the limit of 0.400 deg"),
             ),
             (("boundary", "--tau-beta", "4"), 0, (f"limit {NOMINAL}",)),
             (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, " SURVIVED: ", NOMINAL)),

@@ -17,9 +17,9 @@ from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.nozzle.data_sheet import flight_reason
 from tvclin.nozzle.duty import NozzleVerdict
 from tvclin.nozzle.duty_over_flight import FlownDuty
-from tvclin.studyfile.assumptions import sentence
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.questions import questions
+from tvclin.studyfile.verdict import sentence
 
 DEG = float(np.radians(1.0))
 HINGE = tv.case.NozzleData(

@@ -26,8 +26,8 @@ from tvclin.ensembles.campaign.outputs import required_name
 from tvclin.requirement.case_requirement import CaseRequirement, case_requirement
 from tvclin.show.explorer import answer as panel
 from tvclin.show.explorer.choices import Choices
-from tvclin.studyfile.assumptions import sentence
 from tvclin.studyfile.findings import find
+from tvclin.studyfile.verdict import sentence
 
 KEYS = (
     *("weight_N", "moment_of_inertia_kg_m2", "normal_force_slope_N_per_rad", "thrust_N"),

@@ -33,7 +33,7 @@ def study(deg: float, **options) -> tv.Study:
     ("command", "options", "words"),
     usual(
         [
-            ("study", (), "Limit 12.000 deg: NOT KNOWN"),
+            ("study", (), "NOT KNOWN: the wind meets"),
             ("nozzle", (), "NOT KNOWN"),
             ("nozzle", ("--law", "trim"), "NOT KNOWN"),
             ("fly", (), "NOT KNOWN with 12.000 deg at nominal dynamic pressure"),

@@ -12,7 +12,7 @@ from tests.flexible import PHASED
 from tests.show.pages import section
 from tests.turns import usual
 from tvclin.base.lines import Number, text
-from tvclin.studyfile import assumptions as verdict
+from tvclin.studyfile import verdict
 from tvclin.studyfile.assumptions import assumptions, detuning_notes, study_warnings
 from tvclin.studyfile.findings import Findings, find
 

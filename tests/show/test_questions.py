@@ -9,10 +9,11 @@ from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.show.pages import Page
 from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.cli.app import app
-from tvclin.studyfile import assumptions as verdict
+from tvclin.studyfile import verdict
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.questions import all_yes, questions, questions_table, sufficient
 
@@ -47,10 +48,35 @@ def answers(found: Findings) -> dict[str, bool | None]:
 def test_a_limit_that_covers_the_wind_alone_is_not_sufficient_for_a_probability() -> None:
     result = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path")
     assert answers(result) == {"wind": True, "probability": False}
-    assert headline(result).endswith(" deg that 99 % of flights require.")
+    assert headline(result).endswith(
+        " deg that 99 % of flights require; SUFFICIENT for the 0.368 deg that the ideal trim law"
+        " requires in this wind."
+    )
     wide = found_for(0.6, dispersions=SPREAD, probability=0.99, model="fixed-path")
     assert answers(wide) == {"wind": True, "probability": True}
     assert headline(wide).startswith("SUFFICIENT")
+
+
+@pytest.mark.thorough
+@pytest.mark.usefixtures("few_durations")
+def test_study_report_and_page_have_one_headline(tmp_path) -> None:
+    """An autopilot that requires more than the ideal law, whose requirement the limit covers."""
+    file, page = tmp_path / "s.toml", tmp_path / "p.html"
+    file.write_text(
+        '[study]\nvehicle = "configuration-i"\nsign = "frozen"\nmodel = "fixed-path"\n'
+        "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+        '[nozzle]\nlimit_deg = 0.4\n[autopilot]\ndesign = "canonical"\n'
+    )
+    study, report = (
+        " ".join(CliRunner().invoke(app, [*words, str(file)]).output.split())
+        for words in (("study",), ("report", "-o", str(page)))
+    )
+    first = study.partition(" Every question")[0]
+    assert report.removeprefix(f"Wrote {page}. ").startswith(first)
+    assert first in Page(page.read_text()).text.replace("\xa0", " ")
+    assert first.startswith("NOT SUFFICIENT: the limit of 0.400 deg is ")
+    assert "; SUFFICIENT for the 0.368 deg that the ideal trim law requires in this wind" in first
+    assert first.endswith("; also NOT MET: margins.")
 
 
 def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> None:

@@ -13,7 +13,7 @@ from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.control.margins.criteria import margin_table
 from tvclin.design.standard_trials import bounds, limit_tables
-from tvclin.requirement.study_tables import verdict
+from tvclin.requirement.study_tables import requirement
 from tvclin.studyfile.findings import find
 
 TEXT = """
@@ -77,7 +77,7 @@ def test_a_study_has_the_digits_of_the_page_in_the_terminal_and_in_a_notebook(fo
     numbers = [
         text for name, (_, text) in on_page.items() if not name.startswith(("question.", "wind."))
     ]
-    (needed,) = [one for line in verdict(found.study) for one in line if _is_number(one)]
+    (needed,) = filter(_is_number, requirement(found.study))
 
     assert len(numbers) > 40
     assert all(text in printed for text in numbers)

@@ -6,12 +6,14 @@ from typing import Annotated
 import typer
 
 from tvclin.base.files import called, write_whole
+from tvclin.base.lines import text
 from tvclin.cli.inputs import note_omissions, only_with
 from tvclin.cli.options import At, option
 from tvclin.cli.output import bar, say
 from tvclin.studyfile.findings import Findings
-from tvclin.studyfile.questions import all_yes, sufficient
+from tvclin.studyfile.questions import all_yes
 from tvclin.studyfile.read import example_plan, load_study
+from tvclin.studyfile.verdict import sentence
 
 
 def report(
@@ -49,10 +51,7 @@ def report(
 
     with bar("parts of the page") as progress:
         write_whole(output, write)
-    said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
-    if plan.nozzle.limit is not None:
-        said[None] = "NOT known to be sufficient"
-    say(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
+    say(f"Wrote {called(output)}. {text(sentence(findings[0]))}")
     for warning in warnings:
         say(f"Note: {warning}.")
     note_omissions(plan, "report")

@@ -32,15 +32,9 @@ from tvclin.requirement import study_tables as tables
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.studyfile.assumptions import detuning_notes, loop_notes, nominal_notes
 from tvclin.studyfile.findings import Findings, find
-from tvclin.studyfile.questions import (
-    all_yes,
-    overall,
-    questioned,
-    questions,
-    questions_table,
-    sufficient,
-)
+from tvclin.studyfile.questions import all_yes, questioned, questions, questions_table, sufficient
 from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.studyfile.verdict import sentence
 from tvclin.vehicle.vehicle_file import numbers_as_written
 from tvclin.winds.wind_file import gust_of
 
@@ -139,15 +133,14 @@ def _loop_notes(findings: Findings) -> Iterator[str]:
 def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     """Print the verdict, the boundaries or the answers to all questions, and notes."""
     s, several = findings.study, len(questions(findings)) > 1
-    required, *judged = (text(line) for line in tables.verdict(s))
-    wind = "\n".join([*judged, required])
+    headline, wind = text(sentence(findings)), text(tables.requirement(s))
     days = () if findings.availability is None else findings.availability.notes
     of_all = (*_loop_notes(findings), *days)
     random, unknown = findings.turbulence, findings.reasons.get("turbulence")
     of_all = (*of_all, *([f"turbulence: {unknown}"] if unknown and not several else []))
 
     print_answer(
-        f"verdict: {overall(findings)}" if several else wind,
+        headline if several else f"{headline}\n{wind}",
         questions_table(findings) if several else tables.boundaries(s),
         *([] if several or random is None else random.tables()[:1]),
         notes=(*of_all, *s.notes) if several else (*s.notes, *of_all),
@@ -164,8 +157,8 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
 def _print_details(findings: Findings, source: str, wind: str) -> None:
     """Print the vehicle, its poles, dispersions and turbulence.
 
-    `wind`: the verdict on the wind, which stands below the boundaries; empty where they are the
-    answer.
+    `wind`: the line on the required deflection, which stands below the boundaries; empty where they
+    are the answer.
     """
     s = findings.study
     say("")

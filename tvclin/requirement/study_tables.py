@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -259,30 +259,24 @@ def _judged(s: Study) -> list[_Judged]:
     return rows
 
 
-def verdict(s: Study) -> Iterator[Line]:
-    """Yield the required deflection, and the verdict on the limit."""
-    needed = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
+def requirement(s: Study) -> Line:
+    """Return the required deflection with its basis, and the peak that the limit survives."""
     switch = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
     air = f", dynamic pressure {AIR[s.sign]}" if s.sign and s.direction != CROSS else ""
     if s.at_nominal_pressure and s.sign != FROZEN:
         air = f", {NOMINAL}"
-    basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
-    reason = "" if s.limit is not None else f": {s.beyond}"
-    unknown = f"{sufficiency(None)}{reason}"
-    yield ("Required deflection: ", *((unknown,) if s.beyond else (*needed, basis)))
-    if s.limit is None:
-        return
-    have = degrees("verdict.limit", s.limit, unit="deg")
-    line: Line = ("Limit ", *have, f": {sufficiency(s.sufficient)}")
-    if s.sufficient is None:
-        line = (*line, f": {s.beyond or s.unknown}")
+    line: Line = ("Required deflection: ", sufficiency(None))
+    if not s.beyond:
+        required = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
+        basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
+        line = ("Required deflection: ", *required, basis)
     if s.survivable_peak is None:
-        yield line if s.sufficient is None else (*line, f"; not even {NOMINAL}")
-        return
+        small = s.limit is not None and s.sufficient is False
+        return (*line, f"; the limit is too small {NOMINAL} too") if small else line
     survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
-    line = (*line, "; survivable peak ", *survived)
     of = f", {s.peak_of}" if s.peak_of else ""
-    yield (*line, f" at least{of}; {BEYOND_LINEAR}" if s.survives_bound else of)
+    bound = f" at least{of}; {BEYOND_LINEAR}" if s.survives_bound else of
+    return (*line, "; survivable peak ", *survived, bound)
 
 
 def survivable(name: str, peak: float, bound: float) -> Line:

@@ -156,27 +156,6 @@ def sufficient(findings: Findings) -> bool | None:
     return None if findings.study.limit is None or None in answers else True
 
 
-def overall(findings: Findings) -> str:
-    """Return the answers that are not yes by their words, or the verdict where all are.
-
-    A single reason why answers are not known is among the words.
-    """
-    others: dict[str, list[str]] = {}
-    reasons: dict[str, None] = {}
-    for question in questions(findings):
-        if question.yes is not True:
-            others.setdefault(question.answer, []).append(question.name)
-        if question.yes is None:
-            reasons[question.text.partition("; ")[0]] = None
-    if not others:
-        return "no limit was given" if findings.study.limit is None else sufficiency(True)
-    words = {word: f"{word}: {', '.join(names)}" for word, names in sorted(others.items())}
-    unknown = sufficiency(None)
-    if len(reasons) == 1:
-        words[unknown] += f" ({next(iter(reasons))})"
-    return "; ".join(words.values())
-
-
 def all_yes(findings: Findings) -> bool:
     """Return whether no question has another answer than yes."""
     return all(question.yes is True for question in questions(findings))

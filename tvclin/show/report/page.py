@@ -29,7 +29,7 @@ from tvclin.requirement.flight import sizing_tables
 from tvclin.requirement.flight.total import total_table
 from tvclin.requirement.study import Study
 from tvclin.requirement.study_tables import study_response
-from tvclin.studyfile import assumptions, autopilot_tables
+from tvclin.studyfile import assumptions, autopilot_tables, verdict
 from tvclin.studyfile.findings import Findings, Progress, find
 from tvclin.studyfile.glossary import equation_table, glossary_table
 from tvclin.studyfile.questions import questions_table, sufficient
@@ -134,9 +134,9 @@ def _page(findings: Findings, environment: "Environment") -> str:
         document={key: value for key, value in document.items() if value},
         name=findings.study.vehicle.name or "unnamed vehicle",
         sufficient=sufficient(findings),
-        sentence=assumptions.sentence(findings),
-        basis=assumptions.basis(findings),
-        facts=assumptions.facts(findings),
+        sentence=verdict.sentence(findings),
+        basis=verdict.basis(findings),
+        facts=verdict.facts(findings),
         assumed=assumed,
         doubts=assumptions.doubts_counted(assumed, sections.count(_DOUBT)),
         sections=sections,

@@ -1,0 +1,203 @@
+"""The verdict of a study in one sentence, with the numbers on which it stands."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tvclin.base.lines import Line, degrees, minimum_limit, number, significant
+from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
+from tvclin.boundary.open_loop import Reason
+from tvclin.requirement.study import TRUSTS, Study
+from tvclin.requirement.study_tables import survivable
+from tvclin.studyfile.findings import Findings
+from tvclin.studyfile.questions import Question, measured, questions, questions_table, without_stop
+from tvclin.winds.shaped import ShapedWind
+
+_NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite"
+"""Verdict where no wind can excite the model."""
+_NONE = f"{sufficiency(False)}: with this dead band no limit is"
+"""Verdict where no limit is sufficient."""
+SURVIVES = "survives this wind up to"
+"""Label of the largest peak that limit and autopilot survive."""
+_MAX_PERCENT = 1000.0
+"""A surplus above this percentage is shown as an angle alone."""
+_ANGLE_RESOLUTION_DEG = 0.001
+"""Smallest angle [deg] that the page shows."""
+
+
+def sentence(findings: Findings) -> Line:
+    """Return the verdict of a study as a sentence: the first line of commands and of the page.
+
+    It compares the limit with the largest requirement, or has the first answer that is not yes, and
+    names the other questions whose answer is not yes.
+    """
+    limit, answers = findings.study.limit, questions(findings)
+    failed = [question for question in answers if question.yes is False]
+    unknown = [question for question in answers if question.yes is None and limit is not None]
+    judged = failed or unknown or list(answers)
+    sized = [question for question in judged if not np.isnan(question.required_deflection)]
+    subject = max(sized, key=lambda question: question.required_deflection, default=None)
+    if limit is None and not failed:
+        subject, line = None, _required(findings.study)
+    elif limit is not None and subject is not None and (failed or not unknown):
+        line = _limit_against(subject, limit, not failed)
+    else:
+        subject = judged[0]
+        line = _answered(subject, limit)
+    others = [question for question in answers if question is not subject and not question.yes]
+    return (*line, *_covered_wind(answers), *_named(others), ".")
+
+
+def _answered(question: Question, limit: float | None) -> Line:
+    """Return the answer to a question, with its reason, or with what it requires and has."""
+    measure = question.measure
+    if measure is not None and question.whose and np.isnan(question.required_deflection):
+        required, available = measured("verdict", measure)[:2]
+        return (f"{question.answer}: {question.whose} ", *required, " and has ", *available)
+    line: Line = (f"{question.answer}: {question.text.partition('; ')[0].rstrip('.')}",)
+    if limit is None:
+        return line
+    return (*line, "; the limit is ", *degrees("verdict.limit", limit, unit="deg"))
+
+
+def _covered_wind(answers: Sequence[Question]) -> Line:
+    """Return the requirement of the ideal trim law that the limit covers; empty if all is yes."""
+    wind = next((question for question in answers if question.name == "wind"), None)
+    if not (wind and wind.yes and wind.required_deflection) or all(q.yes for q in answers):
+        return ()
+    required = degrees("verdict.wind", wind.required_deflection, unit="deg")
+    law = " that the ideal trim law requires in this wind"
+    return (f"; {sufficiency(True)} for the ", *required, law)
+
+
+def _named(others: Sequence[Question]) -> Line:
+    """Return the names of questions by their answers, with the reason why some are not known."""
+    names: dict[str, list[str]] = {}
+    reasons = {q.text.partition("; ")[0]: None for q in others if q.yes is None}
+    for question in others:
+        names.setdefault(question.answer, []).append(question.name)
+    words = {word: f"{word}: {', '.join(those)}" for word, those in sorted(names.items())}
+    if len(reasons) == 1:
+        words[sufficiency(None)] += f" ({next(iter(reasons))})"
+    return (f"; also {'; '.join(words.values())}",) if words else ()
+
+
+def _required(study: Study) -> Line:
+    """Return the verdict without a limit: the required deflection of the wind."""
+    need = study.required_deflection
+    if reason := study.beyond or study.unknown:
+        return (f"{sufficiency(None)}: {reason}",)
+    if not need:
+        return (_NOTHING,)
+    if np.isinf(need):
+        return (_NONE,)
+    return (
+        "This wind requires ",
+        *degrees("verdict.required", need, unit="deg"),
+        " of deflection",
+    )
+
+
+def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
+    """Return the verdict with a limit: its surplus over the requirement, or its deficit."""
+    if not worst.required_deflection:
+        return (_NOTHING,)
+    if np.isinf(worst.required_deflection):
+        return (_NONE if worst.name == "wind" else f"{sufficiency(False)}: {worst.text}",)
+    needed = degrees("verdict.required", worst.required_deflection, unit="deg")
+    have = degrees("verdict.limit", limit, unit="deg")
+    difference = abs(limit - worst.required_deflection)
+    percent = 100.0 * difference / worst.required_deflection
+    by: Line = degrees("verdict.surplus", difference, unit="deg")
+    if float(np.degrees(difference)) < _ANGLE_RESOLUTION_DEG:
+        by = (f"less than {_ANGLE_RESOLUTION_DEG:g} deg",)
+    elif percent <= _MAX_PERCENT:
+        by += (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
+    word, relation = sufficiency(sufficient), "more than" if sufficient else "short of"
+    tail = (*by, f" {relation} the ", *needed, f" that {worst.whose}")
+    return (f"{word}: the limit of ", *have, " is ", *tail)
+
+
+def basis(findings: Findings) -> Line:
+    """Return the line on the basis of the verdict: model, plane, dead band and wind."""
+    s = findings.study
+    line: Line = (
+        f"The verdict is that of the {s.model} model in {_planes(s)}, with a dead band of K = ",
+        *significant("basis.dead_band", s.dead_band),
+        f", in a {s.shape} wind of ",
+        *significant("basis.peak_deg", np.degrees(_judged_wind(s).peak), unit="deg"),
+        " for ",
+        *significant("basis.duration_s", s.wind.duration, unit="s"),
+        f"{_judged_wind(s).gust_text}.",
+        *_meets_the_stop(findings),
+    )
+    if (
+        s.required_deflection
+        and s.governs != Reason.BOUNDARY
+        and len(questions_table(findings).rows) < 2
+    ):
+        line += (f" The required deflection is set by {s.governs}.",)
+    if any(TRUSTS in note for note in s.notes):
+        line += (f" Warning: this dead band {TRUSTS} of the wind, see Assumptions.",)
+    if findings.flight is not None and findings.flight[1].sufficient is False:
+        reserve_text = ", and a reserve" if findings.flight[1].reserve else ""
+        line += (f" The whole flight counts all deflections of the nozzle{reserve_text}.",)
+    if findings.flight is not None and findings.plan.sizing is not None:
+        line += tuple(f" Warning: {doubt}." for doubt in findings.plan.sizing.warnings)
+    if s.beyond or findings.dispersed is None or findings.dispersed.success is None:
+        return line
+    percent = number("basis.success", 100.0 * findings.dispersed.success.estimate, 2, "%")
+    return (
+        *line,
+        " With vehicle and wind dispersed the limit is sufficient in ",
+        *percent,
+        " of cases.",
+    )
+
+
+def _meets_the_stop(findings: Findings) -> Line:
+    """Return the warning of an autopilot that reaches the limit and survives; else empty."""
+    survives = any(
+        question.name == "autopilot" and question.yes for question in questions(findings)
+    )
+    turns, limit = without_stop(findings), findings.study.limit
+    if limit is None or not survives or not turns > limit:
+        return ()
+    peak = degrees("basis.autopilot", turns, unit="deg")
+    tail = (
+        ", more than the limit. Flown with the limit it reaches the limit and survives this"
+        " wind, with smaller margins, see Autopilot and margins."
+    )
+    return (" Warning: without a limit the autopilot would turn the nozzle by ", *peak, tail)
+
+
+def _planes(s: Study) -> str:
+    return "both planes with one stop" if s.judges_both_planes else f"the {s.plane} plane"
+
+
+def _judged_wind(s: Study) -> ShapedWind:
+    """Return the wind of the verdict; for both planes its vector."""
+    return s.slanting if s.judges_both_planes and s.slanting is not None else s.wind_in_plane
+
+
+def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
+    """Return the numbers shown with the verdict, each with its label."""
+    s = findings.study
+    rows: list[tuple[str, Line]] = []
+    if len(questions_table(findings).rows) < 2:  # else it is one of its rows
+        need = minimum_limit(degrees("facts.required", s.required_deflection, unit="deg"))
+        rows.append(("required deflection", need))
+    if s.limit is not None:
+        rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
+    if s.limit is not None and s.survivable_peak is not None:
+        survived = abs(s.survivable_peak)
+        survived = np.fmin(survived, abs(s.judged_peak) * findings.autopilot_survives)
+        peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
+        by = ", with this autopilot" if survived < abs(s.survivable_peak) else ""
+        rows.append((SURVIVES + by, (*peak, " deg")))
+    if not s.judges_both_planes:
+        trim = degrees("facts.trim", s.trim_deflection, unit="deg")
+        rows.append((STATIC_TRIM, trim))
+    if s.model in s.minima and not s.judges_both_planes:
+        rows.append((WIND_KNOWN, degrees("facts.minimum", s.minima[s.model], unit="deg")))
+    return tuple(rows)
