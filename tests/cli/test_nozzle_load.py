@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +67,7 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
             (("--limit-deg", "0.5", "--load-deg", "3", "--law", "trim"), 1, "NOT within"),
             (("--limit-deg", "0.5", "--load-deg", "4", "--law", "half-relief"), 0, "within 4.000"),
             (("--limit-deg", "0.1", "--law", "trim"), 1, "trim is lost"),
-            (("--wind", "rectangular", "--load-deg", "4"), 2, "5 deg"),
+            (("--wind", "rectangular", "--load-deg", "4"), 1, "no limit is sufficient"),
             (("--law", "trim"), 2, "--limit-deg"),
             (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
             (("--set", "autopilot.attitude_gain=1"), 2, "--law"),
@@ -131,3 +132,35 @@ def test_a_wrong_table_is_refused_in_a_sentence(table: str, words: str, tmp_path
     result = run(str(file))
     assert result.exit_code == 2
     assert words in " ".join(result.output.split())
+
+
+def test_the_question_counts_the_pressure_at_the_peak_of_a_head_wind(tmp_path: Path) -> None:
+    vehicle, bound = tv.load_vehicle("configuration-i"), np.radians(3.0)
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    path, angle = vehicle.attitude, np.radians(-5.0)
+    along = np.sin(angle) / np.sin(path + angle)
+    ratio = (np.cos(path) - along) ** 2 + np.sin(path) ** 2
+    head = vehicle.replace(
+        normal_force_slope=vehicle.normal_force_slope * ratio,
+        axial_force=vehicle.axial_force * ratio,
+    )
+    nominal, at_peak = (
+        tv.boundary.load_trade_off(tv.Plant.from_vehicle(v), wind, [bound]).limits[0]
+        for v in (vehicle, head)
+    )
+    assert at_peak > 1.05 * nominal
+    file = tmp_path / "a.toml"
+    file.write_text(f"{STUDY}load_deg = 3.0")
+    middle = 0.5 * (nominal + at_peak)
+    for limit, yes in ((0.98 * nominal, False), (middle, None), (1.02 * at_peak, True)):
+        findings = find(replace(load_study(str(file)), nozzle=tv.Nozzle(limit=limit)))
+        (question,) = [one for one in questions(findings) if one.name == "load"]
+        assert question.yes is yes
+        assert question.required_deflection == pytest.approx(at_peak, rel=1e-3)
+
+
+def test_a_load_below_what_any_deflection_leaves_is_not_met(tmp_path: Path) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(STUDY.replace("[wind]", '[wind]\nshape = "rectangular"') + "load_deg = 4.0")
+    (question,) = [one for one in questions(find(load_study(str(file)))) if one.name == "load"]
+    assert question.answer == "NOT MET"

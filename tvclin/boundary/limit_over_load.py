@@ -84,6 +84,7 @@ _MIN_START_LOAD = 0.02
 _RELATIVE_TOLERANCE = 1e-3
 """Relative distance to a floor within which the floor sets a limit."""
 ANGLE, TURN, BOTH = "the minimum angle", "turning in time", "both together"
+LEAST_LOAD = "the minimum load"
 _POINTS = 10
 """Default number of load bounds of a trade-off."""
 
@@ -109,7 +110,7 @@ class LoadTradeOff(TradeOff):
         the load for a degree of the nozzle.
     set_by : tuple of str
         Condition that sets each limit: the minimum angle, turning in time into the wind, or both
-        together.
+        together; the minimum load where no angle is sufficient.
     no_forecast_bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
         for a wind that changes its sign.
@@ -160,11 +161,14 @@ class LoadTradeOff(TradeOff):
     def above_lower_bound(self) -> bool | None:
         """Whether the limit is on the trade-off with the wind known, or above.
 
-        None without a limit, and where the trade-off is not proved to be above the limit. A limit
-        below the bound is never sufficient; one above it may be too small for a control.
+        None where the trade-off is not proved to be above the limit, and without a limit unless no
+        limit is sufficient. A limit below the bound is never sufficient; one above it may be too
+        small for a control.
         """
-        if self.limit is None or self.beyond:
+        if self.beyond:
             return None
+        if self.limit is None:
+            return False if np.isinf(self._proved) else None
         return (
             True
             if self.limit >= self.lower_bound
@@ -195,13 +199,13 @@ class LoadTradeOff(TradeOff):
         """Whether the limit is below the lower bound, in words; empty where it is not."""
         if self.beyond:
             return f"{sufficiency(None)}: {self.beyond}"
-        if self.limit is None or self.above_lower_bound:
-            return ""
-        if self.above_lower_bound is None:
+        if self.above_lower_bound is False:
+            return f"{sufficiency(False)}, below the {WIND_KNOWN}"
+        if self.above_lower_bound is None and self.limit is not None:
             low, high = np.degrees([self._proved, self.lower_bound])
             between = f"between {low:.4g} and {high:.4g}" if high < 90.0 else f"above {low:.4g}"
             return f"{sufficiency(None)}: the lower bound is {between} deg"
-        return f"{sufficiency(False)}, below the {WIND_KNOWN}"
+        return ""
 
     def tables(self) -> tuple[Table, ...]:
         """Return the tables of the trade-off, and of the nozzle's point with the requirement."""
@@ -415,6 +419,8 @@ class LoadLimits:
 
     def set_by(self, load: float, limit: float) -> str:
         """Return the label of the condition that sets a limit [rad] at a load [rad]."""
+        if load < self.load_floor:
+            return LEAST_LOAD
         for floor, words in (
             (self.minimum_deflection, ANGLE),
             (self._limit_of_turning(load), TURN),
@@ -546,8 +552,7 @@ def load_trade_off(
     ------
     InputError
         Where `optimum_deflection` or, with a rate limit, `rate_trade_off` raises it; for loads that
-        are not positive, a rate limit with which no deflection is sufficient, and a load of the
-        structure below the lower bound of every deflection.
+        are not positive, and a rate limit with which no deflection is sufficient.
 
     Notes
     -----
@@ -583,11 +588,6 @@ def load_trade_off(
         None if loads is None else angle("loads", errors.one_row("loads", loads, "rad"), "rad")
     )
     case = load_limits(plant, wind, M, rate)
-    if load_limit is not None and load_limit < case.load_floor:
-        raise errors.InputError(
-            f"load is below what any deflection leaves; got {np.degrees(load_limit):.4g} deg, and"
-            f" {np.degrees(case.load_floor):.6g} deg ({case.load_floor:.6g} rad) is the least"
-        )
     if load_bounds is None:
         low, high = max(1.05 * case.minimum_load, 0.2 * case.load_of_minimum), case.load_of_minimum
         load_bounds = np.linspace(min(low, high), high, _POINTS)

@@ -94,14 +94,20 @@ class LoadBound:
             return replace(self, alpha_moment=factor * self.alpha_moment)
         return self
 
-    def trade_off(self, case: Case, fraction: float = 1.0) -> LoadTradeOff:
-        """Return the trade-off curve of limit over load; `fraction`: of the limit that counts."""
+    def trade_off(
+        self, case: Case, fraction: float = 1.0, *, only_bound: bool = False
+    ) -> LoadTradeOff:
+        """Return the trade-off curve of limit over load, or its point at the bound alone.
+
+        `fraction`: of the limit that counts.
+        """
         instance("case", case, Case, "of a wind and a nozzle")
         fraction = number("fraction", fraction, between(1e-9, 1.0))
         limit = case.nozzle.limit
         return load_trade_off(
             case.plant.rigid,
             case.history,
+            [self.bound] if only_bound else None,
             limit=None if limit is None else limit * fraction,
             load=self.bound,
             rate_limit=case.hardware["rate_limit"],

@@ -286,7 +286,7 @@ def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
         tables=_titled(title, curve),
         further=(point,),
         notes=tuple(front.notes),
-        satisfied=(front.limit is None or not front.verdict)
+        satisfied=not ((front.limit is not None or front.load is not None) and front.verdict)
         and all(load.survives_within for load in flown),
         curves=lambda: plots.load_curves(front, flown),
         chart=lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),

@@ -264,8 +264,9 @@ def _too_fast(findings: Findings, rate_limit: float) -> bool:
 
 def nominal_notes(findings: Findings) -> Iterator[str]:
     """Say which answers are at nominal pressure, where a head wind sets the requirement."""
-    flown = findings.head is not None and findings.head.stop is not None
-    names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
+    if findings.head is not None and findings.head.stop is not None:
+        return
+    names = "autopilot", "flexible flight"
     nominal = [q.name for q in questions(findings) if q.yes and q.name in names]
     if nominal and findings.study.ratio_to_nominal > 1.0:
         for words in nominal_pressure(findings.plan):

@@ -69,12 +69,13 @@ _MAX_SAMPLES = 100_000
 class HeadWind:
     """Answers at a constant dynamic pressure, that at the peak of a head wind.
 
-    `stop`, `rates` and `turbulence` have the meaning of those fields of `Findings`; None where not
-    computed.
+    `stop`, `rates`, `loads` and `turbulence` have the meaning of those fields of `Findings`; None
+    where not computed.
     """
 
     stop: ClosedLoopBoundary | None
     rates: RateTradeOff | None
+    loads: LoadTradeOff | None = None
     turbulence: LoopInTurbulence | None = None
 
 
@@ -90,10 +91,10 @@ class Findings:
     `duty` the nozzle duty of a law along it. `availability` is the fraction of the days of an
     archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
     limit and load; `turbulence` the autopilot in the wind and turbulence. `head` has `stop`,
-    `rates` and `turbulence` in a head wind, where that sets the requirement. `sweep`: margins of an
-    autopilot that varies over the flight; `use`: deflection that it uses beside the required one,
-    and its flights. `reasons` says why a
-    result is missing, by the name of its field; `warnings` are those of the computation.
+    `rates`, `loads` and `turbulence` in a head wind, where that sets the requirement. `sweep`:
+    margins of an autopilot that varies over the flight; `use`: deflection that it uses beside the
+    required one, and its flights. `reasons` says why a result is missing, by the name of its field;
+    `warnings` are those of the computation.
     """
 
     plan: StudyPlan
@@ -287,7 +288,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         "loads": plan.load,
         "turbulence": plan.turbulence,
         "head": plan.nozzle.limit
-        if loop or plan.nozzle.rate_limit or plan.turbulence is not None
+        if loop or plan.nozzle.rate_limit or plan.load is not None or plan.turbulence is not None
         else None,
         "sweep": along,
         "flights": along and plan.nozzle.limit,
@@ -374,20 +375,22 @@ def _in_a_head_wind(
     if not study.ratio_to_nominal > 1.0:  # NaN in a wind beyond linear aerodynamics
         return None
     stop = head_wind_boundary(plan, flying.autopilot, study, study.plane_ratio) if flying else None
-    rates = turbulence = None
+    rates = loads = turbulence = None
     with suppress(InputError):
-        denser = at_peak_pressure(plan, study)
+        denser = _with_load_of(at_peak_pressure(plan, study), plan)
         rates = _rates(denser, study, limit) if plan.nozzle.rate_limit else None
+        if denser.load is not None:
+            fraction = 1.0 / study.plane_ratio
+            loads = denser.load.trade_off(denser, fraction, only_bound=True)
     if plan.turbulence is not None:
         with suppress(InputError):
-            denser = at_peak_pressure(plan, study)
-            denser = _with_load_of(denser, plan)
+            denser = _with_load_of(at_peak_pressure(plan, study), plan)
 
             def denser_loop() -> tuple[AnyPlant, Autopilot]:
                 return denser.plant, loop()[1]
 
             turbulence = _turbulence(denser, study, denser_loop, plan.turbulence)
-    return HeadWind(stop, rates, turbulence)
+    return HeadWind(stop, rates, loads, turbulence)
 
 
 def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:

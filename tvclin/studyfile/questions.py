@@ -249,17 +249,23 @@ def _rate(findings: Findings) -> Question:
 
 def _load(findings: Findings) -> Question:
     """Return the question whether the limit and the load limit admit a control of known wind."""
-    name, front = "load", findings.loads
+    name, front, rates = "load", findings.loads, findings.rates
     if front is None:
-        return Question(name, None, (_reason(findings, "loads"),))
+        none = rates is not None and np.isinf(rates.lower_bound)
+        words = "at this rate no deflection is sufficient" if none else _reason(findings, "loads")
+        return Question(name, False if none else None, (words,))
     line: Line = ("for this load, of a control that knows the wind",)
-    if front.above_lower_bound and front.requires_forecast:
+    yes, head, ratio = front.above_lower_bound, findings.head, findings.study.plane_ratio
+    if head is not None and head.loads is not None:
+        nominal = minimum_limit(degrees("asked.calm_load", front.lower_bound * ratio, unit="deg"))
+        line, front = (*line, _at_peak(findings), *nominal), head.loads
+        yes = _also(yes, front.above_lower_bound)
+    elif head is not None and yes:
+        return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
+    if yes and front.requires_forecast:
         line = (*line, "; a law that does not know when the wind stops bears more")
-    required, whose = (
-        front.lower_bound * findings.study.plane_ratio,
-        "within this load any control requires",
-    )
-    return Question(name, front.above_lower_bound, line, required, whose)
+    whose = "within this load any control requires"
+    return Question(name, yes, line, front.lower_bound * ratio, whose)
 
 
 def _flight(findings: Findings) -> Question:
