@@ -23,7 +23,7 @@ def pytest_addoption(parser):
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config, items):
-    """Leave the share that is asked for, of each file about as much."""
+    """Keep the share that the options specify, of each file about as much."""
     first, each = map(int, config.getoption("--share").split("/"))
     taken = items[first::each]
     config.hook.pytest_deselected(items=[one for k, one in enumerate(items) if k % each != first])

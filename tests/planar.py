@@ -84,7 +84,7 @@ def value(expression, exact):
     return float(sp.N(expression.subs(exact), 30))
 
 
-def assert_polynomial(found, derived, exact):
+def assert_polynomial(computed, derived, exact):
     """Check the coefficients of a polynomial in s."""
     expected = [value(c, exact) for c in sp.Poly(derived, s).all_coeffs()]
-    np.testing.assert_allclose(found, expected, rtol=1e-12)  # rounding of a dozen operations
+    np.testing.assert_allclose(computed, expected, rtol=1e-12)  # rounding of a dozen operations

@@ -1,4 +1,4 @@
-"""The motion of a plant carried from knot to knot with as many digits as mpmath is told to keep."""
+"""The motion of a plant carried from knot to knot with as many digits as mpmath is set to keep."""
 
 from itertools import pairwise
 

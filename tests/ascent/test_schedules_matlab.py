@@ -76,7 +76,7 @@ def test_any_flipped_bit_is_read_or_told_in_one_sentence(
 ) -> None:
     """Types and sizes among them, of which scipy believes each; what is packed has a checksum."""
     savemat(file := tmp_path / "log.mat", VARIABLES | OTHERS, do_compression=packed)
-    good, begin, told = file.read_bytes(), 128, 0
+    good, begin, refused = file.read_bytes(), 128, 0
     before = {name: str(value) for name, value in read_matlab(file).items()}
     for at in range(8 * begin, 8 * len(good), each):
         bad = bytearray(good)
@@ -85,10 +85,10 @@ def test_any_flipped_bit_is_read_or_told_in_one_sentence(
         try:
             result = read_matlab(file)
         except tv.InputError:
-            told += 1
+            refused += 1
             continue
         assert not packed or {name: str(value) for name, value in result.items()} == before
-    assert told > (0.95 if packed else 0.4) * 8 * (len(good) - begin) / each
+    assert refused > (0.95 if packed else 0.4) * 8 * (len(good) - begin) / each
 
 
 @pytest.mark.parametrize("kind", [0, 8, 10, 11, 200, 0xFFFF])

@@ -1,4 +1,4 @@
-"""Schedules from OpenRocket: check numbers, every way of writing the same, and what is told."""
+"""Schedules from OpenRocket: check numbers, every way of writing the same, and the notes."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_coefficients_are_those_worked_out_by_hand(
 
 
 def _held(beta: float, B: float) -> float:
-    """The limit of a triangle of 3 deg and 1.5 s, trimmed until it is met, then held: by brentq.
+    """Return the limit of a triangle of 3 deg and 1.5 s, trimmed until trim reaches it: by brentq.
 
     Where trim is left at the time a with B alpha(a) = limit, what grows is put out if
     integral from a of e^(-beta t) (B alpha(t) - limit) dt = 0.
@@ -167,9 +167,9 @@ def test_another_inertia_unit_is_a_force_times_length_times_time_squared(sample,
     assert factor == pytest.approx(32.17404855643044 * 0.45359237 * 0.3048**2, rel=1e-14)
 
 
-@pytest.mark.parametrize("told", ["kg∑m≤ cm≤ ∞ m/s≤ ?", "kg�m� cm� � m/s� ?", "kgm2 cm2 deg m/s "])
-def test_mangled_units_are_told_by_their_quantity(sample, tmp_path, told) -> None:
-    inertia, area, angle, _, none = told.split(" ")
+@pytest.mark.parametrize("units", ["kg∑m≤ cm≤ ∞ m/s≤ ?", "kg�m� cm� � m/s� ?", "kgm2 cm2 deg m/s "])
+def test_mangled_units_are_told_by_their_quantity(sample, tmp_path, units) -> None:
+    inertia, area, angle, _, none = units.split(" ")
     swaps = {"kg·m²": inertia, "cm²": area, "(°)": f"({angle})", "(\u200b)": f"({none})"}
     lines = list(LINES)
     for proper, damaged in swaps.items():

@@ -50,7 +50,7 @@ EACH = (SizingRequest, StudyPlan, Nozzle, AutopilotDesign, AvailabilityRequest)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class Request:
     """What a test asks.
 
     Attributes
@@ -75,11 +75,11 @@ class Asked:
         checked(self)
 
 
-TABLE = file_table("[asked]", Asked)
+TABLE = file_table("[given]", Request)
 
 
 def test_a_field_is_checked_where_it_is_given() -> None:
-    assert Asked(turn=np.float64(0.1), bands=np.array([0.0, 1.0])).bands == (0.0, 1.0)
+    assert Request(turn=np.float64(0.1), bands=np.array([0.0, 1.0])).bands == (0.0, 1.0)
     for wrong, said in (
         ({"turn": -1.0}, "turn must be positive; got -1 rad"),
         ({"turn": 2.0}, "turn must be a turn within 90 degrees, in radians"),
@@ -90,21 +90,21 @@ def test_a_field_is_checked_where_it_is_given() -> None:
         ({"way": None}, "way must be one of"),
     ):
         with pytest.raises(InputError, match=said):
-            Asked(**wrong)
+            Request(**wrong)
 
 
 def test_a_file_has_its_keys_in_all_units_of_its_kind() -> None:
     assert TABLE.every_key == ("turn_rad", "turn_deg", "from_s", "way", "bands")
     given = TABLE.read({"turn_deg": 5, "bands": [1, 0], "way": "right"})
-    assert Asked(**given) == Asked(turn=radians(5.0), bands=(1.0, 0.0), way="right")
-    assert Asked(**TABLE.read({"from_s": 2})).start == 2.0
+    assert Request(**given) == Request(turn=radians(5.0), bands=(1.0, 0.0), way="right")
+    assert Request(**TABLE.read({"from_s": 2})).start == 2.0
     for key in ("start_s", "start"):
         with pytest.raises(InputError, match=rf"'{key}'; did you mean from_s\?"):
             TABLE.read({key: 2})
 
 
 def test_an_option_is_in_its_own_unit_and_says_so() -> None:
-    turn, bands, way = (parameters(Asked)[name] for name in ("turn", "bands", "way"))
+    turn, bands, way = (parameters(Request)[name] for name in ("turn", "bands", "way"))
     assert help_line(turn) == "Angle of the turn, in deg; as seen from above."
     assert help_line(way) == "Which way: left or right."
     assert turn.from_option("--turn-deg", 5.0) == radians(5.0)
@@ -117,9 +117,9 @@ def test_an_option_is_in_its_own_unit_and_says_so() -> None:
 
 
 def test_a_template_names_the_keys_that_it_leaves_out() -> None:
-    written = completed("# head\n\n[asked]\nbands = [1]\n\n[other]\n", TABLE, Asked)
+    written = completed("# head\n\n[given]\nbands = [1]\n\n[other]\n", TABLE, Request)
     assert written == (
-        "# head\n\n[asked]\nbands = [1]\n# also turn_rad: Angle of the turn; as seen from above.\n"
+        "# head\n\n[given]\nbands = [1]\n# also turn_rad: Angle of the turn; as seen from above.\n"
         "# also way: Which way.\n# also from_s: When it begins.\n\n[other]\n"
     )
 
@@ -172,8 +172,8 @@ class Flown(Record):
         default_factory=lambda: {1: pi, 2: None}, metadata=spec("angle")
     )
     peak: float | None = field(default=None, metadata=spec("angle"))
-    request: Asked = field(
-        default_factory=lambda: Asked(turn=0.25),
+    request: Request = field(
+        default_factory=lambda: Request(turn=0.25),
         metadata=specs(
             Field(of="request.turn", key="turn_rad", label="turn"),
             Field("turn", "angle", of=lambda flown: -flown.request.turn, card=False),

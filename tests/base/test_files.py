@@ -1,4 +1,4 @@
-"""Files: what is written stands where it was asked for, and what no real file holds is not read."""
+"""Files: results are written to the path that is given, and what no real file holds is not read."""
 
 import os
 import subprocess

@@ -6,8 +6,8 @@ from tvclin.base.package_warnings import MachineWarning, pass_warnings
 
 
 def test_each_sentence_is_told_once_and_those_of_other_packages_are_not() -> None:
-    told: list[str] = []
-    with pass_warnings(told.append):
+    messages: list[str] = []
+    with pass_warnings(messages.append):
         for sentence in ("a", "b", "a"):
             warnings.warn(sentence, stacklevel=1)
         with warnings.catch_warnings():
@@ -15,16 +15,16 @@ def test_each_sentence_is_told_once_and_those_of_other_packages_are_not() -> Non
             for kind in (DeprecationWarning, FutureWarning, RuntimeWarning):
                 warnings.warn("use another name", kind, stacklevel=1)
 
-    assert told == ["a", "b"]
+    assert messages == ["a", "b"]
 
 
 def test_what_is_said_of_the_machine_is_no_part_of_an_answer_and_reaches_the_command() -> None:
-    told: list[str] = []
+    messages: list[str] = []
     answer: list[str] = []
-    with pass_warnings(told.append, machine=told.append), pass_warnings(answer.append):
+    with pass_warnings(messages.append, machine=messages.append), pass_warnings(answer.append):
         for sentence in ("numba is missing", "numba is missing", "a kernel was compiled"):
             warnings.warn(sentence, MachineWarning, stacklevel=1)
         warnings.warn("the wind is long", stacklevel=1)
 
-    assert told == ["numba is missing", "a kernel was compiled"]
+    assert messages == ["numba is missing", "a kernel was compiled"]
     assert answer == ["the wind is long"]

@@ -147,7 +147,7 @@ def excess(time, gust, dead_band, y):
 
 
 def assert_least_sufficient(time, gust, dead_band):
-    """Every limit above the one found meets the demand, and one just below does not."""
+    """Every limit above the boundary limit covers the demand, and one just below does not."""
     boundary = boundary_limit(plant_of(), sampled(0.08, time, gust), dead_band)
     assert boundary.status == "ok"
     assert excess(time, gust, dead_band, boundary.limit) == pytest.approx(0.0, abs=1e-12)

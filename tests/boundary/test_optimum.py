@@ -62,7 +62,10 @@ def test_a_residual_is_the_violation_over_the_sizes_of_the_pieces_and_the_demand
 
 @pytest.mark.parametrize("missed", [0, 1])
 def test_a_residual_is_that_of_the_condition_that_is_missed_most(missed):
-    poles, demands = np.array([1.0, 2.0]), np.array([3.0, 1.5])  # both met by 3 held for ever
+    poles, demands = (
+        np.array([1.0, 2.0]),
+        np.array([3.0, 1.5]),
+    )  # 3, constant for ever, is sufficient for both
     demands[missed] *= 2.0
     proof = certify(Window(Constraints(poles, demands)), np.ones(2), np.zeros(0), 3.0)
     assert proof.residual == pytest.approx(1.0 / (1.0 + 2.0), rel=1e-14)

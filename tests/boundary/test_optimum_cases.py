@@ -89,7 +89,7 @@ def test_three_real_poles_far_apart_need_no_special_care():
     ),
 )
 def test_a_pole_that_counts_only_after_the_others_is_proved_by_the_others(poles):
-    """It is met by a switch so late that the others ask for the same peak without it."""
+    """A switch cancels it so late that the others require the same peak without it."""
     rows = [1 if np.imag(pole) == 0.0 else 2 for pole in poles]
     decays = np.repeat(np.real(poles), rows)
     for seed in range(2):

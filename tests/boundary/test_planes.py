@@ -121,7 +121,7 @@ def test_a_west_jet_across_a_slanting_flight():
 @pytest.mark.parametrize("switch", ["report", "literal"])
 @pytest.mark.parametrize("K", [0.0, 0.4, 1.0])
 def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, switch, K):
-    """Eq (4b), asked of the whole history in each plane."""
+    """Eq (4b), for the whole history in each plane."""
     plant = tv.Plant.from_vehicle(BOOSTER, model)
     wind = veering(5.0, 120.0, angle=0.4)
     limit = tv.plane_limit(plant, wind, dead_band=K, switch=switch)
@@ -427,7 +427,7 @@ def program(wind, turned=(), sides=32, steps=64):
     normals = np.exp(2j * np.pi * np.arange(sides) / sides)
     parts = np.stack([normals.real, normals.imag], axis=1)
     cells = []
-    # z after a step is e (z - asked - u (1 - 1/e)); z starts at zero, |u| <= y
+    # z after a step is e (z - demand - u (1 - 1/e)); z starts at zero, |u| <= y
     for k in range(steps):
         block = np.zeros((sides, 2 * steps + 1))
         block[:, 2 * k : 2 * k + 2] = -parts / e
@@ -450,7 +450,7 @@ def program(wind, turned=(), sides=32, steps=64):
 @pytest.mark.parametrize("tau_beta", [4, 8])
 @pytest.mark.parametrize("degrees", [0, 90, 180])
 def test_a_convex_program_meets_the_bound_without_a_forecast(tau_beta, degrees):
-    """By a path that is told the wind and not the stop; to .004 for turns of 180 degrees."""
+    """By a path for the wind, whatever the limit shape; to .004 for turns of 180 degrees."""
     wind = veering(tau_beta, degrees)
     bound = limits(tau_beta, degrees)[2].no_forecast_bound
     result = program(wind)

@@ -66,7 +66,7 @@ least_part = 0.9
 
 @pytest.fixture(scope="module")
 def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Return what the commands are asked of, by the names above."""
+    """Return the sources of the commands, by the names above."""
     folder = tmp_path_factory.mktemp("schedules")
     computed = {name: name for name in SCHEDULES[:2]}
     computed["from the pad"] = str(write(folder / "pad.csv"))
@@ -88,7 +88,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return computed | {"folder": str(folder)}
 
 
-def asked(*arguments: str) -> dict[str, Any]:
+def document(*arguments: str) -> dict[str, Any]:
     """Return what a command says as JSON; it may say that a limit is not enough."""
     result = CliRunner().invoke(app, [*arguments, "--json"])
     assert result.exit_code in (0, 1), result.output
@@ -117,7 +117,7 @@ def test_each_row_of_a_sizing_has_a_number_or_a_reason(
     source, folder = sources[schedule], Path(sources["folder"])
     options = [str(folder / one) if one.endswith("csv") else one for one in WINDS[wind]]
     toward = ["--azimuth-deg", "70"] if options and "--peak-speed" not in options else []
-    result = asked("ascent", source, *options, *toward, *cut_of(source, cut, every=True))
+    result = document("ascent", source, *options, *toward, *cut_of(source, cut, every=True))
     known = np.array(result["known"])
     for name, needs in result["required_deg"].items():
         there = np.array(needs, dtype=float)
@@ -136,7 +136,7 @@ def test_each_sounding_is_judged_or_said_to_be_unknown(
 ) -> None:
     where = [sources["folder"], "--azimuth-deg", "70", "--limit-deg", "1"]
     part = cut_of(sources[schedule], cut, every=False)
-    (computed,) = asked("availability", sources[schedule], *where, *part)["towards"]
+    (computed,) = document("availability", sources[schedule], *where, *part)["towards"]
     assert computed["flown"] <= computed["judged"]
     assert computed["judged"] + computed["unknown"] == 3
 
@@ -173,7 +173,7 @@ def test_a_pulse_by_its_speed_is_known_up_to_thirty_degrees() -> None:
     vehicle = flight.at(60.0)
     half = 0.5 * float(vehicle.velocity) / float(np.sin(vehicle.attitude))
     at = ("ascent", "configuration-i", "--from", "60", "--to", "60", "--frozen", "--dead-band", "1")
-    just, beyond = (asked(*at, "--peak-speed", f"{half * x:.9g}") for x in (0.999, 1.001))
+    just, beyond = (document(*at, "--peak-speed", f"{half * x:.9g}") for x in (0.999, 1.001))
     assert (just["known"], beyond["known"]) == ([[True]], [[False]])
     assert "meets the flight at 30.03 deg, and above 30 deg" in beyond["notes"][0]
 
@@ -183,12 +183,12 @@ def test_a_gust_by_its_speed_counts_on_top_of_a_sounding_up_to_thirty_degrees(
 ) -> None:
     flight = tv.load_schedule(sources["from the pad"])
     gust = gust_of_speed(tv.OneMinusCosineGust(peak=0.01, duration=2.0), 9.0, "pitch")
-    met = tv.fly_through(sounding(), flight, azimuth=np.radians(90.0), gust=gust)
+    encountered = tv.fly_through(sounding(), flight, azimuth=np.radians(90.0), gust=gust)
     times = np.arange(4.0, 20.0)
-    placed = [place(met, flight.at(t), t) for t in times.tolist()]
-    assert isinstance(met, MeasuredWind)
+    placed = [place(encountered, flight.at(t), t) for t in times.tolist()]
+    assert isinstance(encountered, MeasuredWind)
     vehicle = flight.at(times)
-    angle = np.abs(met.wind(times)) + tv.angle_from_speed(
+    angle = np.abs(encountered.wind(times)) + tv.angle_from_speed(
         np.minimum(9.0, vehicle.velocity), vehicle.velocity, vehicle.attitude
     )
     known = [one.known for one in placed]

@@ -58,12 +58,12 @@ def test_json_equals_the_library() -> None:
     document = json.loads(result.stdout)
     schedule = tv.load_schedule("configuration-ii")
 
-    def met(vehicle: tv.Vehicle) -> tv.TriangularWind:
+    def wind_at(vehicle: tv.Vehicle) -> tv.TriangularWind:
         peak = tv.angle_from_speed(60.0, vehicle.velocity, vehicle.attitude)
         return tv.TriangularWind(peak=peak, duration=7.5)
 
     times = [60.0, 70.0, 80.0]
-    sizing = tv.size(schedule, {"w": met}, times=times, dead_bands=1.0)
+    sizing = tv.size(schedule, {"w": wind_at}, times=times, dead_bands=1.0)
     counted = tv.requirement.Requirement(varying=True, direction="head")
     needs = np.radians(document["required_deg"][counted.label])
     pulse = tv.ShapedWind("triangular", 0.05, 7.5)
@@ -220,29 +220,31 @@ def test_flight_times_include_both_ends_of_the_flight() -> None:
 def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
     """What blows to the other side is left out, exactly between the samples."""
     times, angles = [50.0, 60.0, 66.0, 70.0, 80.0], np.array([0.02, 0.02, -0.04, -0.05, 0.05])
-    met = tv.ascent.MeasuredWind(tv.SampledWind(time=times, angle=angles), window=20.0)
+    encountered = tv.ascent.MeasuredWind(tv.SampledWind(time=times, angle=angles), window=20.0)
     vehicle = tv.load_vehicle("configuration-i")
-    around = met(vehicle.replace(time=66.0))
+    around = encountered(vehicle.replace(time=66.0))
 
     assert around([56.0, 61.9, 62.0, 66.0, 70.0, 74.9, 75.1, 75.99]) == pytest.approx(
         [0.0, 0.0, 0.0, -0.04, -0.05, -0.001, 0.0, 0.0], abs=1e-15
     )
     assert (around.onset, around.end) == pytest.approx((62.0, 75.0))
-    gusty = tv.ascent.MeasuredWind(met.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0))
+    gusty = tv.ascent.MeasuredWind(
+        encountered.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0)
+    )
     assert gusty(vehicle.replace(time=66.0))(66.0) == pytest.approx(-0.05)
-    assert not np.any(met(vehicle.replace(time=30.0))([30.0, 52.0, 66.0]))
+    assert not np.any(encountered(vehicle.replace(time=30.0))([30.0, 52.0, 66.0]))
 
 
 @pytest.mark.parametrize(("name", "lasts", "edge"), [("i", 26.5, 31.8), ("ii", 27.3, 40.7)])
 def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, edge) -> None:
-    """At the time of Table I, and for any other: the whole triangle, where it was met."""
+    """At the time of Table I, and for any other: the whole triangle, where it was encountered."""
     schedule = tv.load_schedule(f"configuration-{name}")
     time = float(tv.load_vehicle(f"configuration-{name}").time)
     middle = np.interp(time, schedule.time, schedule.height)
     height = np.concatenate([middle + np.array([-5e3, 0.0, 5e3]), [60e3]])
     jet = tv.WindProfile(height=height, east=[0.0, 69.4, 0.0, 0.0], north=np.zeros(4))
-    met = tv.fly_through(jet, schedule, azimuth=np.radians(90))
-    sizing = tv.size(schedule, met, times=[time, 110.0, schedule.span[1]], dead_bands=1.0)
+    encountered = tv.fly_through(jet, schedule, azimuth=np.radians(90))
+    sizing = tv.size(schedule, encountered, times=[time, 110.0, schedule.span[1]], dead_bands=1.0)
 
     assert (sizing.ends - sizing.begins)[0, 0] == pytest.approx(lasts, abs=0.05)
     assert sizing.edge[0] == pytest.approx(edge, abs=0.05)
@@ -250,7 +252,7 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
     late = tv.fly_through(jet, schedule, azimuth=np.radians(90), window=10.0)
     assert tv.size(schedule, late, times=schedule.span[1]).required["K = 1"][0, 0] == 0.0
     plant = tv.Plant.from_vehicle(schedule.at(time), "drift-exact")
-    whole = tv.required_deflection(plant, met.wind)
+    whole = tv.required_deflection(plant, encountered.wind)
     assert sizing.required["K = 1"][0, 0] == pytest.approx(abs(whole.deflection), rel=1e-9)
 
 
@@ -357,7 +359,7 @@ def test_a_gust_that_cannot_be_is_refused() -> None:
 
 
 def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
-    """Frozen at 43 s the vehicle needs more, which never met the jet there."""
+    """Frozen at 43 s the vehicle needs more, which never encountered the jet there."""
     given = ("ascent", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
     along = json.loads(run(*given, "--every", "20", "--varying", "--json").stdout)
     beside = json.loads(
@@ -379,8 +381,8 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
     schedule = tv.load_schedule("configuration-i")
     for k, time in enumerate((noon, midnight)):
         wind = tv.read_sounding(OTHER, time=time)
-        met = tv.fly_through(wind, schedule, azimuth=np.pi / 2)
-        computed = np.degrees(tv.size(schedule, met, times=[41.0, 42.0]).required["K = 1"])
+        encountered = tv.fly_through(wind, schedule, azimuth=np.pi / 2)
+        computed = np.degrees(tv.size(schedule, encountered, times=[41.0, 42.0]).required["K = 1"])
         assert alone[k]["required_deg"]["K = 1"] == computed.tolist()
         assert not any("choose another by its time" in note for note in alone[k]["notes"])
     assert alone[0]["required_deg"] != alone[1]["required_deg"]

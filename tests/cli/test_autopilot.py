@@ -374,9 +374,9 @@ def test_flown_margins_need_a_limit_that_is_enough():
 def test_an_autopilot_says_by_what_it_is_judged() -> None:
     given = ("margins", "configuration-i", "--set", "criteria.delay_margin_ms=20")
     given += tuple(w for name in GAIN_MARGINS for w in ("--set", f"criteria.{name}=4"))
-    told = json.loads(run(*given, "--json").stdout)["criteria"]
+    criteria = json.loads(run(*given, "--json").stdout)["criteria"]
 
-    request = {one["margin"]: (one["limit"], one["source"]) for one in told["limits"]}
+    request = {one["margin"]: (one["limit"], one["source"]) for one in criteria["limits"]}
     assert request["delay_margin"] == (0.02, "the study file")
     assert request["gain_increase_dB"] == (4.0, "the study file")
     assert request["phase_margin_deg"][0] == 30.0
@@ -388,8 +388,8 @@ def test_gains_that_nobody_specified_are_called_textbook_gains_and_those_propose
     vehicle,
 ):
     shown = CliRunner().invoke(app, ["margins", vehicle])
-    told = re.search(r"gains that satisfy the criteria classic: (--.+?), or", shown.stdout)
-    better = CliRunner().invoke(app, ["margins", vehicle, *told[1].split()])
+    proposal = re.search(r"gains that satisfy the criteria classic: (--.+?), or", shown.stdout)
+    better = CliRunner().invoke(app, ["margins", vehicle, *proposal[1].split()])
 
     assert (shown.exit_code, better.exit_code) == (1, 0)
     assert "textbook gains" in shown.stdout
@@ -435,12 +435,12 @@ def test_a_delay_margin_below_half_a_sample_is_told_where_the_criteria_are_met()
     numbers = {"aero_margin_dB": "1", "gain_increase_dB": "1", "phase_margin_deg": "5"}
     keys = [word for key, x in numbers.items() for word in ("--set", f"criteria.{key}", x)]
     loose = (*keys, "--natural-frequency", "5")
-    told = {}
+    noted = {}
     for rate in ("10", "100"):
         result = run("margins", *loose, "--sample-rate", rate, "--json")
         document = json.loads(result.stdout)
         assert (result.exit_code, document["criteria"]["met"]) == (0, True)
         delay = document["margins"]["delay_margin_s"]
-        told[rate] = any("below half a sample" in note for note in document["notes"])
-        assert told[rate] == (delay < 0.5 / float(rate))
-    assert told == {"10": True, "100": False}
+        noted[rate] = any("below half a sample" in note for note in document["notes"])
+        assert noted[rate] == (delay < 0.5 / float(rate))
+    assert noted == {"10": True, "100": False}

@@ -150,9 +150,9 @@ def test_in_a_sounding_the_vehicle_alone_is_dispersed():
     assert not any(name.startswith("wind") for name in document["drivers"])
     flight = tv.load_schedule("configuration-i")
     profile = tv.read_sounding(wind)
-    met = tv.fly_through(profile, flight, azimuth=np.pi / 2, window=20.0)(flight.at(66.0))
+    encountered = tv.fly_through(profile, flight, azimuth=np.pi / 2, window=20.0)(flight.at(66.0))
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
-    nominal = np.degrees(abs(float(tv.required_deflection(plant, met).deflection)))
+    nominal = np.degrees(abs(float(tv.required_deflection(plant, encountered).deflection)))
     assert document["nominal_deg"] == pytest.approx(nominal, rel=1e-6)
 
 

@@ -14,10 +14,10 @@ PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text
 
 
 def test_it_prints_the_versions_that_are_installed() -> None:
-    told = json.loads(CliRunner().invoke(app, ["doctor", "--json"]).stdout)
+    answer = json.loads(CliRunner().invoke(app, ["doctor", "--json"]).stdout)
 
     for name in ("tvclin", "numpy", "scipy", "control", "matplotlib"):
-        assert told["versions"][name] == metadata.version(name)
+        assert answer["versions"][name] == metadata.version(name)
 
 
 def test_what_is_missing_is_named_with_its_mend(monkeypatch) -> None:
@@ -27,11 +27,11 @@ def test_what_is_missing_is_named_with_its_mend(monkeypatch) -> None:
         return "1.0"
 
     monkeypatch.setattr(metadata, "version", version)
-    told = CliRunner().invoke(app, ["doctor"])
+    answer = CliRunner().invoke(app, ["doctor"])
 
-    assert told.exit_code == 0
-    assert "slycot missing" in told.stdout
-    assert 'pip install "tvclin[slycot]"' in told.stdout
+    assert answer.exit_code == 0
+    assert "slycot missing" in answer.stdout
+    assert 'pip install "tvclin[slycot]"' in answer.stdout
 
 
 def test_every_extra_of_the_project_says_what_it_adds() -> None:

@@ -148,7 +148,7 @@ def options_of(command):
 
 
 @cache
-def asked(command, arguments):
+def answer_of(command, arguments):
     result = CliRunner().invoke(app, [command, *arguments, "--json"])
     return result.exit_code, result.stdout, result.stderr
 
@@ -172,10 +172,10 @@ def ignored(command, start, option, value):
     more = given(command, option, value)
     if more[0] in start or (option == "rigid" and start[0] in (V, F)):  # which is rigid anyway
         return ""
-    before, after = asked(command, start), asked(command, (*start, *more))
-    told = [line for line in after[2].splitlines() if line.startswith("Error: ")]
+    before, after = answer_of(command, start), answer_of(command, (*start, *more))
+    messages = [line for line in after[2].splitlines() if line.startswith("Error: ")]
     if after[0] == 2:
-        return "" if len(told) == 1 else f"refused without a sentence: {after[2]}"
+        return "" if len(messages) == 1 else f"refused without a sentence: {after[2]}"
     if after[0] not in (0, 1):
         return f"ends with {after[0]}: {after[2]}"
     return "ignored" if before[:2] == after[:2] and before[2] == after[2] else ""
@@ -211,6 +211,6 @@ def test_what_was_once_ignored_counts(command, start, option, value):
 def test_the_starts_are_answered():
     for command, starts in STARTS.items():
         for start in starts:
-            code, out, said = asked(command, start)
+            code, out, said = answer_of(command, start)
             assert code in (0, 1), (command, start, said)
             assert json.loads(out)

@@ -181,9 +181,9 @@ def test_what_does_not_go_together_is_one_sentence(arguments, message):
 
 
 def test_a_model_without_modes_gives_way_to_the_exact_one_and_is_told() -> None:
-    told, exact = margins("--model", "drift"), margins()
-    assert "the model is drift-exact: drift leaves out the structure" in told.stderr
-    assert told.stdout == exact.stdout
+    simplified, exact = margins("--model", "drift"), margins()
+    assert "the model is drift-exact: drift leaves out the structure" in simplified.stderr
+    assert simplified.stdout == exact.stdout
 
 
 ONE_MODE = """

@@ -250,10 +250,10 @@ def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
     arguments = ("--duration", 60, "--dead-band", 0.5)
     wind = tv.TriangularWind(peak=PEAK, duration=60.0)
     least = np.degrees(tv.optimum_deflection(linear(), wind).peak)
-    told = f"Note: {least:.3f} deg is the minimum of any control by linear theory"
+    note = f"Note: {least:.3f} deg is the minimum of any control by linear theory"
 
     assert run(*arguments).output.startswith("SURVIVED with")
-    assert told in " ".join(run(*arguments).output.split())
+    assert note in " ".join(run(*arguments).output.split())
     assert "minimum" not in run(*arguments, "--limit-deg", 1.05 * least).output
     assert document(*arguments)["minimum_deg"] == pytest.approx(least, rel=1e-12)
 
@@ -275,10 +275,10 @@ SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
 
 
 def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
-    met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--set", "sounding.window_s=20"]
-    flown = json.loads(CliRunner().invoke(app, ["fly", *met, "--json"]).stdout)
+    sounding = ["--winds", SOUNDING, "--azimuth-deg", "90", "--set", "sounding.window_s=20"]
+    flown = json.loads(CliRunner().invoke(app, ["fly", *sounding, "--json"]).stdout)
     times = ["--from", "66", "--to", "66.1", "--every", "0.1", "--dead-band", "1"]
-    sized = json.loads(CliRunner().invoke(app, ["ascent", *met, *times, "--json"]).stdout)
+    sized = json.loads(CliRunner().invoke(app, ["ascent", *sounding, *times, "--json"]).stdout)
 
     assert flown["boundary_deg"]["linear"] == pytest.approx(
         sized["required_deg"]["K = 1"][0][0], rel=1e-6
@@ -289,9 +289,9 @@ def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
 
 def test_a_sounding_is_chosen_by_its_time():
     """And where none is chosen of several, that is said."""
-    met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--json"]
+    sounding = ["--winds", SOUNDING, "--azimuth-deg", "90", "--json"]
     first, later = (
-        CliRunner().invoke(app, ["fly", *met, *time])
+        CliRunner().invoke(app, ["fly", *sounding, *time])
         for time in ([], ["--set", "sounding.time=2024-02-16 00"])
     )
     profile = tv.read_sounding(SOUNDING, time="2024-02-16 00")

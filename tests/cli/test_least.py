@@ -151,7 +151,7 @@ def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
 
 @pytest.mark.thorough
 def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
-    """Gains found for the rigid vehicle miss the criteria on the same file, by every command."""
+    """Gains designed for the rigid vehicle miss the criteria on the same file, by every command."""
     given = ("design", "made-up-launcher", "--delay-ms", "10")
     refused = run(*given, "--crossover", "2", "--least")
     assert (refused.exit_code, "no attitude and rate gains meet" in refused.output) == (2, True)

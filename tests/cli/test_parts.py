@@ -1,4 +1,4 @@
-"""What is asked is computed, told or refused: every question with every part of a case."""
+"""A question is answered, or refused, with every part of a case; a part not counted is named."""
 
 import json
 import re
@@ -146,7 +146,7 @@ def files(tmp_path_factory):
     return Files(*made, Path(station))
 
 
-def asked(question, vehicle, station, *options):
+def answer_of(question, vehicle, station, *options):
     if question == "availability":
         options = (station, *options)
     command, *more = question.split()
@@ -173,7 +173,7 @@ def base(files):
 
     @cache
     def answered(question):
-        result = asked(question, files.plain, files.station, *BASE.get(question, ()))
+        result = answer_of(question, files.plain, files.station, *BASE.get(question, ()))
         assert result.exit_code in (0, 1), result.output
         return result.stdout
 
@@ -185,7 +185,7 @@ def asked_with(question, part, files):
     vehicle = {"structure": files.bent, "damping": files.damped}.get(part, files.plain)
     options = (*BASE.get(question, ()), *VALUES.get(part, ()))
     options = OTHERWISE.get((question, part), options)
-    return options, asked(question, vehicle, files.station, *options)
+    return options, answer_of(question, vehicle, files.station, *options)
 
 
 @pytest.mark.parametrize(("question", "part"), usual(CELLS, *DRAWN))
@@ -208,7 +208,7 @@ def test_a_part_is_computed_told_or_refused(question, part, files, base):
 
 @pytest.mark.parametrize("question", [q for q in QUESTIONS if q not in BY_FILE])
 def test_every_part_that_the_table_refuses_is_refused_at_the_door(question, files):
-    """By its option; what is set by a key is computed without it, as with a file, and told."""
+    """By its option; a part that a key sets is not counted, as with a file, and is named."""
     refused = [one for one in OPTIONS if one != WORK and use_of(question, one) == REFUSED]
     for part in refused:
         if "--set" in OTHERWISE.get((question, part), VALUES.get(part, ())):
@@ -253,10 +253,10 @@ def in_toml(tables):
     def one(values):
         return "{" + ", ".join(f"{k} = {value(v)}" for k, v in values.items()) + "}"
 
-    def value(found):
-        if isinstance(found, list) and found and isinstance(found[0], dict):
-            return f"[{', '.join(map(one, found))}]"
-        return json.dumps(found)
+    def value(item):
+        if isinstance(item, list) and item and isinstance(item[0], dict):
+            return f"[{', '.join(map(one, item))}]"
+        return json.dumps(item)
 
     return "\n".join(
         f"{k} = {one(v) if isinstance(v, dict) else value(v)}" for k, v in tables.items()
@@ -268,18 +268,18 @@ def changed_by(base, change):
 
 
 @pytest.mark.thorough
-def test_every_part_of_a_study_is_computed_or_told(files):
+def test_every_part_of_a_study_is_computed_or_named(files):
     folder = files.plain.parent
 
-    def found(tables):
+    def answer_to(tables):
         (folder / "study-file.toml").write_text(in_toml(tables))
         return CliRunner().invoke(app, ["study", str(folder / "study-file.toml"), "--json"])
 
-    base = found(STUDY)
+    base = answer_to(STUDY)
     assert base.exit_code in (0, 1), base.output
     wrong = {}
     for part, change in IN_FILES.items():
-        result = found(changed_by(STUDY, change))
+        result = answer_to(changed_by(STUDY, change))
         named = f"not counted here: {part} (tvclin" in " ".join(result.stderr.split())
         if (
             result.exit_code == 2
@@ -288,7 +288,7 @@ def test_every_part_of_a_study_is_computed_or_told(files):
         ):
             wrong[part] = result.output[:300]
     assert not wrong, wrong
-    bent = found(changed_by(STUDY, {"study": {"vehicle": "bent.toml"}}))
+    bent = answer_to(changed_by(STUDY, {"study": {"vehicle": "bent.toml"}}))
     assert "".join(
         omission_notes(tv.Case(vehicle=load_any_vehicle(files.bent)), "study")
     ) in " ".join(bent.stderr.split())
@@ -311,10 +311,10 @@ IN_FLIGHT = ("gust", "head wind", "heading", "limit shape", "rate limit")
 
 
 @pytest.mark.parametrize("question", usual(OF_ONE_TIME, 2, 3))
-def test_every_part_of_a_study_file_is_computed_or_told(question, files):
+def test_every_part_of_a_study_file_is_computed_or_named(question, files):
     folder = files.plain.parent
 
-    def found(tables, *more):
+    def answer_to(tables, *more):
         (folder / "one.toml").write_text(in_toml(tables))
         command, *mode = question.split()
         words = (command, folder / "one.toml", *mode, *OF_ONE_TIME[question], *more, "--json")
@@ -322,7 +322,7 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
 
     @cache
     def base(*more):
-        return found(STUDY | {"nozzle": {"limit_deg": 2.0}}, *more)
+        return answer_to(STUDY | {"nozzle": {"limit_deg": 2.0}}, *more)
 
     def own(result):
         """The answer of the question itself, without that of the study beside it."""
@@ -337,7 +337,7 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
         }
     for part, change in in_files.items():
         more = ("--limit-deg", 2) if question == "margins" and part in IN_FLIGHT else ()
-        result = found(changed_by(STUDY | {"nozzle": {"limit_deg": 2.0}}, change), *more)
+        result = answer_to(changed_by(STUDY | {"nozzle": {"limit_deg": 2.0}}, change), *more)
         changed = result.exit_code in (0, 1) and own(result) != own(base(*more))
         said = " ".join(result.stderr.split())
         listed = " ".join(re.findall(r"not counted here: (.*?) \(tvclin", said))

@@ -62,10 +62,10 @@ def test_the_time_left_counts_neither_compiling_nor_what_was_done_before(
 def test_a_page_tells_of_each_part() -> None:
     plan = tv.load_study("configuration-i")
     request = tv.studyfile.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
-    told: list[tuple[float, float]] = []
-    find(request, lambda done, total: told.append((done, total)))
+    calls: list[tuple[float, float]] = []
+    find(request, lambda done, total: calls.append((done, total)))
 
-    assert told[-1] == (1.0, 1.0)
+    assert calls[-1] == (1.0, 1.0)
 
 
 def test_a_study_tells_of_its_answers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -87,10 +87,10 @@ def test_a_study_tells_of_its_answers(monkeypatch: pytest.MonkeyPatch, tmp_path:
 def test_the_report_tells_of_each_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = reproduce.FIGURES["sketch-a"]
     monkeypatch.setattr(reproduce, "FIGURES", dict.fromkeys("abc", drawn))
-    told: list[tuple[float, float]] = []
-    reproduce.reproduce(tmp_path, lambda done, total: told.append((done, total)))
+    calls: list[tuple[float, float]] = []
+    reproduce.reproduce(tmp_path, lambda done, total: calls.append((done, total)))
 
-    assert told == [(1, 3), (2, 3), (3, 3)]
+    assert calls == [(1, 3), (2, 3), (3, 3)]
 
 
 def test_an_interrupted_campaign_says_how_it_goes_on(

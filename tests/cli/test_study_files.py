@@ -106,7 +106,7 @@ def run(*arguments):
     return CliRunner().invoke(app, [*arguments, "--json"])
 
 
-def asked(*arguments):
+def document(*arguments):
     result = run(*arguments)
     assert result.exit_code in (0, 1), result.output
     return json.loads(result.stdout)
@@ -126,17 +126,17 @@ def test_every_command_answers_for_the_case_of_the_study(file):
     computed, study = find(tv.load_study(file)), tv.Study.of(CASE, 0.5)
     required = np.degrees(study.required_deflection)
     assert np.degrees(computed.study.required_deflection) == pytest.approx(required, rel=1e-13)
-    assert asked("study", file)["verdict"]["required_deflection_deg"] == pytest.approx(required)
-    responded, nominal = asked("respond", file), np.degrees(study.nominal_deflection)
+    assert document("study", file)["verdict"]["required_deflection_deg"] == pytest.approx(required)
+    responded, nominal = document("respond", file), np.degrees(study.nominal_deflection)
     assert (responded["nominal_deflection_deg"], responded["limit_deg"]) == pytest.approx(
         (nominal, 2.0), rel=1e-13
     )
     least = np.degrees(study.minima["drift"])
-    assert asked("boundary", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
-    controlled = asked("fly", file, "--law", "autopilot")["comparison"]
+    assert document("boundary", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
+    controlled = document("fly", file, "--law", "autopilot")["comparison"]
     comparison = computed.comparison
     assert controlled["peak_deflection_deg"] == np.degrees(comparison.peak_deflection)
-    margins = asked("margins", file, "--limit-deg", "2")
+    margins = document("margins", file, "--limit-deg", "2")
     whole = comparison.margins
     assert margins["margins"]["phase_margin_deg"] == whole.phase_margin_deg
     assert margins["criteria"]["name"] == controlled["criteria"]["name"] == "aircraft"
@@ -149,7 +149,7 @@ def test_every_command_answers_for_the_case_of_the_study(file):
         deflection_limit=CASE.nozzle.limit,
         **CASE.hardware,
     )
-    flight = asked("fly", file, "--engine", "linear")
+    flight = document("fly", file, "--engine", "linear")
     peak = np.degrees(flown.peaks("attitude")[0])
     assert flight["peaks_over_the_wind_deg"]["attitude"]["flown"] == pytest.approx(peak, rel=1e-12)
 
@@ -161,7 +161,7 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
         STUDY.replace("[gust]\npeak_deg = 0.5\nduration_s = 1.0\npeak_time_s = 2.5\n", "")
     )
     trials = find(tv.load_study(calm)).trials
-    result = asked("fly", str(calm), "--law", "all")
+    result = document("fly", str(calm), "--law", "all")
     assert result["sample_rate_Hz"] == 50
     assert {one["law"]: one["limit"] for one in result["trials"]} == {
         one.law: one.limit for one in trials
@@ -182,7 +182,7 @@ def test_a_study_file_and_options_give_the_same_answer(command, file):
         "fly": ("--limit-deg", "2", "--dead-band", "0.5"),
     }[command]
     same = ("--limit-deg", "2") if command == "margins" else ()
-    assert asked(command, file, *same) == asked(command, *AS_OPTIONS, *own)
+    assert document(command, file, *same) == document(command, *AS_OPTIONS, *own)
 
 
 def test_a_model_that_is_not_flown_is_told():
@@ -201,18 +201,18 @@ def test_a_model_that_is_not_flown_is_told():
 @pytest.mark.thorough
 def test_an_option_counts_more_than_the_file(file):
     over = ("--natural-frequency", "1.5", "--delay-ms", "0", "--limit-deg", "3", "--plane", "pitch")
-    result = asked("fly", file, *over)
+    result = document("fly", file, *over)
     gains = result["comparison"]["autopilot"]
     assert (gains["delay_s"], result["limit_deg"], result["plane"]) == (
         0.0,
         pytest.approx(3),
         "pitch",
     )
-    given = asked("design", file, "--attitude-gain", "1", "--rate-gain", "2")["autopilot"]
+    given = document("design", file, "--attitude-gain", "1", "--rate-gain", "2")["autopilot"]
     assert (given["attitude_gain"], given["rate_gain_s"]) == (1.0, 2.0)
-    lqr = asked("margins", file, "--design", "lqr")["autopilot"]
+    lqr = document("margins", file, "--design", "lqr")["autopilot"]
     assert lqr["attitude_gain"] != gains["attitude_gain"]
-    capable = asked("respond", file, "--capability", "1.5")
+    capable = document("respond", file, "--capability", "1.5")
     assert capable["limit_deg"] == pytest.approx(1.5 * capable["nominal_deflection_deg"], rel=1e-12)
 
 
@@ -234,12 +234,12 @@ delay_ms = 20
     )
     sought = find(tv.load_study(path)).comparison.autopilot
     for command in ("design", "margins"):
-        gains = asked(command, str(path))["autopilot"]
+        gains = document(command, str(path))["autopilot"]
         assert (gains["attitude_gain"], gains["rate_gain_s"]) == (
             sought.attitude_gain,
             sought.rate_gain,
         )
-    other = asked("design", str(path), "--design", "canonical")["autopilot"]
+    other = document("design", str(path), "--design", "canonical")["autopilot"]
     assert other["attitude_gain"] != sought.attitude_gain
 
 
@@ -249,10 +249,10 @@ def test_a_sounding_meets_the_flight_of_the_study_file(tmp_path):
     path = tmp_path / "my.toml"
     path.write_text(STUDY.partition("[wind]")[0] + "[wind]\npeak_deg = 4\nduration_s = 5\n")
     beside = ("--model", "drift", "--plane", "yaw", "--dead-band", "0.5")
-    result = asked("respond", str(path), *sounding)
-    assert result == asked("respond", "configuration-i", *sounding, *beside)
-    flight = asked("fly", str(path), *sounding, *VARYING, "--dead-band", "1")
-    assert flight == asked("fly", "configuration-i", *sounding, *VARYING, "--plane", "yaw")
+    result = document("respond", str(path), *sounding)
+    assert result == document("respond", "configuration-i", *sounding, *beside)
+    flight = document("fly", str(path), *sounding, *VARYING, "--dead-band", "1")
+    assert flight == document("fly", "configuration-i", *sounding, *VARYING, "--plane", "yaw")
 
 
 def test_a_vehicle_with_its_numbers_in_the_study_file_has_no_flight(tmp_path):
@@ -273,4 +273,4 @@ def test_a_vehicle_with_its_numbers_in_the_study_file_has_no_flight(tmp_path):
         2,
         True,
     )
-    assert asked("poles", str(path))["plane"] == "pitch"
+    assert document("poles", str(path))["plane"] == "pitch"

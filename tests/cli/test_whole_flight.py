@@ -57,8 +57,8 @@ def test_margins_of_a_flight_are_the_sweep_of_the_schedule_in_its_file(folder, t
     printed = run("margins", file).stdout
     assert printed.startswith("Criteria classic: NOT MET, gain may rise, second x 0.9: 4.41 dB at")
     assert max(map(len, printed.partition("Note")[0].splitlines()[1:])) <= 80
-    met = run("margins", file, "--set", "size.from_s", "50")
-    assert (met.exit_code, met.stdout[:22]) == (0, "Criteria classic: MET ")
+    answer = run("margins", file, "--set", "size.from_s", "50")
+    assert (answer.exit_code, answer.stdout[:22]) == (0, "Criteria classic: MET ")
 
 
 def test_one_time_of_the_flight_has_the_gains_and_notches_of_that_time(folder) -> None:

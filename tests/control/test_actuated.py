@@ -78,7 +78,7 @@ def loop_of(plant, actuator, gains, filters=(), delay=0.0):
 
 
 def test_the_made_up_booster_has_its_open_loop():
-    """As a program that was written apart found it, from the same equations."""
+    """As an independent program computed it, from the same equations."""
     filters = tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6)
     loop = loop_of(booster(), ACTUATOR, (0.36, 0.56), filters, delay=0.02)
     for omega, expected in {

@@ -79,12 +79,12 @@ def by_hand(plant, options, s, late=None):
     def G(output, input):
         return complex(plant.tf(output, input)(s))
 
-    def asked(input):
+    def response(input):
         return (a0 + a1 * s + aI / s) * G("attitude", input) + b0 * G("angle_of_attack", input)
 
-    L = -engine * late * asked("deflection")
+    L = -engine * late * response("deflection")
     deflection = {
-        "wind": engine * late * asked("wind") / (1 + L),
+        "wind": engine * late * response("wind") / (1 + L),
         "attitude_command": -engine * late * (a0 + aI / s) / (1 + L),
         "deflection_disturbance": 1 / (1 + L),
     }

@@ -240,11 +240,11 @@ def gain_by_hand(plant, options, omega):
     if "actuator" in options:
         engine = options["actuator"].tf()(s)
 
-    def asked(source):
+    def response(source):
         attitude = (a0 + a1 * s + aI / s) * plant.tf("attitude", source)(s)
         return engine * late * (attitude + b0 * plant.tf("angle_of_attack", source)(s))
 
-    return np.abs(asked("wind") / (1 - asked("deflection")))
+    return np.abs(response("wind") / (1 - response("deflection")))
 
 
 @pytest.mark.parametrize("model", MODELS)

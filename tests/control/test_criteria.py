@@ -208,15 +208,15 @@ def unstable_with_factors(loop, alpha, e):
     return np.round(count)
 
 
-def assert_same(found, expected, index, rtol=1e-11):
+def assert_same(computed, expected, index, rtol=1e-11):
     """Margins of a batch at one index equal those of one loop, crossings too."""
-    assert found.status[index] == expected.status
-    assert found.unstable_poles[index] == expected.unstable_poles
+    assert computed.status[index] == expected.status
+    assert computed.unstable_poles[index] == expected.unstable_poles
     for name in NUMBERS:
-        values = getattr(found, name)[index], getattr(expected, name)
+        values = getattr(computed, name)[index], getattr(expected, name)
         np.testing.assert_allclose(*values, rtol=rtol, err_msg=name)
     for name in ("gain_frequencies", "phase_margins", "phase_frequencies", "gain_factors"):
-        values, one = getattr(found.crossings, name)[index], getattr(expected.crossings, name)
+        values, one = getattr(computed.crossings, name)[index], getattr(expected.crossings, name)
         # With a delay there are crossovers without end, and a batch may list more of them.
         np.testing.assert_allclose(values[: one.size], one, rtol=1e-9, err_msg=name)
 
@@ -326,13 +326,13 @@ def test_the_named_criteria_say_what_they_ask_for_and_where_it_comes_from():
 def test_surplus_is_positive_where_a_requirement_is_met():
     m = loop_margins(course_loop())
     peak, phase = m.peak_sensitivity, m.phase_margin_deg
-    for shift, met in ((0.1, True), (0.0, True), (-0.1, False)):
+    for shift, satisfied in ((0.1, True), (0.0, True), (-0.1, False)):
         own = Criteria.custom(peak_sensitivity=peak + shift, phase_margin_deg=phase - shift)
         judged = own.judge(m)
         assert [one.value for one in judged] == [peak, phase]
         assert [one.surplus for one in judged] == pytest.approx([shift, shift], abs=1e-12)
-        assert [one.satisfied for one in judged] == [met, met]
-        assert own.are_satisfied(m) is met
+        assert [one.satisfied for one in judged] == [satisfied, satisfied]
+        assert own.are_satisfied(m) is satisfied
         assert [one.criterion.is_upper_limit for one in judged] == [True, False]
     assert not Criteria.custom(peak_sensitivity=peak + 1, phase_margin_deg=phase + 1).are_satisfied(
         m
@@ -392,11 +392,15 @@ def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_ban
     (one,) = Criteria.custom("own", "a memorandum", disk_margin=0.4).judge(
         loop_margins(course_loop())
     )
-    told = one.as_dict()
-    assert [told[key] for key in ("margin", "limit", "source", "band")] == [
+    document = one.as_dict()
+    assert [document[key] for key in ("margin", "limit", "source", "band")] == [
         *("disk_margin", 0.4, "a memorandum", None)
     ]
-    assert (told["value"], told["surplus"], told["met"]) == (one.value, one.surplus, True)
+    assert (document["value"], document["surplus"], document["met"]) == (
+        one.value,
+        one.surplus,
+        True,
+    )
     assert replace(one, band="slosh").as_dict()["band"] == "slosh"
 
 

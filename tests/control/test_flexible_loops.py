@@ -27,7 +27,7 @@ def booster(model="drift-exact", **changes):
 
 
 def to_margin(number, **more):
-    """Compare with a number that was found in another way, and is given to six digits behind."""
+    """Compare with a number that was computed in another way, to six digits."""
     return pytest.approx(number, abs=1.01e-6, **more)
 
 
@@ -333,9 +333,9 @@ def test_criteria_know_bands():
     assert judged["aero_margin_dB", ""].satisfied
     assert not criteria.are_satisfied(result)
     just = judged["mode_gain_margin_dB", "bending 2"].value
-    for spare, met in ((0.1, True), (0.0, True), (-0.1, False)):
+    for spare, satisfied in ((0.1, True), (0.0, True), (-0.1, False)):
         every = tv.control.Criteria.custom(mode_gain_margin_dB=just - spare).judge(result)
-        assert [one.satisfied for one in every if one.band == "bending 2"] == [met]
+        assert [one.satisfied for one in every if one.band == "bending 2"] == [satisfied]
     with pytest.raises(tv.InputError, match="is asked of modes"):
         criteria.judge(result.margins)
     turned = replace(STRUCTURE.bending[0], attitude_slope=-0.2724, rate_slope=-0.2548)

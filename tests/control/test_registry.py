@@ -1,4 +1,4 @@
-"""The laws by name: the same everywhere, and named wherever they can be asked for."""
+"""The laws by name: the same everywhere, and named wherever one can be chosen."""
 
 import numpy as np
 import pytest

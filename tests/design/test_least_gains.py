@@ -59,7 +59,7 @@ def two():
 
 @pytest.fixture
 def hasty(monkeypatch):
-    """Let a search end early, where what it finds is not what is asked."""
+    """Let a search end early, where its result is not what is tested."""
     monkeypatch.setitem(search_of._LINEAR_SEARCH, "rounds", 4)
 
 
@@ -196,7 +196,7 @@ def largest_z(autopilot, factor):
     F[:n, :n], F[:n, n] = A, inputs[:, 0]
     F[n, n + 1], F[n + 1, n : n + 3] = 1.0, [-(w**2), -2.0 * zeta * w, w**2]
     early, later = expm(F * autopilot.delay), expm(F * (h - autopilot.delay))
-    taken = np.eye(n + 4)  # the last is the command that the sample has asked for
+    taken = np.eye(n + 4)  # the last is the command of the sample
     taken[n + 2] = np.eye(n + 4)[n + 3]
     asks = np.eye(n + 4)
     asks[n + 3] = 0.0
@@ -300,8 +300,8 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     lacks, rigid = request.missing_fractions(points), whole.missing_fractions(points)
     assert np.all(lacks >= rigid)
     for point, one in zip(points, lacks, strict=True):
-        met = criteria.are_satisfied(request.autopilot(point).band_margins(flexible))
-        assert bool(met) == (one <= 0.0)
+        satisfied = criteria.are_satisfied(request.autopilot(point).band_margins(flexible))
+        assert bool(satisfied) == (one <= 0.0)
 
 
 def test_the_search_finds_the_corner_of_two_walls():

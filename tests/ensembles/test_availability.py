@@ -29,7 +29,7 @@ CLOSE = 1e-6
 STRAIGHT = 1e-4
 """Even steps of a flight and of a part of it have other ends."""
 EDGE = FINE + FINE / LAST_PARTS
-"""Edges of flights are found to the finest step in which limits are tried, here from two starts."""
+"""Error of edges of flights: the finest step in which limits are tried, here from two starts."""
 
 
 @pytest.fixture(scope="module")
@@ -62,9 +62,11 @@ def one(wind):
 
 def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST, pressure=False):
     """Return what `size` says with varying parameters, frozen parts at the peak of the wind."""
-    met = tv.fly_through(wind, flight, azimuth=azimuth, plane=plane, gust=gust, pressure=pressure)
-    peak = float(met.wind.time[np.argmax(np.abs(met.wind.angle))])
-    sizing = tv.size(flight, met, times=[peak], dead_bands=1.0, varying=True, plane=plane)
+    encountered = tv.fly_through(
+        wind, flight, azimuth=azimuth, plane=plane, gust=gust, pressure=pressure
+    )
+    peak = float(encountered.wind.time[np.argmax(np.abs(encountered.wind.angle))])
+    sizing = tv.size(flight, encountered, times=[peak], dead_bands=1.0, varying=True, plane=plane)
     return float(sizing.required["K = 1, varying"][0, 0])
 
 
@@ -226,7 +228,7 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     assert not np.all(doubted)
     assert result.lower[~doubted] == pytest.approx(needed[~doubted], rel=ROUGH)
     assert np.all(needed <= result.upper)
-    # what flights need less than trim and demand say is seen where it is asked about
+    # what flights need less than trim and demand say is seen where the limit is judged
     fewer = np.flatnonzero(needed < result.lower * (1.0 - ROUGH))
     assert fewer.size == 1
     for limit, flies in ((1.01 * needed[fewer[0]], 1.0), (0.99 * needed[fewer[0]], 0.0)):
@@ -259,9 +261,9 @@ def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     wind = tv.WindProfile(height=height, east=east, north=0.0 * height)
     request = PITCH | {"model": model}
     bound = tv.availability(booster, one(wind), limit=1e-4, **request).lower[0]
-    met = tv.fly_through(wind, booster, azimuth=EAST).wind
+    encountered = tv.fly_through(wind, booster, azimuth=EAST).wind
     parts = np.array([0.55, 0.9, 0.95, 1.0])
-    lost = trim_law_is_lost(booster, met, model, parts * bound)
+    lost = trim_law_is_lost(booster, encountered, model, parts * bound)
     assert lost.tolist() == [True, False, False, False]
     for part, flies in ((0.9, True), (0.55, False), (0.4, False)):
         result = tv.availability(booster, one(wind), limit=part * bound, **request)
@@ -783,8 +785,10 @@ def test_even_steps_require_what_steps_between_all_levels_do(flight, plane) -> N
         )
         wind = tv.WindProfile(height=height, east=east, north=north)
         where = {"azimuth": np.radians(80.0), "plane": plane}
-        met = tv.fly_through(wind, flight, **where)
-        steps = encountered_at_steps(motion, FlightWind(met.wind, plane, met.speeds))
+        encountered = tv.fly_through(wind, flight, **where)
+        steps = encountered_at_steps(
+            motion, FlightWind(encountered.wind, plane, encountered.speeds)
+        )
         equations = motion.at_steps(steps[0])
         paired = np.broadcast_to(equations.paired, steps[1].shape)
         between_levels = curves(equations, *steps).limit_of_trim_law(paired)[0]

@@ -81,7 +81,7 @@ def test_the_quantile_bound_is_missed_as_seldom_as_it_promises():
     computed = [quantile_bound(sample, 0.98, 0.9) for sample in samples]
     above = np.mean([one.upper >= true for one in computed])
     below = np.mean([one.lower <= true for one in computed])
-    # Binomial steps make the bounds a little safer than asked for.
+    # Binomial steps make the bounds a little safer than specified.
     assert 0.9 - 0.02 < above < 0.97
     assert 0.9 - 0.02 < below < 0.97
 
@@ -165,9 +165,9 @@ def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):
     )
 
 
-def _counts(found, limit):
-    enough = int(np.sum(found.deflection <= limit))
-    return enough, found.deflection.size - enough + 1
+def _counts(campaign, limit):
+    enough = int(np.sum(campaign.deflection <= limit))
+    return enough, campaign.deflection.size - enough + 1
 
 
 def test_one_bad_case_has_its_own_status(nominal):

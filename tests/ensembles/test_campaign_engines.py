@@ -187,7 +187,9 @@ def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, mo
 
 
 @pytest.mark.thorough
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found on Linux")
+@pytest.mark.skipif(
+    not Path("/proc/self/task").exists(), reason="children are listed on Linux alone"
+)
 @pytest.mark.parametrize("whom", ["children", "parent"])
 def test_whoever_is_killed_nothing_is_left_and_no_tracker_complains(tmp_path, whom):
     """The tracker of semaphores is a child as well; a new one knows none of them."""

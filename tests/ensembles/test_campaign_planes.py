@@ -29,9 +29,9 @@ TABLES = {
 }
 
 
-def of_case(plan, found, case, **more):
+def of_case(plan, columns, case, **more):
     """Return the case of the numbers that were drawn."""
-    drawn = {name: float(found[name][case]) for name in plan.dispersions.parameters}
+    drawn = {name: float(columns[name][case]) for name in plan.dispersions.parameters}
     peak, duration = drawn.pop("wind_peak"), drawn.pop("wind_duration")
     later = 0.5 * (duration - plan.wind.duration)
     at = None if plan.wind.gust is None else plan.wind.gust_at + later

@@ -158,12 +158,12 @@ def test_cases_are_those_of_single_studies(plan, whole):
         drawn = {name: float(whole.column(name)[case]) for name in SPREAD.parameters}
         duration = drawn.pop("wind_duration")
         vehicle = plan.vehicle.replace(**drawn)
-        met = evaluate(replace(plan, sign=None), case, 1)
+        encountered = evaluate(replace(plan, sign=None), case, 1)
         for K, name in ((1.0, "required_K1"), (0.5, "required_K0.5")):
             study = tv.Study.from_vehicle(
                 vehicle, duration=duration, peak=np.radians(5), dead_band=K, model="fixed-path"
             )
-            assert met[name] == pytest.approx(study.required_deflection, rel=LINES)
+            assert encountered[name] == pytest.approx(study.required_deflection, rel=LINES)
             computed = whole.column(name)[case]
             assert computed == pytest.approx(study.nominal_deflection, rel=1e-12)
         computed = whole.column("minimum")[case]
@@ -171,29 +171,29 @@ def test_cases_are_those_of_single_studies(plan, whole):
 
 
 def test_an_executor_out_of_order_changes_no_bit(plan, whole, tmp_path):
-    told = []
+    counts = []
     with ThreadPoolExecutor(3) as pool:
         results = tv.run_campaign(
-            plan, tmp_path, executor=pool, progress=lambda *now: told.append(now)
+            plan, tmp_path, executor=pool, progress=lambda *now: counts.append(now)
         )
     same(whole, results)
-    assert told[-1] == (700, 700)
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    assert counts[-1] == (700, 700)
+    assert [done for done, _ in counts] == sorted(done for done, _ in counts)
 
 
 def test_workers_are_told_the_whole_path(plan, whole, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    told = []
+    counts = []
     with ThreadPoolExecutor(1) as pool:
         submit = pool.submit
 
         def listening(function, folder, *rest):
-            told.append(folder)
+            counts.append(folder)
             return submit(function, folder, *rest)
 
         monkeypatch.setattr(pool, "submit", listening)
         same(whole, tv.run_campaign(plan, "results", executor=pool))
-    assert set(told) == {str(tmp_path / "results")}
+    assert set(counts) == {str(tmp_path / "results")}
 
 
 def test_shards_make_up_the_whole(plan, whole, tmp_path):
@@ -544,8 +544,8 @@ def test_the_nominal_case_is_that_of_the_study(plan, whole):
     study = tv.Study.from_vehicle(
         plan.vehicle, duration=7.5, peak=np.radians(5), model="fixed-path"
     )
-    met = nominal(replace(plan, sign=None))["required_K1"]
-    assert met == pytest.approx(study.required_deflection, rel=LINES)
+    encountered = nominal(replace(plan, sign=None))["required_K1"]
+    assert encountered == pytest.approx(study.required_deflection, rel=LINES)
     assert whole.nominal["required_K1"] == pytest.approx(study.nominal_deflection, rel=1e-12)
 
 
@@ -599,9 +599,9 @@ def test_statistics_of_a_million_cases_take_less_than_a_gibibyte(plan, tmp_path)
         write_chunk(tmp_path, manifest, k, row | {"status": np.full(count, "ok", dtype=object)})
     code = f"""
 import tvclin as tv
-found = tv.ensembles.open_campaign({str(tmp_path)!r})
-print(found.cases, found.quantile().estimate, list(found.drivers())[:2], len(found.worst(5)),
-      found.statuses(), len(found.convergence()), sep="|")
+campaign = tv.ensembles.open_campaign({str(tmp_path)!r})
+print(campaign.cases, campaign.quantile().estimate, list(campaign.drivers())[:2],
+      len(campaign.worst(5)), campaign.statuses(), len(campaign.convergence()), sep="|")
 print(next(x for x in open("/proc/self/status") if x.startswith("VmHWM")).split()[1])
 """
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

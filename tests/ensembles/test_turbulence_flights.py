@@ -52,9 +52,9 @@ def test_a_limit_that_is_met_rarely_leaves_the_linear_answer(runs):
     # 30 s of flight, of which 20 in turbulence
     share = flights.flown.end_time.mean() / 20.0
     difference = flights.limited_time * share - flights.linear_time
-    # the demand is ahead of the nozzle, and a limit that is met takes some of the gain
+    # the demand is ahead of the nozzle, and a limit that is reached takes some of the gain
     assert abs(difference) < 5.0 * flights.limited_time_error * share + 0.3 * flights.linear_time
-    # flights see the limit at samples alone, and met crossings come in clusters
+    # flights see the limit at samples alone, and crossings come in clusters
     chance = flights.linear_probability_of_none
     error = 5.0 * np.sqrt(chance * (1.0 - chance) / runs)
     assert chance - error < flights.unlimited.estimate < chance + error + 0.02

@@ -46,7 +46,7 @@ def lean(plant, reach=0.95, **options):
     return RecoverableAttitudeLaw(plant, **{"reach": reach, "design_peak": PEAK} | options)
 
 
-def found(plant, law, wind, **options):
+def limit_of(plant, law, wind, **options):
     """Return the limit at 50 Hz, which is plenty without hardware; `wind` may be tau beta."""
     wind = triangle(plant, wind) if isinstance(wind, float) else wind
     return closed_loop_boundary(plant, law, wind, **{"sample_rate": 50.0} | options).limit
@@ -56,7 +56,7 @@ def found(plant, law, wind, **options):
 def test_trim_as_a_feedback_has_the_boundary_of_eq_12(tau_beta):
     plant = plant_of()
     expected = tv.boundary_limit(plant, triangle(plant, tau_beta)).limit
-    limit = found(plant, TrimLaw(plant), tau_beta, sample_rate=25.0)
+    limit = limit_of(plant, TrimLaw(plant), tau_beta, sample_rate=25.0)
     assert limit == pytest.approx(expected, abs=0.002)
 
 
@@ -64,7 +64,7 @@ def test_trim_as_a_feedback_has_the_boundary_of_eq_12(tau_beta):
 def test_trim_that_holds_the_attitude_meets_the_literal_dead_band_with_drift(tau_beta):
     plant = plant_of("drift-exact")
     expected = tv.boundary_limit(plant, triangle(plant, tau_beta), 1.0, "literal").limit
-    limit = found(plant, TrimLaw(plant_of()), tau_beta, sample_rate=25.0)
+    limit = limit_of(plant, TrimLaw(plant_of()), tau_beta, sample_rate=25.0)
     assert limit == pytest.approx(expected, abs=0.002)
 
 
@@ -72,7 +72,7 @@ def test_trim_that_holds_the_attitude_meets_the_literal_dead_band_with_drift(tau
 def test_the_dead_band_law_comes_near_the_reports_limit_in_a_short_wind(tau_beta):
     plant = plant_of()
     expected = tv.boundary_limit(plant, triangle(plant, tau_beta), 0.5).limit
-    assert expected <= found(plant, tv.control.DeadBandLaw(plant), tau_beta) <= expected + 0.004
+    assert expected <= limit_of(plant, tv.control.DeadBandLaw(plant), tau_beta) <= expected + 0.004
 
 
 # Of another program, with steps of 5 ms; vehicle I, 5 degrees.
@@ -93,14 +93,14 @@ TABLE = {
 def test_laws_without_hardware_need_what_the_table_says(law, model, tau_beta, expected):
     plant = plant_of(model)
     law = lean(plant) if law == "lean" else TrimLaw(plant)
-    assert found(plant, law, tau_beta) == pytest.approx(expected, abs=0.005)
+    assert limit_of(plant, law, tau_beta) == pytest.approx(expected, abs=0.005)
 
 
 @pytest.mark.parametrize(("tau_beta", "expected"), [(4.0, 0.399), (20.0, 0.478)])
 def test_a_slow_nozzle_costs_little(tau_beta, expected):
     plant = plant_of("drift-exact")
     hardware = {"actuator": SERVO, "rate_limit": np.radians(5.0), "sample_rate": 50.0}
-    limit = found(plant, lean(plant, reach=0.9), tau_beta, **hardware)
+    limit = limit_of(plant, lean(plant, reach=0.9), tau_beta, **hardware)
     assert limit == pytest.approx(expected, abs=0.02)
 
 
@@ -108,7 +108,7 @@ def test_a_noisy_estimator_costs_a_little_more():
     plant = plant_of("drift-exact")
     estimator = WindEstimator(bandwidth=10.0, rate_noise=np.radians(0.02), seed=1)
     hardware = {"actuator": SERVO, "rate_limit": np.radians(10.0), "sample_rate": 200.0}
-    limit = found(plant, lean(plant, reach=0.8, estimator=estimator), 4.0, **hardware)
+    limit = limit_of(plant, lean(plant, reach=0.8, estimator=estimator), 4.0, **hardware)
     assert limit == pytest.approx(0.424, abs=0.02)
 
 
@@ -118,7 +118,7 @@ def test_a_noisy_estimator_costs_a_little_more():
 def test_sudden_stops_cost_nothing_in_a_triangle(model, tau_beta):
     plant = plant_of(model)
     law = lean(plant, reach=0.9)
-    whole, stopped = (found(plant, law, tau_beta, sample_rate=10.0, cuts=n) for n in (0, 12))
+    whole, stopped = (limit_of(plant, law, tau_beta, sample_rate=10.0, cuts=n) for n in (0, 12))
     assert whole <= stopped <= whole + 0.002
 
 
@@ -127,16 +127,16 @@ def test_a_sudden_stop_is_the_wind_cut_dead():
     plant = plant_of()
     wind = SampledWind(time=[0.0, 3.0, 6.0, 9.0], angle=PEAK * np.array([0.0, 1.0, 1.0, 0.1]))
     law = RecoverableAttitudeLaw(plant, reach=1.0, gain=6.0)
-    alone = [found(plant, law, one) for one in (wind, wind.before(4.5))]
+    alone = [limit_of(plant, law, one) for one in (wind, wind.before(4.5))]
     assert abs(alone[0] - alone[1]) > 0.01
-    assert found(plant, law, wind, cuts=1) == pytest.approx(max(alone), abs=1e-4)
+    assert limit_of(plant, law, wind, cuts=1) == pytest.approx(max(alone), abs=1e-4)
 
 
 @pytest.mark.parametrize(("model", "tau_beta"), [("fixed-path", 4.0), ("drift-exact", 8.0)])
 def test_configuration_ii_needs_little_more_than_the_least_too(model, tau_beta):
     plant = plant_of(model, "configuration-ii")
     least = tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
-    assert least <= found(plant, lean(plant), tau_beta) <= least + 0.03
+    assert least <= limit_of(plant, lean(plant), tau_beta) <= least + 0.03
 
 
 TWO_HUMPS = SampledWind(
@@ -151,12 +151,12 @@ def test_no_law_needs_less_than_the_two_minima():
     assert tv.optimum_deflection(plant, wind).peak / (c.B * PEAK) <= least * (1.0 + 1e-9)
     stiff = tv.design_gains(c, natural_frequency=4.0 * c.beta, damping=0.7)
     laws = [TrimLaw(plant), tv.control.DeadBandLaw(plant), tv.SaturatedLaw(stiff), lean(plant)]
-    limits = [found(plant, law, wind) for law in laws]
+    limits = [limit_of(plant, law, wind) for law in laws]
     assert least <= limits[-1] == min(limits) <= least + 0.03
     drifting = plant_of("drift-exact")
     bound = tv.forecast_free_limit(drifting, wind).limit
     known = tv.optimum_deflection(drifting, wind).peak / (c.B * PEAK)
-    assert max(bound, known) <= found(drifting, lean(drifting), wind) <= bound + 0.03
+    assert max(bound, known) <= limit_of(drifting, lean(drifting), wind) <= bound + 0.03
 
 
 @pytest.mark.thorough
@@ -171,7 +171,7 @@ def test_a_nozzle_or_a_wind_taken_for_better_than_it_is_costs_little(tau_beta, B
     options = {"reach": 0.9, "design_peak": peak * PEAK}
     trim = tv.boundary_limit(plant, triangle(plant, tau_beta)).limit
     with_reserve, without = (
-        found(plant, lean(weak, trust=trust, **options), tau_beta, sample_rate=25.0, cuts=6)
+        limit_of(plant, lean(weak, trust=trust, **options), tau_beta, sample_rate=25.0, cuts=6)
         for trust in (0.8, 1.0)
     )
     assert with_reserve < 0.65 * trim
@@ -203,7 +203,7 @@ def test_in_the_yaw_plane_the_speed_changes_nothing():
     limits = []
     for model in ("drift-exact", "drift-and-speed"):
         plant = Plant.from_vehicle(booster, model, "yaw")
-        limits.append(found(plant, lean(plant), 4.0, sample_rate=20.0))
+        limits.append(limit_of(plant, lean(plant), 4.0, sample_rate=20.0))
     assert limits[0] == pytest.approx(limits[1], rel=1e-6)
 
 
@@ -342,7 +342,7 @@ def test_a_mode_that_the_law_lets_creep_away_is_told(design, kind):
 
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_with_a_nozzle_the_growth_is_that_of_the_linear_loop(model):
-    """And a rate that is too slow for the gains is told as well."""
+    """A note names a sample rate that is too low for the gains as well."""
     plant = plant_of(model)
     gains = tv.design_gains(plant.coefficients, natural_frequency=1.5, damping=0.7)
     poles = replace(gains, actuator=SERVO).close(plant).poles()
@@ -364,9 +364,9 @@ def test_noise_is_no_growth():
         for noise in (0.0, 1e-3)
     )
     wind, options = triangle(plant, 4.0), {"sample_rate": 50.0, "lowest": 1.5}
-    found = [closed_loop_boundary(plant, one, wind, **options).growth for one in (law, noisy)]
-    assert found[0] == pytest.approx(found[1], rel=1e-6)
-    assert found[0] < -0.1
+    growths = [closed_loop_boundary(plant, one, wind, **options).growth for one in (law, noisy)]
+    assert growths[0] == pytest.approx(growths[1], rel=1e-6)
+    assert growths[0] < -0.1
 
 
 class Halfway(tv.control.Law):
@@ -440,6 +440,6 @@ def test_no_limit_above_a_lost_top_is_flown() -> None:
         flown.append(limits.size)
         return np.full(limits.shape, "lost")
 
-    found = limit_above_losses(survives, np.linspace(1.0, 2.0, 61))
+    scan = limit_above_losses(survives, np.linspace(1.0, 2.0, 61))
     assert flown == [61]
-    assert (found.limit, found.lost, found.status) == (np.inf, 2.0, NEVER)
+    assert (scan.limit, scan.lost, scan.status) == (np.inf, 2.0, NEVER)

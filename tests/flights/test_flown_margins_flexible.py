@@ -27,7 +27,7 @@ def gains(plant):
 
 
 @pytest.fixture(scope="module", params=usual([None, ENGINE], 1), ids=["light", "engine"])
-def found(request):
+def plant_and_margins(request):
     plant = plant_of(request.param)
     law = tv.SaturatedLaw(gains(plant))
     nozzle = {"actuator": SERVO, "sample_rate": RATE, "delay": DELAY}
@@ -35,9 +35,9 @@ def found(request):
 
 
 @pytest.mark.thorough
-def test_near_rest_they_are_the_margins_of_the_sampled_loop(found):
+def test_near_rest_they_are_the_margins_of_the_sampled_loop(plant_and_margins):
     """Another engine: the loop in the w plane, its crossings by Newton's method."""
-    plant, m = found
+    plant, m = plant_and_margins
     sampled = replace(gains(plant), actuator=SERVO, delay=DELAY, sample_rate=RATE).margins(plant)
     # Differences of steps of small states leave 1e-9 or so of their numbers.
     assert m.gain_rise.linear == pytest.approx(sampled.gain_increase, rel=1e-6)
@@ -52,8 +52,8 @@ def test_near_rest_they_are_the_margins_of_the_sampled_loop(found):
         assert moved.margins(plant).stable == stable
 
 
-def test_a_change_that_is_lost_is_where_the_flights_are_lost(found):
-    plant, m = found
+def test_a_change_that_is_lost_is_where_the_flights_are_lost(plant_and_margins):
+    plant, m = plant_and_margins
     law = tv.SaturatedLaw(gains(plant))
     one = m.gain_fall
     assert one.cause == "lost"
@@ -70,9 +70,9 @@ def test_a_change_that_is_lost_is_where_the_flights_are_lost(found):
     assert many.status.tolist() == ["survived", "lost"]
 
 
-def test_less_effect_of_the_nozzle_is_less_thrust_vector_of_the_vehicle(found):
+def test_less_effect_of_the_nozzle_is_less_thrust_vector_of_the_vehicle(plant_and_margins):
     """The engine's inertia stays: a vehicle with another control force is flown as it is."""
-    plant, m = found
+    plant, m = plant_and_margins
     law, one = tv.SaturatedLaw(gains(plant)), m.effectiveness_fall
     for factor, status in ((one.value * (1 - 1e-3), "survived"), (one.value * (1 + 1e-3), "lost")):
         weak = VEHICLE.replace(control_force_slope=VEHICLE.control_force / factor)

@@ -42,7 +42,7 @@ up to two dozen of them, whose errors add as squares."""
 EACH_CASE = pytest.mark.parametrize(("name", "model", "part", "hardware"), usual(CASES, 2, 11))
 
 
-def asked(name, law, x, memory, wind, limit):
+def commanded(name, law, x, memory, wind, limit):
     """Return the deflection commanded; the lean itself has tests of its own."""
     path = x[2] if len(x) > 2 else 0.0
     alpha = x[0] - path - wind
@@ -76,7 +76,7 @@ def written_out(name, model, limit, actuator=None, rate_limit=np.inf):
 
     def parts(t, y):
         wind, x, memory = float(WIND(t)), y[:n], y[n + order :]
-        command = asked(name, law, x, memory, wind, limit)
+        command = commanded(name, law, x, memory, wind, limit)
         return x, memory, wind, command, np.clip(y[n], -limit, limit) if order else command
 
     def rates(t, y):
@@ -172,7 +172,7 @@ def stepped(name, model, limit, rate, times, actuator=None, rate_limit=np.inf):
     for k in range(int((times.max() - onset) * rate) + 1):
         t, later = onset + k * h, onset + (k + 1) * h
         before = np.clip(servo[0], -limit, limit)
-        command = asked(name, law, x, memory, float(WIND(t)), limit)
+        command = commanded(name, law, x, memory, float(WIND(t)), limit)
         given = (*(servo if actuator else [command]), command)
         moved = np.array(carried(x, t, later, False, *given)[1][:order])
         free_to = np.clip(moved[0], servo[0] - rate_limit * h, servo[0] + rate_limit * h)

@@ -234,7 +234,7 @@ def test_a_law_that_estimates_needs_no_second_estimator():
 
 
 def test_estimated_the_lean_law_is_its_own_with_that_estimator():
-    """A law that leans, given an estimator from outside, is told the same."""
+    """A law that leans, given an estimator from outside, takes the same measurements."""
     plant, observer = plant_of(), tv.control.WindEstimator(bandwidth=6.0)
     inside = tv.RecoverableAttitudeLaw(plant, reach=0.7, estimator=observer)
     outside = tv.control.EstimatedLaw(tv.RecoverableAttitudeLaw(plant, reach=0.7), observer, plant)

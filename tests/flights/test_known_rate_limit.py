@@ -123,8 +123,8 @@ def test_without_a_rate_limit_the_law_is_what_it_was_to_the_last_digit(plant):
         fast = n.fast_attitude * theta + n.fast_rate * rate + n.fast_path * path
         slow = n.slow_attitude * theta + n.slow_rate * rate + n.slow_path * path
         before = n.B * (fast - felt + n.gain * (fast - allowed_lean(n, slow, felt, abs(wind), D)))
-        told = tv.control.laws.law.Measurement(theta, rate, path, alpha, 0.0)
-        assert law.demand(told, np.zeros(0), 0.006) == before
+        measurement = tv.control.laws.law.Measurement(theta, rate, path, alpha, 0.0)
+        assert law.demand(measurement, np.zeros(0), 0.006) == before
     assert design_law("trim", plant, PEAK) == tv.TrimLaw(tv.Plant(plant.coefficients, "fixed-path"))
     assert design_law("recoverable-attitude", plant, PEAK) == law
 

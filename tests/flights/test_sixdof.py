@@ -463,7 +463,7 @@ def test_a_law_flies_as_in_the_linear_flight(configuration_i, name):
 
     for label in linear.output_labels:
         size = np.abs(linear.outputs[label]).max()
-        # An estimator is told the deflection of half a step ago.
+        # An estimator takes the deflection of half a step ago.
         tolerance = (0.04 if name == "estimator" else 0.02) * size
         if label in ("deflection", "attitude_rate") and name == "dead band":
             continue  # the limit is let go within a step, which the attitude shows
@@ -613,7 +613,7 @@ def test_without_jsbsim_the_extra_is_named(configuration_i, monkeypatch):
 
 
 def test_the_bisection_knows_nothing_of_the_engine(configuration_i):
-    """A verdict with a known edge is found to the tolerance, in the number of halvings it takes."""
+    """A known edge is computed to the tolerance, in the number of halvings that it takes."""
     wind, request = triangle(configuration_i), []
     scale = tv.Coefficients.from_vehicle(configuration_i).B * DEGREE
 

@@ -48,7 +48,7 @@ def complaint(name: str, door: Door, argument: str, value: Any) -> str | None:
     """Return what is wrong with the answer to one argument; None if nothing is."""
     try:
         with ending(), warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # the package's own, which are told
+            warnings.simplefilter("ignore", UserWarning)  # the package's own, which are shown
             answer = door.call(**(door.good | {argument: value}))
             repr(answer)
             lost = set(flaws(answer)) - set(TOLD.get(name, ()))
@@ -80,7 +80,7 @@ BEYOND = {
     ("Nozzle", "travel_limit"),
 }  # fmt: skip
 """What the package has computed may be more, where the trim of a wind takes more; a limit that is
-never met; rates; and a travel, which is a sum."""
+never reached; rates; and a travel, which is a sum."""
 
 
 def angles(call: Any) -> set[str]:
@@ -90,7 +90,9 @@ def angles(call: Any) -> set[str]:
     rows = re.findall(
         r"^(\w[\w, ]*?) : [^\n]*\n((?:    .*\n?|\n)*)", result[1] if result else "", re.M
     )
-    return {name for names, told in rows if "[rad]" in told for name in names.split(", ")}
+    return {
+        name for names, description in rows if "[rad]" in description for name in names.split(", ")
+    }
 
 
 def test_an_angle_that_was_meant_in_degrees_is_refused(every: dict[str, Door]) -> None:

@@ -180,7 +180,7 @@ ALL_LAWS = ("--law", "all", "--wind", "triangular")
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "bound"),
     [
         (["respond", "--duration", "925140181"], "must be at most 1372 s"),
         (["respond", "--until", "1e-3", "--duration", "1e5"], "must be at most 1372 s"),
@@ -206,8 +206,8 @@ ALL_LAWS = ("--law", "all", "--wind", "triangular")
         ),
     ],
 )
-def test_what_arithmetic_or_patience_cannot_carry_is_refused_with_the_bound(arguments, told):
-    assert told in check_refused(run(*arguments))
+def test_what_arithmetic_or_patience_cannot_carry_is_refused_with_the_bound(arguments, bound):
+    assert bound in check_refused(run(*arguments))
 
 
 @pytest.mark.thorough

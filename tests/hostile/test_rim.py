@@ -39,8 +39,10 @@ def test_a_full_device_is_one_sentence(arguments) -> None:
 
 
 def test_a_terminal_of_ascii_has_a_question_mark_for_what_it_lacks() -> None:
-    told = os.environ | {"PYTHONIOENCODING": "ascii"}
-    done = run("study", "configuration-i", "--more", env=told, capture_output=True, text=True)
+    environment = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = run(
+        "study", "configuration-i", "--more", env=environment, capture_output=True, text=True
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert "kg m?" in done.stdout
 

@@ -156,7 +156,7 @@ def away():
             os.chdir(here)
 
 
-def found(count: int, *strategies: Any) -> Callable:
+def searched(count: int, *strategies: Any) -> Callable:
     """Return what searches among so many cases where it is thorough, else among a fortieth."""
     more = {"max_examples": MORE, "derandomize": False} if MORE else {}
     return drawn(
@@ -217,13 +217,13 @@ sources = st.one_of(
 )
 
 
-@found(120, command_lines(list(CHEAP), sources))
+@searched(120, command_lines(list(CHEAP), sources))
 def test_no_option_is_a_traceback_or_no_number(line: list[str]) -> None:
     with away():
         check(*line)
 
 
-@found(25, command_lines(list(DEAR), st.just([])))
+@searched(25, command_lines(list(DEAR), st.just([])))
 def test_no_option_of_a_long_command_is_a_traceback_or_an_endless_wait(line: list[str]) -> None:
     with away():
         check(*line)
@@ -269,7 +269,7 @@ def _written(name: str, text: str) -> None:
 VEHICLE_COMMANDS = ["study", "respond", "poles", "boundary", "margins", "ascent", "fly"]
 
 
-@found(
+@searched(
     100,
     mutated(VEHICLE),
     st.sampled_from(VEHICLE_COMMANDS),
@@ -300,7 +300,7 @@ def far_off(draw: Callable) -> str:
     return re.sub(r"(?m)^(\w+ = )([0-9.e+]+)", changed, text)
 
 
-@found(
+@searched(
     100,
     far_off(),
     st.sampled_from([*VEHICLE_COMMANDS, "respond", "design"]),
@@ -316,21 +316,21 @@ def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more)
         check(name, "my.toml", *options.get(name, ["--model", model]), *more)
 
 
-@found(10, mutated(VEHICLE))
+@searched(10, mutated(VEHICLE))
 def test_no_flight_along_the_trajectory_is_a_traceback(text: str) -> None:
     with away():
         _written("my.toml", text)
         check("fly", "my.toml", "--engine", "planar-varying")
 
 
-@found(60, st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "ascent"]))
+@searched(60, st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "ascent"]))
 def test_no_study_file_is_a_traceback_or_no_number(text: str, name: str) -> None:
     with away():
         _written("my.toml", text)
         check(name, "my.toml")
 
 
-@found(30, st.one_of(mutated(SCHEDULE), mutated_cells(CSV)), st.booleans())
+@searched(30, st.one_of(mutated(SCHEDULE), mutated_cells(CSV)), st.booleans())
 def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> None:
     with away():
         name = "my.toml" if text.startswith("[") else "my.csv"
@@ -338,7 +338,7 @@ def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> No
         check("ascent", name, "--every", "10", *["--varying"] * varying)
 
 
-@found(40, st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
+@searched(40, st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
 def test_no_sounding_is_a_traceback(file: Path, data) -> None:
     text = "\n".join(file.read_text(errors="replace").splitlines()[:60])
     with away():
@@ -346,7 +346,7 @@ def test_no_sounding_is_a_traceback(file: Path, data) -> None:
         check("ascent", "--every", "60", "--winds", file.name, "--azimuth-deg", "90")
 
 
-@found(40, mutated(CAMPAIGN))
+@searched(40, mutated(CAMPAIGN))
 def test_no_campaign_file_is_a_traceback(text: str) -> None:
     pytest.importorskip("pyarrow")
     with away():

@@ -318,17 +318,17 @@ def test_a_batch_on_the_boundary_keeps_its_digits(K: float, run: None) -> None:
 
 
 @pytest.mark.parametrize(
-    "asked", [("attitude",), ("angle_of_attack",), ("attitude_rate", "attitude")]
+    "names", [("attitude",), ("angle_of_attack",), ("attitude_rate", "attitude")]
 )
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
-def test_some_outputs_are_those_of_all(model: str, asked: tuple[str, ...], run: None) -> None:
+def test_some_outputs_are_those_of_all(model: str, names: tuple[str, ...], run: None) -> None:
     plant, times = dispersed(model, 3, (5,)), np.linspace(-1.0, 20.0, 57)
     deflection, wind = tv.linear.BangBang(limit=0.01, switch_times=[1.5, 4.0]), jumping_wind()
     every = tv.attitude_responses(plant, deflection, wind, times)
-    some = tv.attitude_responses(plant, deflection, wind, times, asked)
+    some = tv.attitude_responses(plant, deflection, wind, times, names)
 
-    assert some.labels == tuple(label for label in plant.outputs if label in asked)
-    for label in asked:
+    assert some.labels == tuple(label for label in plant.outputs if label in names)
+    for label in names:
         np.testing.assert_allclose(
             some[label], every[label], rtol=0, atol=AGREE * np.abs(every[label]).max()
         )
@@ -343,9 +343,9 @@ def test_some_outputs_of_poles_nearly_alike() -> None:
     assert np.array_equal(some["attitude_rate"], every["attitude_rate"])
 
 
-@pytest.mark.parametrize("asked", ["attitude", (), ("attitude", "speed")])
-def test_outputs_that_are_not_there_are_refused(asked: object) -> None:
+@pytest.mark.parametrize("names", ["attitude", (), ("attitude", "speed")])
+def test_outputs_that_are_not_there_are_refused(names: object) -> None:
     held, wind = tv.linear.ConstantDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
 
     with pytest.raises(tv.InputError, match="outputs must be"):
-        tv.attitude_responses(dispersed("fixed-path", 0), held, wind, [1.0], asked)
+        tv.attitude_responses(dispersed("fixed-path", 0), held, wind, [1.0], names)

@@ -50,7 +50,9 @@ def test_what_is_cached_has_another_name_when_a_called_function_changes(monkeypa
     assert source.digest.__wrapped__(total) != before
 
 
-@pytest.mark.parametrize("place", usual(["beside the source", "as asked", "with the user"], 0))
+@pytest.mark.parametrize(
+    "place", usual(["beside the source", "by NUMBA_CACHE_DIR", "with the user"], 0)
+)
 def test_machine_code_is_found_where_numba_keeps_it(tmp_path, place):
     pytest.importorskip("numba")
     rooms = tmp_path / "rooms"
@@ -58,9 +60,9 @@ def test_machine_code_is_found_where_numba_keeps_it(tmp_path, place):
     (rooms / "kept.py").write_text(
         "from tvclin.kernels.source import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
     )
-    told = {"XDG_CACHE_HOME": str(tmp_path / "mine"), "LOCALAPPDATA": str(tmp_path / "mine")}
-    if place == "as asked":
-        told["NUMBA_CACHE_DIR"] = str(tmp_path / "asked")
+    folders = {"XDG_CACHE_HOME": str(tmp_path / "mine"), "LOCALAPPDATA": str(tmp_path / "mine")}
+    if place == "by NUMBA_CACHE_DIR":
+        folders["NUMBA_CACHE_DIR"] = str(tmp_path / "numba")
     if place == "with the user":  # a file in its way keeps even an administrator out of the folder
         (rooms / "__pycache__").write_text("")
     code = (
@@ -74,14 +76,14 @@ def test_machine_code_is_found_where_numba_keeps_it(tmp_path, place):
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     done = subprocess.run(
         [sys.executable, "-c", code, str(rooms)],
-        env=environment | told,
+        env=environment | folders,
         capture_output=True,
         text=True,
         check=True,
     )
     before, after, folder = done.stdout.split(maxsplit=2)
     assert (before, after) == ("False", "True")
-    inside = {"beside the source": rooms, "as asked": tmp_path / "asked"}
+    inside = {"beside the source": rooms, "by NUMBA_CACHE_DIR": tmp_path / "numba"}
     if sys.platform != "darwin":
         assert folder.startswith(str(inside.get(place, tmp_path / "mine")))
 

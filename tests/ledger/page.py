@@ -160,11 +160,11 @@ def _loads() -> str:
     return f"{_LOADS}\n{_table(headings, rows)}\n{_loads_verdict(result)}"
 
 
-def _loads_verdict(found: Sequence[loads.Case]) -> str:
+def _loads_verdict(judged: Sequence[loads.Case]) -> str:
     parts = []
     for i, K in enumerate(loads.DEAD_BANDS):
-        lower = sum(case.held[i] < case.trim for case in found)
-        parts.append(f"in {lower} of {len(found)} cases for K = {K:g}")
+        lower = sum(case.held[i] < case.trim for case in judged)
+        parts.append(f"in {lower} of {len(judged)} cases for K = {K:g}")
     return (
         f"The peak is below that of ideal trim\n{', '.join(parts)}:\n"
         "the statement holds for a control that uses its limit early, by the forecast of the\n"

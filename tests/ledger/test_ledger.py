@@ -255,7 +255,7 @@ def test_verdicts_of_flights_by_plane_sign_and_size():
 
 @pytest.mark.thorough
 def test_frozen_flights_of_the_ledger_are_those_of_the_exact_cubic():
-    """In the same numbers, but found without flying; the trim deflection leaves the dead band."""
+    """In the same numbers, computed without flying; the trim deflection leaves the dead band."""
     plants = [Plant(c, "drift-exact") for c in cases.vehicles()]
     winds = [cases.gust(plant.coefficients, flown.TAU_BETA) for plant in plants]
     linear = [

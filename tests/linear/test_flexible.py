@@ -262,7 +262,7 @@ def test_an_engine_swings_against_its_own_force_at_the_tail_wags_dog_frequency()
 
 
 def test_the_made_up_booster_has_its_poles():
-    """As a program that was written apart found them, from the same equations."""
+    """As an independent program computed them, from the same equations."""
     expected = [0.50775401, 0.01285418]
     for pole in (
         *(-0.02886933 + 2.82951565j, -0.03113566 + 3.04071225j, -0.07073674 + 13.78981688j),

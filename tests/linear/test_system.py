@@ -23,25 +23,25 @@ def system(order, inputs, outputs, name, through=True):
 
 
 PLANT = system(3, ("u", "w"), ("y", "z"), "plant", through=False)
-LAW = system(2, ("error",), ("asked",), "law")
+LAW = system(2, ("error",), ("demand",), "law")
 ERROR = gain("error", {"command": 1.0, "y": -1.0})
-NAMES = (("command", "w", "u"), ("y", "z", "asked", "u"))
+NAMES = (("command", "w", "u"), ("y", "z", "demand", "u"))
 POINTS = np.array([0.3 + 0.2j, 4j, 1.0])
 
 
 def test_a_diagram_is_that_of_python_control():
     """Its sums by name, and an input from outside that is added to a signal of the same name."""
-    blocks = [PLANT, LAW, ERROR, gain("u", {"asked": 1.0})]
+    blocks = [PLANT, LAW, ERROR, gain("u", {"demand": 1.0})]
     result = connect(blocks, *NAMES)
     theirs = control.interconnect(
         [
             PLANT.to_control("plant"),
             LAW.to_control("law"),
             control.summing_junction(["command", "-y"], "error"),
-            control.summing_junction(["asked", "push"], "u"),
+            control.summing_junction(["demand", "push"], "u"),
         ],
         inputs=["command", "w", "push"],
-        outputs=["y", "z", "asked", "u"],
+        outputs=["y", "z", "demand", "u"],
     )
     assert result.states == (*PLANT.states, *LAW.states)
     for s in POINTS:
@@ -50,11 +50,11 @@ def test_a_diagram_is_that_of_python_control():
 
 
 def test_a_loop_may_be_closed_by_feedback():
-    broken = connect([PLANT, LAW, ERROR], ("command", "w", "u"), ("y", "asked"))
-    whole = connect([PLANT, LAW, ERROR, gain("u", {"asked": 1.0})], *NAMES)
-    closed = broken.feedback("asked", "u")
+    broken = connect([PLANT, LAW, ERROR], ("command", "w", "u"), ("y", "demand"))
+    whole = connect([PLANT, LAW, ERROR, gain("u", {"demand": 1.0})], *NAMES)
+    closed = broken.feedback("demand", "u")
     assert closed.inputs == ("command", "w", "u")
-    expected = whole.select(closed.inputs, ("y", "asked"))
+    expected = whole.select(closed.inputs, ("y", "demand"))
     for s in POINTS:
         there = transfer(expected.matrices(), s)
         np.testing.assert_allclose(transfer(closed.matrices(), s), there, rtol=1e-10)
@@ -70,7 +70,7 @@ def test_a_series_is_the_product():
 
 def test_a_signal_that_follows_itself_at_once_is_refused():
     with pytest.raises(tv.InputError, match="algebraic loop"):
-        connect([LAW, gain("error", {"asked": 0.5})], (), ("asked",))
+        connect([LAW, gain("error", {"demand": 0.5})], (), ("demand",))
     with pytest.raises(tv.InputError, match="one system"):
         LinearSystem(
             np.zeros((2, 1, 1)), *(np.ones((1, 1)),) * 3, ("u",), ("y",), ("x",)

@@ -34,7 +34,7 @@ SCHEDULE = tv.load_schedule("configuration-i")
 BOOSTER = SCHEDULE.vehicle
 
 
-def asked(**given):
+def request(**given):
     return tv.requirement.SizingRequest(schedule=SCHEDULE, **{"start": 60.0, "stop": 70.0} | given)
 
 
@@ -45,7 +45,7 @@ def plan(**given):
 
 
 def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
-    card = tv.nozzle.flight_duty(plan(), asked())
+    card = tv.nozzle.flight_duty(plan(), request())
     assert [one.time for one in card.points] == [60.0, 65.0, 70.0]
     for one in card.points:
         case = tv.Case(vehicle=SCHEDULE.at(one.time), nozzle=NOZZLE)
@@ -64,8 +64,8 @@ def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
 
 
 def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_of_calm_air():
-    card = tv.nozzle.flight_duty(plan(sign=None), asked(stop=60.0))
-    calm = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0]
+    card = tv.nozzle.flight_duty(plan(sign=None), request(stop=60.0))
+    calm = tv.nozzle.flight_duty(plan(), request(stop=60.0)).points[0]
     head, tail = card.points
     assert tail.minimum == calm.minimum
     assert abs(tail.duty.angle.value) == pytest.approx(abs(calm.duty.angle.value), rel=1e-9)
@@ -76,11 +76,11 @@ def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_o
         vehicle.velocity * np.cos(vehicle.attitude) - w, vehicle.velocity * np.sin(vehicle.attitude)
     )
     ratio = float((air / vehicle.velocity) ** 2)
-    met = vehicle.replace(
+    encountered = vehicle.replace(
         normal_force_slope=vehicle.normal_force_slope * ratio,
         axial_force=vehicle.axial_force * ratio,
     )
-    plant = tv.Plant.from_vehicle(met)
+    plant = tv.Plant.from_vehicle(encountered)
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
     assert head.minimum == pytest.approx(tv.optimum_deflection(plant, wind, 0.0).peak, rel=1e-9)
 
@@ -89,10 +89,10 @@ HELD = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude
 JET = tv.WindProfile(height=[7e3, 10e3, 13e3, 15e3], east=[0.0, 25.0, 5.0, 0.0], north=[0.0] * 4)
 
 
-def in_the_jet(azimuth, **told):
+def in_the_jet(azimuth, **options):
     sounding = tv.requirement.SoundingRequest(JET, azimuth=np.radians(azimuth))
     return tv.requirement.SizingRequest(
-        schedule=HELD, pulse=False, soundings={"jet": sounding}, **told
+        schedule=HELD, pulse=False, soundings={"jet": sounding}, **options
     )
 
 
@@ -109,11 +109,13 @@ def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(az
         east = np.interp(6e3 + 1e4 / 60.0 * (np.array(times) - 40.0), JET.height, JET.east)
         along = np.cos(path) - tail * east / float(vehicle.velocity)
         ratio = float((along**2 + np.sin(path) ** 2).max())
-        met = vehicle.replace(
+        encountered = vehicle.replace(
             normal_force_slope=vehicle.normal_force_slope * ratio,
             axial_force=vehicle.axial_force * ratio,
         )
-        expected = tv.optimum_deflection(tv.Plant.from_vehicle(met), wind, float(wind.onset)).peak
+        expected = tv.optimum_deflection(
+            tv.Plant.from_vehicle(encountered), wind, float(wind.onset)
+        ).peak
         # the pressure is a chord of its parabola between the samples, 20 m/s apart
         within = 2.0 * (10.0 / float(vehicle.velocity)) ** 2
         assert one.minimum == pytest.approx(expected, rel=within)
@@ -139,14 +141,14 @@ def test_a_measured_wind_is_counted_once_over_the_flight():
 def test_noise_makes_travel_as_its_rms_rate_says():
     """Of a rate that is normal the mean size is sqrt(2/pi) of its rms; in 15 s within 4 percent."""
     noise = np.radians(0.05)
-    quiet = tv.nozzle.flight_duty(plan(), asked(stop=60.0)).points[0].duty
-    card = tv.nozzle.flight_duty(plan(), asked(stop=60.0, rate_noise=noise, noise_seed=3))
+    quiet = tv.nozzle.flight_duty(plan(), request(stop=60.0)).points[0].duty
+    card = tv.nozzle.flight_duty(plan(), request(stop=60.0, rate_noise=noise, noise_seed=3))
     loud = card.points[0].duty
     span = 7.5 + 15.0 / float(tv.Plant.from_vehicle(SCHEDULE.at(60.0)).coefficients.pole)
     assert loud.travel > 5.0 * quiet.travel
     assert loud.travel == pytest.approx(span * np.sqrt(2.0 / np.pi) * loud.rms_rate, rel=0.04)
     # the whole flight of one time is that wind alone; of ten seconds, noise goes on between
-    longer = tv.nozzle.flight_duty(plan(), asked(rate_noise=noise, noise_seed=3))
+    longer = tv.nozzle.flight_duty(plan(), request(rate_noise=noise, noise_seed=3))
     case = tv.Case(vehicle=SCHEDULE.at(65.0), nozzle=NOZZLE)
     law = NoisyLaw(tv.control.design_law("trim", case.plant, 0.09), noise=noise, seed=3)
     flown = fly_nozzle(case.plant, law, case.history, deflection_limit=DEG, **case.hardware)
@@ -162,15 +164,15 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
     jet = tv.WindProfile(height=[7e3, 10e3, 15e3], east=[0.0, 25.0, 0.0], north=[0.0] * 3)
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
-    told = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
+    options = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
     computed = tv.nozzle.flight_duty(
-        case, tv.requirement.SizingRequest(schedule=held, **told)
+        case, tv.requirement.SizingRequest(schedule=held, **options)
     ).verdict
     assert computed.satisfied is None
     assert computed.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
     assert "NOT KNOWN" in computed.words
-    offered = tv.requirement.SizingRequest(schedule=held, **told | {"start": 46.0})
+    offered = tv.requirement.SizingRequest(schedule=held, **options | {"start": 46.0})
     assert tv.nozzle.flight_duty(case, offered).verdict.satisfied is True
 
 
@@ -179,13 +181,13 @@ def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
     jet = tv.WindProfile(height=[0.0, 8e3, 10004.9], east=[5.0, 25.0, 5.0], north=[0.0] * 3)
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
-    told = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
+    options = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
     computed = tv.nozzle.flight_duty(
-        case, tv.requirement.SizingRequest(schedule=held, **told)
+        case, tv.requirement.SizingRequest(schedule=held, **options)
     ).verdict
     assert computed.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
-    offered = tv.requirement.SizingRequest(schedule=held, stop=64.02, **told)
+    offered = tv.requirement.SizingRequest(schedule=held, stop=64.02, **options)
     assert tv.nozzle.flight_duty(case, offered).verdict.satisfied is True
 
 
@@ -238,7 +240,7 @@ def test_noise_is_that_of_the_gyro_for_each_sample():
 def test_both_planes_have_their_part_of_the_stop():
     wind = tv.ShapedWind("triangular", 5.0 * DEG, 7.5, heading=np.radians(200.0))
     nozzle = replace(NOZZLE, limit_shape="round")
-    card = tv.nozzle.flight_duty(plan(wind=wind, nozzle=nozzle, sign=None), asked(stop=60.0))
+    card = tv.nozzle.flight_duty(plan(wind=wind, nozzle=nozzle, sign=None), request(stop=60.0))
     pitch, yaw = card.points
     assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)
     assert {pitch.plane, yaw.plane} == {"pitch", "yaw"}
@@ -248,7 +250,7 @@ def test_both_planes_have_their_part_of_the_stop():
 
 
 @pytest.mark.parametrize(
-    ("sheet", "worst", "met"),
+    ("sheet", "worst", "satisfied"),
     usual(
         [
             ({}, "limit", True),
@@ -262,10 +264,10 @@ def test_both_planes_have_their_part_of_the_stop():
         5,
     ),
 )
-def test_the_worst_line_heads_the_verdict(sheet, worst, met):
-    computed = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
+def test_the_worst_line_heads_the_verdict(sheet, worst, satisfied):
+    computed = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, **sheet)), request()).verdict
     assert computed.lines[0].name == worst
-    assert computed.satisfied is met
+    assert computed.satisfied is satisfied
     assert worst in computed.words
     for one in computed.lines:
         assert one.remaining is None or one.remaining == pytest.approx(one.available - one.required)
@@ -292,7 +294,7 @@ def test_what_a_lost_flight_needs_is_not_known_to_be_there():
 
 
 def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
-    card = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
+    card = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), request())
     assert card.verdict.satisfied is False
     assert "trim is lost at 60 s" in card.verdict.words
     (rate,) = (one for one in card.verdict.lines if one.name == "rate limit")
@@ -301,10 +303,10 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
 
 def test_what_is_missing_is_named():
     with pytest.raises(tv.InputError, match="--limit-deg, limit_deg in"):
-        tv.nozzle.flight_duty(plan(nozzle=tv.Nozzle()), asked())
+        tv.nozzle.flight_duty(plan(nozzle=tv.Nozzle()), request())
     with pytest.raises(tv.InputError, match="mass_kg and arm_m"):
         tv.Nozzle(limit=DEG, torque_limit=1e4)
-    card = tv.nozzle.flight_duty(plan(nozzle=tv.Nozzle(limit=DEG)), asked(stop=60.0))
+    card = tv.nozzle.flight_duty(plan(nozzle=tv.Nozzle(limit=DEG)), request(stop=60.0))
     assert any("torque, power and energy need" in note for note in card.notes)
 
 

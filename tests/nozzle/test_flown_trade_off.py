@@ -12,7 +12,7 @@ LAWS = ("trim", "recoverable-attitude")
 
 
 @pytest.fixture(scope="module")
-def found():
+def flown():
     """The vehicle, and with less thrust, as at another time; and another wind."""
     gust = tv.ShapedWind("one-minus-cosine", np.radians(5.0), 7.5)
     cases = {
@@ -20,21 +20,21 @@ def found():
         "later": tv.Case(vehicle=VEHICLE.replace(thrust=0.9 * VEHICLE.thrust), nozzle=NOZZLE),
         "gust": tv.Case(vehicle=VEHICLE, wind=gust, nozzle=NOZZLE),
     }
-    told = []
+    calls = []
     rates = np.radians([0.3])
     trade_offs = tv.nozzle.flown_trade_offs(
-        cases, rates, laws=LAWS, progress=lambda done, total: told.append((done, total))
+        cases, rates, laws=LAWS, progress=lambda done, total: calls.append((done, total))
     )
-    return cases, trade_offs, told
+    return cases, trade_offs, calls
 
 
 @pytest.mark.thorough
-def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
-    cases, trade_offs, told = found
-    done = [one for one, _ in told]
+def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(flown):
+    cases, trade_offs, calls = flown
+    done = [one for one, _ in calls]
     assert done == sorted(done)
     assert {one for one in done if one.is_integer()} == set(range(1, 13))
-    assert {total for _, total in told} == {12}
+    assert {total for _, total in calls} == {12}
     for name, case in cases.items():
         trade_off = trade_offs[name]
         rates = trade_off.minimum.rates
@@ -56,9 +56,9 @@ def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
 
 
 @pytest.mark.thorough
-def test_no_law_needs_less_than_its_bound_and_more_rate_is_never_worse(found):
+def test_no_law_needs_less_than_its_bound_and_more_rate_is_never_worse(flown):
     """The law that knows its rate comes near the bound; a boundary is known to 1e-3 of trim."""
-    cases, trade_offs, _ = found
+    cases, trade_offs, _ = flown
     for name, trade_off in trade_offs.items():
         slack = 1e-3 * abs(float(cases[name].plant.coefficients.B * cases[name].history.peak))
         for values in trade_off.limits.values():
@@ -78,13 +78,13 @@ def test_unknown_laws_and_what_is_no_case_are_refused():
 
 
 def test_progress_advances_within_a_boundary():
-    told = []
+    calls = []
     case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
-    options = {"laws": ("trim",), "progress": lambda done, total: told.append(done / total)}
+    options = {"laws": ("trim",), "progress": lambda done, total: calls.append(done / total)}
     tv.nozzle.flown_trade_offs({"now": case}, NOZZLE.rate_limit * np.ones(1), **options)
-    assert len(told) > 2
-    assert 0.0 < told[0] < 0.3
-    assert told[-1] == 1.0
+    assert len(calls) > 2
+    assert 0.0 < calls[0] < 0.3
+    assert calls[-1] == 1.0
 
 
 @pytest.mark.parametrize("given", usual([{"sample_rate": 1e5}, {"duration": 4000.0}], 0))

@@ -193,7 +193,7 @@ def test_the_card_of_a_flight_is_that_of_an_integration_by_small_steps(rate):
     t, delta, turns, bend, alpha, swing = by_small_steps(case, law)
     h = t[1]
 
-    # a rate limit is met a substep late, after which all is a little different: see `fly_many`
+    # a rate limit is reached a substep late, after which all is a little different: see `fly_many`
     near = {"rel": 1e-3 if rate is None else 1e-2}
     assert card.angle.value == pytest.approx(delta[np.abs(delta).argmax()], **near)
     assert abs(card.rate.value) == pytest.approx(np.abs(turns).max(), **near)
@@ -229,10 +229,10 @@ def test_travel_is_that_of_a_simulation_of_its_own(name):
     BA, duration = abs(float(c.B)) * A, 4.0 / float(c.pole)
     wind = tv.TriangularWind(peak=A, duration=duration)
     limit = BA * (2.0 if name == "autopilot" else 1.2)
-    told = {"deflection_limit": limit, "rate_limit": np.inf, "sample_rate": 100.0, "delay": 0.0}
-    told["actuator"] = tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7)
+    options = {"deflection_limit": limit, "rate_limit": np.inf, "sample_rate": 100.0, "delay": 0.0}
+    options["actuator"] = tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7)
     law = tv.TrimLaw(plant) if name == "trim" else tv.control.design_law(name, plant, A)
-    flown = fly_nozzle(plant, law, wind, **told)
+    flown = fly_nozzle(plant, law, wind, **options)
     travel = duty_of_motion(Motion.of_flight(flown), limit, 0.5, None, None).travel
     assert travel / BA == pytest.approx(QUIET[name], rel=5e-3)
 
@@ -240,7 +240,7 @@ def test_travel_is_that_of_a_simulation_of_its_own(name):
         law = tv.RecoverableAttitudeLaw(plant, design_peak=A, gain=5.0, reach=0.7)
     noisy = tv.control.WindEstimator(bandwidth=5.0, rate_noise=np.radians(0.1), seed=1)
     law = tv.control.EstimatedLaw(law, noisy, tv.Plant(c, "fixed-path"))
-    flown = fly_nozzle(plant, law, wind, **told)
+    flown = fly_nozzle(plant, law, wind, **options)
     travel = duty_of_motion(Motion.of_flight(flown), limit, 0.5, None, None).travel
     assert travel / BA == pytest.approx(LOUD[name], rel=0.1)
 
@@ -323,8 +323,8 @@ def test_a_load_between_slow_samples_is_that_of_the_finely_shown_flight():
     law = specified_law(case, "autopilot", np.inf)
     result = tv.case.FlownLoad.of(case, "autopilot", law)
     times = np.linspace(0.0, 30.0, 6001)
-    told = {"deflection_limit": rad(2.0), "sample_rate": 2.0}
-    shown = tv.fly(case.plant, law, wind, times, **told).outputs
+    options = {"deflection_limit": rad(2.0), "sample_rate": 2.0}
+    shown = tv.fly(case.plant, law, wind, times, **options).outputs
     names = (*case.plant.outputs, "deflection")
     alpha = np.abs(np.asarray(shown)[names.index("angle_of_attack")])
     assert result.load == pytest.approx(alpha.max(), rel=2e-3)
@@ -334,8 +334,8 @@ def test_a_load_between_slow_samples_is_that_of_the_finely_shown_flight():
 def test_a_wind_with_more_times_than_a_flight_holds_is_refused_at_once():
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     law = tv.TrimLaw(plant)
-    told = {"deflection_limit": 0.1, "rate_limit": np.inf, "delay": 0.0}
-    told["actuator"] = tv.Actuator()
+    options = {"deflection_limit": 0.1, "rate_limit": np.inf, "delay": 0.0}
+    options["actuator"] = tv.Actuator()
     for duration, rate, words in (
         (50_000.0, 100.0, "at most 1000000 samples"),
         (5_000.0, 100.0, "a lower sample rate"),
@@ -344,4 +344,4 @@ def test_a_wind_with_more_times_than_a_flight_holds_is_refused_at_once():
     ):
         wind = tv.TriangularWind(peak=0.09, duration=duration)
         with pytest.raises(tv.InputError, match=words):
-            fly_nozzle(plant, law, wind, sample_rate=rate, **told)
+            fly_nozzle(plant, law, wind, sample_rate=rate, **options)

@@ -204,7 +204,7 @@ def test_the_root_locus_follows_each_mode_to_its_closed_pole():
 
 
 def test_poles_that_meet_are_drawn_through_the_point_where_they_meet():
-    # k (s + 2)/(s (s + 1)): a circle of radius sqrt 2 around the zero, met at -2 +- sqrt 2
+    # k (s + 2)/(s (s + 1)): a circle of radius sqrt 2 around the zero, crossed at -2 +- sqrt 2
     loop = tv.Loop([1.0, 2.0], [1.0, 1.0, 0.0])
     plot = plots.root_locus_chart(loop, gains=None)
     locus = columns(plot)

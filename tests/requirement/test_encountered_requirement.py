@@ -248,8 +248,8 @@ def test_a_pair_is_never_limited_in_the_air_that_it_meets(configuration_i) -> No
         def terms(t):
             angle = float(wind.history({})(t))
             blows = np.sin(turn * angle) / np.sin(path + turn * angle)
-            met = at_pressure(slow, (np.cos(path) - blows) ** 2 + np.sin(path) ** 2)
-            A, B = tv.Plant.from_vehicle(met, "drift-exact").matrices()[:2]
+            encountered_vehicle = at_pressure(slow, (np.cos(path) - blows) ** 2 + np.sin(path) ** 2)
+            A, B = tv.Plant.from_vehicle(encountered_vehicle, "drift-exact").matrices()[:2]
             return A, B, angle
 
         def trim(t, x):
@@ -477,9 +477,9 @@ def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float
 
     angles = wind.peak * (1.0 - np.abs((2 * np.arange(count) + 1) / count - 1.0))
     blows = np.sin(turn * angles) / np.sin(path + turn * angles)
-    met = [matrices((np.cos(path) - one) ** 2 + np.sin(path) ** 2) for one in blows]
-    x, states, trims = np.zeros(len(met[0][0])), [], []
-    for (A, B), angle in zip(met, angles, strict=True):
+    equations = [matrices((np.cos(path) - one) ** 2 + np.sin(path) ** 2) for one in blows]
+    x, states, trims = np.zeros(len(equations[0][0])), [], []
+    for (A, B), angle in zip(equations, angles, strict=True):
         trims.append(-(A[1] @ x + B[1, 1] * angle) / B[1, 0])
         states.append(x)
         held = B[:, :1] / -B[1, 0]  # by trim: the attitude stays
@@ -495,7 +495,7 @@ def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float
     rows, after = (np.vstack([one.real, one.imag[turns]]) for one in (rows, after))
     reach, demand, request = after, np.zeros(len(rows)), []
     for k in reversed(range(count)):
-        step = stepped(*met[k])
+        step = stepped(*equations[k])
         m = step.shape[0]
         reach = np.column_stack([rows @ step[:, m], reach])
         demand = demand + rows @ step[:, m + 1] * angles[k]

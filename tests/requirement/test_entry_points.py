@@ -160,11 +160,11 @@ def of_panel(plan: Any) -> float | str:
     return known(part.value)
 
 
-def same(found: float | str, expected: float | str, tolerance: float = 1e-6) -> bool:
+def same(value: float | str, expected: float | str, tolerance: float = 1e-6) -> bool:
     """Return whether two required deflections are the same."""
-    if isinstance(found, str) or isinstance(expected, str):
-        return found == expected
-    return found == pytest.approx(expected, rel=tolerance)
+    if isinstance(value, str) or isinstance(expected, str):
+        return value == expected
+    return value == pytest.approx(expected, rel=tolerance)
 
 
 @pytest.mark.parametrize("seed", usual(range(40), 6))

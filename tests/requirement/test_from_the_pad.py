@@ -82,10 +82,10 @@ def test_constant_parameters_have_the_left_eigenvector_at_all_times(configuratio
 
 
 def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None:
-    met = tv.fly_through(sounding(), flight, azimuth=EAST)
-    sizing = tv.size(flight, met, times=[0.5, 20.0, 60.0, 122.0], varying=True)
+    encountered = tv.fly_through(sounding(), flight, azimuth=EAST)
+    sizing = tv.size(flight, encountered, times=[0.5, 20.0, 60.0, 122.0], varying=True)
 
-    first = met.known[0]
+    first = encountered.known[0]
     speed = np.interp(first, flight.times, flight.speed)
     wind = sounding().in_plane(EAST)
     blows = np.interp(np.interp(first, flight.times, flight.height), sounding().height, wind)
@@ -99,13 +99,13 @@ def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None
 @pytest.mark.thorough
 def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
     """The trim law is flown by an own integration, at 0.95 and 1.02 of what is said."""
-    met = tv.fly_through(sounding(), flight, azimuth=EAST)
-    need = tv.size(flight, met, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
+    encountered = tv.fly_through(sounding(), flight, azimuth=EAST)
+    need = tv.size(flight, encountered, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
     step = 5e-3
     times = np.arange(*flight.span, step)
     plant = tv.Plant.from_vehicle(flight.clamped_at(times), "drift-exact")
     A, inputs, _, _ = plant.matrices()
-    wind = met.wind(times)
+    wind = encountered.wind(times)
     stiff = np.sqrt(A[:, 1, 0])
     limits = need * np.array([0.95, 1.02])
     x = np.zeros((limits.size, A.shape[-1]))
@@ -136,9 +136,13 @@ def test_each_sounding_is_judged_from_where_its_wind_is_not_too_steep(flight) ->
     assert result.judged[1, 0] < result.judged[0, 0] < result.judged[2, 0]
     (note,) = (one for one in result.notes if "30 deg" in one)
     assert "3 of 3 soundings" in note
-    met = tv.fly_through(sounding(), flight, azimuth=EAST)
-    assert met.known[0] == pytest.approx(result.judged[0, 0], abs=0.51)  # a row of the schedule
-    alone = tv.size(flight, met, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
+    encountered = tv.fly_through(sounding(), flight, azimuth=EAST)
+    assert encountered.known[0] == pytest.approx(
+        result.judged[0, 0], abs=0.51
+    )  # a row of the schedule
+    alone = tv.size(flight, encountered, times=[60.0], varying=True).required["K = 1, varying"][
+        0, 0
+    ]
     assert result.required[0] == pytest.approx(alone, rel=1e-3)
 
 
@@ -160,11 +164,11 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     assert [np.all(np.diff(np.sign(x.vehicle.aerodynamic_arm[1:-1])) == 0) for x in intervals]
     assert result.required[0] == pytest.approx(max(each), rel=1e-9)
     assert "aerodynamic moment changes its sign" in " ".join(result.notes)
-    met = tv.fly_through(sounding(), turned, azimuth=EAST)
-    sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
+    encountered = tv.fly_through(sounding(), turned, azimuth=EAST)
+    sized = tv.size(turned, encountered, times=[60.0], varying=True).required["K = 1, varying"]
     assert sized == pytest.approx(result.required[0], rel=1e-3)
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
-    motion, wind = mode, FlightWind(met.wind, "pitch", met.speeds)
+    motion, wind = mode, FlightWind(encountered.wind, "pitch", encountered.speeds)
     steps = encountered_at_steps(motion, wind, FLIGHT_SUBSTEPS)
     flights = LimitedFlights(motion.at_steps(steps[0]), *steps)
     assert not flights.diverge(result.required[0] * np.array([[1.02, 1.2, 2.0]])).any()
@@ -186,8 +190,8 @@ def test_a_flight_without_any_moment_for_a_while_is_followed(flight) -> None:
         some = tv.FlightSchedule(
             flight.vehicle.replace(aerodynamic_arm=arm), altitude=flight.height
         )
-        met = tv.fly_through(sounding(), some, azimuth=EAST)
-        sized = tv.size(some, met, times=[20.0, 60.0], varying=True)
+        encountered = tv.fly_through(sounding(), some, azimuth=EAST)
+        sized = tv.size(some, encountered, times=[20.0, 60.0], varying=True)
         assert np.all(sized.required["K = 1"] >= 0.0)
         needs.append(
             [

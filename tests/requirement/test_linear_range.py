@@ -94,7 +94,7 @@ def test_the_vector_of_a_wind_with_a_direction_counts() -> None:
 
 @pytest.mark.parametrize("deg", usual([5.0, 30.0, 52.0], 1))
 def test_no_survivable_peak_is_beyond_the_linear_range(deg) -> None:
-    """With 12 deg: 30.463 deg where 30 are asked for, and 171.024 where 52 are, it was."""
+    """With 12 deg: it was 30.463 deg for a peak of 30, and 171.024 for one of 52."""
     result = study(deg, limit=np.radians(12.0))
     assert np.degrees(result.survivable_peak) == pytest.approx(30.0, rel=1e-12)
     assert result.survives_bound is True

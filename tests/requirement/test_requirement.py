@@ -368,7 +368,7 @@ def test_no_verdict_is_too_good(seed, model, dead_band):
     plant, wind = tv.Plant.from_vehicle(fleet(rng, count), model), blowing(rng, count)
     needed = np.abs(tv.required_deflection(plant, wind, dead_band).deflection)
     assert np.all(needed > 0.0)
-    finite = needed < 1.5  # limits are asked about within 90 degrees
+    finite = needed < 1.5  # limits are judged up to 90 degrees
     given = np.where(finite, needed, 1.5)
     assert np.all(tv.is_sufficient(plant, wind, 1.0001 * given, dead_band) == finite)
     assert not np.any(tv.is_sufficient(plant, wind, 0.9999 * given, dead_band))

@@ -51,14 +51,14 @@ def test_flown_trim_laws_survive_at_the_sized_limit(name: str, soundings: int) -
     times = np.linspace(*schedule.span, 4)[1:3]
     for _ in range(soundings):
         azimuth = float(rng.uniform(0.0, 2.0 * np.pi))
-        met = tv.fly_through(sounding(rng), schedule, azimuth=azimuth)
-        sized = tv.size(schedule, met, times=times, dead_bands=1.0)
+        encountered = tv.fly_through(sounding(rng), schedule, azimuth=azimuth)
+        sized = tv.size(schedule, encountered, times=times, dead_bands=1.0)
         limit = float(np.nanmax(sized.required["K = 1"]))
         for time in sized.times[~np.isnan(sized.required["K = 1"][:, 0])].tolist():
             vehicle = schedule.at(time)
             plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
             law = tv.TrimLaw(tv.Plant(plant.coefficients, "fixed-path"))
-            wind = met.of_both_signs(vehicle)
+            wind = encountered.of_both_signs(vehicle)
             # At what is required a flight is on the edge: half a percent above it decides.
             options = {"deflection_limit": 1.005 * limit, "sample_rate": 200.0}
             outcome = tv.fly_many(plant, law, wind, **options).status

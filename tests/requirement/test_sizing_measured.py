@@ -29,13 +29,13 @@ def test_a_level_exactly_across_the_flight_is_one_without_wind(flight) -> None:
         come[::3] = rng.choice([0, 180, 360], 11)
         east, north = wind_components(speed, np.radians(come))
         exact = np.where(come % 180 == 0, 0.0, east)
-        met, clean = (
+        encountered, clean = (
             tv.fly_through(tv.WindProfile(height=height, east=e, north=north), flight, azimuth=EAST)
             for e in (east, exact)
         )
         for time in (50.0, 66.0, 90.0):
             vehicle, at = flight.at(time), np.linspace(41.0, 116.0, 301)
-            assert met(vehicle)(at) == pytest.approx(clean(vehicle)(at), abs=1e-13), seed
+            assert encountered(vehicle)(at) == pytest.approx(clean(vehicle)(at), abs=1e-13), seed
 
 
 def low(flight: tv.FlightSchedule, **options: object) -> tv.ascent.MeasuredWind:
@@ -45,11 +45,11 @@ def low(flight: tv.FlightSchedule, **options: object) -> tv.ascent.MeasuredWind:
 
 
 def test_where_the_wind_is_not_known_nothing_is(flight) -> None:
-    met = low(flight)
-    first, last = met.known
+    encountered = low(flight)
+    first, last = encountered.known
     times = [first - 1.0, first, 60.0, last, last + 1.0, flight.span[1]]
     gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0)
-    for wind in (met, low(flight, window=8.0), low(flight, window=8.0, gust=gust)):
+    for wind in (encountered, low(flight, window=8.0), low(flight, window=8.0, gust=gust)):
         sizing = tv.size(flight, wind, times=times, dead_bands=1.0, varying=True)
         known = [False, True, True, True, False, False]
 
@@ -63,8 +63,8 @@ def test_where_the_wind_is_not_known_nothing_is(flight) -> None:
 
 def test_a_wind_from_below_the_schedule_on_is_unknown_above_its_last_level_alone(flight) -> None:
     profile = tv.WindProfile(height=[0.0, 9e3, 12.5e3], east=[4, 42, 48], north=[0, 0, 0])
-    met = tv.fly_through(profile, flight, azimuth=EAST)
-    sizing = tv.size(flight, met, times=[45.0, 60.0, 80.0], dead_bands=1.0, varying=True)
+    encountered = tv.fly_through(profile, flight, azimuth=EAST)
+    sizing = tv.size(flight, encountered, times=[45.0, 60.0, 80.0], dead_bands=1.0, varying=True)
     first, largest = (next(n for n in sizing.notes if w in n) for w in ("is known", "largest at"))
     table = next(
         one for one in time_tables(sizing, next(iter(sizing.required))) if "frozen" in one.caption
@@ -133,10 +133,10 @@ def test_a_sounding_has_one_requirement_for_the_flight_at_the_time_at_which_it_a
     flight,
 ) -> None:
     """On a fixed path the dead band is left where B(t) alpha_w(t) of (B1e) is K times the limit."""
-    met = low(flight, pressure=False)
+    encountered = low(flight, pressure=False)
     bands, options = np.array([1.0, 0.9]), {"model": "fixed-path", "varying": True}
     computed, again = (
-        tv.size(flight, met, times=times, dead_bands=bands, **options)
+        tv.size(flight, encountered, times=times, dead_bands=bands, **options)
         for times in ([50.0, 60.0, 70.0, 80.0], [60.0])
     )
     vehicle, profile = (
@@ -242,9 +242,11 @@ def test_a_sounding_has_its_own_wind_triangle_in_both_planes(plane) -> None:
         return (pitch if plane == "pitch" else yaw), (air**2).sum(axis=0) / speed**2
 
     for bias in (None, mean):
-        met = tv.fly_through(whole, flight, azimuth=np.radians(90.0), plane=plane, bias=bias)
-        times = met.wind.time[:-1]  # none at its end
-        angle, ratio = FlightWind(met.wind, plane, met.speeds).at(times[np.newaxis])
+        encountered = tv.fly_through(
+            whole, flight, azimuth=np.radians(90.0), plane=plane, bias=bias
+        )
+        times = encountered.wind.time[:-1]  # none at its end
+        angle, ratio = FlightWind(encountered.wind, plane, encountered.speeds).at(times[np.newaxis])
         expected, pressure = own(whole, times)
         if bias is not None:
             expected = expected - own(mean, times)[0]

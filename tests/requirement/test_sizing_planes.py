@@ -58,12 +58,12 @@ def test_a_sounding_along_the_flight_asks_for_the_same_to_the_last_bit(flight) -
     options = {"times": [66.0], "dead_bands": (1.0, 0.5)}
     gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0)
     for given in ({}, {"window": 15.0, "gust": gust}):
-        met = [
+        encountered = [
             tv.fly_through(profile, flight, azimuth=np.radians(90), plane=plane, **given)
             for plane in ("pitch", "both")
         ]
-        pitch = tv.size(flight, met[0], **options)
-        both = tv.size(flight, met[1], plane="both", **options)
+        pitch = tv.size(flight, encountered[0], **options)
+        both = tv.size(flight, encountered[1], plane="both", **options)
         for name, values in pitch.required.items():
             np.testing.assert_array_equal(both.required[name], values, name)
 
@@ -74,10 +74,15 @@ def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight)
     height = np.linspace(0.0, 30e3, 31)
     profile = jet(height, towards=np.radians(70), shear=np.radians(90) / 8e3)
     for azimuth in (0, 160):
-        met = tv.fly_through(profile, flight, azimuth=np.radians(azimuth), plane="both")
+        encountered = tv.fly_through(profile, flight, azimuth=np.radians(azimuth), plane="both")
         for stop, norm in (("round", np.hypot), ("square", np.maximum)):
             sizing = tv.size(
-                flight, met, times=[66.0], plane="both", limit_shape=stop, dead_bands=(1.0, 0.5)
+                flight,
+                encountered,
+                times=[66.0],
+                plane="both",
+                limit_shape=stop,
+                dead_bands=(1.0, 0.5),
             )
             pitch, yaw = (sizing.separate[plane].required for plane in ("pitch", "yaw"))
             for name, values in sizing.required.items():
@@ -125,9 +130,12 @@ def test_headings_have_the_signs_of_soundings(flight) -> None:
     """A wind from the west on a flight to the north-east: tail wind, and from the left."""
     height = np.linspace(0.0, 30e3, 31)
     profile, azimuth = jet(height, towards=np.radians(90)), np.radians(45)
-    met = profile.to_winds(flight, azimuth=azimuth)
+    encountered = profile.to_winds(flight, azimuth=azimuth)
     pitch, yaw = angles_from_speed(50.0, 600.0, 0.8, np.radians(270) - azimuth)
-    assert np.sign([pitch, yaw]).tolist() == np.sign([met.pitch.peak, met.yaw.peak]).tolist()
+    assert (
+        np.sign([pitch, yaw]).tolist()
+        == np.sign([encountered.pitch.peak, encountered.yaw.peak]).tolist()
+    )
     assert pitch > 0.0 > yaw
 
 

@@ -174,12 +174,12 @@ def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     shape = np.exp(-(((height - 11e3) / 5e3) ** 2))
     noise = np.random.default_rng(3).normal(0, 20, height.size)
     profile = tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height)
-    met = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
+    encountered = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
     mode, vehicle = FlightMode(flight, model, "pitch", flight.span), flight.at(75.0)
-    winds = (NominalWind(one(vehicle)) for one in (met, met.of_both_signs))
+    winds = (NominalWind(one(vehicle)) for one in (encountered, encountered.of_both_signs))
     need = flight_requirements(mode, [next(winds)], np.ones(1), [next(winds)])[0].required[0]
 
-    lost = trim_law_is_lost(flight, met.wind, model, need * np.array([0.997, 1.003]))
+    lost = trim_law_is_lost(flight, encountered.wind, model, need * np.array([0.997, 1.003]))
     assert lost.tolist() == [True, False]
 
 

@@ -157,7 +157,7 @@ def test_a_model_that_leaves_out_what_the_exact_one_needs_says_so(
 
 
 @pytest.mark.parametrize(
-    ("duration", "dead_band", "damping", "told"),
+    ("duration", "dead_band", "damping", "noted"),
     [
         (20.0, 0.5, 0.0, True),
         (20.0, 0.5, 0.024, False),  # it has one
@@ -169,13 +169,13 @@ def test_a_model_that_leaves_out_what_the_exact_one_needs_says_so(
     ],
 )
 def test_a_study_tells_where_leaving_damping_out_promises_too_much(
-    configuration_i, duration, dead_band, damping, told
+    configuration_i, duration, dead_band, damping, noted
 ) -> None:
     """Where what is required with a pole four percent slower is more, and by how much."""
     vehicle = configuration_i.replace(pitch_damping=damping * configuration_i.moment_of_inertia)
     said = _notes(vehicle, duration, dead_band, "fixed-path")
-    assert ("no pitch_damping is given" in said) == told
-    if told:
+    assert ("no pitch_damping is given" in said) == noted
+    if noted:
         x = duration * float(tv.Coefficients.from_vehicle(vehicle).beta)
         more = 100 * (triangular_limit(0.96 * x, dead_band) / triangular_limit(x, dead_band) - 1)
         assert f"would need {more:.1f} percent more" in said

@@ -77,19 +77,19 @@ def test_a_peak_says_of_what_it_is(stop) -> None:
 
     Its parts are arc sines (B1e): off the straight line by a sixth of the square of the angle.
     """
-    asked = ("study", *HEADING, "--limit-deg", "0.4", *stop)
-    shown = " ".join(run(*asked).output.split())
+    arguments = ("study", *HEADING, "--limit-deg", "0.4", *stop)
+    shown = " ".join(run(*arguments).output.split())
     whose = (
         "of the wind's vector in both planes" if stop else "of the wind's part in the pitch plane"
     )
     assert whose in shown
     assert "of 2.88 deg and 7.5 s, the part in the pitch plane of a vector of 5 deg" in shown
-    answer = json.loads(run(*asked, "--json").stdout)
+    answer = json.loads(run(*arguments, "--json").stdout)
     verdict, planes = answer["verdict"], answer["planes"]
     assert verdict["survivable_peak_of"] == whose
     part = 1.0 if stop else planes["peak_deg"] / answer["wind"]["peak_deg"]
     peak = part * verdict["survivable_peak_deg"]
-    again = json.loads(run(*asked, "--peak-deg", str(peak), "--json").stdout)
+    again = json.loads(run(*arguments, "--peak-deg", str(peak), "--json").stdout)
     needed = again["verdict"]["required_deflection_deg"]
     assert needed == pytest.approx(0.4, rel=np.radians(peak) ** 2 / 6)
     plain = run("study", "--limit-deg", "0.4")
@@ -151,13 +151,13 @@ SLANTING = {
 }
 
 
-def asked(**more) -> Findings:
+def findings_of(**more) -> Findings:
     return find(parse_study(SLANTING | more))
 
 
 def test_dispersed_cases_of_both_planes_need_what_each_vehicle_needs_in_both(booster) -> None:
     part = {"parameter": "thrust", "percent": 1.0}
-    computed = asked(dispersion=[part], campaign={"cases": 30}).dispersed
+    computed = findings_of(dispersion=[part], campaign={"cases": 30}).dispersed
     for case in (0, 17, 29):
         plant = tv.Plant.from_vehicle(
             booster.replace(thrust=computed.values["thrust"][case]), "fixed-path"
@@ -168,7 +168,7 @@ def test_dispersed_cases_of_both_planes_need_what_each_vehicle_needs_in_both(boo
 
 
 def test_the_autopilot_of_both_planes_is_judged_by_the_vector_of_its_deflections(booster) -> None:
-    result = asked(autopilot={"design": "canonical"})
+    result = findings_of(autopilot={"design": "canonical"})
     peaks = result.plan.wind.peaks(booster.attitude)
     loop = tv.control.canonical_gains(tv.Coefficients.from_vehicle(booster))
     loop, row = replace(loop, actuator=result.comparison.autopilot.actuator), -1

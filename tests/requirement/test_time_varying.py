@@ -215,8 +215,8 @@ def test_a_sounding_of_both_signs_has_the_dynamic_pressure_of_each() -> None:
     east = [0.0, -40.0, -40.0, 0.0, 0.0, 75.0, 0.0]
     height = np.array([6.0, 8.0, 10.0, 12.0, 12.2, 12.4, 12.6]) * 1e3
     sounding = tv.WindProfile(height=height, east=east, north=np.zeros(7))
-    met = tv.fly_through(sounding, flight, azimuth=np.radians(90.0))
-    sizing = tv.size(flight, met, times=[66.0], dead_bands=[1.0])
+    encountered = tv.fly_through(sounding, flight, azimuth=np.radians(90.0))
+    sizing = tv.size(flight, encountered, times=[66.0], dead_bands=[1.0])
     needed = np.degrees(sizing.required["K = 1, varying"][0, 0])
     assert needed == pytest.approx(0.4711, rel=FLOWN)
 

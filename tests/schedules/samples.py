@@ -83,12 +83,12 @@ def number_of(line: str) -> int:
     return computed
 
 
-def same(found: tv.FlightSchedule, expected: tv.FlightSchedule, rtol: float) -> None:
+def same(schedule: tv.FlightSchedule, expected: tv.FlightSchedule, rtol: float) -> None:
     """Assert two schedules equal but for the rounding with which one was written."""
-    np.testing.assert_allclose(found.times, expected.times, rtol=rtol)
-    np.testing.assert_allclose(found.height, expected.height, rtol=rtol)
+    np.testing.assert_allclose(schedule.times, expected.times, rtol=rtol)
+    np.testing.assert_allclose(schedule.height, expected.height, rtol=rtol)
     for name in FIELDS:
-        one, other = getattr(found.vehicle, name), getattr(expected.vehicle, name)
+        one, other = getattr(schedule.vehicle, name), getattr(expected.vehicle, name)
         np.testing.assert_allclose(one, other, rtol=rtol, err_msg=name)
 
 

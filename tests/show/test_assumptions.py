@@ -19,7 +19,7 @@ from tvclin.studyfile.findings import Findings, find
 HEADER = re.compile(r"<header.*?</header>", re.DOTALL)
 
 
-def found(more: str, tmp_path, peak: float = 5.0, limit: float = 0.4) -> Findings:
+def findings(more: str, tmp_path, peak: float = 5.0, limit: float = 0.4) -> Findings:
     """The findings of configuration I in a triangle of 5 s."""
     (tmp_path / "s.toml").write_text(
         f'[study]\nvehicle = "configuration-i"\nmodel = "fixed-path"\n'
@@ -38,7 +38,7 @@ def test_a_vehicle_that_changes_by_more_than_a_tenth_is_not_marked_as_frozen(
     duration, tmp_path
 ) -> None:
     """Its own sentence says by how many percent beta or B changes while the wind blows."""
-    answers = found("[size]\nfrom_s = 66\nto_s = 66\n", tmp_path)
+    answers = findings("[size]\nfrom_s = 66\nto_s = 66\n", tmp_path)
     plan = replace(answers.plan, wind=replace(answers.plan.wind, duration=duration))
     check = check_of(find(plan), "Mass, thrust, air and speed stay as they are")
     percent = next(one for one in check.line if isinstance(one, Number)).value
@@ -50,13 +50,13 @@ def test_a_vehicle_that_changes_by_more_than_a_tenth_is_not_marked_as_frozen(
 def test_a_rate_that_theory_or_autopilot_exceeds_is_not_marked_as_holding(
     rate, state, tmp_path
 ) -> None:
-    answers = found(f"rate_limit_deg_per_s = {rate}\n[autopilot]\n", tmp_path, limit=2.0)
+    answers = findings(f"rate_limit_deg_per_s = {rate}\n[autopilot]\n", tmp_path, limit=2.0)
     assert check_of(answers, "The boundary does not count the rate limit").state == state
 
 
 def test_a_mode_that_is_unstable_near_its_frequency_is_a_doubtful_assumption(tmp_path) -> None:
     """A mode at 0.95 of the notch is unstable at 1.126 of its frequency, at the notch at 1.069."""
-    answers = found("", tmp_path)
+    answers = findings("", tmp_path)
     words = "The frequencies of modes are those of the vehicle file"
     assert not any(text(one.line).startswith(words) for one in assumptions(answers))
     unstable = "bending 1 is unstable at 1.069 of its frequency"
@@ -84,7 +84,7 @@ def test_a_mode_that_is_unstable_near_its_frequency_is_a_doubtful_assumption(tmp
 
 @pytest.mark.thorough
 def test_the_head_counts_its_doubtful_assumptions_and_the_notes_below(tmp_path) -> None:
-    answers = found("[size]\nfrom_s = 66\nto_s = 66\n", tmp_path, peak=12.0)
+    answers = findings("[size]\nfrom_s = 66\nto_s = 66\n", tmp_path, peak=12.0)
     page = tv.report_html(answers.plan)
     head = HEADER.search(page)[0]
     marked, all_marked = (one.count('<li class="doubt">') for one in (head, page))
@@ -96,7 +96,7 @@ def test_the_head_counts_its_doubtful_assumptions_and_the_notes_below(tmp_path) 
 
 
 def test_a_page_does_not_judge_a_wind_of_60_degrees(tmp_path) -> None:
-    answers = found("", tmp_path, peak=60.0, limit=12.0)
+    answers = findings("", tmp_path, peak=60.0, limit=12.0)
     sentence = "wind meets the flight at 60 deg, and above 30 deg linear aerodynamics says nothing"
     assert sentence in text(verdict.sentence(answers))
     assert check_of(answers, "Forces are linear").state == "doubt"

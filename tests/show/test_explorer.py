@@ -67,23 +67,23 @@ def test_the_verdict_changes_at_what_a_study_requires(factor: float) -> None:
 
 def test_the_curve_is_what_longer_winds_require(few: None) -> None:
     c = moved(shape="rectangular", model="fixed-path", dead_band=0.6)
-    found = answer(c)
-    wind = replace(c.wind, duration=float(found.durations[1]))
+    result = answer(c)
+    wind = replace(c.wind, duration=float(result.durations[1]))
     longer = tv.Study.of(replace(c.plan, wind=wind), 0.6)
 
-    assert found.boundary is not None
-    assert found.boundary[1] == pytest.approx(longer.required_deflection, rel=1e-12)
+    assert result.boundary is not None
+    assert result.boundary[1] == pytest.approx(longer.required_deflection, rel=1e-12)
 
 
 def test_the_report_s_control_has_its_exact_response() -> None:
     c = moved(law=REPORT, limit=0.35, dead_band=0.7)
-    found, wind, plant = answer(c, 2).motion, c.plan.history, c.plan.plant
-    assert found is not None
+    result, wind, plant = answer(c, 2).motion, c.plan.history, c.plan.plant
+    assert result is not None
     held = tv.trim_then_hold(plant, wind, -c.limit, 0.7)
-    exact = tv.attitude_response(plant, held, wind, found.time)
+    exact = tv.attitude_response(plant, held, wind, result.time)
 
-    np.testing.assert_array_equal(found.attitude, exact.outputs["attitude"])
-    np.testing.assert_array_equal(found.deflection, held(found.time))
+    np.testing.assert_array_equal(result.attitude, exact.outputs["attitude"])
+    np.testing.assert_array_equal(result.deflection, held(result.time))
 
 
 def test_what_did_not_change_is_not_computed_again(few: None) -> None:
@@ -183,16 +183,16 @@ def test_each_part_that_the_table_calls_computed_is_asked() -> None:
 def test_what_cannot_be_answered_says_why(few: None, arm: float, law: str) -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=arm)
     plan = tv.studyfile.StudyPlan(vehicle=stable, model="drift")
-    found = answer(choices_of(plan, stable, values(plan) | {"law": law}))
+    result = answer(choices_of(plan, stable, values(plan) | {"law": law}))
 
-    assert all(len(note.split()) > 3 for note in found.notes)
+    assert all(len(note.split()) > 3 for note in result.notes)
     if arm < 0.0:
-        assert found.verdict.startswith("No deflection is needed")
-        assert any("canonical gains need" in note for note in found.notes)
+        assert result.verdict.startswith("No deflection is needed")
+        assert any("canonical gains need" in note for note in result.notes)
     else:
-        assert found.verdict.startswith("No answer")
-        assert any("mu_alpha other than zero" in note for note in found.notes)
-    assert pixels(new_picture().png(found)).std() > 0.0
+        assert result.verdict.startswith("No answer")
+        assert any("mu_alpha other than zero" in note for note in result.notes)
+    assert pixels(new_picture().png(result)).std() > 0.0
 
 
 def pixels(png: bytes) -> Any:
@@ -314,7 +314,7 @@ def test_in_a_notebook_the_panel_is_there_before_its_curve(
         one = type(panel)("configuration-i")
         draw, first = one._draw, one.image.value
         monkeypatch.setattr(
-            one, "_draw", lambda found: (known.append(found.durations.size), draw(found))
+            one, "_draw", lambda result: (known.append(result.durations.size), draw(result))
         )
         while known[-1:] != [3]:
             await asyncio.sleep(0.01)
@@ -343,12 +343,12 @@ def test_a_study_file_begins_with_its_case_and_tells_what_is_left_out(tmp_path: 
         "duration_s = 4.0\n[nozzle]\nlimit_deg = 0.7\nrate_limit_deg_per_s = 2.0\n[autopilot]\n"
         'delay_ms = 30\n[[dispersion]]\nparameter = "thrust"\nshape = "uniform"\npercent = 5\n'
     )
-    found, plan = moved(path), tv.load_study(path)
-    assert found.law == AUTOPILOT
-    assert repr(found.plan.nozzle) == repr(plan.nozzle)
-    assert (found.plan.wind, found.plan.plane) == (plan.wind, "yaw")
-    assert found.plan.autopilot_design.delay == pytest.approx(0.03, rel=1e-15)
-    (left,) = [note for note in answer(found, 0).notes if note.startswith("Not counted")]
+    result, plan = moved(path), tv.load_study(path)
+    assert result.law == AUTOPILOT
+    assert repr(result.plan.nozzle) == repr(plan.nozzle)
+    assert (result.plan.wind, result.plan.plane) == (plan.wind, "yaw")
+    assert result.plan.autopilot_design.delay == pytest.approx(0.03, rel=1e-15)
+    (left,) = [note for note in answer(result, 0).notes if note.startswith("Not counted")]
     assert "dispersion" in left
 
 
@@ -440,10 +440,10 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[list[str]]:
 def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[str]]) -> None:
     path = Path("explore-configuration-ii.ipynb")
     for said in ("Wrote", "Opening"):
-        told = CliRunner().invoke(
+        done = CliRunner().invoke(
             app, ["explore", "configuration-ii", "--no-browser", "--", "--allow-root"]
         )
-        assert (told.exit_code, told.stdout.split()[0]) == (0, said)
+        assert (done.exit_code, done.stdout.split()[0]) == (0, said)
         if said == "Wrote":
             assert path.read_text() == notebook_text("configuration-ii")
             path.write_text("changed by hand")
@@ -475,9 +475,9 @@ def test_a_jupyterlab_that_cannot_start_is_one_sentence(
 ) -> None:
     lab = sys.modules["jupyterlab.labapp"].LabApp
     monkeypatch.setattr(lab, "launch_instance", lambda _: sys.exit(1))
-    told = CliRunner().invoke(app, ["explore"])
-    assert told.exit_code == 2
-    assert "JupyterLab ended with exit code 1, see above" in told.stderr
+    done = CliRunner().invoke(app, ["explore"])
+    assert done.exit_code == 2
+    assert "JupyterLab ended with exit code 1, see above" in done.stderr
 
 
 def test_the_command_refuses_in_one_sentence(

@@ -68,7 +68,7 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-def told(*words: Any) -> dict[str, Any]:
+def document(*words: Any) -> dict[str, Any]:
     done = CliRunner().invoke(app, [str(one) for one in (*words, "--json")])
     assert done.exit_code in (0, 1), done.output
     return dict(json.loads(done.stdout))
@@ -108,7 +108,7 @@ def test_study_says_of_the_file_what_the_panel_says(written: tuple[Answer, Path]
 @every
 def test_margins_says_of_the_file_what_the_panel_says(written: tuple[Answer, Path]) -> None:
     here, path = written
-    there = told("margins", path)["margins"]
+    there = document("margins", path)["margins"]
 
     assert here.margins is not None
     assert there["phase_margin_deg"] == pytest.approx(here.margins.phase_margin_deg, rel=1e-9)
@@ -129,7 +129,7 @@ def test_fly_says_of_the_file_what_the_panel_says(
     shown = float(motion.time[-1] - motion.time[0]) / float(wind.end - wind.onset)
     monkeypatch.setattr("tvclin.cli.fly._DURATIONS_SHOWN", shown)
     monkeypatch.setattr("tvclin.cli.fly._POINTS", motion.time.size)
-    there = told("fly", path, "--engine", "linear", "--law", law, *band)
+    there = document("fly", path, "--engine", "linear", "--law", law, *band)
 
     assert there["status"]["flown"] == here.outcome
     blowing = np.abs(motion.deflection[motion.time <= float(wind.end)])

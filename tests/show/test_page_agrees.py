@@ -99,13 +99,13 @@ def close(one: float, other: float) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("asked", "count"),
+    ("document", "count"),
     usual([(REPORT, 7), (COEFFICIENTS, 3), (FLEXIBLE, 6)], 1),
     ids=["report", "coefficients", "flexible"],
 )
-def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
-    html, computed = page_of(parse_study(asked, folder))
-    shown, limit = read(html), asked["nozzle"]["limit_deg"]
+def test_head_table_sections_and_figure_agree(document, count, folder) -> None:
+    html, computed = page_of(parse_study(document, folder))
+    shown, limit = read(html), document["nozzle"]["limit_deg"]
     # no margins where the limit loses it, no flights of a loop along the flight in both planes
     assert not computed.reasons.keys() - {"flown", "flights"}
     each = {one.name: one for one in questions(computed)}
@@ -113,14 +113,14 @@ def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
     for one in each.values():
         if one.measure is None or np.isinf(one.measure.required):  # none is sufficient
             continue
-        names = [key for key in shown if key.startswith(f"asked.{one.name.replace(' ', '_')}.")]
+        names = [key for key in shown if key.startswith(f"question.{one.name.replace(' ', '_')}.")]
         values = {
             re.sub(r".*\.(required|available|remaining).*", r"\1", key): shown[key] for key in names
         }
         assert close(values["remaining"], values["available"] - values["required"])
         if one.measure.unit == "deg" and one.name != "margins":
             assert close(values["available"], limit)
-    wind = shown["asked.wind.required_deg"]
+    wind = shown["question.wind.required_deg"]
     _head(shown, wind, limit, each)
     assert close(marked(html), wind)
     _figure(computed, wind, limit)
@@ -139,9 +139,9 @@ def _head(shown, wind, limit, each) -> None:
     assert shown["facts.survivable_peak_deg"] <= peak * limit / wind * 1.2  # of a head wind less
 
 
-def _figure(found: Findings, wind: float, limit: float) -> None:
+def _figure(findings: Findings, wind: float, limit: float) -> None:
     """The dot and the line of the limit in the figure of the boundaries."""
-    study = found.study
+    study = findings.study
     chart = study_chart(study, [0.5 * study.wind.duration, study.wind.duration])
     dot, line = (
         next(one for one in chart.axes.flat[0].lines if one.get_label().startswith(label))
@@ -151,31 +151,31 @@ def _figure(found: Findings, wind: float, limit: float) -> None:
     assert close(float(np.ravel(line.get_ydata())[0]), limit)
 
 
-def _sections(shown: dict[str, float], found: Findings) -> None:
+def _sections(shown: dict[str, float], findings: Findings) -> None:
     """What the table says of each question is what its own section says."""
-    calm = "asked.calm_deg"  # of the autopilot, where a head wind asks for more
-    autopilot = calm if calm in shown else "asked.autopilot.required_deg"
+    calm = "question.calm_deg"  # of the autopilot, where a head wind asks for more
+    autopilot = calm if calm in shown else "question.autopilot.required_deg"
     pairs = {
-        "asked.whole_flight.required_deg": "total.required_deg",
+        "question.whole_flight.required_deg": "total.required_deg",
         autopilot: "wind.stop_deg",
-        "asked.probability.required_deg": "dispersed.upper_deg",
-        "asked.availability.available_percent": "availability.part_percent",
-        "asked.margins.required_dB": "criteria.aero_margin_dB",
-        "asked.margins.available_dB": "margin.aero_margin_dB",
-        "asked.margins.required_deg": "criteria.phase_margin_deg",
-        "asked.margins.available_deg": "margin.phase_margin_deg",
+        "question.probability.required_deg": "dispersed.upper_deg",
+        "question.availability.available_percent": "availability.part_percent",
+        "question.margins.required_dB": "criteria.aero_margin_dB",
+        "question.margins.available_dB": "margin.aero_margin_dB",
+        "question.margins.required_deg": "criteria.phase_margin_deg",
+        "question.margins.available_deg": "margin.phase_margin_deg",
     }
     seen = [name for name in pairs if name in shown]
     assert seen
-    over = found.study.plane_ratio
+    over = findings.study.plane_ratio
     for name in seen:
         part = over if name == autopilot else 1.0
         assert close(shown[name], part * shown[pairs[name]]), name
-    if found.flexible is not None:
+    if findings.flexible is not None:
         assert close(shown[autopilot], over * shown["flown.0.0_deg"])
-        assert close(shown["asked.flexible_flight.required_deg"], shown[autopilot])
+        assert close(shown["question.flexible_flight.required_deg"], shown[autopilot])
     turns = over * shown["wind.deflection_deg"]
-    assert close(shown["asked.autopilot_deg"], turns)
+    assert close(shown["question.autopilot_deg"], turns)
 
 
 def test_each_section_that_the_style_names_is_on_the_page() -> None:

@@ -33,16 +33,16 @@ def found_for(limit_deg: float | None, **changes: object) -> Findings:
     return find(replace(plan, **changes))
 
 
-def headline(found: Findings) -> str:
-    line = verdict.sentence(found)
+def headline(findings: Findings) -> str:
+    line = verdict.sentence(findings)
     return "".join(one if isinstance(one, str) else one.text for one in line)
 
 
 NO = ("NOT SUFFICIENT", "NOT MET", "NOT SURVIVED")
 
 
-def answers(found: Findings) -> dict[str, bool | None]:
-    return {one.name: one.yes for one in questions(found)}
+def answers(findings: Findings) -> dict[str, bool | None]:
+    return {one.name: one.yes for one in questions(findings)}
 
 
 def test_a_limit_that_covers_the_wind_alone_is_not_sufficient_for_a_probability() -> None:
@@ -129,7 +129,7 @@ def test_few_cases_suffice_to_refuse_a_limit_that_covers_a_part_of_them() -> Non
 
 @pytest.mark.thorough
 def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> None:
-    """A linear peak above the limit is no loss where the flight survives, and is told."""
+    """A linear peak above the limit is no loss where the flight survives, and a note says so."""
     result = found_for(0.5, design=DESIGN, criteria=LOOSE)
     loop, wind = result.comparison, result.study.wind
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
@@ -176,9 +176,9 @@ def test_an_autopilot_that_its_rate_limit_loses_is_not_enough() -> None:
     assert answers(wide)["autopilot"] is False  # nor is a limit beyond those tried at first
 
 
-def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> float:
-    """Return the attitude [rad] long after a wind, flown in the dynamic pressure that is met."""
-    vehicle, wind, loop = found.plan.vehicle, found.study.wind * size, found.comparison
+def flown_in_a_head_wind(findings: Findings, limit: float, size: float = 1.0) -> float:
+    """Return the attitude [rad] long after a wind, flown at the dynamic pressure encountered."""
+    vehicle, wind, loop = findings.plan.vehicle, findings.study.wind * size, findings.comparison
     path, sign = float(vehicle.attitude), np.sign(float(wind.peak))
 
     def plant(ratio: float) -> tv.Plant:
@@ -186,7 +186,7 @@ def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> fl
             "normal_force_slope": vehicle.normal_force_slope * ratio,
             "axial_force": vehicle.axial_force * ratio,
         }
-        return tv.Plant.from_vehicle(vehicle.replace(**more), found.plan.model)
+        return tv.Plant.from_vehicle(vehicle.replace(**more), findings.plan.model)
 
     ends = [[np.asarray(one) for one in plant(ratio).matrices()[:2]] for ratio in (1.0, 2.0)]
 
@@ -236,7 +236,9 @@ def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights()
     expected = loop.autopilot.margins(loop.plant)
     assert loop.margins.phase_margin_deg == expected.phase_margin_deg
     assert loop.margins.phase_margin_deg < before.margins.phase_margin_deg - 1.0
-    assert loop.peak_deflection == before.peak_deflection  # of the continuous autopilot, as told
+    assert (
+        loop.peak_deflection == before.peak_deflection
+    )  # of the continuous autopilot, as a note says
     assert "all peaks of the continuous one" in " ".join(loop.notes)
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
     flown = {"actuator": tv.Actuator(), "sample_rate": 20.0, "rate_limit": nozzle.rate_limit}

@@ -204,7 +204,7 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
         | {f"wind.{name}.part": angle / c.trim_deflection for name, angle in beside.items()}
         | {f"wind.{name}": np.degrees(angle) for name, angle in angles.items()}
         | {
-            "asked.autopilot_deg": np.degrees(c.peak_deflection),
+            "question.autopilot_deg": np.degrees(c.peak_deflection),
             "facts.stop_deg": stop,
             "failure.required_deg": stop,
             "failure.limit_deg": 0.4,
@@ -232,9 +232,9 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
 def expected_dispersed(plan: tv.studyfile.StudyPlan, study: tv.Study) -> dict[str, float]:
     d = tv.ensembles.disperse_study(study, plan.dispersions, cases=300, seed=1)
     return {
-        "asked.probability": 99.865,
+        "question.probability": 99.865,
         "basis.success": 100.0 * d.success.estimate,
-        "asked.success": 100.0 * d.success.upper,
+        "question.success": 100.0 * d.success.upper,
         "facts.covers_deg": np.degrees(d.required.upper),
         "dispersed.cases": 300.0,
         "dispersed.seed": 1.0,
@@ -321,10 +321,10 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
         if not np.isfinite(expected[key]):
             continue
         row = {"required": expected[key], "available": 0.4, "remaining": 0.4 - expected[key]}
-        expected |= {f"asked.{name}.{column}_deg": value for column, value in row.items()}
+        expected |= {f"question.{name}.{column}_deg": value for column, value in row.items()}
     phase = expected["criteria.phase_margin_deg.surplus"]
     row = {"required": 30.0, "available": 30.0 + phase, "remaining": phase}
-    expected |= {f"asked.margins.{column}_deg": value for column, value in row.items()}
+    expected |= {f"question.margins.{column}_deg": value for column, value in row.items()}
     for key in needs.values():  # they stand in the table of all questions
         del expected[key]
     seen = {
@@ -514,10 +514,10 @@ def test_a_pulse_without_a_closed_form_is_named_no_equation(
 ) -> None:
     monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
     bare = tv.studyfile.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
-    told = set(section(find(bare), "equations").of("th"))
+    equations = set(section(find(bare), "equations").of("th"))
 
-    assert {"(4b)", "(5)", "(B7)"} <= told
-    assert not {"(7)", "(12)", "(16)", "(18)"} & told
+    assert {"(4b)", "(5)", "(B7)"} <= equations
+    assert not {"(7)", "(12)", "(16)", "(18)"} & equations
 
 
 def test_a_measured_wind_is_told_with_its_station_its_date_and_the_direction_of_flight() -> None:
@@ -525,10 +525,10 @@ def test_a_measured_wind_is_told_with_its_station_its_date_and_the_direction_of_
     wind = {"peak_deg": 5.0, "duration_s": 7.5}
     study = {"vehicle": "configuration-i"}
     request = parse_study({"study": study, "wind": [wind, sounding], "schedule": {}}).sizing
-    (told,) = map(text, request.sounding_lines())
+    (sounding_line,) = map(text, request.sounding_lines())
     for said in ("wyoming.txt: 74794 XMR Cape Kennedy", "12Z 15 Feb 2024", "towards 62.5 deg"):
-        assert said in told
-    assert "soundings/" not in told
+        assert said in sounding_line
+    assert "soundings/" not in sounding_line
 
 
 @pytest.mark.parametrize(
@@ -543,9 +543,9 @@ def test_each_model_has_the_equation_that_glossary_and_conventions_say(
     plan: tv.studyfile.StudyPlan, model: str, named: set[str], others: set[str]
 ) -> None:
     bare = tv.studyfile.StudyPlan(vehicle=plan.vehicle, model=model)
-    told = set(section(find(bare), "equations").of("th"))
-    assert named | {"(12)"} <= told
-    assert not others & told
+    equations = set(section(find(bare), "equations").of("th"))
+    assert named | {"(12)"} <= equations
+    assert not others & equations
 
 
 @pytest.mark.thorough
@@ -662,8 +662,8 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     tiles = {name: said for name, (_, said) in section(short, "questions").numbers.items()}
 
     assert headline["verdict.surplus_deg"] == shown["total.short_deg"]
-    assert tiles["asked.whole_flight.required_deg"] == headline["verdict.required_deg"]
-    assert tiles["asked.wind.required_deg"] == "0.368"
+    assert tiles["question.whole_flight.required_deg"] == headline["verdict.required_deg"]
+    assert tiles["question.wind.required_deg"] == "0.368"
     assert verdict.sentence(short)[0] == "NOT SUFFICIENT: the limit of "
     assert "the whole flight of configuration-i requires" in text(verdict.sentence(short))
     total = enough.flight[1]
@@ -735,12 +735,12 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
     plan: tv.studyfile.StudyPlan,
 ) -> None:
     edge = tv.boundary.single_pole_validity(tv.Coefficients.from_vehicle(plan.vehicle))
-    for duration, told in ((0.999 * edge, False), (1.001 * edge, True)):
+    for duration, noted in ((0.999 * edge, False), (1.001 * edge, True)):
         long = tv.studyfile.StudyPlan(
             vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration)
         )
         doubts = [text(one.line) for one in assumptions(find(long)) if one.state == "doubt"]
-        assert any("slow motion" in one for one in doubts) is told
+        assert any("slow motion" in one for one in doubts) is noted
 
 
 @pytest.mark.thorough
@@ -804,10 +804,10 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -
         nozzle=tv.Nozzle(limit=np.radians(0.2)),
     )
     result = find(long)
-    told = section(result, "assumptions").text
+    assumptions = section(result, "assumptions").text
 
     assert len(result.study.notes) == 2
-    assert all(as_sentence(note) in told for note in result.study.notes)
+    assert all(as_sentence(note) in assumptions for note in result.study.notes)
     beside = "".join(one for one in verdict.basis(result) if isinstance(one, str))
     assert "trusts a forecast of the wind" in beside
 
@@ -837,15 +837,15 @@ def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives(
     vehicle, limit = tv.load_vehicle("configuration-i"), np.radians(0.2)
     nozzle, design = tv.Nozzle(limit=limit), tv.AutopilotDesign(design="canonical")
     calm = tv.studyfile.StudyPlan(vehicle=vehicle, nozzle=nozzle, design=design, sign="frozen")
-    told = {}
+    peaks = {}
     for plan in (calm, replace(calm, sign=None)):
         (peak, *_) = Page(tv.report_html(plan)).numbers["facts.survivable_peak_deg"]
-        told[plan.sign] = float(peak)
+        peaks[plan.sign] = float(peak)
     result = find(calm)
     expected = 5.0 * limit / abs(result.stop.deflection)
-    assert told["frozen"] == pytest.approx(expected, rel=1e-12)
+    assert peaks["frozen"] == pytest.approx(expected, rel=1e-12)
 
-    angle, path = -np.radians(told[None]), float(vehicle.attitude)
+    angle, path = -np.radians(peaks[None]), float(vehicle.attitude)
     against = np.sin(angle) / np.sin(path + angle)
     more = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
     denser = vehicle.replace(
@@ -857,7 +857,7 @@ def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives(
     plant = tv.Plant.from_vehicle(denser, calm.model)
     least = tv.closed_loop_boundary(plant, law, wind, **calm.hardware).deflection
     assert abs(least) == pytest.approx(limit, rel=1e-4)
-    assert told[None] < 0.95 * told["frozen"]
+    assert peaks[None] < 0.95 * peaks["frozen"]
 
 
 def test_a_notebook_shows_a_short_table() -> None:

@@ -25,7 +25,7 @@ ASKED = {"archive": "s-data.txt", "azimuth_deg": 90, "plane": "pitch", "persiste
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Return where jets of 2, 4 ... 80 m/s are, in no order; the third never met the flight."""
+    """Return the folder of jets of 2, 4 ... 80 m/s, in no order; the third is never encountered."""
     place = tmp_path_factory.mktemp("archive")
     times = days("2023-02-15T00", 40)
     balloons = [

@@ -48,8 +48,8 @@ _BROKEN = """return [...document.querySelectorAll('a[href^="#"], use')].filter(o
 }).length;"""
 _COLOURS = """const paper = one => {
   for (; one; one = one.parentElement) {
-    const found = getComputedStyle(one).backgroundColor;
-    if (found !== 'rgba(0, 0, 0, 0)') return found;
+    const color = getComputedStyle(one).backgroundColor;
+    if (color !== 'rgba(0, 0, 0, 0)') return color;
   }
   return 'rgb(255, 255, 255)';
 };

@@ -64,13 +64,13 @@ def page(plan: tv.studyfile.StudyPlan) -> tuple[str, Findings]:
 
 
 @pytest.fixture(scope="module")
-def found(page: tuple[str, Findings]) -> Findings:
+def findings(page: tuple[str, Findings]) -> Findings:
     return page[1]
 
 
 @pytest.fixture(scope="module")
-def shown(found: Findings) -> dict[str, float]:
-    return section(found, "flexible").values
+def shown(findings: Findings) -> dict[str, float]:
+    return section(findings, "flexible").values
 
 
 def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
@@ -81,7 +81,7 @@ def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
 
 
 @pytest.mark.thorough
-def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, shown, plan):
+def test_the_section_shows_margins_by_band_and_modes_off_their_places(findings, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
     autopilot = plan.autopilot
     bands = autopilot.band_margins(plant)
@@ -97,13 +97,13 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
     assert shown["edge.0.lower"] == pytest.approx(off.stable_ranges[0].lower, rel=1e-12)
     moved = plant.shift()
     assert shown["flexible.shift.trim_price"] == pytest.approx(moved.trim_price, rel=1e-12)
-    margin = section(found, "margins").values
+    margin = section(findings, "margins").values
     assert margin["margin.gain_increase_dB"] == pytest.approx(bands.margins.gain_increase_dB)
 
 
 @pytest.mark.thorough
-def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(found, plan):
-    shown, autopilot = section(found, "margins").values, plan.autopilot
+def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(findings, plan):
+    shown, autopilot = section(findings, "margins").values, plan.autopilot
     assert shown["gains.attitude"] == autopilot.attitude_gain
     assert shown["gains.rate"] == autopilot.rate_gain
     assert shown["gains.actuator_frequency"] == autopilot.actuator.natural_frequency
@@ -120,7 +120,7 @@ def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(found, plan):
 
 
 @pytest.mark.thorough
-def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, shown, plan):
+def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(findings, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
     gains = replace(plan.autopilot, actuator=None, delay=0.0)
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
@@ -132,7 +132,7 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found
         many = tv.fly_many(one, law, wind, deflection_limit=plan.nozzle.limit, **nozzle)
         rate = np.degrees(many.peak_deflection_rate)
         assert shown[f"flown.4.{k}_deg"] == pytest.approx(float(rate))
-    answers = {one.name: one for one in questions(found)}
+    answers = {one.name: one for one in questions(findings)}
     assert answers["flexible flight"].yes
     said = "flown at nominal dynamic pressure and 100 Hz the flexible vehicle survives"
     assert answers["flexible flight"].text == said
@@ -145,14 +145,14 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found
 
 @pytest.mark.thorough
 def test_the_whole_page_holds_the_section_and_what_went_in(page):
-    html, found = page
+    html, findings = page
     assert 'id="flexible"' in html
     assert html.count("<svg") == 6
-    inputs = section(found, "inputs").values
+    inputs = section(findings, "inputs").values
     assert inputs["structure.bending.0.modal_mass"] == 5e4
     assert inputs["structure.slosh.0.station"] == 12.0
     assert "structure.slosh.0.frequency" not in inputs
-    assert "the autopilot alone" in section(found, "assumptions").text
+    assert "the autopilot alone" in section(findings, "assumptions").text
 
 
 def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
@@ -160,31 +160,31 @@ def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
     monkeypatch.setattr(
         gain_designs, "specified_autopilot", lambda *a: sought.append(a) or seek(*a)
     )
-    found = find(replace(plan, nozzle=tv.Nozzle()))
+    findings = find(replace(plan, nozzle=tv.Nozzle()))
     assert len(sought) == 1
-    assert found.flexible.autopilot is found.comparison.autopilot
+    assert findings.flexible.autopilot is findings.comparison.autopilot
 
 
 @pytest.mark.thorough
 def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
-    found = find(replace(plan, design=replace(plan.design, filters=())))
-    answers = {one.name: one for one in questions(found)}
-    assert sufficient(found) is False
+    findings = find(replace(plan, design=replace(plan.design, filters=())))
+    answers = {one.name: one for one in questions(findings)}
+    assert sufficient(findings) is False
     for name in ("autopilot", "margins", "flexible flight"):
         assert answers[name].yes is False
     assert "its nozzle keeps oscillating" in answers["flexible flight"].text
     assert "flexible vehicle is not stable" in answers["autopilot"].text
-    shown = section(found, "flexible")
+    shown = section(findings, "flexible")
     assert "rigid.gain_increase_dB" not in shown.values
     assert "no limit in the range survives" in shown.text
 
 
 @pytest.mark.thorough
 def test_a_vehicle_alone_says_what_its_margins_need(folder):
-    found = find(tv.load_study(folder / "my.toml"))
-    said = section(found, "flexible").of("p")[-1]
+    findings = find(tv.load_study(folder / "my.toml"))
+    said = section(findings, "flexible").of("p")[-1]
     assert "require an autopilot: [autopilot] in a study file" in said
-    assert [one.name for one in questions(found)] == []
+    assert [one.name for one in questions(findings)] == []
     assert not section(find(tv.load_study("configuration-i")), "flexible").text
 
 
@@ -197,12 +197,12 @@ def test_what_is_asked_of_modes_needs_modes():
 def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_lost():
     heavy = tv.load_study("made-up-booster")
     plan = replace(heavy, design=tv.AutopilotDesign(), nozzle=tv.Nozzle(limit=0.1, actuator=None))
-    found = find(plan)
-    assert "second order" in found.reasons["flexible"]
-    answers = {one.name: one for one in questions(found)}
+    findings = find(plan)
+    assert "second order" in findings.reasons["flexible"]
+    answers = {one.name: one for one in questions(findings)}
     assert answers["margins"].yes is None
     assert answers["flexible flight"].yes is None
-    assert "second order" in section(found, "flexible").of("p")[-1]
+    assert "second order" in section(findings, "flexible").of("p")[-1]
 
 
 @pytest.mark.thorough
@@ -210,5 +210,5 @@ def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
     """With an actuator of 25.1 rad/s, of any number of samples in its time."""
     for rate in (20.0, 50.0, 60.0):
         laws = tv.design.LawsRequest(names=("trim",), sample_rate=rate)
-        found = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
-        assert f"sampled at {rate:g} Hz" in section(found, "laws").text
+        findings = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
+        assert f"sampled at {rate:g} Hz" in section(findings, "laws").text

@@ -31,15 +31,15 @@ GIVEN = ("--natural-frequency", "1.5", "--damping", "0.7", "--delay-ms", "10")
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
+def findings(tmp_path_factory):
     path = tmp_path_factory.mktemp("study") / "s.toml"
     path.write_text(TEXT)
     return find(tv.load_study(path))
 
 
-def test_every_margin_of_the_page_stands_in_the_terminal(found):
+def test_every_margin_of_the_page_stands_in_the_terminal(findings):
     printed = CliRunner().invoke(app, ["margins", "configuration-i", *GIVEN, "--more"]).output
-    numbers = section(found, "margins").numbers
+    numbers = section(findings, "margins").numbers
     of_table = ("margin.", "criteria.")
     shown = [text for name, (_, text) in numbers.items() if name.startswith(of_table)]
 
@@ -47,8 +47,8 @@ def test_every_margin_of_the_page_stands_in_the_terminal(found):
     assert all(text in printed for text in shown)
 
 
-def test_the_card_has_the_margins_of_the_table(found):
-    margins = found.comparison.margins
+def test_the_card_has_the_margins_of_the_table(findings):
+    margins = findings.comparison.margins
     card = margins._repr_html_()
 
     for row in margin_table(margins).rows:
@@ -71,13 +71,13 @@ def shown(*tables):
     return [one.text for row in rows for line in row for one in line if _is_number(one)]
 
 
-def test_a_study_has_the_digits_of_the_page_in_the_terminal_and_in_a_notebook(found):
-    printed, card = run("study", "configuration-i", "--more"), found.study._repr_html_()
-    on_page = section(found, "boundaries").numbers | section(found, "inputs").numbers
+def test_a_study_has_the_digits_of_the_page_in_the_terminal_and_in_a_notebook(findings):
+    printed, card = run("study", "configuration-i", "--more"), findings.study._repr_html_()
+    on_page = section(findings, "boundaries").numbers | section(findings, "inputs").numbers
     numbers = [
         text for name, (_, text) in on_page.items() if not name.startswith(("question.", "wind."))
     ]
-    (needed,) = filter(_is_number, requirement(found.study))
+    (needed,) = filter(_is_number, requirement(findings.study))
 
     assert len(numbers) > 40
     assert all(text in printed for text in numbers)

@@ -414,9 +414,9 @@ def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
     )
     for plane in ("pitch", "yaw"):
         case = replace(plan(), plane=plane)
-        met = request.at(case, 66.0, case.wind)
-        meets = 60.0 * (np.sin(met.vehicle.attitude) if plane == "pitch" else 1.0)
-        across = np.sin(met.history.peak) * met.vehicle.velocity
+        encountered = request.at(case, 66.0, case.wind)
+        meets = 60.0 * (np.sin(encountered.vehicle.attitude) if plane == "pitch" else 1.0)
+        across = np.sin(encountered.history.peak) * encountered.vehicle.velocity
         assert across == pytest.approx(meets, rel=1e-14)
 
 

@@ -109,9 +109,9 @@ def test_one_stable_vehicle_in_a_batch_has_no_beta():
 @pytest.mark.parametrize(("mu_alpha", "has"), [(0.25, True), (0.0, False), ([0.25, -0.25], False)])
 def test_only_where_every_vehicle_is_unstable_are_a_beta_and_a_pole_shown(mu_alpha, has):
     c = Coefficients(mu_alpha=mu_alpha, mu_delta=2.0, name="booster")
-    told = c.as_dict()
-    assert (told["beta_per_s"], told["pole_per_s"]) == ((0.5, 0.5) if has else (None, None))
-    np.testing.assert_array_equal(told["B"], np.divide(mu_alpha, 2.0))
+    document = c.as_dict()
+    assert (document["beta_per_s"], document["pole_per_s"]) == ((0.5, 0.5) if has else (None, None))
+    np.testing.assert_array_equal(document["B"], np.divide(mu_alpha, 2.0))
     shown = c._repr_html_()
     assert [f">{name}<" in shown for name in ("beta", "pole", "K1", "B")] == [has] * 3 + [True]
     assert "Coefficients: booster" in shown

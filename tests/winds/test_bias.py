@@ -62,7 +62,7 @@ def test_the_mean_of_an_archive_is_that_of_its_profiles(tmp_path):
         archive[:0].mean()
 
 
-def asked(*options):
+def boundary_command(*options):
     words = ("boundary", "configuration-i", "--winds", SOUNDINGS / "wyoming.txt", *options)
     return CliRunner().invoke(app, [*map(str, words), "--azimuth-deg", "90", "--json"])
 
@@ -75,11 +75,11 @@ def bias(file, month=None):
 
 @pytest.mark.thorough
 def test_a_biased_path_leaves_less_to_the_nozzle(tmp_path):
-    plain = json.loads(asked().stdout)
-    biased = json.loads(asked(*bias(SOUNDINGS / "table.csv")).stdout)
+    plain = json.loads(boundary_command().stdout)
+    biased = json.loads(boundary_command(*bias(SOUNDINGS / "table.csv")).stdout)
     assert plain["wind"]["peak_deg"] != biased["wind"]["peak_deg"]
     station = write(tmp_path / "s-data.txt", [Balloon("2023-02-01T00", jet(6.0))])
-    month = asked(*bias(station, 2))
+    month = boundary_command(*bias(station, 2))
     assert month.exit_code == 0
     for options, words in (
         (bias(SOUNDINGS / "wyoming.txt"), "zero"),
@@ -87,7 +87,7 @@ def test_a_biased_path_leaves_less_to_the_nozzle(tmp_path):
         (bias(SOUNDINGS / "table.csv", 2), "station"),
         (("--set", "sounding.bias_month=2"), "needs bias"),
     ):
-        refused = asked(*options)
+        refused = boundary_command(*options)
         assert refused.exit_code == 2, options
         assert words in " ".join(refused.output.split())
 
@@ -100,17 +100,17 @@ def test_the_dynamic_pressure_is_that_of_all_that_blows():
     whole = tv.WindProfile(
         height=height, east=np.linspace(-50.0, -45.0, 9), north=5.0 + 0.0 * height
     )
-    met = tv.fly_through(whole, flight, azimuth=np.radians(90.0), bias=mean)
+    encountered = tv.fly_through(whole, flight, azimuth=np.radians(90.0), bias=mean)
     left = tv.fly_through(whole - mean, flight, azimuth=np.radians(90.0))
-    assert met.wind.angle == pytest.approx(left.wind.angle, abs=1e-15)
-    time = met.wind.time
+    assert encountered.wind.angle == pytest.approx(left.wind.angle, abs=1e-15)
+    time = encountered.wind.time
     speed, climb = (
         np.interp(time, flight.time, one) for one in (flight.speed, flight.flight_path_angle)
     )
     east = np.interp(np.interp(time, flight.time, flight.height), height, whole.east)
     air = np.array([speed * np.cos(climb) - east, 0.0 * time - 5.0, speed * np.sin(climb)])
-    assert met.speeds.pressure == pytest.approx((air**2).sum(axis=0) / speed**2, rel=1e-12)
-    computed = [tv.size(flight, one, times=[66.0]).required for one in (met, left)]
+    assert encountered.speeds.pressure == pytest.approx((air**2).sum(axis=0) / speed**2, rel=1e-12)
+    computed = [tv.size(flight, one, times=[66.0]).required for one in (encountered, left)]
     frozen, varying = (
         [float(one[name].max()) for one in computed] for name in ("K = 1", "K = 1, varying")
     )

@@ -93,8 +93,8 @@ def test_knots_stand_where_the_flight_meets_the_levels():
     profile = jet()
     wind = profile.to_wind(flight, azimuth=EAST)
     rate = np.diff(flight.height)[0] / np.diff(flight.time)[0]
-    met = flight.time[0] + (profile.height[1:4] - flight.height[0]) / rate
-    np.testing.assert_allclose(wind.time[1:-1], met, rtol=1e-14)
+    crossing_times = flight.time[0] + (profile.height[1:4] - flight.height[0]) / rate
+    np.testing.assert_allclose(wind.time[1:-1], crossing_times, rtol=1e-14)
     assert (wind.time[0], wind.time[-1]) == (flight.time[0], flight.time[-1])
 
 

@@ -235,11 +235,11 @@ def test_slices_masks_and_profiles_hold_the_same_levels(tmp_path) -> None:
 
 
 def test_a_reader_tells_how_far_it_is(tmp_path) -> None:
-    told: list[tuple[int, int]] = []
-    read(tmp_path, Balloon("2024-02-01T00", FIVE), progress=lambda *now: told.append(now))
+    calls: list[tuple[int, int]] = []
+    read(tmp_path, Balloon("2024-02-01T00", FIVE), progress=lambda *now: calls.append(now))
 
     size = (tmp_path / "station-data.txt").stat().st_size
-    assert told[-1] == (size, size)
+    assert calls[-1] == (size, size)
 
 
 def test_a_zip_of_something_else_is_refused(tmp_path) -> None:

@@ -154,8 +154,8 @@ def test_missing_values_are_missing_and_not_winds(tmp_path, gap) -> None:
     profile = read(tmp_path, text)
     holds(profile)
     assert any(note.startswith("2 levels without a wind bridged") for note in profile.notes)
-    told = any("taken for a missing value" in note for note in profile.notes)
-    assert told == (gap in {"999", "9999", "-999.0"})
+    noted = any("taken for a missing value" in note for note in profile.notes)
+    assert noted == (gap in {"999", "9999", "-999.0"})
     high = read(tmp_path, f"{HEAD}\n999,3,270\n9999,12,280\n")
     np.testing.assert_array_equal(high.height, [999.0, 9999.0])
 
