@@ -283,12 +283,16 @@ def test_the_list_of_keys_ends_with_the_columns_of_a_flight_and_of_gains(tmp_pat
     known = {*VEHICLE_TABLES["vehicle"].every_key, *FLIGHT_COLUMNS.keys, "name", "structure"}
     assert set(flight) <= known
     file = tmp_path / "gains.csv"
+    filters = {key.replace(".N.", ".1.") for key in gains if ".N." in key}
+    columns = [key for key in gains[5:] if ".N." not in key] + sorted(filters)
     for variable in gains[:5]:
         file.write_text(
-            f"{variable},{','.join(gains[5:])}\n"
-            + "".join(f"{k},{','.join('1' for _ in gains[5:])}\n" for k in (1, 2))
+            f"{variable},{','.join(columns)}\n"
+            + "".join(f"{k},{','.join('1' for _ in columns)}\n" for k in (1, 2))
         )
-        assert load_gains(file).gains.keys() >= {"attitude_gain", "rate_gain"}
+        table, of_filters = load_gains(file)
+        assert table.gains.keys() >= {"attitude_gain", "rate_gain"}
+        assert of_filters.keys() == filters
     said = " ".join(ran("init", "--keys")[1].split())
     assert "Columns of a table of gains (CSV)" in said
 

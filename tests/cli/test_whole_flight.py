@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tests.whole_flight import autopilot, flight, write_flight
+from tests.whole_flight import TIMES, autopilot, flight, write_flight
 from tvclin.cli.app import app
 from tvclin.vehicle import Filter
 
@@ -92,6 +92,91 @@ def test_options_take_the_place_of_the_schedule_and_a_rule_is_applied_at_each_ti
     np.testing.assert_allclose(
         document["margins"]["phase_margin_deg"], swept.margins.phase_margin_deg, rtol=1e-9
     )
+
+
+FILTERED = """
+[size]
+every_s = 20
+
+[[autopilot.filter]]
+kind = "low-pass"
+damping = 0.7
+
+[[autopilot.filter]]
+kind = "low-pass"
+on = "rate"
+frequency_rad_per_s = 150.0
+
+[[autopilot.filter]]
+kind = "notch"
+mode = "first"
+zero_damping = 0.1
+
+[[autopilot.filter]]
+kind = "notch"
+mode = "second"
+zero_damping = 0.1
+pole_damping = 0.6
+"""
+
+
+@pytest.fixture(scope="module")
+def filtered(folder):
+    """Return a study whose filters have columns over the flight, and its autopilot in Python."""
+    law = autopilot().autopilot
+    corner, width, ratio = (
+        np.linspace(*ends, 5) for ends in ((10.0, 14.0), (0.4, 0.8), (0.95, 1.05))
+    )
+    columns = ("filter.1.frequency_Hz", "filter.3.pole_damping", "filter.first.ratio")
+    rows = np.stack([TIMES, law.attitude_gain, law.rate_gain, corner, width, ratio], axis=-1)
+    head = ",".join(("time_s", "attitude_gain", "rate_gain_s", *columns))
+    np.savetxt(folder / "filtered.csv", rows, "%.17g", ",", header=head, comments="")
+    text = (folder / "study.toml").read_text(encoding="utf-8").partition("[[autopilot.filter]]")[0]
+    study = folder / "filtered.toml"
+    study.write_text(text.replace("gains.csv", "filtered.csv") + FILTERED, encoding="utf-8")
+    lags = (Filter.low_pass(2.0 * np.pi * corner, 0.7),)
+    notch = tv.control.ModeNotch(mode="first", zero_damping=0.1, pole_damping=width, ratio=ratio)
+    made = autopilot(filters=lags, rate_filters=(Filter.low_pass(150.0),), sample_rate=50.0)
+    return study, replace(made, notches=(notch, notched().notches[1]))
+
+
+def test_filters_with_columns_over_the_flight_are_those_of_python(folder, filtered) -> None:
+    study, made = filtered
+    document = json.loads(run("margins", study, "--json").stdout)
+    swept = tv.control.sweep(read(folder), made, np.arange(30.0, 111.0, 20.0))
+    got = document["margins"]["phase_margin_deg"]
+    np.testing.assert_allclose(got, swept.margins.phase_margin_deg, rtol=1e-9)
+    at_60 = json.loads(run("margins", study, "--at", 60, "--json").stdout)
+    vehicle = read(folder).at(60.0)
+    plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
+    margins = made.along(read(folder), 60.0).margins(plant)
+    got = at_60["margins"]["phase_margin_deg"]
+    assert got == pytest.approx(margins.phase_margin_deg, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("column", "message"),
+    [
+        (
+            "filter.5.damping",
+            "filter.5.damping must name a filter .*; 1, 2, 3, 4, first and second are known",
+        ),
+        ("filter.1.damping", "filter.1.damping is given twice; keep one"),
+        ("filter.1.frequency", "filter 1 of the autopilot: frequency has no known unit"),
+        ("filter.2.zero_damping", "filter 2 .*: a low-pass filter takes frequency, damping; got"),
+        ("filter.1.corner_Hz", "unknown key in .*'corner_Hz'"),
+        ("corner_Hz", "line 1: unknown key in a table of gains.*numbers of filters are filter.N.K"),
+    ],
+)
+def test_a_column_of_no_filter_is_refused_in_one_sentence(
+    folder, filtered, column, message
+) -> None:
+    text = (folder / "filtered.csv").read_text(encoding="utf-8")
+    wrong = text.replace("filter.first.ratio", column, 1)
+    (folder / "wrong.csv").write_text(wrong, encoding="utf-8")
+    result = run("margins", filtered[0], "--set", "autopilot.schedule", "wrong.csv")
+    assert (result.exit_code, result.stderr.count("Error")) == (2, 1), result.output
+    assert re.search(message, " ".join(result.stderr.split())), result.stderr
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,20 @@ def test_a_notch_follows_its_mode_and_the_actuator_the_flight() -> None:
         replace(autopilot(), notches=(notch,)).at(50.0)
 
 
+def test_the_numbers_of_a_notch_at_a_mode_are_interpolated_in_the_variable() -> None:
+    made, width = flight(), np.array([0.3, 0.4, 0.6, 0.5, 0.7])
+    notch = tv.control.ModeNotch(mode="first", zero_damping=0.05, pole_damping=width)
+    schedule = replace(autopilot(), notches=(notch,))
+    want = replace(notch, pole_damping=0.5).at(made, 60.0)
+    np.testing.assert_allclose(
+        schedule.along(made, 60.0).filters[-1].denominator, want.denominator, rtol=1e-14
+    )
+    with pytest.raises(InputError, match=r"first must have one number for each of the 5 .* \(2,\)"):
+        replace(schedule, notches=(replace(notch, pole_damping=[0.3, 0.4]),))
+    with pytest.raises(InputError, match="broadcast|shapes"):
+        notch.at(made, [50.0, 60.0])
+
+
 def test_times_of_equal_pressure_need_other_gains() -> None:
     made = flight(flexible=False)
     times = np.linspace(30.0, 110.0, 81)

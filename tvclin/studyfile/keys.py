@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -21,7 +21,8 @@ from tvclin.base.units import written
 from tvclin.case.load import LoadBound
 from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.case.turbulence import TurbulenceRequest
-from tvclin.control.autopilot.design_rules import FILTER_TABLE, AutopilotDesign
+from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.control.autopilot.filter_table import COLUMN_PREFIX, FILTER_TABLE
 from tvclin.control.autopilot.gain_table import GAIN_COLUMNS
 from tvclin.design.standard_trials import LawsRequest
 from tvclin.ensembles.availability.availability import AvailabilityRequest
@@ -103,9 +104,9 @@ _HELP = {
     "load.q_alpha": "Largest product of dynamic pressure and angle of attack.",
     "load.alpha_moment": "Bending moment per angle of attack at the station.",
     "load.deflection_moment": "Bending moment per deflection at the station.",
-    "autopilot.schedule": "CSV of gains over the flight; its columns stand at the end.",
+    "autopilot.schedule": "CSV of gains and filters over the flight; its columns stand at the end.",
     "autopilot.filter.mode": "Bending mode of the flight that a notch follows.",
-    "autopilot.filter.ratio": "Frequency of such a notch over that of its mode.",
+    "autopilot.filter.ratio": "Frequency of a notch over that of the mode that it follows.",
     "autopilot.filter.kind": "Kind of a filter: notch, low-pass, lead-lag or rational.",
     "autopilot.filter.on": "Signal of the filter: sum, attitude or rate.",
     "autopilot.filter.frequency": "Frequency of a notch or a low-pass filter.",
@@ -256,18 +257,21 @@ def column_tables() -> list[Table]:
         Key(".structure", (), "", "File of the structure at each flight time, beside this one"),
         *_keys("flight schedule", FLIGHT_COLUMNS),
     ]
+    numbers = FileTable(FILTER_TABLE.heading, FILTER_TABLE.quantities)
+    filters = [
+        replace(key, name=key.name.replace("autopilot.filter.", f".{COLUMN_PREFIX}N."))
+        for key in _keys("autopilot.filter", numbers)
+    ]
     schedule = "Columns of a flight schedule (CSV): a line for each time, time_s among them"
     gains = (
         "Columns of a table of gains (CSV), autopilot.schedule: one variable of the flight,"
-        " attitude_gain and rate_gain_s"
+        " attitude_gain and rate_gain_s; N: number of an [[autopilot.filter]], or mode of its notch"
     )
     return [
-        words(
-            caption, ["column", "meaning"], [[k.name.rpartition(".")[2], k.meaning] for k in keys]
-        )
+        words(caption, ["column", "meaning"], [[k.name.partition(".")[2], k.meaning] for k in keys])
         for caption, keys in (
             (schedule, [*vehicle, *others]),
-            (gains, list(_keys("gains", GAIN_COLUMNS))),
+            (gains, [*_keys("gains", GAIN_COLUMNS), *filters]),
         )
     ]
 

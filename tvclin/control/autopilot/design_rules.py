@@ -6,20 +6,20 @@ The table [autopilot] holds the fields of `AutopilotDesign`; each filter has a t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
 from tvclin.base import errors
+from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import checked, count, file_table, quantity, word
 from tvclin.base.files import exists
-from tvclin.base.lines import listed
-from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import ACCELEROMETER, ACCELEROMETER_BANDWIDTH, CHAINS, GAINS
-from tvclin.control.autopilot.gain_table import GainTable, ModeNotch, load_gains
+from tvclin.control.autopilot.filter_table import specified_filters
+from tvclin.control.autopilot.gain_table import GainTable, load_gains
 from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,
@@ -31,86 +31,6 @@ from tvclin.control.autopilot.gains import (
 )
 from tvclin.linear.plant import STATION_RANGE, Plant
 from tvclin.vehicle.filters import Filter
-
-CHAIN_OF_POSITION = {"sum": "filters", "attitude": "attitude_filters", "rate": "rate_filters"}
-"""Position of a filter in a file, and the name of its chain in an `Autopilot`."""
-_NEEDED = {
-    "notch": ("frequency", "zero_damping", "pole_damping"),
-    "low-pass": ("frequency",),
-    "lead-lag": ("zero", "pole"),
-    "rational": ("numerator", "denominator"),
-}
-_ALLOWED = _NEEDED | {"low-pass": ("frequency", "damping")}
-_MAKERS: dict[str, Callable[..., Filter]] = {
-    "notch": Filter.notch,
-    "low-pass": Filter.low_pass,
-    "lead-lag": Filter.lead_lag,
-    "rational": Filter.from_coefficients,
-}
-FILTER_TABLE = FileTable(
-    "[[autopilot.filter]]",
-    {
-        "frequency": "natural frequency",
-        "damping": "number",
-        "zero_damping": "number",
-        "pole_damping": "number",
-        "zero": "natural frequency",
-        "pole": "natural frequency",
-        "ratio": "number",
-    },
-    words=("kind", "on", "mode"),
-    lists=("numerator", "denominator"),
-    required=("kind",),
-)
-
-
-def filter_chains(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Filter, ...]]:
-    """Return the filters of [[autopilot.filter]] tables, by the chain names of an `Autopilot`.
-
-    `InputError`, with the number of the filter, for rows that are no tables, an unknown kind or
-    position, and a key that is missing or not of that kind.
-    """
-    chains: dict[str, list[Filter]] = {chain: [] for chain in CHAIN_OF_POSITION.values()}
-    for k, row in enumerate(rows, start=1):
-        if not isinstance(row, Mapping):
-            raise errors.InputError(
-                f"filter must be given as {FILTER_TABLE.heading}; got {errors.shown(row)}"
-            )
-        with errors.naming(f"filter {k} of the autopilot"):
-            position, filter_ = _filter(row)
-        chains[CHAIN_OF_POSITION[position]].append(filter_)
-    return {chain: tuple(filters) for chain, filters in chains.items()}
-
-
-def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
-    """Return the position and the filter of one table."""
-    keys = FILTER_TABLE.read(row)
-    position = errors.one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
-    kind = errors.one_of("kind", keys.pop("kind"), _MAKERS)
-    FILTER_TABLE.need(keys, _NEEDED[kind])
-    for name in keys:
-        if name not in _ALLOWED[kind]:
-            raise errors.InputError(
-                f"a {kind} filter takes {', '.join(_ALLOWED[kind])}; got {name}"
-            )
-    for name in ("numerator", "denominator"):
-        if name in keys:
-            keys[name] = [errors.number(f"{name}[{k}]", c) for k, c in enumerate(keys[name])]
-    return position, _MAKERS[kind](**keys)
-
-
-def _mode_notch(row: Mapping[str, Any]) -> ModeNotch:
-    """Return the notch of a table with a mode, which it follows over the flight."""
-    keys = FILTER_TABLE.read(row)
-    allowed = ("mode", "zero_damping", "pole_damping", "ratio")
-    kind, position = keys.pop("kind"), keys.pop("on", "sum")
-    FILTER_TABLE.need(keys, allowed[:3])
-    if kind != "notch" or position != "sum" or set(keys) - set(allowed):
-        raise errors.InputError(
-            f"a filter that follows a mode is a notch on the sum, of {listed(allowed)}"
-        )
-    return ModeNotch(**keys)
-
 
 LEAST_NOZZLE = "least-nozzle"
 POLE_PLACEMENT_RULES: dict[str, Callable[..., Autopilot]] = {
@@ -199,7 +119,8 @@ class AutopilotDesign:
         Sample rate of the autopilot or law [Hz]. Without it margins are of a continuous one, and
         flights sample it at 100.
     schedule : GainTable, optional
-        Gains over the flight, in place of a rule, and notches that follow a mode.
+        Gains over the flight, in place of a rule, filters over the flight, and notches that
+        follow a mode.
     """
 
     design: str | None = word(DESIGNS, None, shown="canonical")
@@ -251,19 +172,14 @@ class AutopilotDesign:
             For unknown keys, and in the same cases as `AutopilotDesign` and `load_gains`.
         """
         keys = AUTOPILOT_TABLE.read(table)
-        rows: tuple[Any, ...] = keys.pop("filter", ())
-        following = [row for row in rows if isinstance(row, Mapping) and "mode" in row]
-        chains: dict[str, Any] = filter_chains([row for row in rows if row not in following])
-        if "schedule" in keys or following:
-            name = keys.pop("schedule", None)
-            gains = (
-                GainTable()
-                if name is None
-                else load_gains(_file(name, errors.path("folder", folder)))
-            )
-            notches = tuple(_mode_notch(row) for row in following)
-            keys["schedule"] = replace(gains, notches=notches)
-        return cls(**keys, **chains)
+        name, rows = keys.pop("schedule", None), keys.pop("filter", ())
+        gains, columns = GainTable(), dict[str, FloatArray]()
+        if name is not None:
+            gains, columns = load_gains(_file(name, errors.path("folder", folder)))
+        filters = specified_filters(rows, columns)
+        if name is not None or filters.notches:
+            keys["schedule"] = replace(gains, chains=filters.scheduled, notches=filters.notches)
+        return cls(**keys, **filters.constant)
 
     @property
     def unspecified(self) -> bool:

@@ -22,7 +22,8 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
-from tvclin.control.autopilot.gain_table import GainTable, ModeNotch
+from tvclin.control.autopilot.filter_table import NOTCH_NUMBERS, ModeNotch
+from tvclin.control.autopilot.gain_table import GainTable
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -50,13 +51,14 @@ class GainSchedule:
         Variable of the flight, one of time [s], speed [m/s], altitude [m], mach, and
         dynamic_pressure [Pa]; see `flight_variable`.
     notches : tuple of ModeNotch
-        Notches that follow a mode, behind the filters of the autopilot.
+        Notches that follow a mode, behind the filters of the autopilot; their numbers are constant
+        or at the breakpoints, ``(n,)``.
 
     Raises
     ------
     InputError
-        For breakpoints that do not rise, fewer than two, an autopilot of another shape, and filters
-        that change over the flight with an order above two.
+        For breakpoints that do not rise, fewer than two, an autopilot or a notch of another shape,
+        and filters that change over the flight with an order above two.
     """
 
     breakpoints: FloatArray
@@ -87,6 +89,12 @@ class GainSchedule:
                         f" may be unstable; got order {filter_.order} (take several in series)"
                     )
         notches = each("notches", self.notches, ModeNotch, "ModeNotch(mode=...)")
+        for notch in notches:
+            if notch.batch not in {(), points.shape}:
+                raise InputError(
+                    f"the notch at {notch.mode} must have one number for each of the {points.size}"
+                    f" breakpoints; got a batch of shape {notch.batch}"
+                )
         object.__setattr__(self, "notches", notches)
         object.__setattr__(self, "breakpoints", points)
 
@@ -167,7 +175,7 @@ class GainSchedule:
         instance("flight", flight, FlightSchedule, "see load_schedule")
         values = flight_variable(flight, self.variable, time)
         autopilot = self._interpolated(values)
-        notches = tuple(notch.at(flight, time) for notch in self.notches)
+        notches = tuple(self._notch(notch, values).at(flight, time) for notch in self.notches)
         return with_actuator_of(
             replace(autopilot, filters=(*autopilot.filters, *notches)), flight, time
         )
@@ -207,6 +215,11 @@ class GainSchedule:
                 damping=self._line(damping, values),
             )
         return replace(autopilot, **changes)
+
+    def _notch(self, notch: ModeNotch, values: FloatArray) -> ModeNotch:
+        """Return a notch whose numbers are interpolated."""
+        numbers = {name: self._line(getattr(notch, name), values) for name in NOTCH_NUMBERS}
+        return replace(notch, **numbers)
 
     def _line(self, numbers: Any, values: FloatArray) -> Any:
         """Return numbers ``(n,)`` interpolated; a single number is the same everywhere."""
@@ -382,8 +395,7 @@ def flight_autopilot(
     if table.gains:
         if not constant.unspecified:
             raise InputError("give a schedule of gains, or gains or a rule for them, not both")
-        autopilot = Autopilot(**constant.options(actuator) | table.gains)
-        return GainSchedule(table.breakpoints, autopilot, table.variable, table.notches)
+        return _tabulated(table, constant, actuator)
     if design.design == LEAST_NOZZLE:
         raise InputError(
             f"design {LEAST_NOZZLE} is of one flight time: give --at, or a table of its gains, see"
@@ -401,12 +413,19 @@ def design_at(design: AutopilotDesign, flight: FlightSchedule, time: float) -> A
     if table is None:
         return design
     constant = replace(design, schedule=None)
-    notches = tuple(notch.at(flight, time) for notch in table.notches)
-    constant = replace(constant, filters=(*design.filters, *notches))
     if not table.gains:
-        return constant
-    value = float(flight_variable(flight, table.variable, time))
-    gains: dict[str, Any] = {
-        k: float(np.interp(value, table.breakpoints, v)) for k, v in table.gains.items()
-    }
-    return replace(constant, **gains)
+        notches = tuple(notch.at(flight, time) for notch in table.notches)
+        return replace(constant, filters=(*design.filters, *notches))
+    autopilot = _tabulated(table, constant, None).along(flight, time)
+    return replace(constant, **{k: getattr(autopilot, k) for k in (*table.gains, *CHAINS)})
+
+
+def _tabulated(
+    table: GainTable, constant: AutopilotDesign, actuator: Actuator | None
+) -> GainSchedule:
+    """Return the schedule of a table of gains, with the constants of a specification."""
+    options = constant.options(actuator) | table.gains
+    chains = {name: (*options[name], *table.chains.get(name, ())) for name in CHAINS}
+    return GainSchedule(
+        table.breakpoints, Autopilot(**options | chains), table.variable, table.notches
+    )

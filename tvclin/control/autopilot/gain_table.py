@@ -1,21 +1,18 @@
-"""Gains over the flight in a file, and notches that follow a bending mode."""
+"""Gains and numbers of filters over the flight in a file."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Record
-from tvclin.base.errors import InputError, naming, number, positive, text
-from tvclin.base.fields import spec
+from tvclin.base.errors import InputError, naming, shown
 from tvclin.base.sheet import Headings, cell_number, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.autopilot.filter_table import COLUMN_PREFIX, ModeNotch
 from tvclin.vehicle.filters import Filter
 
 _VARIABLES = {
@@ -30,92 +27,55 @@ GAIN_COLUMNS = FileTable("a table of gains", _VARIABLES | GAINS)
 """Columns of a table of gains: one variable of the flight, and gains."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ModeNotch(Record):
-    """Notch behind the sum of all feedbacks, at the frequency of a bending mode at each time.
-
-    Parameters
-    ----------
-    mode : str
-        Name of the mode in the structure of the flight.
-    zero_damping, pole_damping : float
-        As in `Filter.notch`.
-    ratio : float
-        Frequency of the notch over the mode's, positive.
-
-    Raises
-    ------
-    InputError
-        For numbers out of range.
-    """
-
-    mode: str = field(metadata=spec())
-    zero_damping: float = field(metadata=spec())
-    pole_damping: float = field(metadata=spec())
-    ratio: float = field(default=1.0, metadata=spec())
-
-    def __post_init__(self) -> None:
-        text("mode", self.mode)
-        object.__setattr__(self, "zero_damping", number("zero_damping", self.zero_damping))
-        for name in ("pole_damping", "ratio"):
-            object.__setattr__(self, name, number(name, getattr(self, name), positive))
-
-    def at(self, flight: Any, time: ArrayLike) -> Filter:
-        """Return the notch at times [s] of a `FlightSchedule`.
-
-        Raises
-        ------
-        InputError
-            For a flight whose structure has no mode of this name.
-        """
-        structure: Any = getattr(flight, "structure", None)
-        if not hasattr(structure, "mode_number"):
-            raise InputError(f"a notch at {self.mode} needs a flight with a structure over time")
-        mode = structure.at(time).bending[structure.mode_number(self.mode)]
-        frequency = self.ratio * np.asarray(mode.frequency)
-        return Filter.notch(frequency, self.zero_damping, self.pole_damping)
-
-
 @dataclass(frozen=True, eq=False)
 class GainTable:
     """Part of an autopilot's specification that varies over the flight.
 
     `breakpoints`: rising values ``(n,)`` of `variable` in SI units. `gains`: gains by name,
-    ``(n,)``; without gains the specification's, constant or by a rule, count. `notches`:
-    notches that follow a mode.
+    ``(n,)``; without gains the specification's, constant or by a rule, count. `chains`: filters at
+    the breakpoints, ``(n,)``, by the chain names of an `Autopilot`. `notches`: notches that follow
+    a mode.
     """
 
     variable: str = "time"
     breakpoints: FloatArray = field(default_factory=lambda: np.zeros(0))
     gains: dict[str, FloatArray] = field(default_factory=dict)
+    chains: dict[str, tuple[Filter, ...]] = field(default_factory=dict)
     notches: tuple[ModeNotch, ...] = ()
 
 
-def load_gains(source: str | PathLike[str]) -> GainTable:
-    """Return the gains over a variable of the flight in a CSV table.
+def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatArray]]:
+    """Return the gains over a variable of the flight in a CSV table, and its columns of filters.
 
     Parameters
     ----------
     source : str or path
         A table with one column of time_s, speed_m_per_s, altitude_m, mach or dynamic_pressure_Pa,
         rising, and columns with the keys of the gains in [autopilot]: attitude_gain, rate_gain_s...
+        Columns of filters are filter.N.KEY or filter.MODE.KEY, see `specified_filters`.
 
     Raises
     ------
     InputError
-        For a cell that is no number, no or several columns of variables, values that do not rise,
-        and a table without both attitude_gain and rate_gain.
+        For a cell that is no number, an unknown column, no or several columns of variables, values
+        that do not rise, and a table without both attitude_gain and rate_gain.
     """
     sheet = read_sheet(source, "a table of gains", _known_keys, "keys such as mach,attitude_gain")
     keys = [heading.text for heading in sheet.headings]
-    rows: list[dict[str, Any]] = []
+    for key in keys:
+        if not _is_known(key):
+            raise sheet.error(
+                f"{GAIN_COLUMNS.unknown(key)}; numbers of filters are {COLUMN_PREFIX}N.KEY or"
+                f" {COLUMN_PREFIX}MODE.KEY, as filter.1.frequency_rad_per_s"
+            )
+        if keys.count(key) > 1:
+            raise sheet.error(f"every column needs a key of its own; got {shown(key)}")
+    rows: list[dict[str, float]] = []
     for position, cells in zip(sheet.places, sheet.cells, strict=True):
         with naming(position):
-            rows.append(
-                GAIN_COLUMNS.read(
-                    {k: cell_number(k, cell) for k, cell in zip(keys, cells, strict=True)}
-                )
-            )
+            numbers = {k: cell_number(k, cell) for k, cell in zip(keys, cells, strict=True)}
+            of_filters = {k: numbers.pop(k) for k in keys if k.startswith(COLUMN_PREFIX)}
+            rows.append(GAIN_COLUMNS.read(numbers) | of_filters)
     with naming(sheet.text.source):
         variables = [name for name in rows[0] if name in _VARIABLES] if rows else []
         if len(variables) != 1:
@@ -129,9 +89,15 @@ def load_gains(source: str | PathLike[str]) -> GainTable:
             raise InputError(f"{variables[0]} must have two or more values, which rise")
         if not {"attitude_gain", "rate_gain"} <= columns.keys():
             raise InputError("a table of gains needs attitude_gain and rate_gain_s, both")
-    return GainTable(variables[0], points, columns)
+    gains = {name: columns.pop(name) for name in GAINS if name in columns}
+    return GainTable(variables[0], points, gains), columns
 
 
 def _known_keys(headings: Headings) -> float:
     """Return the number of known columns in a line of names."""
-    return float(sum(heading.text in GAIN_COLUMNS.keys for heading in headings))
+    return float(sum(_is_known(heading.text) for heading in headings))
+
+
+def _is_known(column: str) -> bool:
+    """Return whether a column of this name is read."""
+    return column in GAIN_COLUMNS.keys or column.startswith(COLUMN_PREFIX)

@@ -22,12 +22,12 @@ from tvclin.case.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import (
     ADDED_GAINS,
-    CHAIN_OF_POSITION,
     GIVEN_GAINS,
     LEAST_NOZZLE,
     RULE_PARAMETERS,
     AutopilotDesign,
 )
+from tvclin.control.autopilot.filter_table import CHAIN_OF_POSITION
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.linear.plant import MODELS

@@ -1,0 +1,241 @@
+"""Filters of an autopilot as files specify them: constant, over the flight, or at a bending mode.
+
+Each filter has a table of its own, [[autopilot.filter]]. A table of gains over the flight may have
+columns for its numbers, ``filter.2.frequency_rad_per_s`` or ``filter.MODE.pole_damping``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base import errors
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Record
+from tvclin.base.fields import spec
+from tvclin.base.lines import listed
+from tvclin.base.tables import FileTable
+from tvclin.vehicle.filters import Filter
+
+CHAIN_OF_POSITION = {"sum": "filters", "attitude": "attitude_filters", "rate": "rate_filters"}
+"""Position of a filter in a file, and the name of its chain in an `Autopilot`."""
+COLUMN_PREFIX = "filter."
+"""Beginning of the columns of filters in a table of gains."""
+_NEEDED = {
+    "notch": ("frequency", "zero_damping", "pole_damping"),
+    "low-pass": ("frequency",),
+    "lead-lag": ("zero", "pole"),
+    "rational": ("numerator", "denominator"),
+}
+_ALLOWED = _NEEDED | {"low-pass": ("frequency", "damping")}
+_MAKERS: dict[str, Callable[..., Filter]] = {
+    "notch": Filter.notch,
+    "low-pass": Filter.low_pass,
+    "lead-lag": Filter.lead_lag,
+    "rational": Filter.from_coefficients,
+}
+NOTCH_NUMBERS = ("zero_damping", "pole_damping", "ratio")
+"""Numbers of a notch that follows a mode."""
+FILTER_TABLE = FileTable(
+    "[[autopilot.filter]]",
+    {
+        "frequency": "natural frequency",
+        "damping": "number",
+        "zero_damping": "number",
+        "pole_damping": "number",
+        "zero": "natural frequency",
+        "pole": "natural frequency",
+        "ratio": "number",
+    },
+    words=("kind", "on", "mode"),
+    lists=("numerator", "denominator"),
+    required=("kind",),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeNotch(Record):
+    """Notch behind the sum of all feedbacks, at the frequency of a bending mode at each time.
+
+    Parameters
+    ----------
+    mode : str
+        Name of the mode in the structure of the flight.
+    zero_damping, pole_damping : float or ndarray
+        As in `Filter.notch`; in a `GainSchedule` also at its breakpoints, ``(n,)``.
+    ratio : float or ndarray
+        Frequency of the notch over the mode's, positive, likewise.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, and arrays that do not broadcast.
+    """
+
+    mode: str = field(metadata=spec())
+    zero_damping: float | FloatArray = field(metadata=spec())
+    pole_damping: float | FloatArray = field(metadata=spec())
+    ratio: float | FloatArray = field(default=1.0, metadata=spec())
+
+    def __post_init__(self) -> None:
+        errors.text("mode", self.mode)
+        for name, check in zip(
+            NOTCH_NUMBERS, (errors.finite, errors.positive, errors.positive), strict=True
+        ):
+            object.__setattr__(self, name, errors.plain(check(name, getattr(self, name))))
+        _ = self.batch  # raises for shapes that do not broadcast
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch of numbers; ``()`` for constant ones."""
+        return errors.broadcast(**{name: np.shape(getattr(self, name)) for name in NOTCH_NUMBERS})
+
+    def at(self, flight: Any, time: ArrayLike) -> Filter:
+        """Return the notch at times [s] of a `FlightSchedule`.
+
+        Raises
+        ------
+        InputError
+            For a flight whose structure has no mode of this name, and numbers of another shape than
+            the times.
+        """
+        structure: Any = getattr(flight, "structure", None)
+        if not hasattr(structure, "mode_number"):
+            raise errors.InputError(
+                f"a notch at {self.mode} needs a flight with a structure over time"
+            )
+        mode = structure.at(time).bending[structure.mode_number(self.mode)]
+        errors.broadcast(time=np.shape(time), notch=self.batch)
+        frequency = self.ratio * np.asarray(mode.frequency)
+        return Filter.notch(frequency, self.zero_damping, self.pole_damping)
+
+
+class SpecifiedFilters(NamedTuple):
+    """Filters of [[autopilot.filter]].
+
+    `constant`, `scheduled`: constant filters, and those at breakpoints of the flight ``(n,)``, by
+    the chain names of an `Autopilot`. `notches`: notches that follow a mode.
+    """
+
+    constant: dict[str, Any]
+    scheduled: dict[str, tuple[Filter, ...]]
+    notches: tuple[ModeNotch, ...]
+
+
+def specified_filters(
+    rows: Sequence[Mapping[str, Any]], columns: Mapping[str, FloatArray]
+) -> SpecifiedFilters:
+    """Return the filters of [[autopilot.filter]] tables, completed by columns over the flight.
+
+    `columns`: numbers at the breakpoints ``(n,)`` by ``filter.`` with the number of the table, or
+    the mode of a notch, and the key.
+
+    Raises
+    ------
+    InputError
+        With the number of the filter, for rows that are no tables, an unknown kind or position, and
+        a key that is missing, given twice or not of that kind. For a column of no filter.
+    """
+    constant: dict[str, list[Filter]] = {chain: [] for chain in CHAIN_OF_POSITION.values()}
+    scheduled: dict[str, list[Filter]] = {}
+    notches: list[ModeNotch] = []
+    for row in rows:
+        if not isinstance(row, Mapping):
+            raise errors.InputError(
+                f"filter must be given as {FILTER_TABLE.heading}; got {errors.shown(row)}"
+            )
+    for k, (row, numbers) in enumerate(zip(rows, _numbers_of_rows(rows, columns), strict=True)):
+        with errors.naming(f"filter {k + 1} of the autopilot"):
+            points = [
+                dict(zip(numbers, p, strict=True)) for p in zip(*numbers.values(), strict=True)
+            ]
+            tables = [dict(row) | point for point in points] or [dict(row)]
+            if "mode" in row:
+                notches.append(_joined([_mode_notch(table) for table in tables]))
+                continue
+            made = [_filter(table) for table in tables]
+            chain, filters = CHAIN_OF_POSITION[made[0][0]], [filter_ for _, filter_ in made]
+            if points:
+                above, below = (
+                    np.stack([getattr(filter_, name) for filter_ in filters])
+                    for name in ("numerator", "denominator")
+                )
+                scheduled.setdefault(chain, []).append(Filter(above, below))
+            else:
+                constant[chain] += filters
+    return SpecifiedFilters(
+        {chain: tuple(filters) for chain, filters in constant.items()},
+        {chain: tuple(filters) for chain, filters in scheduled.items()},
+        tuple(notches),
+    )
+
+
+def _numbers_of_rows(
+    rows: Sequence[Mapping[str, Any]], columns: Mapping[str, FloatArray]
+) -> list[dict[str, list[float]]]:
+    """Return the columns of each filter by key; `InputError` for one of no filter, or given twice.
+
+    A filter has its number in the file, from 1; the only notch of a mode has its mode too.
+    """
+    numbered = {f"{k + 1}": k for k in range(len(rows))}
+    modes = [f"{row['mode']}" if "mode" in row else "" for row in rows]
+    single = {mode: k for k, mode in enumerate(modes) if mode and modes.count(mode) == 1}
+    labels = numbered | single | numbered
+    numbers: list[dict[str, list[float]]] = [{} for _ in rows]
+    for column, values in columns.items():
+        label, _, key = column.removeprefix(COLUMN_PREFIX).rpartition(".")
+        if label not in labels:
+            known = f"{listed(tuple(labels))} are known" if labels else "the file has none"
+            raise errors.InputError(
+                f"{column} must name a filter of {FILTER_TABLE.heading} by its number or its mode,"
+                f" as filter.1.frequency_rad_per_s; {known}"
+            )
+        row, own = rows[labels[label]], numbers[labels[label]]
+        if key in row or key in own:
+            raise errors.InputError(
+                f"{column} is given twice; keep one, of the file or of the table"
+            )
+        own[key] = values.tolist()
+    return numbers
+
+
+def _joined(notches: Sequence[ModeNotch]) -> ModeNotch:
+    """Return the notch with the numbers of each breakpoint, ``(n,)``; a single notch unchanged."""
+    if len(notches) == 1:
+        return notches[0]
+    numbers = {name: np.array([getattr(n, name) for n in notches]) for name in NOTCH_NUMBERS}
+    return ModeNotch(mode=notches[0].mode, **numbers)
+
+
+def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
+    """Return the position and the filter of one table."""
+    keys = FILTER_TABLE.read(row)
+    position = errors.one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
+    kind = errors.one_of("kind", keys.pop("kind"), _MAKERS)
+    FILTER_TABLE.need(keys, _NEEDED[kind])
+    for name in keys:
+        if name not in _ALLOWED[kind]:
+            raise errors.InputError(
+                f"a {kind} filter takes {', '.join(_ALLOWED[kind])}; got {name}"
+            )
+    for name in ("numerator", "denominator"):
+        if name in keys:
+            keys[name] = [errors.number(f"{name}[{k}]", c) for k, c in enumerate(keys[name])]
+    return position, _MAKERS[kind](**keys)
+
+
+def _mode_notch(row: Mapping[str, Any]) -> ModeNotch:
+    """Return the notch of a table with a mode, which it follows over the flight."""
+    keys = FILTER_TABLE.read(row)
+    allowed = ("mode", *NOTCH_NUMBERS)
+    kind, position = keys.pop("kind"), keys.pop("on", "sum")
+    FILTER_TABLE.need(keys, allowed[:3])
+    if kind != "notch" or position != "sum" or set(keys) - set(allowed):
+        raise errors.InputError(
+            f"a filter that follows a mode is a notch on the sum, of {listed(allowed)}"
+        )
+    return ModeNotch(**keys)
