@@ -12,15 +12,13 @@ from tests.ledger.computed import Computed, shown
 _HEAD = """\
 # Validation ledger
 
-Borsody and Teren (NASA, Lewis Research Center, 1968) against `tvclin`: every equation, and every
-number of the text. The package computes the numbers from Table I, and tests hold the page to
-them; `python -m tests.ledger.page docs/validation.md` writes it.
+Every equation, and every number of the text, of Borsody and Teren (NASA, Lewis Research Center,
+1968). `python -m tests.ledger.page docs/validation.md` computes this page from Table I.
 
 A printed number is reproduced when ours rounds to it in its printed digits; "about" allows one
 step of the last digit. For words the criterion is an inequality, in the docstring of the function
-that `tests/ledger/claims.toml` names. Of two numbers the first belongs to configuration I of Table
-I, the second to II. Numbers of equations are those of the report; "(after B7)" is an unnumbered
-one near (B7). Variables in linear equations are deviations from the nominal flight.
+that `tests/ledger/claims.toml` names. Of two numbers the first belongs to configuration I, the
+second to II. "(after B7)" is an unnumbered equation near (B7).
 """
 
 _CLAIMS = """\
@@ -31,11 +29,10 @@ Of {count} claims {held} are reproduced, {failed} are not.
 ### Not reproduced
 
 {failures}
-24 percent by drift at tau beta = 20: {readings} readings were tried, of the normalisation, the
-model, the abscissa, misprints, slips of units, and factors of ten in some of W, I, N, T and F_A.
-None gives 24. The nearest explanation is a slip of the abscissa, 25 read as 20; neither (18) nor
-Table I is changed for it. No equation rounds to 38 percent at tau beta = 4, but (12) does below
-{below}, as a value read from a curve may. The 28 s of appendix C are the first order of (C9).
+None of {readings} readings gives 24 percent by drift at tau beta = 20, of normalisation, model,
+abscissa, misprints, units, and factors of ten in some of W, I, N, T and F_A; the nearest is an
+abscissa of 25 read as 20. No equation rounds to 38 percent at tau beta = 4, but (12) does below
+{below}, as a value read from a curve may.
 
 ### Reproduced
 
@@ -44,9 +41,9 @@ Table I is changed for it. No equation rounds to 38 percent at tau beta = 4, but
 _EQUATIONS = """\
 ## Equations
 
-Of {count} equations {agree} agree as printed, some of them as approximations or under a condition
-that is named. The proof is a test that derives the equation independently of the package;
-`tests/ledger/equations.toml` has the printed form and the proof of each.
+Of {count} equations {agree} agree as printed, some as approximations or under a condition. The
+proof is a test that derives the equation independently of the package;
+`tests/ledger/equations.toml` has the printed form of each.
 
 ### Misprints and conditions
 
@@ -67,28 +64,26 @@ _FLOWN = """\
 
 The report does not print the flights of its figures 6 to 11 as numbers. These are flown here with
 the equations (B1), K = 1, at tau beta = 4: with the parameters of Table I frozen, and along a
-trajectory reconstructed from Table I, where the wind changes the dynamic pressure, so that in
-pitch its sign and size matter. Where (18) is above the flown limit the theory is conservative;
-within 5 percent they agree.
+trajectory reconstructed from it, where the wind changes the dynamic pressure. Where (18) is above
+the flown limit the theory is conservative.
 """
 
 _COMPANION = """\
 ## The companion report
 
 Teren, Davidson, Borsody and Daniele (NASA TN D-4662, 1968) have the same question for whole
-vehicles; only its abstract was available. It says that 99 percent winds need 2.4 deg (260-inch
-booster with an S-IVB) and 1.17 deg (a second vehicle), other effects about 0.35 deg, and the
-tail-off of the thrust about 1 deg. Configuration I trims a wind of {peak:g} deg with {trim:.2f} deg
-at 66 s; 2.4 deg trim {across:.0f} m/s across the flight there, and {slow:.0f} m/s at {early:g} s.
-A stage above the booster, which Table I does not name, can explain the factor of {factor:.1f}:
-{example:g} m/s need 2.4 deg where B is {ratio:.1f} times that of Table I. Without winds, flight
-condition and autopilot neither report confirms or contradicts the other.
+vehicles. Its abstract says that 99 percent winds need 2.4 deg (260-inch booster with an S-IVB).
+Configuration I trims a wind of {peak:g} deg with {trim:.2f} deg at 66 s; 2.4 deg trim
+{across:.0f} m/s across the flight there, and {slow:.0f} m/s at {early:g} s. A stage above the
+booster can explain the factor of {factor:.1f}: {example:g} m/s need 2.4 deg where B is {ratio:.1f}
+times that of Table I. Without winds, flight condition and autopilot neither report confirms or
+contradicts the other.
 """
 
 _DEVIATIONS = """\
 ## Where the package differs from the report
 
-On purpose, in these points; the numbers of the report are reproduced with its own rules.
+The numbers of the report are reproduced with its own rules.
 """
 
 
@@ -168,8 +163,7 @@ def _loads_verdict(judged: Sequence[loads.Case]) -> str:
     return (
         f"The peak is below that of ideal trim\n{', '.join(parts)}:\n"
         "the statement holds for a control that uses its limit early, by the forecast of the\n"
-        "wind. For K = 1 the angle of attack, once the limit is reached, at first grows faster\n"
-        "than with trim.\n"
+        "wind.\n"
     )
 
 

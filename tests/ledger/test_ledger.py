@@ -283,15 +283,10 @@ def test_cells_keep_their_bounds():
     assert ledger._safe("`a*b` **c**") == "`a*b` **c**"
 
 
-def test_the_deviations_quote_what_is_computed():
-    (fast, _) = claims.COMPUTATIONS["fast_root_over_beta"]().values
-    below = [round(100.0 * (1.0 - part), 1) for part in fast.numbers]
-    assert below == [3.6, 5.5]
+def test_the_page_of_the_theory_says_from_which_duration_on_trim_never_saturates():
     full = cases.zero(lambda b: 1.1 * cases.without_drift(b, 1.0) - 1.0, 4.0, 40.0)
-    assert round(full, 2) == 15.24
-    text = " ".join(" ".join(record.values()) for record in claims.records("deviation"))
-    assert "3.6 and 5.5 percent" in text
-    assert "15.24" in text
+    theory = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+    assert rf"$\tau\beta > {full:.2f}$" in " ".join(theory.split())
 
 
 @pytest.mark.thorough
