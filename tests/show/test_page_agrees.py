@@ -113,14 +113,14 @@ def test_head_table_sections_and_figure_agree(document, count, folder) -> None:
     for one in each.values():
         if one.measure is None or np.isinf(one.measure.required):  # none is sufficient
             continue
-        names = [key for key in shown if key.startswith(f"question.{one.name.replace(' ', '_')}.")]
+        names = [key for key in shown if key.startswith(f"answer.{one.name.replace(' ', '_')}.")]
         values = {
             re.sub(r".*\.(required|available|remaining).*", r"\1", key): shown[key] for key in names
         }
         assert close(values["remaining"], values["available"] - values["required"])
         if one.measure.unit == "deg" and one.name != "margins":
             assert close(values["available"], limit)
-    wind = shown["question.wind.required_deg"]
+    wind = shown["answer.wind.required_deg"]
     _head(shown, wind, limit, each)
     assert close(marked(html), wind)
     _figure(computed, wind, limit)
@@ -153,17 +153,17 @@ def _figure(findings: Findings, wind: float, limit: float) -> None:
 
 def _sections(shown: dict[str, float], findings: Findings) -> None:
     """What the table says of each question is what its own section says."""
-    calm = "question.calm_deg"  # of the autopilot, where a head wind asks for more
-    autopilot = calm if calm in shown else "question.autopilot.required_deg"
+    calm = "answer.calm_deg"  # of the autopilot, where a head wind asks for more
+    autopilot = calm if calm in shown else "answer.autopilot.required_deg"
     pairs = {
-        "question.whole_flight.required_deg": "total.required_deg",
+        "answer.whole_flight.required_deg": "total.required_deg",
         autopilot: "wind.stop_deg",
-        "question.probability.required_deg": "dispersed.upper_deg",
-        "question.availability.available_percent": "availability.part_percent",
-        "question.margins.required_dB": "criteria.aero_margin_dB",
-        "question.margins.available_dB": "margin.aero_margin_dB",
-        "question.margins.required_deg": "criteria.phase_margin_deg",
-        "question.margins.available_deg": "margin.phase_margin_deg",
+        "answer.probability.required_deg": "dispersed.upper_deg",
+        "answer.availability.available_percent": "availability.part_percent",
+        "answer.margins.required_dB": "criteria.aero_margin_dB",
+        "answer.margins.available_dB": "margin.aero_margin_dB",
+        "answer.margins.required_deg": "criteria.phase_margin_deg",
+        "answer.margins.available_deg": "margin.phase_margin_deg",
     }
     seen = [name for name in pairs if name in shown]
     assert seen
@@ -173,9 +173,9 @@ def _sections(shown: dict[str, float], findings: Findings) -> None:
         assert close(shown[name], part * shown[pairs[name]]), name
     if findings.flexible is not None:
         assert close(shown[autopilot], over * shown["flown.0.0_deg"])
-        assert close(shown["question.flexible_flight.required_deg"], shown[autopilot])
+        assert close(shown["answer.flexible_flight.required_deg"], shown[autopilot])
     turns = over * shown["wind.deflection_deg"]
-    assert close(shown["question.autopilot_deg"], turns)
+    assert close(shown["answer.autopilot_deg"], turns)
 
 
 def test_each_section_that_the_style_names_is_on_the_page() -> None:

@@ -204,7 +204,7 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
         | {f"wind.{name}.part": angle / c.trim_deflection for name, angle in beside.items()}
         | {f"wind.{name}": np.degrees(angle) for name, angle in angles.items()}
         | {
-            "question.autopilot_deg": np.degrees(c.peak_deflection),
+            "answer.autopilot_deg": np.degrees(c.peak_deflection),
             "facts.stop_deg": stop,
             "failure.required_deg": stop,
             "failure.limit_deg": 0.4,
@@ -232,9 +232,9 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
 def expected_dispersed(plan: tv.studyfile.StudyPlan, study: tv.Study) -> dict[str, float]:
     d = tv.ensembles.disperse_study(study, plan.dispersions, cases=300, seed=1)
     return {
-        "question.probability": 99.865,
+        "answer.probability": 99.865,
         "basis.success": 100.0 * d.success.estimate,
-        "question.success": 100.0 * d.success.upper,
+        "answer.success": 100.0 * d.success.upper,
         "facts.covers_deg": np.degrees(d.required.upper),
         "dispersed.cases": 300.0,
         "dispersed.seed": 1.0,
@@ -321,10 +321,10 @@ def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page:
         if not np.isfinite(expected[key]):
             continue
         row = {"required": expected[key], "available": 0.4, "remaining": 0.4 - expected[key]}
-        expected |= {f"question.{name}.{column}_deg": value for column, value in row.items()}
+        expected |= {f"answer.{name}.{column}_deg": value for column, value in row.items()}
     phase = expected["criteria.phase_margin_deg.surplus"]
     row = {"required": 30.0, "available": 30.0 + phase, "remaining": phase}
-    expected |= {f"question.margins.{column}_deg": value for column, value in row.items()}
+    expected |= {f"answer.margins.{column}_deg": value for column, value in row.items()}
     for key in needs.values():  # they stand in the table of all questions
         del expected[key]
     seen = {
@@ -662,8 +662,8 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     tiles = {name: said for name, (_, said) in section(short, "questions").numbers.items()}
 
     assert headline["verdict.surplus_deg"] == shown["total.short_deg"]
-    assert tiles["question.whole_flight.required_deg"] == headline["verdict.required_deg"]
-    assert tiles["question.wind.required_deg"] == "0.368"
+    assert tiles["answer.whole_flight.required_deg"] == headline["verdict.required_deg"]
+    assert tiles["answer.wind.required_deg"] == "0.368"
     assert verdict.sentence(short)[0] == "NOT SUFFICIENT: the limit of "
     assert "the whole flight of configuration-i requires" in text(verdict.sentence(short))
     total = enough.flight[1]

@@ -234,7 +234,7 @@ def _rate(findings: Findings) -> Question:
         line = ("with this limit no rate is sufficient",)
     yes, head = front.above_lower_bound, findings.head
     if head is not None and head.rates is not None:
-        nominal = degrees("question.calm_rate", front.required_rate, unit="deg/s")
+        nominal = degrees("answer.calm_rate", front.required_rate, unit="deg/s")
         line, front = (*line, _at_peak(findings), *nominal), head.rates
         yes = _also(yes, front.above_lower_bound)
     elif head is not None and yes:
@@ -348,7 +348,7 @@ def _probability(findings: Findings, limit: float) -> Question:
     if d is None:
         return Question("probability", None, (_reason(findings, "dispersed"),))
     r = d.required
-    flights = significant("question.probability", 100.0 * r.probability, 5, "% of flights")
+    flights = significant("answer.probability", 100.0 * r.probability, 5, "% of flights")
     yes, success = d.sufficient, d.success
     if yes is None:
         few: Line = "too few cases to judge ", *flights, r.few_cases
@@ -357,7 +357,7 @@ def _probability(findings: Findings, limit: float) -> Question:
     if np.isinf(r.estimate):
         return Question("probability", False, (*flights, " require more than any limit"))
     if np.isinf(r.upper) and success is not None:
-        upper = number("question.success", 100.0 * success.upper, 2)
+        upper = number("answer.success", 100.0 * success.upper, 2)
         return Question(
             "probability",
             False,
@@ -379,14 +379,14 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     if beyond := beyond_linear(c.peak_angle_of_attack * findings.study.plane_ratio, ATTACK):
         return Question(name, None, (beyond,))
     peak = without_stop(findings)
-    turns = degrees("question.autopilot", peak, unit="deg")
+    turns = degrees("answer.autopilot", peak, unit="deg")
     free: Line = ("without a limit the autopilot would turn the nozzle by ", *turns)
     if findings.study.judges_both_planes:
         free += (" in both planes",)
     whose = "this autopilot requires"
     rate, max_rate = c.peak_deflection_rate, findings.plan.nozzle.rate_limit or np.inf
     if rate > max_rate:
-        free += (", at ", *degrees("question.rate", rate, unit="deg/s"))
+        free += (", at ", *degrees("answer.rate", rate, unit="deg/s"))
     requirement = findings.autopilot_requirement
     if requirement is None:  # it cannot be flown: sufficient is what the loop never exceeds
         within = True if covers(limit, peak) and rate <= max_rate else None
@@ -397,7 +397,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
         line = ("no limit that was tried survives; ", *free)
     elif requirement.head is not None:
         whose += f", by the bound for a {findings.study.direction} wind"
-        at_nominal = degrees("question.calm", nominal, unit="deg")
+        at_nominal = degrees("answer.calm", nominal, unit="deg")
         line = ("flown with its stop", _at_peak(findings), *at_nominal, "; ", *free)
     elif yes is None:
         line = (f"{_NOT_KNOWN_AT_PEAK}; flown with its stop at the nominal one; ", *free)
@@ -435,7 +435,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
     for name, at_nominal, (required, available), unit in judged:
         line: Line = (beyond or sigmas,)
         if t is not nominal and not beyond:
-            key = f"question.nominal_{name.replace(' ', '_')}"
+            key = f"answer.nominal_{name.replace(' ', '_')}"
             line = (*line, *degrees(key, at_nominal[0], unit=unit))
         yes = _also(bool(covers(*at_nominal[::-1])), bool(covers(available, required)))
         measure = _of_angles(required, available, unit)
@@ -569,7 +569,7 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
     """Return the row of a question with its answer."""
     cells: tuple[Line, ...] = (("",),) * 3
     if question.measure is not None:
-        cells = measured(f"question.{question.name.replace(' ', '_')}", question.measure)
+        cells = measured(f"answer.{question.name.replace(' ', '_')}", question.measure)
     quantity = f"{question.quantity}: " if question.quantity else ""
     return ((question.name,), (answer,), *cells, (quantity, *question.line))
 
@@ -621,11 +621,11 @@ def _modes(margins: BandMargins) -> Iterator[Question]:
     line: Line = ()
     if gains:
         worst = min(gains, key=lambda mode: float(mode.gain_margin_dB))
-        line += (f"{worst.name} stays ", *margin("question.mode.gain", worst.gain_margin_dB, "dB"))
+        line += (f"{worst.name} stays ", *margin("answer.mode.gain", worst.gain_margin_dB, "dB"))
         line += (" below one",)
     if phases:
         worst = min(phases, key=lambda mode: float(mode.phase_margin_deg))
-        has = margin("question.mode.phase", worst.phase_margin_deg, "deg")
+        has = margin("answer.mode.phase", worst.phase_margin_deg, "deg")
         line += (", " * bool(line) + f"{worst.name} has ", *has, " of phase")
     if line:
         words = "; nothing is asked of modes without mode_gain_margin_dB in [criteria]"
