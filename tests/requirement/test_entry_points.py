@@ -38,9 +38,8 @@ VEHICLES = (
     (1.4314629e7, 6.724251586e8, 5514677.6, 4.21881006e7, 39.71, 40.57, 1206493.8, 439.75, 36.8),
 )
 UNKNOWN = "not known"
-_TWO_POLES = "frozen, a model of one pole also requires the minimum of two"
 _NO_LIMIT = "no limit is sufficient at this dead band"
-_REFUSED_ALONG = ("varying parameters need a real unstable pole", _NO_LIMIT, _TWO_POLES)
+_REFUSED_ALONG = ("varying parameters need a real unstable pole", _NO_LIMIT)
 _SCAN = 2e-3
 """Relative distance of the limits that are flown where flights of the limited law decide."""
 _AFTER_TRIM, _AFTER_TRIM_OF_VECTOR = 3e-4, 1e-3
@@ -146,9 +145,6 @@ def of_flight(file: Path) -> float | str:
     sizing = request.sizing(plan)
     if request.total(plan, sizing).not_sized:
         return UNKNOWN
-    two_poles = any("the minimum counts two poles" in note for note in sizing.notes)
-    if two_poles and plan.model in ("fixed-path", "drift") and not request.varying:
-        raise tv.InputError(_TWO_POLES)
     return float(sizing.required[request.counted(sizing, plan.sign)][0, 0])
 
 

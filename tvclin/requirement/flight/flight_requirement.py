@@ -451,10 +451,7 @@ def frozen_requirement(
         paired = PAIRED_POLES in statuses
         return np.abs(np.asarray(limit.deflection))
 
-    slow = slow_mode(plant, wind)
-    exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
-    two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
-    minimum = value_or(lambda: float(minimum_peaks(two, wind)), np.nan)
+    minimum = value_or(lambda: float(minimum_peaks(plant, wind)), np.nan)
     required = np.maximum(
         value_or(largest, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum))
     )
@@ -468,7 +465,7 @@ def frozen_requirement(
         required=required,
         no_forecast=no_forecast,
         minimum=minimum,
-        slow_mode=slow,
+        slow_mode=slow_mode(plant, wind),
         said=tuple(dict.fromkeys(said)),
     )
 

@@ -20,7 +20,7 @@ from tvclin.base.errors import InputError, callable_for, finite, flag, instance,
 from tvclin.boundary.limit_shapes import LimitShape, limit_shape_of
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.kernels.choice import repeated
-from tvclin.linear.plant import DEFAULT_MODEL, MODELS, ONE_POLE, Plant
+from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant
 from tvclin.requirement.flight.flight_requirement import (
     LAWS,
     FlightMode,
@@ -67,14 +67,10 @@ def two_plane_sizing(
     `counted`: function that returns its argument and counts it for the progress.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
-    beyond = pitch.beyond_single_pole | yaw.beyond_single_pole
     bands = pitch.dead_bands
     needs = [
-        [
-            counted(_vector(vehicle, pitch.model, wind, bool(beyond[i, j]), limit_shape, bands))
-            for j, wind in enumerate(row)
-        ]
-        for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
+        [counted(_vector(vehicle, pitch.model, wind, limit_shape, bands)) for wind in row]
+        for vehicle, row in zip(vehicles, placed, strict=True)
     ]
     arises = {name: _two_plane_arising(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
     required, more = _required(pitch, yaw, needs, limit_shape, arises)
@@ -164,7 +160,6 @@ def _vector(
     vehicle: Vehicle,
     model: str,
     wind: dict[str, PlacedWind],
-    beyond: bool,
     limit_shape: LimitShape,
     bands: FloatArray,
 ) -> VectorRequirement:
@@ -174,15 +169,7 @@ def _vector(
         return VectorRequirement(0.0, nothing, 0.0, 0.0, ())
     pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
     vector = PlaneWind(**{plane: placed.history for plane, placed in wind.items()})
-    requirement = vector_requirements(pitch, yaw, vector, limit_shape, bands)
-    if not (beyond and model in ONE_POLE):
-        return requirement
-    pitch, yaw = (Plant.from_vehicle(vehicle, "drift-exact", plane) for plane in PLANES)
-    exact = vector_requirements(pitch, yaw, vector, limit_shape, bands)
-    required = np.maximum(requirement.required, exact.minimum)
-    return VectorRequirement(
-        requirement.trim, required, requirement.no_forecast, exact.minimum, requirement.notes
-    )
+    return vector_requirements(pitch, yaw, vector, limit_shape, bands)
 
 
 def _larger(values: FloatArray, needs: list[list[VectorRequirement]], value: Any) -> FloatArray:

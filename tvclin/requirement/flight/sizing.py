@@ -15,6 +15,7 @@ from tvclin.base.errors import one_of
 from tvclin.base.fields import derived, document, spec
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.limit_shapes import LimitShape
+from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE
 from tvclin.requirement.plane_requirement import omitted_fraction
 from tvclin.requirement.required_quantity import Requirement, heading_of, requirement_among
 from tvclin.vehicle.coefficients import PLANE_TEXTS
@@ -383,8 +384,10 @@ def _unknown_notes(sizing: Sizing) -> list[str]:
 
 def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
     """Return notes on winds beyond the single-pole theory."""
-    beyond = sizing.beyond_single_pole
-    notes = []
+    beyond, notes = sizing.beyond_single_pole, []
+    more = "the minimum counts two poles, and every dead band requires at least as much"
+    if sizing.model in ONE_POLE:
+        more = f"{sizing.model} leaves out the slow pole, which may require more ({DEFAULT_MODEL})"
     for j, wind in enumerate(sizing.winds):
         if np.any(beyond[:, j]):
             i = int(np.argmax(beyond[:, j]))
@@ -392,8 +395,7 @@ def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
             holds = "no triangle" if np.isnan(edge) else f"triangles up to {edge:.1f} s"
             notes.append(
                 f"{wind} ({lasts:.4g} s at {sizing.times[i]:.6g} s) is beyond the single-pole"
-                f" theory, which holds for {holds}: the minimum counts two poles, and every"
-                " dead band requires at least as much"
+                f" theory, which holds for {holds}: {more}"
             )
     return notes
 
