@@ -257,7 +257,7 @@ def _load(findings: Findings) -> Question:
     line: Line = ("for this load, of a control that knows the wind",)
     yes, head, ratio = front.above_lower_bound, findings.head, findings.study.plane_ratio
     if head is not None and head.loads is not None:
-        nominal = minimum_limit(degrees("asked.calm_load", front.lower_bound * ratio, unit="deg"))
+        nominal = minimum_limit(degrees("answer.calm_load", front.lower_bound * ratio, unit="deg"))
         line, front = (*line, _at_peak(findings), *nominal), head.loads
         yes = _also(yes, front.above_lower_bound)
     elif head is not None and yes:
