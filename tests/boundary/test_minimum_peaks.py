@@ -7,7 +7,13 @@ from hypothesis import strategies as st
 
 import tvclin
 from tvclin import Coefficients, Plant, optimum_deflection
-from tvclin.boundary.optimum.minimum_peak import minimum_peaks
+from tvclin.boundary.optimum.minimum_peak import (
+    _is_sufficient,
+    _pair_peak_bounds,
+    _pair_peaks,
+    minimum_peaks,
+    peaks_for_demands,
+)
 from tvclin.vehicle.coefficients import NUMBERS
 
 WIND = tvclin.TriangularWind(peak=-0.1, duration=12.0)
@@ -88,3 +94,64 @@ def test_without_an_unstable_pole_nothing_is_needed():
 def test_winds_without_a_least_peak(wind, message):
     with pytest.raises(tvclin.InputError, match=message):
         minimum_peaks(plant_of_poles(0.5, 0.1), wind)
+
+
+def demands_of_peak_one(poles, weights):
+    """Return the demands [rad s] whose minimum peak is 1 rad, by the dual, ``(3,)``.
+
+    They are the moments of the control sign(Re sum lambda_i e^(-p_i t)), the weights lambda its
+    certificate.
+    """
+
+    def costate(t):
+        return np.real(weights @ np.exp(-np.outer(poles, t)))
+
+    time = np.linspace(0.0, 40.0 / poles.real.min(), 8001)
+    signs = np.sign(costate(time))
+    changes = np.flatnonzero(signs[:-1] != signs[1:])
+    before, after = time[changes], time[changes + 1]
+    for _ in range(50):
+        middle = (before + after) / 2.0
+        earlier = np.sign(costate(middle)) == signs[changes]
+        before, after = np.where(earlier, middle, before), np.where(earlier, after, middle)
+    switches = np.concatenate([[0.0], before])
+    decays = np.column_stack([np.exp(-np.outer(poles, switches)), np.zeros(3)])
+    control = signs[0] * (-1.0) ** np.arange(switches.size)
+    return (decays[:, :-1] - decays[:, 1:]) @ control / poles
+
+
+def three_poles_with_peak_one(count):
+    """Return poles [1/s] and demands [rad s] of minimum peak 1 rad; every second has a pair."""
+    rng = np.random.default_rng(11)
+    poles, demands = np.empty((count, 3), dtype=complex), np.empty((count, 3), dtype=complex)
+    for k in range(count):
+        fast, weights = rng.uniform(0.1, 1.0), rng.normal(size=3).astype(complex)
+        others = fast * np.sort(rng.uniform(0.02, 0.9, 2))[::-1]
+        if k % 2:
+            others = others[0] + 1j * fast * rng.uniform(0.01, 2.0) * np.array([1.0, -1.0])
+            weights[1:] = weights[1] + weights[2] * np.array([1j, -1j])
+        poles[k] = fast, *others
+        demands[k] = demands_of_peak_one(poles[k], weights)
+    return poles, demands
+
+
+def test_a_peak_is_proved_sufficient_at_or_above_the_minimum_alone_and_soon_above_it():
+    poles, demands = three_poles_with_peak_one(80)
+    np.testing.assert_allclose(peaks_for_demands(poles[:4], demands[:4]), 1.0, rtol=1e-9)
+    for peak in (0.5, 0.9, 0.999, 1.0 - 1e-7):
+        assert not np.any(_is_sufficient(poles, demands, np.full(80, peak)))
+    proved = _is_sufficient(poles, demands, np.full(80, 1.5))
+    assert np.mean(proved[::2]) > 0.8
+    assert np.mean(proved[1::2]) > 0.25
+    assert np.mean(_is_sufficient(poles, demands, np.full(80, 10.0))) > 0.85
+    given = peaks_for_demands(poles[proved], demands[proved], np.full(proved.sum(), 1.5))
+    np.testing.assert_array_equal(given, 1.5)
+
+
+def test_the_quick_bound_of_a_pair_is_above_its_peak_and_often_near():
+    poles, demands = three_poles_with_peak_one(80)
+    ratios = _pair_peak_bounds(poles[1::2, 1], demands[1::2, 1]) / _pair_peaks(
+        poles[1::2, 1], demands[1::2, 1]
+    )
+    assert ratios.min() >= 1.0
+    assert np.median(ratios) < 2.5
