@@ -353,7 +353,7 @@ def test_stages_between_breakpoints_are_those_of_their_own_times() -> None:
     )
     stages = sampled_stages(along)
     some = np.arange(3, stages.times.size, 17)
-    exact = stages._arrays_at(stages.times[some])
+    exact = stages._arrays_at(stages.times[some], some)
     for name, values in stages._arrays.items():
         largest = np.nanmax(np.abs(exact[name]))
         np.testing.assert_allclose(values[some], exact[name], rtol=0.0, atol=1e-12 * largest)

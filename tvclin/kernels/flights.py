@@ -114,10 +114,10 @@ class Cases(NamedTuple):
     `vehicle`, `wind`, `law`, `memory`, `sequence`: indices; `memory` that of the states of the law,
     the last that of its noise. `stages`: number of vehicles, laws and memories that follow each
     other, one for each sample, from these indices on, which are then those of the present sample;
-    one for a flight with constant matrices. `gain`: factor on the demand of the law. `limit`,
-    `rate_limit`: of the deflection. `start`: start time [s]. `finish`, `ends`, `waiting`,
-    `settling`: numbers of samples of a flight with a fixed end, up to the end of the wind, after
-    it, and for which a flight must be settled to survive.
+    one for a flight with constant matrices, and a single memory is that of all samples. `gain`:
+    factor on the demand of the law. `limit`, `rate_limit`: of the deflection. `start`: start time
+    [s]. `finish`, `ends`, `waiting`, `settling`: numbers of samples of a flight with a fixed end,
+    up to the end of the wind, after it, and for which a flight must be settled to survive.
     """
 
     vehicle: IntArray
@@ -500,9 +500,7 @@ def advance(
 def measure_sample(f: Flights, i: int, k: int) -> bool:
     """Write the measurements of a law at a sample; return whether the flight continues."""
     if 0 < k < f.cases.stages[i]:
-        f.cases.vehicle[i] += 1
-        f.cases.law[i] += 1
-        f.cases.memory[i] += 1
+        take_next_stage(f, i)
     p, peaks, sensed, x = f.cases.vehicle[i], f.now.peaks[i], f.now.sensed[i], f.now.y[i]
     n = f.vehicles.A.shape[1]
     expand_wind(f, i, f.cases.start[i] + f.steps.lengths[p, 0] * k)
@@ -530,6 +528,15 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
         for r in range(MEASURED):
             f.now.measured[i, r] = row_product(f, i, f.laws.seen[f.cases.memory[i], r])
     return True
+
+
+@inlined
+def take_next_stage(f: Flights, i: int) -> None:
+    """Write the indices of the next stage of a flight."""
+    f.cases.vehicle[i] += 1
+    f.cases.law[i] += 1
+    if f.laws.memory.shape[0] > 1:
+        f.cases.memory[i] += 1
 
 
 @inlined

@@ -248,6 +248,7 @@ def connect(
     loop.
     """
     block_inputs = [name for block in blocks for name in block.inputs]
+    blocks = [_with_outputs(block, {*block_inputs, *outputs}) for block in blocks]
     block_outputs = [name for block in blocks for name in block.outputs]
     A, B, C, D = (_block_diagonal([block.matrices()[k] for block in blocks]) for k in range(4))
     # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w).
@@ -275,6 +276,15 @@ def connect(
     states = tuple(name for block in blocks for name in block.states)
     period = next((block.period for block in blocks if block.period is not None), None)
     return LinearSystem(A, B, C, D, tuple(inputs), tuple(outputs), states, period)
+
+
+def _with_outputs(system: LinearSystem, names: set[str]) -> LinearSystem:
+    """Return the system with those of its outputs whose names are in a set."""
+    rows = [k for k, name in enumerate(system.outputs) if name in names]
+    if len(rows) == len(system.outputs):
+        return system
+    outputs = tuple(system.outputs[k] for k in rows)
+    return replace(system, C=system.C[..., rows, :], D=system.D[..., rows, :], outputs=outputs)
 
 
 def _times(matrices: FloatArray, matrix: FloatArray) -> FloatArray:

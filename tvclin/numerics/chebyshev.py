@@ -10,13 +10,14 @@ function is evaluated at each time.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts2
 
 from tvclin.base.arrays import FloatArray, IndexArray
 
-_FIRST_DEGREE, _MAX_DEGREE = 8, 32
+_FIRST_DEGREE, _MAX_DEGREE = 5, 32
 """Degree of the first and the last interpolant."""
 _MIN_TIMES_PER_POINT = 2
 """Smallest number of times for each point of an interpolant that is worth it."""
@@ -27,7 +28,7 @@ _ROUNDING = 1e-13
 
 
 def smooth_values(
-    function: Callable[[FloatArray], dict[str, FloatArray]],
+    function: Callable[[FloatArray, IndexArray], dict[str, FloatArray]],
     times: FloatArray,
     interval: IndexArray,
 ) -> dict[str, FloatArray]:
@@ -38,22 +39,26 @@ def smooth_values(
     Parameters
     ----------
     function : callable
-        Function from times ``(m,)`` to arrays ``(m, ...)`` by name; it is called with many times
-        together.
+        Function from times ``(m,)``, and for each the index in `times` of a time in the same
+        interval, to arrays ``(m, ...)`` by name; it is called with many times together.
     times : ndarray
-        Times, rising, ``(n,)``.
+        Times, rising within each interval, ``(n,)``.
     interval : ndarray of int
         Number of the interval in which the function is smooth, for each time; negative for a time
-        at which it is evaluated itself.
+        at which it is evaluated itself. Times of an interval follow each other.
     """
-    groups = [np.flatnonzero(interval == k) for k in np.unique(interval[interval >= 0])]
-    pending = [which for which in groups if _worth(which, _FIRST_DEGREE)]
-    exact = np.concatenate(
-        [np.flatnonzero(interval < 0), *(w for w in groups if not _worth(w, _FIRST_DEGREE))]
+    edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), times.size]
+    runs = [slice(*ends) for ends in pairwise(edges) if ends[0] < ends[1]]
+    pending = [run for run in runs if interval[run.start] >= 0 and _worth(run, _FIRST_DEGREE)]
+    interpolated = np.zeros(times.size, bool)
+    for run in pending:
+        interpolated[run] = True
+    exact, degree = np.flatnonzero(~interpolated), 2 * _FIRST_DEGREE
+    nodes = [_nodes(times[run], degree) for run in pending]
+    first = function(
+        np.concatenate([times[exact], *nodes]),
+        np.concatenate([exact, np.repeat([run.start for run in pending], degree + 1)]).astype(int),
     )
-    degree = 2 * _FIRST_DEGREE
-    nodes = [_nodes(times[which], degree) for which in pending]
-    first = function(np.concatenate([times[exact], *nodes]))
     values = {name: np.empty((times.size, *array.shape[1:])) for name, array in first.items()}
     flat = [array.reshape(times.size, -1) for array in values.values()]
     columns = np.cumsum([0, *(array.shape[1] for array in flat)])
@@ -61,41 +66,43 @@ def smooth_values(
         array[exact] = made[: exact.size]
     rows = _packed({name: array[exact.size :] for name, array in first.items()})
     at_nodes = list(np.split(rows, max(len(pending), 1)))
-    remaining: list[IndexArray] = []
+    remaining: list[slice] = []
     while pending:
-        rest: list[tuple[IndexArray, FloatArray]] = []
+        rest: list[tuple[slice, FloatArray]] = []
         middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
-        for which, points in zip(pending, at_nodes, strict=False):
+        for run, points in zip(pending, at_nodes, strict=False):
             if _agree(_interpolated(points[::2], middles), points, columns[:-1]):
-                factors = _factors(degree, _angles(times[which]))
+                factors = _factors(degree, _angles(times[run]))
                 for array, low, high in zip(flat, columns[:-1], columns[1:], strict=True):
-                    array[which] = _interpolated(points[:, low:high], factors)
-            elif degree < _MAX_DEGREE and _worth(which, degree):
-                rest.append((which, points))
+                    _interpolated(points[:, low:high], factors, array[run])
+            elif degree < _MAX_DEGREE and _worth(run, degree):
+                rest.append((run, points))
             else:
-                remaining.append(which)
-        pending, degree = [which for which, _ in rest], 2 * degree
-        at_nodes = _refined(function, [(times[which], points) for which, points in rest], degree)
+                remaining.append(run)
+        pending, degree = [run for run, _ in rest], 2 * degree
+        at_nodes = _refined(function, times, rest, degree)
     if remaining:
-        which = np.concatenate(remaining)
-        for name, array in function(times[which]).items():
+        which = np.concatenate([np.arange(run.start, run.stop) for run in remaining])
+        for name, array in function(times[which], which).items():
             values[name][which] = array
     return values
 
 
 def _refined(
-    function: Callable[[FloatArray], dict[str, FloatArray]],
-    intervals: list[tuple[FloatArray, FloatArray]],
+    function: Callable[[FloatArray, IndexArray], dict[str, FloatArray]],
+    times: FloatArray,
+    intervals: list[tuple[slice, FloatArray]],
     degree: int,
 ) -> list[FloatArray]:
     """Return the values at the nodes of a degree in each interval, ``(degree + 1, k)``.
 
-    `intervals`: times, and the values at the nodes of half the degree.
+    `intervals`: indices of their times, and the values at the nodes of half the degree.
     """
     refined = []
     if intervals:
-        fresh = [_nodes(times, degree)[1::2] for times, _ in intervals]
-        made = np.split(_packed(function(np.concatenate(fresh))), len(intervals))
+        fresh = [_nodes(times[run], degree)[1::2] for run, _ in intervals]
+        index = np.repeat([run.start for run, _ in intervals], degree // 2)
+        made = np.split(_packed(function(np.concatenate(fresh), index)), len(intervals))
         for (_, old), new in zip(intervals, made, strict=True):
             points = np.empty((degree + 1, new.shape[1]))
             points[::2], points[1::2] = old, new
@@ -109,9 +116,9 @@ def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
     return np.concatenate([*rows], axis=1)
 
 
-def _worth(which: IndexArray, degree: int) -> bool:
+def _worth(run: slice, degree: int) -> bool:
     """Return whether times are many enough for an interpolant of a degree and its double."""
-    return which.size >= _MIN_TIMES_PER_POINT * (2 * degree + 1)
+    return run.stop - run.start >= _MIN_TIMES_PER_POINT * (2 * degree + 1)
 
 
 def _nodes(times: FloatArray, degree: int) -> FloatArray:
@@ -130,12 +137,14 @@ def _factors(degree: int, angles: FloatArray) -> FloatArray:
     return interpolation_factors(np.cos(np.linspace(0.0, np.pi, degree + 1)), np.cos(angles))
 
 
-def _interpolated(points: FloatArray, factors: FloatArray) -> FloatArray:
-    """Return values ``(m, k)`` from those at the nodes ``(d + 1, k)``.
+def _interpolated(
+    points: FloatArray, factors: FloatArray, out: FloatArray | None = None
+) -> FloatArray:
+    """Return values ``(m, k)`` from those at the nodes ``(d + 1, k)``, in `out` where it is given.
 
     The differences from the first point are interpolated.
     """
-    values: FloatArray = factors @ np.nan_to_num(points - points[0])
+    values: FloatArray = np.matmul(factors, np.nan_to_num(points - points[0]), out=out)
     values += points[0]
     return values
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IntArray
-from tvclin.control.autopilot.actuator import plant_with_actuator
+from tvclin.control.autopilot.actuator import INPUTS, plant_blocks
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wiring import attitude_integral
 from tvclin.control.laws.autopilot_law import gain_numbers
@@ -34,14 +34,13 @@ from tvclin.flights.closed_loop.batch import (
     steps_of,
     widened,
     with_ramp,
-    with_wind,
 )
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import JUDGED_SAMPLES, Cases, Flights, Laws, Steps, Vehicles, Winds
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import LateralSensors
-from tvclin.linear.system import LinearSystem, constant_over_steps
+from tvclin.linear.system import LinearSystem, connect, constant_over_steps, polynomial_input
 from tvclin.numerics.chebyshev import smooth_values
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
@@ -128,7 +127,7 @@ class Stages:
     @cached_property
     def _law_rows(self) -> AnyArray:
         """Numbers of the law of each sample, with the fields of `LawNumbers`."""
-        rows = law_rows([LawNumbers()] * self.times.size)
+        rows = np.repeat(law_rows([LawNumbers()]), self.times.size)
         for name, gain in gain_numbers(self.laws).items():
             rows[name] = gain
         return rows
@@ -169,7 +168,7 @@ class Stages:
 
     @cached_property
     def _arrays(self) -> dict[str, FloatArray]:
-        """Arrays of all stages by name, as in `Steps` and `Vehicles`.
+        """Steps and sensor rows of all stages by name, as in `Steps` and `Vehicles`.
 
         Samples within an interval of smooth plants are interpolated.
         """
@@ -179,7 +178,7 @@ class Stages:
         interval = np.where(same, interval, -1)
         return smooth_values(self._arrays_at, self.times, interval)
 
-    def _arrays_at(self, times: FloatArray) -> dict[str, FloatArray]:
+    def _arrays_at(self, times: FloatArray, _: IntArray) -> dict[str, FloatArray]:
         """Return the arrays of stages that begin at times [s], by name."""
         count, terms, last = times.size, self._pieces[1].shape[2], self.times[-1]
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
@@ -187,11 +186,14 @@ class Stages:
         length = timing.lengths[:, 0]
         begins = times + np.stack([length - lengths[0], np.zeros(count)])[: len(lengths)]
         at = [begins + node * lengths for node in GAUSS_NODES]
-        flat = np.concatenate([*(a.ravel() for a in at), times + 0.5 * length, times])
+        flat = np.concatenate([*(a.ravel() for a in at), times])
         flat, shape = np.minimum(flat, last), (flat.size,)
         plants = self.plants_at(flat)
         system = self.sensors.system(plants)
-        moving = plant_with_actuator(plants, self.laws_at(flat).actuator, self.sensors)
+        blocks = [
+            *plant_blocks(plants, self.laws_at(flat).actuator, self.sensors),
+            polynomial_input("wind", terms),
+        ]
 
         def at_nodes(made: LinearSystem) -> LinearSystem:
             """Return the constant systems of the parts of samples, ``(parts, m)``."""
@@ -202,20 +204,13 @@ class Stages:
             )
             return constant_over_steps(first, second, lengths)
 
-        middle, begin = (np.arange(flat.size - k * count, flat.size)[:count] for k in (2, 1))
-        plant = system.cases(begin, shape)
-        steps = steps_of(
-            at_nodes(with_wind(moving, terms)), at_nodes(with_ramp(system)), plant, timing, terms
-        )
-        moving = system.cases(middle, shape)
-        arrays = {"joint": steps.joint, "ramp": steps.ramp}
+        plant = system.cases(np.arange(flat.size - count, flat.size), shape)
+        driven = at_nodes(connect(blocks, INPUTS[:1], ()))
+        steps = steps_of(driven, at_nodes(with_ramp(system)), plant, timing, terms)
+        arrays = {"joint": steps.joint, "ramp": steps.ramp, "shown": sensed_rows(plant)}
         if steps.fine is not steps.joint:
             arrays["fine"] = steps.fine
-        return arrays | {
-            "shown": sensed_rows(plant),
-            "A": moving.A,
-            "gust": moving.B[..., 1],
-        }
+        return arrays
 
     @cached_property
     def _criteria(self) -> dict[str, FloatArray]:
@@ -228,7 +223,7 @@ class Stages:
             judged[end + JUDGED_SAMPLES :: JUDGED_SAMPLES] = True
         times, width = self.times[judged], self.steps.joint.shape[2]
 
-        def at(times: FloatArray) -> dict[str, FloatArray]:
+        def at(times: FloatArray, _: IntArray) -> dict[str, FloatArray]:
             criteria = outcome_criteria(self.plants_at(times))
             rows = widened(criteria.rows, width, len(self.sensors.states))
             return {"judges": rows, "reach": criteria.reach, "ratio": criteria.ratio}
@@ -242,7 +237,7 @@ class Stages:
 
     @cached_property
     def _memory(self) -> Memory:
-        """Return the steps of the states of laws and filters of all stages."""
+        """Return the steps of the states of laws and filters of all stages, or one for all."""
         laws, count = self.laws, self.times.size
         integral = attitude_integral(bool(np.any(laws.integral_gain)))
         chains = Chains(laws.attitude_filters, laws.rate_filters, laws.filters)
@@ -250,7 +245,6 @@ class Stages:
         varies = any(filter_.batch for chain in chains for filter_ in chain)
         lengths = np.full(count if varies else 1, float(self.hardware.length))
         memory = memory_of(integral, chains, lengths, size)
-        memory = Memory(*(np.repeat(rows, count // lengths.size, axis=0) for rows in memory))
         if any(chains):
             return memory
         return memory._replace(inputs=memory.inputs[:0], demand=memory.demand[:0])
@@ -298,15 +292,18 @@ class Stages:
 
     @cached_property
     def vehicles(self) -> Vehicles:
-        """Further numbers of all stages; the fastest pole where a wind has a knot in the sample."""
+        """Further numbers of all stages; of knots of the wind where it has one in the sample."""
         count, h, knots = self.times.size, float(self.hardware.length), self._pieces[0]
-        arrays, fastest = self._arrays, np.zeros(count)
         inside = np.floor((knots[np.isfinite(knots)] - self.times[0]) / h)
         neighbours = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
         neighbours = neighbours[(neighbours >= 0) & (neighbours < count)].astype(np.int64)
-        fastest[neighbours] = np.abs(np.linalg.eigvals(arrays["A"][neighbours])).max(axis=-1)
-        of_plant = {name: arrays[name] for name in ("shown", "A", "gust")}
-        return Vehicles(fastest=fastest, **of_plant, **self._criteria)
+        middles = np.minimum(self.times[neighbours] + 0.5 * h, self.times[-1])
+        moving, fastest = self.sensors.system(self.plants_at(middles)), np.zeros(count)
+        fastest[neighbours] = np.abs(np.linalg.eigvals(moving.A)).max(axis=-1)
+        A, gust = (np.zeros((count, *moving.A.shape[-k:])) for k in (2, 1))
+        A[neighbours], gust[neighbours] = moving.A, moving.B[..., 1]
+        shown = self._arrays["shown"]
+        return Vehicles(shown=shown, A=A, gust=gust, fastest=fastest, **self._criteria)
 
 
 def stages_of(
