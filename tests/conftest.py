@@ -26,7 +26,7 @@ def pytest_collection_modifyitems(config, items):
     """Keep the share that the options specify, of each file about as much."""
     first, each = map(int, config.getoption("--share").split("/"))
     taken = items[first::each]
-    config.hook.pytest_deselected(items=[one for k, one in enumerate(items) if k % each != first])
+    config.hook.pytest_deselected(items=[item for k, item in enumerate(items) if k % each != first])
     items[:] = taken
 
 
@@ -133,7 +133,9 @@ def no_flights():
         return times, np.zeros((5, np.size(times)))
 
     with pytest.MonkeyPatch.context() as patch:
-        engines = {name: replace(one, outputs=still) for name, one in flown_room.ENGINES.items()}
+        engines = {
+            name: replace(engine, outputs=still) for name, engine in flown_room.ENGINES.items()
+        }
         patch.setattr(flown_room, "ENGINES", engines)
         patch.setattr(flown_room, "flown_boundary", lambda *_, **__: SimpleNamespace(limit=0.5))
         flown_room.flown_limit.cache_clear()

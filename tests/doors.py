@@ -150,7 +150,7 @@ flight that is lost."""
 
 def public() -> dict[str, Any]:
     """Return what stands at the doors of the package and of its chapters, but figures, by name."""
-    doors = [tv, *(getattr(tv, one) for one in CHAPTERS if one != "plots")]
+    doors = [tv, *(getattr(tv, chapter) for chapter in CHAPTERS if chapter != "plots")]
     return {name: getattr(door, name) for door in doors for name in door.__all__}
 
 
@@ -2113,7 +2113,7 @@ def flaws(value: Any, name: str = "") -> Iterator[str]:
     elif isinstance(value, tuple | list):
         value = dict(enumerate(value))
     elif dataclasses.is_dataclass(value) and not isinstance(value, type):
-        value = {one.name: getattr(value, one.name) for one in dataclasses.fields(value)}
+        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, dict):
         if np.all(np.asarray(value.get("status", "ok")) == "ok"):
             for key, one in value.items():

@@ -25,7 +25,7 @@ def by_turns(names: str, *values: Iterable[Any], each: int) -> pytest.MarkDecora
     It takes those whose places in the lists add up to a multiple of `each`: where two lists are at
     least so long, every value of every list is among them.
     """
-    lists = [list(one) for one in values]
+    lists = [list(value) for value in values]
     places = list(product(*(range(len(one)) for one in lists)))
     taken = [k for k, at in enumerate(places) if sum(at) % each == 0]
     return pytest.mark.parametrize(names, usual(product(*lists), *taken))

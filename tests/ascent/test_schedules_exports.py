@@ -40,7 +40,7 @@ def test_an_optional_column_never_blocks_a_file(sample, tmp_path) -> None:
         assert not np.any(result.vehicle.pitch_damping)
         (note,) = [one for one in result.notes if one.startswith("not read")]
         assert f"not read: column {name.partition(' (')[0]}, which is not needed: " in note
-    lines = [one.replace("Vertical velocity (m/s)", "Vertical velocity (1)") for one in LINES]
+    lines = [line.replace("Vertical velocity (m/s)", "Vertical velocity (1)") for line in LINES]
     same(read(written(tmp_path, lines)), sample, 0.0)
 
 

@@ -149,8 +149,8 @@ IMPERIAL = {
 
 def test_imperial_units_with_semicolons_and_a_byte_order_mark_are_the_same(sample, tmp_path):
     lines = list(LINES)
-    lines[HEADER] = "# " + ";".join(IMPERIAL.get(one, (one,))[0] for one in NAMES)
-    factors = [IMPERIAL[one][1] if one in IMPERIAL else 1.0 for one in NAMES]
+    lines[HEADER] = "# " + ";".join(IMPERIAL.get(name, (name,))[0] for name in NAMES)
+    factors = [IMPERIAL[name][1] if name in IMPERIAL else 1.0 for name in NAMES]
     for i, line in enumerate(lines):
         if not line.startswith("#"):
             pairs = zip(line.split(","), factors, strict=True)
@@ -260,7 +260,9 @@ def test_pressure_and_temperature_give_the_dynamic_pressure_of_the_density(
     q = p / (R * T) * V**2 / 2
     # the offset of a temperature costs a digit more than the products do
     assert result.at(3.0).normal_force_slope == pytest.approx(q * S * 2.0, rel=20 * ROUNDING)
-    assert any("q = p V^2/(2 R T) of column Air pressure (mbar) and" in one for one in result.notes)
+    assert any(
+        "q = p V^2/(2 R T) of column Air pressure (mbar) and" in note for note in result.notes
+    )
     assert 0.7 * p * (V / a) ** 2 / q == pytest.approx(1.0 - 0.0134, abs=5e-5)
 
 

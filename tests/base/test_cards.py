@@ -258,6 +258,6 @@ def test_a_vehicle_its_coefficients_and_its_plant_are_printed_in_a_few_lines_wit
         printed = repr(record)
         assert len(printed.splitlines()) <= 6
         assert max(map(len, printed.splitlines())) <= 88
-        digits = [one.replace(".", "").lstrip("0") for one in re.findall(r"[\d.]+", printed)]
+        digits = [match.replace(".", "").lstrip("0") for match in re.findall(r"[\d.]+", printed)]
         assert max(map(len, digits)) <= 6
     assert "mu_alpha 0.28014 1/s²" in repr(plant).replace("\n  ", " ")

@@ -32,7 +32,7 @@ def test_margins_equal_the_library():
     for name in ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin"):
         assert document["margins"][name] == pytest.approx(getattr(expected, name), rel=1e-12)
     assert document["criteria"]["met"]
-    assert all(one["source"] for one in document["criteria"]["limits"])
+    assert all(limit["source"] for limit in document["criteria"]["limits"])
 
 
 UNSTABLE = ("--attitude-gain", "0.05", "--rate-gain", "0.3")
@@ -221,7 +221,7 @@ def test_laws_are_flown_in_the_winds_asked_for():
     arguments = ("--set", "laws.winds", "triangle", "--model", "fixed-path", "--sample-rate", "40")
     result = run("fly", "--law", "all", "--duration", "4", *arguments, "--json")
     document = json.loads(result.stdout)
-    limits = {one["law"]: one["limit"] for one in document["trials"]}
+    limits = {trial["law"]: trial["limit"] for trial in document["trials"]}
     flown = ("autopilot", "trim", "dead-band", "half-relief", "recoverable-attitude")
     assert tuple(limits) == flown
     assert min(limits.values()) >= document["no_forecast"]["triangle"]
@@ -230,10 +230,10 @@ def test_laws_are_flown_in_the_winds_asked_for():
     assert head == expected | {"peak_deg": pytest.approx(5.0)}
     trim = abs(np.degrees(booster("fixed-path").coefficients.B * np.radians(5.0)))
     assert document["trim_deflection_deg"] == pytest.approx(trim, rel=1e-12)
-    for one in document["trials"]:
-        assert one["limit_deg"] == pytest.approx(one["limit"] * trim, rel=1e-12)
-        assert (one["status"], one["creeps"]) == ("ok", False)
-        assert one["growth"] < 0.0
+    for trial in document["trials"]:
+        assert trial["limit_deg"] == pytest.approx(trial["limit"] * trim, rel=1e-12)
+        assert (trial["status"], trial["creeps"]) == ("ok", False)
+        assert trial["growth"] < 0.0
 
 
 @pytest.mark.thorough
@@ -277,13 +277,13 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
     assert computed.status == "near rest a real mode grows with +0.0129 1/s"
     assert (computed.lowest, computed.highest) == (0.02, 4.0)
     assert text(_limit("", computed, 1.0)) == f"{computed.limit:.3f}!"
-    for one in law_trials(
+    for trial in law_trials(
         booster("drift-exact"),
         standard_laws(booster("drift-exact"), 0.08),
         winds,
         sample_rate=20.0,
     ):
-        assert not one.creeps
+        assert not trial.creeps
 
 
 @pytest.mark.parametrize(
@@ -376,7 +376,7 @@ def test_an_autopilot_says_by_what_it_is_judged() -> None:
     given += tuple(w for name in GAIN_MARGINS for w in ("--set", f"criteria.{name}=4"))
     criteria = json.loads(run(*given, "--json").stdout)["criteria"]
 
-    request = {one["margin"]: (one["limit"], one["source"]) for one in criteria["limits"]}
+    request = {limit["margin"]: (limit["limit"], limit["source"]) for limit in criteria["limits"]}
     assert request["delay_margin"] == (0.02, "the study file")
     assert request["gain_increase_dB"] == (4.0, "the study file")
     assert request["phase_margin_deg"][0] == 30.0

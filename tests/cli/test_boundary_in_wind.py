@@ -26,11 +26,17 @@ def test_json_equals_the_library() -> None:
     assert expected.switch_times.tolist() == document["switch_times_s"]
     assert document["first_segment"] == "goes with the wind"
     assert document["certificate"]["gap"] < 1e-9
-    for one in document["boundaries"]:
-        required = tv.required_deflection(plant, wind, one["dead_band"])
-        assert one["limit"] == pytest.approx(required.limit, rel=1e-12)
-        assert one["governed_by"] == required.governs
-    assert [one["dead_band"] for one in document["boundaries"]] == [1.0, 0.75, 0.5, 0.25, 0.0]
+    for boundary in document["boundaries"]:
+        required = tv.required_deflection(plant, wind, boundary["dead_band"])
+        assert boundary["limit"] == pytest.approx(required.limit, rel=1e-12)
+        assert boundary["governed_by"] == required.governs
+    assert [boundary["dead_band"] for boundary in document["boundaries"]] == [
+        1.0,
+        0.75,
+        0.5,
+        0.25,
+        0.0,
+    ]
 
 
 def test_the_dead_bands_of_the_options_have_a_row_each() -> None:

@@ -146,7 +146,7 @@ def test_a_wrong_file_is_one_sentence(tmp_path: Path, text: str, said: str) -> N
     assert said in result.output
     first, *others = result.output.splitlines()
     assert first.startswith("Error: ")
-    assert all(one.startswith(str(tmp_path)) for one in others)  # a line for each fault
+    assert all(other.startswith(str(tmp_path)) for other in others)  # a line for each fault
 
 
 def test_an_actuator_in_hertz_is_the_one_in_radians() -> None:

@@ -123,8 +123,10 @@ def test_json_equals_the_library() -> None:
         limit=np.radians(0.2),
     )
 
-    computed = {name: one["limit"] for name, one in document["boundaries"].items()}
-    assert computed == {name: one.limit.tolist() for name, one in expected.boundaries.items()}
+    computed = {name: boundary["limit"] for name, boundary in document["boundaries"].items()}
+    assert computed == {
+        name: boundary.limit.tolist() for name, boundary in expected.boundaries.items()
+    }
     assert expected.sufficient is document["verdict"]["sufficient"]
     assert document["verdict"]["required_deflection_deg"] == pytest.approx(
         np.degrees(expected.required_deflection), rel=1e-15
@@ -404,7 +406,7 @@ def test_a_figure_of_boundaries_needs_pyplot_but_not_control(tmp_path: Path) -> 
     commands = ["boundary --plot b.png", "boundary configuration-i --plot o.png"]
 
     assert loaded_by(commands, tmp_path) == {"matplotlib"}
-    assert {one.name for one in tmp_path.iterdir()} == {"b.png", "o.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {"b.png", "o.png"}
 
 
 def test_python_m_is_the_command_line() -> None:
@@ -421,8 +423,8 @@ def test_no_help_holds_square_brackets_which_would_vanish() -> None:
         yield command.help or ""
         for parameter in command.params:
             yield getattr(parameter, "help", None) or ""
-        for one in getattr(command, "commands", {}).values():
-            yield from texts(one)
+        for value in getattr(command, "commands", {}).values():
+            yield from texts(value)
 
     result = list(texts(typer.main.get_command(app)))
     assert len(result) > 100
@@ -484,6 +486,6 @@ _COMMON = {"--set", "--json", "--csv", "--plot", "--more", "--help"}
 @pytest.mark.parametrize("command", NAMES)
 def test_a_command_has_at_most_twenty_options_of_its_case(command: str) -> None:
     made = typer.main.get_command(app).commands[command]
-    for one in getattr(made, "commands", {command: made}).values():
-        flags = {item.opts[0] for item in one.params if item.opts[0].startswith("-")} - _COMMON
+    for value in getattr(made, "commands", {command: made}).values():
+        flags = {item.opts[0] for item in value.params if item.opts[0].startswith("-")} - _COMMON
         assert len(flags) <= _MAX_OPTIONS, sorted(flags)

@@ -143,7 +143,9 @@ def folder(tmp_path_factory):
 def options_of(command):
     group = typer.main.get_command(app)
     return {
-        one.name: one for one in group.commands[command].params if one.param_type_name == "option"
+        param.name: param
+        for param in group.commands[command].params
+        if param.param_type_name == "option"
     }
 
 

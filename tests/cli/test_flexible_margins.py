@@ -120,7 +120,7 @@ def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     own = tuple(word for key in own for word in ("--set", key))
     assert margins(*own).exit_code == 0
     document = json.loads(margins(*own, "--set", "criteria.mode_gain_margin_dB=6", "--json").stdout)
-    judged = {(one["band"], one["margin"]): one for one in document["criteria"]["limits"]}
+    judged = {(limit["band"], limit["margin"]): limit for limit in document["criteria"]["limits"]}
     second = autopilot().band_margins(booster()).mode("bending 2").gain_margin_dB
     computed = judged["bending 2", "mode_gain_margin_dB"]
     assert computed["surplus"] == pytest.approx(second - 6.0, rel=1e-9)

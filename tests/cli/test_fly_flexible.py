@@ -195,7 +195,7 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
         filters=(tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5),),
     )
     expected = tv.closed_loop_boundary(plant, law, WIND, highest=4.0, **NOZZLE)
-    (trim,) = [one for one in document["trials"] if one["law"] == "trim"]
+    (trim,) = [trial for trial in document["trials"] if trial["law"] == "trim"]
     assert document["flexible"]
     assert trim["limit"] == pytest.approx(expected.limit, rel=1e-12)
     assert trim["status"] == expected.status == "ok"

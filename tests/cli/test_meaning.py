@@ -14,7 +14,7 @@ FAST = ("--limit-deg", "2", "--json")
 
 
 def run(*arguments):
-    return CliRunner().invoke(app, [str(one) for one in arguments])
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.mark.parametrize("law", usual(["trim", "autopilot"], 0))

@@ -36,9 +36,9 @@ def test_no_line_is_wider_than_the_terminal(name) -> None:
 
     assert max(map(len, narrow.splitlines())) <= 40
     sentences = [line for line in wide if line.startswith(("Note: ", "Error: ", "Bounds: "))]
-    assert any(len(one) > 80 for one in sentences)
-    for one in sentences:
-        assert one in " ".join(narrow.split())
+    assert any(len(sentence) > 80 for sentence in sentences)
+    for sentence in sentences:
+        assert sentence in " ".join(narrow.split())
 
 
 def test_no_width_breaks_json() -> None:

@@ -239,12 +239,12 @@ def test_less_rate_never_has_a_better_answer(tmp_path, bound, vehicle, ratio, ye
     plan = tv.load_study(study_file(tmp_path, ""))
     rate = float(ratio * getattr(front(vehicle, limit=0.6), bound))
     findings = find(replace(plan, nozzle=replace(plan.nozzle, rate_limit=rate)))
-    (answer,) = (one for one in questions(findings) if one.name == "nozzle rate")
+    (answer,) = (question for question in questions(findings) if question.name == "nozzle rate")
     assert answer.yes is yes
     required = np.degrees(front(in_head_wind(), limit=0.6).required_rate)
     assert answer.measure.required == pytest.approx(required)
     unknown = replace(findings, head=replace(findings.head, rates=None))
-    (answer,) = (one for one in questions(unknown) if one.name == "nozzle rate")
+    (answer,) = (question for question in questions(unknown) if question.name == "nozzle rate")
     assert answer.yes is (None if yes else yes)
     if bound == "minimum_rate" and vehicle is None:
         assert text(sentence(findings)) == (
@@ -264,7 +264,9 @@ def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, 
     file.write_text(study)
     result = CliRunner().invoke(app, ["study", str(file), "--json"])
     (request,) = (
-        one for one in json.loads(result.stdout)["questions"] if one["name"] == "nozzle rate"
+        question
+        for question in json.loads(result.stdout)["questions"]
+        if question["name"] == "nozzle rate"
     )
     calm, needed = (
         np.degrees(front(one, limit=limit, rate_limit=rate).required_rate)

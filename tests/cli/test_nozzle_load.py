@@ -110,7 +110,7 @@ def test_a_study_file_asks_the_same_in_each_unit(table: str, tmp_path: Path) -> 
     computed = json.loads(run(str(file), "--json").stdout)["trade_off"]
     assert computed["load_deg"] == pytest.approx(3.0)
     own = find(load_study(str(file)))
-    (request,) = [one for one in questions(own) if one.name == "load"]
+    (request,) = [question for question in questions(own) if question.name == "load"]
     assert request.yes
     assert request.required_deflection == pytest.approx(np.radians(computed["lower_bound_deg"]))
 

@@ -151,7 +151,7 @@ def answer_of(question, vehicle, station, *options):
         options = (station, *options)
     command, *more = question.split()
     words = (command, vehicle, *more, *options, "--json")
-    return CliRunner().invoke(app, [str(one) for one in words])
+    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 BY_FILE = ("study", "report", "disperse", "explore")
@@ -201,7 +201,9 @@ def test_a_part_is_computed_told_or_refused(question, part, files, base):
     elif kind == NOTED:
         vehicle = {"structure": files.bent, "damping": files.damped}.get(part, files.plain)
         sentences = omission_notes(tv.Case(vehicle=load_any_vehicle(vehicle)), question)
-        assert all(one in " ".join(result.stderr.split()) for one in sentences), said[:300]
+        assert all(sentence in " ".join(result.stderr.split()) for sentence in sentences), said[
+            :300
+        ]
     else:  # or neglected by an option: laws of a rigid vehicle have no actuator
         assert changed or left_out, said[:300]
 
@@ -209,7 +211,9 @@ def test_a_part_is_computed_told_or_refused(question, part, files, base):
 @pytest.mark.parametrize("question", [q for q in QUESTIONS if q not in BY_FILE])
 def test_every_part_that_the_table_refuses_is_refused_at_the_door(question, files):
     """By its option; a part that a key sets is not counted, as with a file, and is named."""
-    refused = [one for one in OPTIONS if one != WORK and use_of(question, one) == REFUSED]
+    refused = [
+        option for option in OPTIONS if option != WORK and use_of(question, option) == REFUSED
+    ]
     for part in refused:
         if "--set" in OTHERWISE.get((question, part), VALUES.get(part, ())):
             continue
@@ -318,7 +322,7 @@ def test_every_part_of_a_study_file_is_computed_or_named(question, files):
         (folder / "one.toml").write_text(in_toml(tables))
         command, *mode = question.split()
         words = (command, folder / "one.toml", *mode, *OF_ONE_TIME[question], *more, "--json")
-        return CliRunner().invoke(app, [str(one) for one in words])
+        return CliRunner().invoke(app, [str(word) for word in words])
 
     @cache
     def base(*more):

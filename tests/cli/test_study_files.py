@@ -163,8 +163,8 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
     trials = find(tv.load_study(calm)).trials
     result = document("fly", str(calm), "--law", "all")
     assert result["sample_rate_Hz"] == 50
-    assert {one["law"]: one["limit"] for one in result["trials"]} == {
-        one.law: one.limit for one in trials
+    assert {trial["law"]: trial["limit"] for trial in result["trials"]} == {
+        trial.law: trial.limit for trial in trials
     }
 
 

@@ -101,7 +101,7 @@ def test_no_command_calls_a_limit_sufficient_that_is_not(arguments, code, words)
     result = run(*arguments)
     said = " ".join(result.output.split())
     assert result.exit_code == code, said
-    assert [one for one in words if one not in said] == [], said
+    assert [word for word in words if word not in said] == [], said
     assert OTHERS.search(said) is None, said
 
 

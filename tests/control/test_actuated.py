@@ -46,7 +46,7 @@ def test_a_batch_of_plants_and_one_of_actuators_are_each_pair():
     every = plant_with_actuator(
         plants, tv.Actuator(natural_frequency=[20.0, 22.0, 24.0], damping=0.8)
     )
-    assert [one.shape for one in every.matrices()] == [
+    assert [matrix.shape for matrix in every.matrices()] == [
         *((2, 3, 17, 17), (2, 3, 17, len(INPUTS)), (2, 3, 7, 17), (2, 3, 7, len(INPUTS)))
     ]
     vehicle = BOOSTER.replace(thrust=2.5e7)

@@ -314,7 +314,7 @@ def test_an_unstable_loop_says_how_many_poles():
 
 
 def test_the_named_criteria_say_what_they_ask_for_and_where_it_comes_from():
-    limits = {name: [r.limit for r in one.limits] for name, one in CRITERIA.items()}
+    limits = {name: [r.limit for r in criterion.limits] for name, criterion in CRITERIA.items()}
     assert limits == {"classic": [6, 6, 30], "aircraft": [6, 6, 45]}
     for name, criteria in CRITERIA.items():
         assert criteria.name == name

@@ -119,7 +119,7 @@ def test_a_brute_scan_finds_nothing_less(two):
     """Over the whole box, 50 by 50, in the batch engines and the best then exactly."""
     request, computed = problem(crossover=2.0), two
     axes = np.meshgrid(*2 * [np.linspace(0.0, 1.0, 50)], indexing="ij")
-    points = np.stack([one.ravel() for one in axes], axis=-1)
+    points = np.stack([axis.ravel() for axis in axes], axis=-1)
     good = points[request.missing_fractions(points) <= 0.0]
     peaks = deflection_peaks(request.autopilot(good), request.plant, request.winds[0], 8.0 / BETA)
     assert good.shape[0] > 60
@@ -246,7 +246,7 @@ def test_stops_are_the_winds_cut_at_even_instants():
     times = np.linspace(0.0, 16.0, 33)
     cut = winds[1].before(0.5 * winds[1].duration)
     np.testing.assert_allclose(every(times)[3], cut(times), atol=1e-15)
-    np.testing.assert_allclose(every(times)[6:], [one(times) for one in winds], atol=1e-15)
+    np.testing.assert_allclose(every(times)[6:], [wind(times) for wind in winds], atol=1e-15)
 
 
 @pytest.mark.usefixtures("hasty")
@@ -299,9 +299,9 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     points = np.array([[x, y] for x in (0.1, 0.3, 0.5) for y in (0.4, 0.5, 0.6)])
     lacks, rigid = request.missing_fractions(points), whole.missing_fractions(points)
     assert np.all(lacks >= rigid)
-    for point, one in zip(points, lacks, strict=True):
+    for point, lack in zip(points, lacks, strict=True):
         satisfied = criteria.are_satisfied(request.autopilot(point).band_margins(flexible))
-        assert bool(satisfied) == (one <= 0.0)
+        assert bool(satisfied) == (lack <= 0.0)
 
 
 def test_the_search_finds_the_corner_of_two_walls():

@@ -123,8 +123,8 @@ def test_no_margin_of_a_random_point_is_worse(model):
         actuator=tv.Actuator(natural_frequency=drawn["actuator_frequency"], damping=0.7),
     )
     margins = loop_margins(loops.exact_loop(plants))
-    for name, one in worst.margins.items():
-        assert one.value <= np.min(getattr(margins, name)) < one.nominal, name
+    for name, margin in worst.margins.items():
+        assert margin.value <= np.min(getattr(margins, name)) < margin.nominal, name
 
 
 def test_a_worst_point_inside_is_found():

@@ -198,8 +198,8 @@ def test_workers_are_told_the_whole_path(plan, whole, tmp_path, monkeypatch):
 
 def test_shards_make_up_the_whole(plan, whole, tmp_path):
     parts = [tv.run_campaign(plan, tmp_path, shard=f"{i}/3") for i in (3, 1, 2)]
-    assert [one.cases for one in parts] == [128 + 60, 3 * 128 + 60, 700]
-    assert [one.complete for one in parts] == [False, False, True]
+    assert [part.cases for part in parts] == [128 + 60, 3 * 128 + 60, 700]
+    assert [part.complete for part in parts] == [False, False, True]
     same(whole, parts[-1])
 
 

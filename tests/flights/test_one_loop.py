@@ -120,7 +120,7 @@ def independent_step(plant, autopilot):
     count = int(np.floor(autopilot.delay / h + 1e-9))
     rest = max(autopilot.delay - count * h, 0.0)
     rest = rest if rest > 1e-9 * h else 0.0
-    filter_order = sum(len(one[1]) for one in chains)
+    filter_order = sum(len(chain[1]) for chain in chains)
     integral = int(autopilot.integral_gain != 0.0)
     size = hardware + filter_order + integral + count + 1  # commands c[k-1], c[k-2], ..
     unit = np.eye(size)

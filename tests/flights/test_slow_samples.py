@@ -191,4 +191,4 @@ def test_a_millionth_beyond_each_margin_the_step_of_a_flight_grows(plant, hertz,
     for beyond in (1.0 - 1e-6, 1.0 + 1e-6):
         changes = [(beyond * m.gain_increase, late), (1.0, late + beyond * m.delay_margin)]
         changes.append((1.0 / (beyond * m.aero_margin), late))
-        assert [growth(*one) > 0.0 for one in changes] == [beyond > 1.0] * 3
+        assert [growth(*change) > 0.0 for change in changes] == [beyond > 1.0] * 3

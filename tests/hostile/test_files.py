@@ -24,7 +24,7 @@ def _says_not_how_far_it_is(monkeypatch) -> None:
 
 
 def run(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(one) for one in arguments])
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def check_refused(result: Result) -> str:

@@ -183,8 +183,10 @@ DEAR = {
 def _options(name: str) -> dict[str, Any]:
     """The options of a command by the name that they have in a shell."""
     command = typer.main.get_command(app).commands[name]
-    options = {one.opts[-1]: one for one in command.params if one.param_type_name == "option"}
-    return {said: one for said, one in options.items() if said not in ("--plot", "--csv")}
+    options = {
+        param.opts[-1]: param for param in command.params if param.param_type_name == "option"
+    }
+    return {said: option for said, option in options.items() if said not in ("--plot", "--csv")}
 
 
 OPTIONS = {name: _options(name) for name in (*CHEAP, *DEAR)}

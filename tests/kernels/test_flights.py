@@ -135,7 +135,7 @@ def test_arrays_have_one_layout_whatever_the_wind(monkeypatch):
     every = [one for group in made[0][:-1] for one in group] + [made[0].track]
     arrays = [one for one in every if isinstance(one, np.ndarray)]
     assert len(arrays) > 30
-    assert all(one.flags.c_contiguous for one in arrays)
+    assert all(array.flags.c_contiguous for array in arrays)
 
 
 def test_threads_change_nothing(monkeypatch):

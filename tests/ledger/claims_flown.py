@@ -17,7 +17,7 @@ SHARE = "cases in which the theory is the worse"
 
 
 def _limits(along: bool, verdict: Callable[[Boundaries], tuple[bool, ...]]) -> Computed:
-    computed = [one for one in boundaries() if one.along is along]
+    computed = [boundary for boundary in boundaries() if boundary.along is along]
     values = [Value(one.gust.name, *one.excess) for one in computed]
     if not along:
         values += [
@@ -35,7 +35,7 @@ def _excess(c: Coefficients, tau_beta: float, K: float) -> float:
 
 
 def _errors(along: bool, verdict: Callable[[Attitudes], tuple[bool, ...]]) -> Computed:
-    computed = [one for one in attitudes() if one.along is along]
+    computed = [attitude for attitude in attitudes() if attitude.along is along]
     groups = {SHARE: computed}
     for plane in ("pitch", "yaw"):
         for K in (FULL, HALF):

@@ -53,5 +53,5 @@ def moments() -> tuple[Moment, ...]:
 
 def example() -> float:
     """Return B at which the assumed wind needs `WIND`, over the B of Table I."""
-    table = next(one for one in moments() if one.time == 66.0)
+    table = next(moment for moment in moments() if moment.time == 66.0)
     return WIND / float(np.degrees(np.arcsin(EXAMPLE / table.velocity))) / table.B

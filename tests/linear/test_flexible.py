@@ -306,7 +306,7 @@ def test_a_thousand_dispersed_frequencies_are_one_call():
     )
     every = flexible(structure)
     assert every.batch == (2, 1000)
-    assert [one.shape for one in every.matrices()] == [
+    assert [matrix.shape for matrix in every.matrices()] == [
         *((2, 1000, 14, 14), (2, 1000, 14, 3), (2, 1000, 6, 14), (2, 1000, 6, 3))
     ]
     for i in (0, 999):

@@ -46,21 +46,21 @@ def plan(**given):
 
 def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
     card = tv.nozzle.flight_duty(plan(), request())
-    assert [one.time for one in card.points] == [60.0, 65.0, 70.0]
-    for one in card.points:
-        case = tv.Case(vehicle=SCHEDULE.at(one.time), nozzle=NOZZLE)
+    assert [point.time for point in card.points] == [60.0, 65.0, 70.0]
+    for point in card.points:
+        case = tv.Case(vehicle=SCHEDULE.at(point.time), nozzle=NOZZLE)
         law = tv.control.design_law("trim", case.plant, float(case.history.peak))
         alone = FlownDuty.of(case, "trim", law).duty
         least = tv.optimum_deflection(case.plant, case.history, 0.0).peak
         pole = float(np.real(tv.unstable_modes(case.plant).poles[0]))
-        assert one.minimum == pytest.approx(least, rel=1e-9)
-        assert one.minimum_rate == pytest.approx(pole * least, rel=1e-9)
-        assert one.minimum_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
+        assert point.minimum == pytest.approx(least, rel=1e-9)
+        assert point.minimum_rate == pytest.approx(pole * least, rel=1e-9)
+        assert point.minimum_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
         # the same flight but for its time, and the time of rest before it
-        assert one.duty.travel == pytest.approx(alone.travel, rel=1e-6)
-        assert one.duty.work.energy == pytest.approx(alone.work.energy, rel=1e-4)
-        assert abs(one.duty.rate.value) == pytest.approx(abs(alone.rate.value), rel=1e-6)
-    assert card.duties[0].travel == max(one.duty.travel for one in card.points)
+        assert point.duty.travel == pytest.approx(alone.travel, rel=1e-6)
+        assert point.duty.work.energy == pytest.approx(alone.work.energy, rel=1e-4)
+        assert abs(point.duty.rate.value) == pytest.approx(abs(alone.rate.value), rel=1e-6)
+    assert card.duties[0].travel == max(point.duty.travel for point in card.points)
 
 
 def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_of_calm_air():
@@ -105,7 +105,7 @@ def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(az
     vehicle, tail = SCHEDULE.at(66.0), 1.0 if azimuth == 90.0 else -1.0
     path = float(vehicle.attitude)
     # 60 to 70 s with the peak at 64 s, 70 to 80 s; the altitude rises by a sixth of a km in 1 s
-    for one, times in zip(card.points, ([60.0, 64.0, 70.0], [70.0, 80.0]), strict=True):
+    for point, times in zip(card.points, ([60.0, 64.0, 70.0], [70.0, 80.0]), strict=True):
         east = np.interp(6e3 + 1e4 / 60.0 * (np.array(times) - 40.0), JET.height, JET.east)
         along = np.cos(path) - tail * east / float(vehicle.velocity)
         ratio = float((along**2 + np.sin(path) ** 2).max())
@@ -118,7 +118,7 @@ def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(az
         ).peak
         # the pressure is a chord of its parabola between the samples, 20 m/s apart
         within = 2.0 * (10.0 / float(vehicle.velocity)) ** 2
-        assert one.minimum == pytest.approx(expected, rel=within)
+        assert point.minimum == pytest.approx(expected, rel=within)
 
 
 def test_a_measured_wind_is_counted_once_over_the_flight():
@@ -245,7 +245,7 @@ def test_both_planes_have_their_part_of_the_stop():
     assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)
     assert {pitch.plane, yaw.plane} == {"pitch", "yaw"}
     turned = np.hypot(abs(pitch.duty.angle.value), abs(yaw.duty.angle.value))
-    limit = next(one for one in card.verdict.lines if one.name == "limit")
+    limit = next(line for line in card.verdict.lines if line.name == "limit")
     assert np.degrees(turned) == pytest.approx(limit.required, rel=0.05)  # both peak together
 
 
@@ -269,8 +269,10 @@ def test_the_worst_line_heads_the_verdict(sheet, worst, satisfied):
     assert computed.lines[0].name == worst
     assert computed.satisfied is satisfied
     assert worst in computed.words
-    for one in computed.lines:
-        assert one.remaining is None or one.remaining == pytest.approx(one.available - one.required)
+    for line in computed.lines:
+        assert line.remaining is None or line.remaining == pytest.approx(
+            line.available - line.required
+        )
 
 
 def test_of_a_limit_that_is_reached_nothing_is_left():
@@ -285,7 +287,7 @@ def test_of_a_limit_that_is_reached_nothing_is_left():
 def test_what_a_lost_flight_needs_is_not_known_to_be_there():
     needed = {"limit": 0.9 * DEG, "rate_limit": 11.0 * DEG, "acceleration_limit": 0.0}
     lost = NozzleVerdict.of(NOZZLE, needed, ["trim is lost"])
-    computed = {one.name: (one.required, one.satisfied, one.remaining) for one in lost.lines}
+    computed = {line.name: (line.required, line.satisfied, line.remaining) for line in lost.lines}
     assert np.isnan(computed["limit"][0])
     assert computed["limit"][1] is None
     assert np.isnan(computed["acceleration"][0])
@@ -297,8 +299,8 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     card = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), request())
     assert card.verdict.satisfied is False
     assert "trim is lost at 60 s" in card.verdict.words
-    (rate,) = (one for one in card.verdict.lines if one.name == "rate limit")
-    assert rate.required > max(one.minimum_rate for one in card.points) / DEG
+    (rate,) = (line for line in card.verdict.lines if line.name == "rate limit")
+    assert rate.required > max(point.minimum_rate for point in card.points) / DEG
 
 
 def test_what_is_missing_is_named():
@@ -346,7 +348,7 @@ duty_law = "trim"
 def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rate, torque, answers):
     file = tmp_path / "study.toml"
     file.write_text(STUDY.format(limit=limit, rate=rate, torque=torque))
-    computed = {one.name: one for one in questions(find(tv.load_study(file)))}
+    computed = {question.name: question for question in questions(find(tv.load_study(file)))}
     assert {name: computed[name].yes for name in answers} == answers
     if rate < 1.0:
         measure = computed["whole flight"].measure
@@ -369,7 +371,7 @@ def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_sufficient
     file = tmp_path / "study.toml"
     file.write_text(study)
     result = find(tv.load_study(file))
-    (card,) = (one for one in questions(result) if one.name == "nozzle card")
+    (card,) = (question for question in questions(result) if question.name == "nozzle card")
     assert card.yes is None
     assert card.text.startswith("the flight of trim at 10 s in 2 winds: two unstable poles")
     assert text(sentence(result)).startswith("NOT KNOWN: the flight of trim at 10 s")

@@ -168,7 +168,7 @@ def by_small_steps(case, law):
         of = dict(zip(case.plant.outputs, seen, strict=True))
         if k % STEPS == 0:
             names = tv.control.Measurement._fields[:-1]
-            measured = tv.control.Measurement(*(of.get(one, 0.0) for one in names), y[n])
+            measured = tv.control.Measurement(*(of.get(name, 0.0) for name in names), y[n])
             command = float(np.clip(law.demand(measured, np.zeros(0), limit), -limit, limit))
         first = moves(2 * k, y, command)
         rows.append([k * h, y[n], y[n + 1], first[n + 1], of["angle_of_attack"], first[1]])

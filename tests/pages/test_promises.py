@@ -50,11 +50,11 @@ def _anchors(page: Path) -> set[str]:
     """The anchors of the headings of a page, as GitHub and the site name them."""
     outside = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
     headings = re.findall(r"^#+ (.+)$", outside, flags=re.MULTILINE)
-    return {re.sub(r"[^\w -]", "", one.lower()).replace(" ", "-") for one in headings}
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 def test_no_public_name_is_hidden_by_a_room_of_the_same_name() -> None:
-    for door in (tvclin, *(getattr(tvclin, one) for one in CHAPTERS)):
+    for door in (tvclin, *(getattr(tvclin, chapter) for chapter in CHAPTERS)):
         assert not {path.stem for path in Path(door.__file__).parent.iterdir()} & set(door.__all__)
 
 
@@ -132,7 +132,7 @@ def test_a_misspelt_name_is_answered_with_the_near_one(door: str, name: str, sai
         getattr(import_module(door), name)
 
 
-@pytest.mark.parametrize("package", ["tvclin", *(f"tvclin.{one}" for one in CHAPTERS)])
+@pytest.mark.parametrize("package", ["tvclin", *(f"tvclin.{chapter}" for chapter in CHAPTERS)])
 def test_the_help_of_a_chapter_is_a_page_that_has_its_names(package: str) -> None:
     module = import_module(package)
     text = pydoc.plain(pydoc.render_doc(module))
@@ -197,7 +197,7 @@ def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
             if isinstance(node, ast.ImportFrom):
                 imported.add((node.module or "").partition(".")[0])
             if isinstance(node, ast.Import):
-                imported |= {one.name.partition(".")[0] for one in node.names}
+                imported |= {name.name.partition(".")[0] for name in node.names}
             if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "extensions":
                 named = ast.literal_eval(node.value)
                 imported |= {one.partition(".")[0].replace("-", "_") for one in named}
@@ -229,7 +229,7 @@ def test_packages_are_tried_on_the_lowest_and_the_newest_python_that_is_promised
 
 
 def test_no_public_function_takes_another_model_by_itself() -> None:
-    made = [one for one in public().values() if callable(one)]
+    made = [value for value in public().values() if callable(value)]
     made += [one.from_vehicle for one in made if hasattr(one, "from_vehicle")]
     for function in made:
         with suppress(ValueError):  # some of numpy and control have no signature

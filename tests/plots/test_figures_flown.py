@@ -116,7 +116,7 @@ def test_figure_10_is_equations_12_and_18_and_draws_what_is_flown_where_it_belon
     values = {column.label: column.values for column in computed.columns}
     c = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
 
-    assert [one[3] for one in calls] == [
+    assert [call[3] for call in calls] == [
         (("engine", "planar"),),
         (("along", True), ("peak", PEAK), ("plane", "pitch")),
         (("along", True), ("peak", -PEAK), ("plane", "pitch")),

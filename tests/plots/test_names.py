@@ -63,13 +63,13 @@ def written(plot, tmp_path):
     with mpl.rc_context({"svg.fonttype": "none"}):
         plots.save_figure(plot, file)
     texts = ElementTree.parse(file).iter("{http://www.w3.org/2000/svg}text")
-    return [" ".join("".join(one.itertext()).split()) for one in texts]
+    return [" ".join("".join(text.itertext()).split()) for text in texts]
 
 
 @by_turns("name,draw", NAMES, FIGURES, each=4)
 def test_a_dollar_sign_in_a_name_is_a_dollar_sign(tmp_path, draw, name):
     words = written(FIGURES[draw](name), tmp_path)
-    assert any(name in one for one in words), words
+    assert any(name in word for word in words), words
 
 
 def test_a_figure_is_saved_as_one_of_matplotlib(tmp_path):

@@ -317,13 +317,13 @@ def test_a_flight_has_both_directions_at_each_time_and_its_total_the_larger() ->
     nominal = result.required["K = 1, varying"][:, 0]
     for sign in ("head", "tail"):
         studies = [tv.Study.of(request.at(plan, t, pulse)) for t in result.times.tolist()]
-        ratios = [one.encountered[sign] / one.nominal_deflection for one in studies]
+        ratios = [study.encountered[sign] / study.nominal_deflection for study in studies]
         along = result.required[f"K = 1, varying, {sign} wind"][:, 0]
         np.testing.assert_allclose(along, nominal * ratios, rtol=0.02)
     name = "K = 1, varying, head wind"
     total = request.total(plan, result)
     assert request.counted(result) == name
-    assert {one.name: one.deflection for one in total.lines}["wind"] == result.worst[
+    assert {line.name: line.deflection for line in total.lines}["wind"] == result.worst[
         name
     ].deflection
 
@@ -477,7 +477,7 @@ def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float
 
     angles = wind.peak * (1.0 - np.abs((2 * np.arange(count) + 1) / count - 1.0))
     blows = np.sin(turn * angles) / np.sin(path + turn * angles)
-    equations = [matrices((np.cos(path) - one) ** 2 + np.sin(path) ** 2) for one in blows]
+    equations = [matrices((np.cos(path) - blow) ** 2 + np.sin(path) ** 2) for blow in blows]
     x, states, trims = np.zeros(len(equations[0][0])), [], []
     for (A, B), angle in zip(equations, angles, strict=True):
         trims.append(-(A[1] @ x + B[1, 1] * angle) / B[1, 0])
@@ -511,7 +511,7 @@ def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float
         inside = abs(trims[middle]) < dead_band * least_size(*request[middle])
         low, high = (middle, high) if inside else (low, middle)
     limits = [least_size(*request[k]) for k in (low, high)]
-    over = [abs(trims[k]) - dead_band * one for k, one in zip((low, high), limits, strict=True)]
+    over = [abs(trims[k]) - dead_band * limit for k, limit in zip((low, high), limits, strict=True)]
     return float(np.interp(0.0, over, limits))
 
 

@@ -223,12 +223,16 @@ def test_files_without_a_date_can_be_taken_in_their_order(tmp_path) -> None:
     with pytest.raises(tv.InputError, match="--in-order"):
         tv.read_soundings(tmp_path)
     soundings = tv.read_soundings(tmp_path, in_order=True)
-    assert [str(one)[:10] for one in soundings.times] == ["2000-01-01", "2000-01-02", "2000-01-03"]
+    assert [str(time)[:10] for time in soundings.times] == [
+        "2000-01-01",
+        "2000-01-02",
+        "2000-01-03",
+    ]
     assert "3 files without a date" in soundings.notes[0]
     dates = tmp_path / "dates.csv"
     dates.write_text("file,time\na.csv,2024-02-03T12\nb.csv,2024-02-01T00\nc.csv,2024-02-02\n")
     listed = tv.read_soundings(tmp_path, dates=dates)
-    assert [str(one)[:10] for one in listed.times] == ["2024-02-01", "2024-02-02", "2024-02-03"]
+    assert [str(time)[:10] for time in listed.times] == ["2024-02-01", "2024-02-02", "2024-02-03"]
     dates.write_text("name,day\na.csv,2024-02-03\n")
     with pytest.raises(tv.InputError, match="no line of names file,time"):
         tv.read_soundings(tmp_path, dates=dates)

@@ -117,8 +117,8 @@ def test_no_angle_of_a_study_is_extrapolated() -> None:
     assert answer["verdict"]["sufficient"] is None
     assert set(answer["verdict"]["requirements_deg"].values()) == {None}
     assert set(answer["minimum_deg"].values()) == {None}
-    for one in answer["boundaries"].values():
-        assert set(one["deflection_deg"]) == {None}
+    for value in answer["boundaries"].values():
+        assert set(value["deflection_deg"]) == {None}
 
 
 @pytest.mark.thorough

@@ -122,7 +122,7 @@ def test_a_band_of_losses_above_a_limit_that_survives_is_not_stepped_over():
         tv.required_deflection(tv.Plant.from_vehicle(vehicle, model), wind)
         for model in ("drift-exact", "drift-and-speed")
     ]
-    limits = np.multiply.outer([0.998, 1.002], [abs(one.deflection) for one in needs])
+    limits = np.multiply.outer([0.998, 1.002], [abs(need.deflection) for need in needs])
     for model, some in zip(("drift-exact", "drift-and-speed"), limits.T, strict=True):
         law_diverges = [diverges(tv.Plant.from_vehicle(vehicle, model), wind, x) for x in some]
         assert law_diverges == [True, False]

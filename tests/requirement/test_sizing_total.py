@@ -114,7 +114,7 @@ def test_a_rate_limit_adds_what_a_ramp_needs_more():
     for rate in np.radians([0.15, 0.4, 2.0]):
         total = tv.requirement.worst_total(sizing, "K = 0", rate_limit=float(rate), limit=0.1)
         slow = tv.boundary.optimum_with_rate_limit(plant, wind, float(rate), 0.0).peak
-        parts = {one.name: one.deflection for one in total.lines}
+        parts = {line.name: line.deflection for line in total.lines}
         assert parts["wind"] + parts["rate limit"] == pytest.approx(slow, rel=1e-4)
         exact = tv.requirement.worst_total(
             sizing, "K = 0", rate_limit=float(rate), limit=total.total

@@ -108,7 +108,9 @@ def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> No
     costate, reach = mode.at(69.5)
 
     def rates(t, x, delta):
-        A, inputs = (np.squeeze(one) for one in flight.plants(t, model, "pitch").matrices()[:2])
+        A, inputs = (
+            np.squeeze(matrix) for matrix in flight.plants(t, model, "pitch").matrices()[:2]
+        )
         return A @ x + inputs @ [delta, float(wind(min(t, 69.5 - 1e-9)))]
 
     def component(delta: float) -> float:

@@ -82,7 +82,7 @@ class Rocket:
 
     @property
     def _counted(self) -> list[tuple[Surface, float]]:
-        return [one for one in self.surfaces if not isinstance(one[0], GenericSurface)]
+        return [surface for surface in self.surfaces if not isinstance(surface[0], GenericSurface)]
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ def values(plan: tv.studyfile.StudyPlan) -> dict[str, Any]:
     """Return where the controls begin for a plan."""
     return {
         **{field: one[2] for field, one in choices.lists(plan, ["vehicle"]).items()},
-        **{field: one[1] for field, one in choices.switches(plan).items()},
-        **{field: one.value for field, one in choices.sliders(plan, [plan.vehicle]).items()},
+        **{field: switch[1] for field, switch in choices.switches(plan).items()},
+        **{field: slider.value for field, slider in choices.sliders(plan, [plan.vehicle]).items()},
     }
 
 

@@ -30,7 +30,9 @@ def findings(more: str, tmp_path, peak: float = 5.0, limit: float = 0.4) -> Find
 
 
 def check_of(answers: Findings, begin: str):
-    return next(one for one in assumptions(answers) if text(one.line).startswith(begin))
+    return next(
+        assumption for assumption in assumptions(answers) if text(assumption.line).startswith(begin)
+    )
 
 
 @pytest.mark.parametrize("duration", usual([5.0, 30.0], 1))
@@ -58,7 +60,7 @@ def test_a_mode_that_is_unstable_near_its_frequency_is_a_doubtful_assumption(tmp
     """A mode at 0.95 of the notch is unstable at 1.126 of its frequency, at the notch at 1.069."""
     answers = findings("", tmp_path)
     words = "The frequencies of modes are those of the vehicle file"
-    assert not any(text(one.line).startswith(words) for one in assumptions(answers))
+    assert not any(text(assumption.line).startswith(words) for assumption in assumptions(answers))
     unstable = "bending 1 is unstable at 1.069 of its frequency"
     for factor, state, notes in (
         (0.95, "ok", []),

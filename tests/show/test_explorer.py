@@ -167,7 +167,7 @@ def test_each_part_that_the_table_calls_computed_is_asked() -> None:
     def asks(c: Choices) -> Any:
         return c.margin_inputs, c.requirement_inputs, c.motion_inputs
 
-    assert all(asks(moved(**one)) != asks(moved()) for one in MOVED.values())
+    assert all(asks(moved(**value)) != asks(moved()) for value in MOVED.values())
     bent = moved("made-up-launcher"), moved("made-up-launcher", structure=False)
     assert bent[0].requirement_inputs == bent[1].requirement_inputs
     assert bent[0].margin_inputs != bent[1].margin_inputs

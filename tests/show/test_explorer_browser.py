@@ -147,7 +147,7 @@ def wide(browser: Any, width: int, height: int) -> None:
 
 
 def gone(kernels: list[Any]) -> bool:
-    return not any(one.is_running() and one.status() != "zombie" for one in kernels)
+    return not any(kernel.is_running() and kernel.status() != "zombie" for kernel in kernels)
 
 
 @pytest.mark.thorough

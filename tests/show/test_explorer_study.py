@@ -69,7 +69,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 def document(*words: Any) -> dict[str, Any]:
-    done = CliRunner().invoke(app, [str(one) for one in (*words, "--json")])
+    done = CliRunner().invoke(app, [str(word) for word in (*words, "--json")])
     assert done.exit_code in (0, 1), done.output
     return dict(json.loads(done.stdout))
 

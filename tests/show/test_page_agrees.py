@@ -108,17 +108,17 @@ def test_head_table_sections_and_figure_agree(document, count, folder) -> None:
     shown, limit = read(html), document["nozzle"]["limit_deg"]
     # no margins where the limit loses it, no flights of a loop along the flight in both planes
     assert not computed.reasons.keys() - {"flown", "flights"}
-    each = {one.name: one for one in questions(computed)}
+    each = {question.name: question for question in questions(computed)}
     assert len(each) >= count - 1
-    for one in each.values():
-        if one.measure is None or np.isinf(one.measure.required):  # none is sufficient
+    for value in each.values():
+        if value.measure is None or np.isinf(value.measure.required):  # none is sufficient
             continue
-        names = [key for key in shown if key.startswith(f"answer.{one.name.replace(' ', '_')}.")]
+        names = [key for key in shown if key.startswith(f"answer.{value.name.replace(' ', '_')}.")]
         values = {
             re.sub(r".*\.(required|available|remaining).*", r"\1", key): shown[key] for key in names
         }
         assert close(values["remaining"], values["available"] - values["required"])
-        if one.measure.unit == "deg" and one.name != "margins":
+        if value.measure.unit == "deg" and value.name != "margins":
             assert close(values["available"], limit)
     wind = shown["answer.wind.required_deg"]
     _head(shown, wind, limit, each)
@@ -130,7 +130,7 @@ def test_head_table_sections_and_figure_agree(document, count, folder) -> None:
 def _head(shown, wind, limit, each) -> None:
     assert close(shown["facts.limit_deg"], limit)
     if "verdict.required_deg" in shown:
-        sized = [one for one in each.values() if np.isfinite(one.required_deflection)]
+        sized = [value for value in each.values() if np.isfinite(value.required_deflection)]
         failed = [one for one in sized if one.yes is False] or sized
         worst = max(float(np.degrees(one.required_deflection)) for one in failed)
         assert close(shown["verdict.required_deg"], worst)

@@ -42,7 +42,7 @@ NO = ("NOT SUFFICIENT", "NOT MET", "NOT SURVIVED")
 
 
 def answers(findings: Findings) -> dict[str, bool | None]:
-    return {one.name: one.yes for one in questions(findings)}
+    return {question.name: question.yes for question in questions(findings)}
 
 
 def test_a_limit_that_covers_the_wind_alone_is_not_sufficient_for_a_probability() -> None:
@@ -82,14 +82,19 @@ def test_study_report_and_page_have_one_headline(tmp_path) -> None:
 def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> None:
     result = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path", design=DESIGN)
     rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in questions_table(result).rows}
-    parts = {one.name: one.measure.required / one.measure.available for one in questions(result)}
+    parts = {
+        question.name: question.measure.required / question.measure.available
+        for question in questions(result)
+    }
     ranks = [(rows[name][0] not in NO, -parts[name]) for name in rows]
     assert ranks == sorted(ranks)
-    for one in questions(result):
-        needed, there, left = (float(cell.split()[0]) for cell in rows[one.name][1:4])
+    for question in questions(result):
+        needed, there, left = (float(cell.split()[0]) for cell in rows[question.name][1:4])
         assert left == pytest.approx(there - needed, abs=1.01e-3)
-        if one.required_deflection == one.required_deflection:  # a deflection
-            assert needed == pytest.approx(float(np.degrees(one.required_deflection)), abs=5.01e-4)
+        if question.required_deflection == question.required_deflection:  # a deflection
+            assert needed == pytest.approx(
+                float(np.degrees(question.required_deflection)), abs=5.01e-4
+            )
             assert there == 0.4
 
 
@@ -124,7 +129,7 @@ def test_few_cases_suffice_to_refuse_a_limit_that_covers_a_part_of_them() -> Non
     assert np.isinf(result.dispersed.required.upper)
     assert answers(result)["probability"] is False
     shown = f"sufficient in at most {100 * success.upper:.2f} %, not in 99.865 % of flights"
-    assert {one.name: one.text for one in questions(result)}["probability"] == shown
+    assert {question.name: question.text for question in questions(result)}["probability"] == shown
 
 
 @pytest.mark.thorough
@@ -148,7 +153,7 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     assert f"more than the {needs:.3f} deg that this autopilot requires" in headline(result)
     wide = found_for(1.01 * asks, design=DESIGN, criteria=LOOSE)
     assert "more than the limit" not in str(verdict.basis(wide))
-    (said,) = (one for one in questions(wide) if one.name == "autopilot")
+    (said,) = (question for question in questions(wide) if question.name == "autopilot")
     assert said.measure.required == pytest.approx(needs, rel=1e-12)
     assert f"without a limit the autopilot would turn the nozzle by {asks:.3f} deg" in said.text
 
@@ -162,7 +167,7 @@ def test_an_autopilot_that_its_rate_limit_loses_is_not_enough() -> None:
     loop, limit = result.comparison, slow.limit
     assert loop.peak_deflection < limit
     assert loop.peak_deflection_rate > slow.rate_limit
-    (said,) = (one for one in questions(result) if one.name == "autopilot")
+    (said,) = (question for question in questions(result) if question.name == "autopilot")
     assert said.yes is False
     assert np.isinf(said.measure.required)
     rate = np.degrees(loop.peak_deflection_rate)
@@ -188,13 +193,13 @@ def flown_in_a_head_wind(findings: Findings, limit: float, size: float = 1.0) ->
         }
         return tv.Plant.from_vehicle(vehicle.replace(**more), findings.plan.model)
 
-    ends = [[np.asarray(one) for one in plant(ratio).matrices()[:2]] for ratio in (1.0, 2.0)]
+    ends = [[np.asarray(matrix) for matrix in plant(ratio).matrices()[:2]] for ratio in (1.0, 2.0)]
 
     def rates(t: float, x: np.ndarray) -> np.ndarray:
         angle = float(wind(t)) if t < float(wind.end) else 0.0
         against = np.sin(-sign * angle) / np.sin(path - sign * angle)
         ratio = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
-        A, inputs = (one + (ratio - 1.0) * (two - one) for one, two in zip(*ends, strict=True))
+        A, inputs = (end + (ratio - 1.0) * (two - end) for end, two in zip(*ends, strict=True))
         request = loop.autopilot.attitude_gain * x[0] + loop.autopilot.rate_gain * x[1]
         return A @ x + inputs @ np.array([np.clip(request, -limit, limit), angle])
 
@@ -285,7 +290,10 @@ def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
         if "--json" in command:
             document = json.loads(result.stdout)
             assert document["all_answers_yes"] is (code == 0)
-            assert [one["name"] for one in document["questions"]] == ["wind", "probability"]
+            assert [question["name"] for question in document["questions"]] == [
+                "wind",
+                "probability",
+            ]
 
 
 @pytest.mark.thorough

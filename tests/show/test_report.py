@@ -196,7 +196,7 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
         "stop": np.radians(stop),
         "trim": c.trim_deflection,
         "minimum": c.minimum,
-        **{f"K{K:g}": one for K, one in c.boundaries.items()},
+        **{f"K{K:g}": boundary for K, boundary in c.boundaries.items()},
     }
     return (
         computed
@@ -493,18 +493,21 @@ def test_the_seal_is_that_of_the_inputs(plan: tv.studyfile.StudyPlan, html: str)
 def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
     tags = [tag for tag, _ in page.tags]
     ids = [attributes["id"] for _, attributes in page.tags if "id" in attributes]
-    targets = [one["href"] for one in page.attributes("a")]
-    targets += [one["xlink:href"] for one in page.attributes("use")]
+    targets = [attribute["href"] for attribute in page.attributes("a")]
+    targets += [attribute["xlink:href"] for attribute in page.attributes("use")]
     targets += re.findall(r"url\((#[^)]+)\)", html)
 
     assert not {"script", "img", "iframe", "object"} & set(tags)
-    assert [one["href"] for one in page.attributes("link")] == ["data:,"]
+    assert [attribute["href"] for attribute in page.attributes("link")] == ["data:,"]
     assert not re.search(r"@import|src=|https?://(?!www\.w3\.org/)", html)
     assert len(ids) == len(set(ids))
     assert {target[1:] for target in targets} <= set(ids)
     assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 14]
-    assert all(one["scope"] in ("row", "col") for one in page.attributes("th"))
-    assert all(one["role"] == "img" and one["aria-label"] for one in page.attributes("svg"))
+    assert all(attribute["scope"] in ("row", "col") for attribute in page.attributes("th"))
+    assert all(
+        attribute["role"] == "img" and attribute["aria-label"]
+        for attribute in page.attributes("svg")
+    )
     assert tags.count("svg") == 8
     assert tags.count("table") == tags.count("caption")
 
@@ -618,7 +621,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
     result = CliRunner().invoke(app, ["report", f"{tmp_path}/s.toml", "-o", f"{tmp_path}/p.html"])
     said = "".join(part for part in verdict.sentence(computed) if isinstance(part, str))
 
-    assert [one.yes for one in questions(computed)] == [True, None]
+    assert [question.yes for question in questions(computed)] == [True, None]
     assert said.startswith("NOT KNOWN: ")
     assert "required deflection of the whole flight of configuration-i not known above" in said
     assert "Required deflection NOT KNOWN above 12.0 km" in section(computed, "flight").text
@@ -739,8 +742,12 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
         long = tv.studyfile.StudyPlan(
             vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration)
         )
-        doubts = [text(one.line) for one in assumptions(find(long)) if one.state == "doubt"]
-        assert any("slow motion" in one for one in doubts) is noted
+        doubts = [
+            text(assumption.line)
+            for assumption in assumptions(find(long))
+            if assumption.state == "doubt"
+        ]
+        assert any("slow motion" in doubt for doubt in doubts) is noted
 
 
 @pytest.mark.thorough
@@ -787,7 +794,9 @@ def test_a_page_says_where_no_limit_is_enough(plan: tv.studyfile.StudyPlan) -> N
 
     assert dict(verdict.facts(result))["required deflection"] == ("none is sufficient",)
     assert section(result, "boundaries").of("td").count("none is sufficient") == 2
-    assert [one.text for one in questions(result)] == ["with this dead band no limit is sufficient"]
+    assert [question.text for question in questions(result)] == [
+        "with this dead band no limit is sufficient"
+    ]
     endless = find(replace(request, nozzle=tv.Nozzle()))
     assert verdict.sentence(endless)[0].startswith(
         "NOT SUFFICIENT: with this dead band no limit is"
@@ -912,7 +921,7 @@ def test_a_bad_study_writes_nothing(tmp_path: Path, text: str, message: str) -> 
     assert result.exit_code == 2
     assert re.search(message, result.stderr)
     assert result.stderr.count("\n") == 1
-    assert [one.name for one in tmp_path.iterdir()] == ["study.toml"]
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
 def test_a_folder_that_is_not_there_is_told() -> None:

@@ -105,7 +105,7 @@ def test_without_an_archive_there_is_no_section_and_the_seal_is_what_it_was(fold
 def test_a_part_is_asked_for_only_where_it_is_given(folder) -> None:
     def answer(**changes: object) -> list[tuple[str, bool | None]]:
         result = find(parse_study(document(**changes), folder))
-        return [(one.name, one.yes) for one in questions(result)]
+        return [(question.name, question.yes) for question in questions(result)]
 
     part = the_library(folder).fraction()
     assert answer() == [("wind", True)]
@@ -131,7 +131,7 @@ def test_what_is_not_known_is_lost_for_a_yes_and_flown_for_a_no(folder) -> None:
 
 
 def run(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(one) for one in arguments])
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def written(folder, name: str, least: str, limit: str = f"limit_deg = {LIMIT}") -> str:
@@ -151,7 +151,9 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     yes, no = run("study", few), run("study", many, "--json")
     assert (yes.exit_code, no.exit_code) == (0, 1)
     assert "Note: the soundings are of one season" in " ".join(yes.output.split())
-    answered = {one["name"]: one["yes"] for one in json.loads(no.stdout)["questions"]}
+    answered = {
+        question["name"]: question["yes"] for question in json.loads(no.stdout)["questions"]
+    }
     assert answered == {"wind": True, "availability": False}
     # a wider nozzle flies on more days: the option counts for the archive as well
     assert run("study", many, "--limit-deg", 3).exit_code == 1  # 39 of 40 are not 99 % for sure

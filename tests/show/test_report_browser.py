@@ -90,7 +90,7 @@ def look(browser: Any, width: float, scheme: str = "light", media: str = "screen
 
 
 def luminance(colour: str) -> float:
-    parts = [float(one) / 255.0 for one in re.findall(r"[\d.]+", colour)[:3]]
+    parts = [float(match) / 255.0 for match in re.findall(r"[\d.]+", colour)[:3]]
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
     return sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
 

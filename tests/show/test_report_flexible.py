@@ -77,7 +77,7 @@ def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
     assert plan.vehicle == tv.load_vehicle(folder / "my.toml")
     assert tv.load_study(folder / "my.toml").vehicle == plan.vehicle
     assert tv.load_study("configuration-i").vehicle.structure is None
-    assert [one.margin for one in plan.criteria.limits][-1] == "mode_gain_margin_dB"
+    assert [limit.margin for limit in plan.criteria.limits][-1] == "mode_gain_margin_dB"
 
 
 @pytest.mark.thorough
@@ -132,7 +132,7 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(findi
         many = tv.fly_many(one, law, wind, deflection_limit=plan.nozzle.limit, **nozzle)
         rate = np.degrees(many.peak_deflection_rate)
         assert shown[f"flown.4.{k}_deg"] == pytest.approx(float(rate))
-    answers = {one.name: one for one in questions(findings)}
+    answers = {question.name: question for question in questions(findings)}
     assert answers["flexible flight"].yes
     said = "flown at nominal dynamic pressure and 100 Hz the flexible vehicle survives"
     assert answers["flexible flight"].text == said
@@ -168,7 +168,7 @@ def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
 @pytest.mark.thorough
 def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
     findings = find(replace(plan, design=replace(plan.design, filters=())))
-    answers = {one.name: one for one in questions(findings)}
+    answers = {question.name: question for question in questions(findings)}
     assert sufficient(findings) is False
     for name in ("autopilot", "margins", "flexible flight"):
         assert answers[name].yes is False
@@ -184,7 +184,7 @@ def test_a_vehicle_alone_says_what_its_margins_need(folder):
     findings = find(tv.load_study(folder / "my.toml"))
     said = section(findings, "flexible").of("p")[-1]
     assert "require an autopilot: [autopilot] in a study file" in said
-    assert [one.name for one in questions(findings)] == []
+    assert [question.name for question in questions(findings)] == []
     assert not section(find(tv.load_study("configuration-i")), "flexible").text
 
 
@@ -199,7 +199,7 @@ def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_l
     plan = replace(heavy, design=tv.AutopilotDesign(), nozzle=tv.Nozzle(limit=0.1, actuator=None))
     findings = find(plan)
     assert "second order" in findings.reasons["flexible"]
-    answers = {one.name: one for one in questions(findings)}
+    answers = {question.name: question for question in questions(findings)}
     assert answers["margins"].yes is None
     assert answers["flexible flight"].yes is None
     assert "second order" in section(findings, "flexible").of("p")[-1]

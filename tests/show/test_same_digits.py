@@ -62,7 +62,7 @@ def _is_number(part):
 
 
 def run(*arguments):
-    return CliRunner().invoke(app, [str(one) for one in arguments]).output
+    return CliRunner().invoke(app, [str(argument) for argument in arguments]).output
 
 
 def shown(*tables):

@@ -435,13 +435,15 @@ def test_a_manifest_holds_every_kind_of_value_that_a_campaign_can_hold():
     """Every dataclass that annotations name, from the fields of a campaign down to the last."""
     import_module("tvclin.control.autopilot.gain_table")  # whichever tests were run before
     modules = [module for name, module in sys.modules.items() if name.startswith("tvclin.")]
-    kinds = [one for module in modules for one in vars(module).values() if isinstance(one, type)]
+    kinds = [
+        value for module in modules for value in vars(module).values() if isinstance(value, type)
+    ]
     known = {kind.__name__: kind for kind in kinds if is_dataclass(kind)}
     reached, left = set(), {"Campaign"}
     while left:
         name = left.pop()
         reached.add(name)
-        words = " ".join(str(one.type) for one in fields(known[name]))
+        words = " ".join(str(field.type) for field in fields(known[name]))
         left |= (set(re.findall(r"\w+", words)) & known.keys()) - reached
     assert {"NozzleData", "Engine", "Filter", "BendingMode", "WindEnsemble"} <= reached
     # the name of a union, and a table of gains, which a campaign refuses

@@ -28,7 +28,7 @@ SOUNDING = {"sounding": str(SOUNDINGS / "wyoming.txt"), "azimuth_deg": 90}
 
 
 def run(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(one) for one in arguments])
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def plan(**tables: object) -> tv.studyfile.StudyPlan:
@@ -242,7 +242,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
     autopilot = result.design.autopilot(plant)
 
     assert (autopilot.attitude_gain, autopilot.rate_gain, autopilot.delay) == (0.3, 0.4, 0.02)
-    limits = {one.margin: one.limit for one in result.criteria.limits}
+    limits = {limit.margin: limit.limit for limit in result.criteria.limits}
     assert (limits["phase_margin_deg"], limits["delay_margin"]) == (45.0, 0.05)
     by_rule = plan(autopilot={"design": "poles", "natural_frequency_rad_per_s": 2.0})
     expected = tv.design_gains(plant.coefficients, natural_frequency=2.0, damping=0.7)

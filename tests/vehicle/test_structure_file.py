@@ -153,7 +153,7 @@ def test_whatever_a_file_says_its_plant_has_numbers_or_is_refused(tmp_path):
                 assert "\n" not in str(error)  # noqa: PT017
                 continue
             made += 1
-            assert all(np.all(np.isfinite(one)) for one in numbers), changed[k]
+            assert all(np.all(np.isfinite(number)) for number in numbers), changed[k]
     assert made > 100
 
 
