@@ -71,7 +71,7 @@ def test_a_mode_of_the_opposite_sign_is_turned(tmp_path) -> None:
     made = tv.ascent.load_structure(table(tmp_path, (*ROWS[:4], opposite, ROWS[5])))
     right = tv.ascent.load_structure(table(tmp_path))
     assert made.at(75.0) == right.at(75.0)
-    assert made.notes == ("first: its displacements and slopes are turned at 80 s",)
+    assert made.notes == ("first: the sign of its displacements and slopes is reversed at 80 s",)
 
 
 def test_a_flight_has_its_structure_and_its_actuator(tmp_path) -> None:

@@ -425,6 +425,13 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
             assert by_speed["required_deg"][name][i] == pytest.approx(values[0], rel=1e-6), name
 
 
+def test_a_sign_in_the_yaw_plane_is_noted_as_in_a_study() -> None:
+    yaw = ("--plane", "yaw", "--from", "66", "--to", "66")
+    signed, across = run("ascent", *yaw, "--set", "study.sign=head"), run("ascent", *yaw)
+    assert signed.stdout == across.stdout
+    assert "sign head is not counted: a wind in the yaw plane" in " ".join(signed.stderr.split())
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -432,7 +439,6 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
         (gust_of(1, plateau_s=2), "must be shorter than the gust"),
         (("--set", "study.sign=up"), "sign"),
         (("--set", "study.sign=head", *FLOWN), "--set study.sign needs a pulse"),
-        (("--set", "study.sign=head", "--plane", "yaw"), "--set study.sign needs --plane pitch"),
         (
             ("--set", "study.sign=head", "--set", "wind.direction_deg=270", "--azimuth-deg", "90"),
             "leave sign",

@@ -217,6 +217,19 @@ def test_plant_and_loop_are_written_as_systems_with_their_bits(ending, tmp_path)
     assert (refused.exit_code, "must end in .mat or .npz" in refused.stderr) == (2, True)
 
 
+def test_the_plant_of_a_flexible_vehicle_is_written_with_its_structure(tmp_path):
+    vehicle = tv.load_vehicle("made-up-launcher")
+    for given, subject in (((), vehicle), (("--set", "study.rigid=true"), vehicle.rigid)):
+        assert (
+            run("poles", "made-up-launcher", *given, "--system", f"{tmp_path}/p.npz").exit_code == 0
+        )
+        plant = tv.linear.plant_of(subject)
+        np.testing.assert_array_equal(tv.linear.read_system(f"{tmp_path}/p.npz").A, plant.ss().A)
+    assert "tvclin margins --more prints those of the closed loop" in " ".join(
+        run("poles").output.split()
+    )
+
+
 def test_laws_are_flown_in_the_winds_asked_for():
     arguments = ("--set", "laws.winds", "triangle", "--model", "fixed-path", "--sample-rate", "40")
     result = run("fly", "--law", "all", "--duration", "4", *arguments, "--json")

@@ -48,7 +48,7 @@ def run(*arguments: str) -> Result:
                 (REQUIRED, "NOT SUFFICIENT: the limit of 0.400 deg"),
             ),
             (("boundary", "--tau-beta", "4"), 0, (f"limit {NOMINAL}",)),
-            (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, " SURVIVED: ", NOMINAL)),
+            (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, "SURVIVED: 0.351 deg", NOMINAL)),
             (
                 ("fly", "configuration-i", *WIND, *LIMIT),
                 0,
@@ -185,6 +185,21 @@ def test_a_wind_across_the_path_is_no_tail_wind() -> None:
     assert "sign tail is not counted: a wind in the yaw plane" in signed.output
     said = " ".join(run("study", "--plane", "yaw", "--sign", "tail", "--more").output.split())
     assert "tail wind" not in said
+
+
+@pytest.mark.parametrize("command", ["poles", "respond", "nozzle"])
+def test_the_verdict_stands_above_all_notes(command: str) -> None:
+    said = run(command, "made-up-launcher")
+    assert "Note: " in said.stderr
+    assert not said.output.startswith("Note: "), said.output[:200]
+
+
+def test_beyond_30_degrees_no_rise_of_the_pressure_is_said() -> None:
+    """Of 40 deg eq (B1e) made 1.6e+03 percent, at an angle at which no linear answer is known."""
+    for peak, rise in (("40", None), ("25", "raises the pressure by up to")):
+        said = " ".join(run("respond", "--peak-deg", peak).output.split())
+        assert (rise or "NOT KNOWN") in said
+        assert "e+0" not in said
 
 
 def test_a_verdict_that_is_not_known_says_why_in_its_first_line() -> None:

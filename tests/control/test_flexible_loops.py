@@ -214,7 +214,7 @@ def test_detuned_modes_of_the_booster():
     assert m.crossover_frequency[far] == pytest.approx(17.227, abs=0.51e-3)
     assert result.critical_margin[far] == "phase_margin_deg"
     assert result.critical_margin[row("bending 1 x 0.8")] == "gain_increase_dB"
-    turned = [row(f"bending {k}, slopes at the sensors turned") for k in (1, 2)]
+    turned = [row(f"bending {k}, sensor slopes of opposite sign") for k in (1, 2)]
     assert m.unstable_poles[turned[0]] == 2
     assert result.critical_margin[turned[0]] == "unstable"
     assert m.gain_increase_dB[turned[1]] == pytest.approx(5.657, abs=0.51e-3)
@@ -250,7 +250,7 @@ def test_detuned_modes_are_held_to_what_is_asked_of_modes():
         AUTOPILOT, booster(), [0.9], tv.control.Criteria.custom(mode_gain_margin_dB=4.8)
     )
     assert lower.satisfied[lower.row("bending 2 x 0.9")]
-    turned = result.row("bending 1, slopes at the sensors turned")
+    turned = result.row("bending 1, sensor slopes of opposite sign")
     assert result.critical_margin[turned] == "unstable"
     assert not result.satisfied[turned]
 

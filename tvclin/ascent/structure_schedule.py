@@ -146,7 +146,7 @@ def load_structure(
         sign_changes = _align_signs(elements)
         if sign_changes:
             at = listed([f"{times[k]:g}" for k in sign_changes])
-            notes.append(f"{name}: its displacements and slopes are turned at {at} s")
+            notes.append(f"{name}: the sign of its displacements and slopes is reversed at {at} s")
     common = Structure() if common is None else common
     instance("common", common, Structure, "Structure(engine=..., rate_gyro=...)")
     kinds = {

@@ -151,9 +151,14 @@ def shift_words(vehicle: AnyVehicle, plane: str) -> str:
     if shift is None:
         return ""
     return (
-        f"would move the fast pole by {shift.fast_pole:+.2f} percent and the required deflection"
-        f" by {shift.trim_price:+.2f} percent"
+        f"would move the fast pole by {_percent(shift.fast_pole)} and the required deflection"
+        f" by {_percent(shift.trim_price)}"
     )
+
+
+def _percent(change: float) -> str:
+    """Return a change [%] in words; below the two decimals shown it has no sign."""
+    return "less than 0.01 percent" if abs(change) < 0.005 else f"{change:+.2f} percent"
 
 
 _FREQUENCY_RATIOS = (1.5, 2.0, 3.0, 4.0, 6.0)

@@ -154,11 +154,12 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
         from tvclin.base.package_warnings import pass_warnings
+        from tvclin.cli.output import notes_last
 
         def tell(sentence: str) -> None:
             _say(f"Warning: {sentence}")
 
-        with _input_errors_as_messages(), pass_warnings(tell, machine=tell):
+        with _input_errors_as_messages(), pass_warnings(tell, machine=tell), notes_last():
             return super().invoke(ctx)
 
 

@@ -28,7 +28,16 @@ from tvclin.cli.options import (
     option,
     to_write,
 )
-from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, say_lines
+from tvclin.cli.output import (
+    answer,
+    bar,
+    draw,
+    note_below,
+    print_answer,
+    print_tables,
+    say,
+    say_lines,
+)
 from tvclin.cli.wind import FlightOptions, check_reading
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
@@ -37,6 +46,7 @@ from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
 from tvclin.requirement.required_quantity import Requirement
+from tvclin.requirement.study import uncounted_sign
 from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 from tvclin.studyfile.read import is_flight, load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
@@ -318,9 +328,10 @@ def case_over_flight(
     request = case.sizing
     assert request is not None
     check_reading(case)
-    if "study.sign" in keys_set(source) and case.sign != FROZEN:
-        if request.soundings and not (request.pulse or request.others):
+    if case.sign not in (None, FROZEN):
+        if request.pulse or request.others:
+            if case.planes == "yaw" and case.heading is None:
+                note_below(uncounted_sign(case.sign))
+        elif "study.sign" in keys_set(source):
             raise InputError("--set study.sign needs a pulse: a sounding has its own sign")
-        if not request.soundings and case.planes == "yaw" and case.heading is None:
-            raise InputError("--set study.sign needs --plane pitch: of a wind along the path")
     return case

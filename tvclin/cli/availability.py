@@ -12,7 +12,16 @@ from tvclin.base.errors import InputError, within
 from tvclin.base.files import called
 from tvclin.cli.inputs import note_source
 from tvclin.cli.options import GROUP, LIMIT, MODEL, AsJson, More, Options, Plot, option, to_write
-from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, waiting
+from tvclin.cli.output import (
+    answer,
+    bar,
+    draw,
+    note_below,
+    print_answer,
+    print_tables,
+    say,
+    waiting,
+)
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today
 from tvclin.studyfile.read import is_flight_with_keys, load_sizing, load_study
@@ -102,7 +111,7 @@ def availability(
     flight = plan.availability.flight.between(times.begin, times.end)
     request = replace(plan.availability, flight=flight)
     for note in () if balloon is None else balloon.notes:
-        say(f"Note: {called(today)}: {note}.", err=True)
+        note_below(f"{called(today)}: {note}")
     with bar("soundings") as progress:
         towards = np.atleast_1d(request.azimuth if azimuths is None else azimuths)
         result = request.availability(plan, progress, towards)

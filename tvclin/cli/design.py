@@ -37,7 +37,7 @@ from tvclin.cli.options import (
     option,
     switch,
 )
-from tvclin.cli.output import answer, draw, print_answer, print_tables, say, waiting
+from tvclin.cli.output import answer, draw, note_below, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import DESIGNS, LEAST_NOZZLE, POLE_PLACEMENT_RULES
@@ -122,7 +122,7 @@ def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) ->
             raise InputError(f"--box gives {name} twice")
         box[name] = ends
     if autopilot.sample_rate is not None:
-        say("Note: the margins in the box are of the continuous autopilot.", err=True)
+        note_below("the margins in the box are of the continuous autopilot")
     worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
     return BoxResult(worst, case.held_to.without_mode_limits or case.held_to)
 

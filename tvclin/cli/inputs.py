@@ -10,7 +10,7 @@ from tvclin.base.files import EditedSource
 from tvclin.base.lines import listed
 from tvclin.case.case import Case
 from tvclin.case.features import is_rigid_only, omission_notes
-from tvclin.cli.output import say
+from tvclin.cli.output import note_below
 from tvclin.studyfile.read import is_flight, is_flight_with_keys, load_sizing, load_study
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import AnyVehicle
@@ -79,13 +79,13 @@ def without_structure(plan: StudyPlan) -> StudyPlan:
 def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
     """Print warnings on implausible numbers of a vehicle, on stderr."""
     for doubt in vehicle_warnings(vehicle) if isinstance(vehicle, Vehicle) else ():
-        say(f"Note: {doubt}.", err=True)
+        note_below(doubt)
 
 
 def note_omissions(case: Case, *questions: str, tables: Collection[str] = ()) -> None:
     """Print on stderr the effects of a case that questions neglect, see `omission_notes`."""
     for sentence in omission_notes(case, *questions, tables=tables):
-        say(f"Note: {sentence}.", err=True)
+        note_below(sentence)
 
 
 def note_nominal_pressure(case: Case) -> None:
@@ -93,7 +93,7 @@ def note_nominal_pressure(case: Case) -> None:
     from tvclin.requirement.study import nominal_pressure  # late: with all of a study
 
     for words in nominal_pressure(case) if case.sign is None else ():
-        say(f"Note: the answer is {words} (tvclin study counts it).", err=True)
+        note_below(f"the answer is {words} (tvclin study counts it)")
 
 
 def note_source(source: str, question: str) -> None:

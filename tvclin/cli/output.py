@@ -55,6 +55,27 @@ def say_lines(lines: Iterable[Line]) -> None:
         say(text(line))
 
 
+_NOTES_BELOW: list[str] = []
+"""Notes of the running command that are printed on stderr below its answer."""
+
+
+def note_below(sentence: str) -> None:
+    """Print a note on stderr when the command ends, so that its verdict stands first."""
+    _NOTES_BELOW.append(sentence)
+
+
+@contextmanager
+def notes_last() -> Iterator[None]:
+    """Print on stderr, at the end, each note of `note_below` once."""
+    try:
+        yield
+    finally:
+        notes = dict.fromkeys(_NOTES_BELOW)
+        _NOTES_BELOW.clear()
+        for sentence in notes:
+            say(f"Note: {sentence.rstrip('.')}.", err=True)
+
+
 def say_notes(notes: Iterable[str]) -> None:
     """Print the notes of an answer, each once."""
     for note in dict.fromkeys(notes):

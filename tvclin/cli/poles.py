@@ -8,10 +8,14 @@ from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import PLANE, AsJson, At, Options, Plot, Source, System, option
 from tvclin.cli.output import answer, draw, print_answer
-from tvclin.linear.flexible import AnyPlant, mode_tables, named_modes
+from tvclin.linear.flexible import AnyPlant, mode_tables, named_modes, plant_of
 from tvclin.linear.modes import Modes, all_modes, mode_table, select_unstable
 from tvclin.linear.plant import MODELS, Plant, models_of
 from tvclin.linear.system_file import write_system
+
+_CLOSED_LOOP = (
+    "these are poles without an autopilot; tvclin margins --more prints those of the closed loop"
+)
 
 
 def poles(
@@ -23,11 +27,12 @@ def poles(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Print the poles of the models with their residues, and the modes of a flexible vehicle.
+    """Print the poles of a vehicle without an autopilot, with the residues of the rigid models.
 
-    The models are those of the rigid vehicle. A vehicle file with bending, slosh or engine inertia
-    has a second table: the poles of the coupled vehicle, with frequency and damping of each mode.
-    --system writes the plant of one model, --model or that of the case.
+    A vehicle file with bending, slosh or engine inertia has a second table: the poles of the
+    coupled vehicle, with frequency and damping of each mode. --system writes the plant of one
+    model, --model or that of the case, with all of these; --set study.rigid true leaves them out.
+    The poles of the loop closed by an autopilot are those of tvclin margins --more.
     """
     from tvclin import plots
 
@@ -41,7 +46,8 @@ def poles(
     models = {name: _document(mode_set) for name, mode_set in modes.items()}
     first = case.model if case.model in modes else names[0]
     if system is not None:
-        write_system(plants[first].ss(), system)
+        plant = case.plant if model == "all" else plant_of(loaded, model, plane)
+        write_system(plant.ss(), system)
     title = f"{loaded.name or vehicle}, {plane}: poles of the attitude"
     answer(
         as_json,
@@ -52,7 +58,10 @@ def poles(
             "modes": _named(case.plant),
         },
         lambda: print_answer(
-            _fastest(first, modes[first]), mode_table(title, modes), *mode_tables(case.plant)
+            _fastest(first, modes[first]),
+            mode_table(title, modes),
+            *mode_tables(case.plant),
+            notes=[_CLOSED_LOOP],
         ),
     )
 

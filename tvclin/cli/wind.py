@@ -15,7 +15,7 @@ from tvclin.base.quantities import NOMINAL
 from tvclin.case.case import DEFAULT_WIND, Case
 from tvclin.cli.inputs import chosen, keys_set, only_with
 from tvclin.cli.options import SHAPE, option
-from tvclin.cli.output import say
+from tvclin.cli.output import note_below
 from tvclin.requirement.case_requirement import CaseRequirement, pulse_of
 from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
@@ -106,7 +106,7 @@ class WindOptions(PulseOptions):
             plan = replace(plan, wind=sounding)
         if isinstance(plan.wind, SoundingWind):
             for note in plan.wind.notes(plan.vehicle, plan.plane):
-                say(f"Note: {note}.", err=True)
+                note_below(note)
         return plan
 
     def in_flight(self, plan: StudyPlan, source: str = "") -> StudyPlan:

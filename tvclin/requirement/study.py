@@ -37,7 +37,14 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle import vehicle_warnings as slips
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
-from tvclin.winds.wind_angles import CROSS, FROZEN, SIGNS, linear_notes, pressure_ratio
+from tvclin.winds.wind_angles import (
+    CROSS,
+    FROZEN,
+    MAX_LINEAR_ANGLE,
+    SIGNS,
+    linear_notes,
+    pressure_ratio,
+)
 
 _MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
 """Wind angle [rad] above which the change of dynamic pressure exceeds the error of the boundary."""
@@ -64,10 +71,15 @@ def vehicle_warnings(vehicle: AnyVehicle) -> Iterator[str]:
         yield from slips(vehicle)
 
 
+def uncounted_sign(sign: str | None) -> str:
+    """Return the note on a sign of a wind in the yaw plane."""
+    return f"sign {sign} is not counted: a wind in the yaw plane blows across the path"
+
+
 def along_the_path(need: CaseRequirement) -> Iterator[str]:
     """Yield a note on a sign of a cross wind, or a changed pressure in the pitch plane."""
     if need.sign in SIGNS and need.direction == CROSS:
-        yield f"sign {need.sign} is not counted: a wind in the yaw plane blows across the path"
+        yield uncounted_sign(need.sign)
     if need.plane != "pitch" or abs(float(need.history.peak)) <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:
         return
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
@@ -82,7 +94,7 @@ def nominal_pressure(case: Case) -> Iterator[str]:
     peak = abs(float(getattr(case.wind, "peak", 0.0)))
     if (
         case.plane != "pitch"
-        or peak <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD
+        or not _MAX_NOMINAL_PRESSURE_ANGLE_RAD < peak <= MAX_LINEAR_ANGLE
         or not isinstance(case.vehicle, Vehicle)
     ):
         return
@@ -90,7 +102,7 @@ def nominal_pressure(case: Case) -> Iterator[str]:
     if ratio > 1.0:
         yield (
             f"computed {NOMINAL}; a head wind of this size raises the pressure by up to"
-            f" {100.0 * (ratio - 1.0):.2g} percent and requires more"
+            f" {float(f'{100.0 * (ratio - 1.0):.2g}'):g} percent and requires more"
         )
 
 

@@ -238,7 +238,7 @@ def mode_changes(
     count = len(names)
     changes = ["nominal", *(f"{name} x {factor:.6g}" for name in names for factor in factors)]
     changes += [f"{name}, half its damping" for name in names]
-    changes += [f"{name}, slopes at the sensors turned" for name in names[:bending]]
+    changes += [f"{name}, sensor slopes of opposite sign" for name in names[:bending]]
     # One row for each change, one column for each mode.
     mode = np.arange(count)
     frequency, damping, slope_sign = np.ones((3, len(changes), count))
