@@ -48,7 +48,11 @@ def run(*arguments: str) -> Result:
                 (REQUIRED, "NOT SUFFICIENT: the limit of 0.400 deg"),
             ),
             (("boundary", "--tau-beta", "4"), 0, (f"limit {NOMINAL}",)),
-            (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, "SURVIVED: 0.351 deg", NOMINAL)),
+            (
+                ("respond", "configuration-i", *WIND, *LIMIT),
+                0,
+                (SEE, "SURVIVED: 0.351 deg", NOMINAL),
+            ),
             (
                 ("fly", "configuration-i", *WIND, *LIMIT),
                 0,
