@@ -1,6 +1,7 @@
 """One case, whoever asks: a study file in any command, options over it, and the same in Python."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -274,3 +275,15 @@ def test_a_vehicle_with_its_numbers_in_the_study_file_has_no_flight(tmp_path):
         True,
     )
     assert document("poles", str(path))["plane"] == "pitch"
+
+
+def test_a_shift_below_the_digits_shown_has_no_sign() -> None:
+    """The shift of a stiff, dry vehicle is a rounding of zero, and was "-0.00 percent"."""
+    vehicle = tv.load_vehicle("made-up-launcher")
+    stiff = tuple(
+        replace(mode, frequency=30.0 * mode.frequency, tank_displacements=(), tank_slopes=())
+        for mode in vehicle.structure.bending
+    )
+    dry = replace(vehicle.structure, slosh=(), engine=None, bending=stiff)
+    (said,) = omission_notes(tv.Case(vehicle=vehicle.replace(structure=dry)), "respond")
+    assert "would move the fast pole by less than 0.01 percent" in said

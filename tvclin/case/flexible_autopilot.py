@@ -150,10 +150,8 @@ def shift_words(vehicle: AnyVehicle, plane: str) -> str:
     shift = shift_of(plant_of(vehicle, DEFAULT_MODEL, plane))
     if shift is None:
         return ""
-    return (
-        f"would move the fast pole by {_percent(shift.fast_pole)} and the required deflection"
-        f" by {_percent(shift.trim_price)}"
-    )
+    pole, deflection = (_percent(float(x)) for x in (shift.fast_pole, shift.trim_price))
+    return f"would move the fast pole by {pole} and the required deflection by {deflection}"
 
 
 def _percent(change: float) -> str:
