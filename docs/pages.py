@@ -28,7 +28,12 @@ def write(folder: Path) -> None:
     for notebook in sorted((ROOT / "notebooks").glob("*.ipynb")):
         pages[folder / "notebooks" / notebook.name] = notebook.read_text(encoding="utf-8")
     pages[folder / "gallery.md"] = gallery.write(folder / "figures")
-    references = {folder / "api" / f"{name}.rst" for names in chapters().values() for name in names}
+    references = {
+        folder / "api" / f"{name}.rst"
+        for questions in chapters().values()
+        for names in questions.values()
+        for name in names
+    }
     for suffix in ("md", "rst", "ipynb"):
         for old in set(folder.rglob(f"*.{suffix}")) - set(pages) - references:
             old.unlink()
@@ -38,17 +43,31 @@ def write(folder: Path) -> None:
             path.write_text(text, encoding="utf-8")
 
 
-def chapters() -> dict[str, list[str]]:
-    """Return the public names, of an ordinary week and of each chapter, each name once."""
-    found = {"tvclin": [f"tvclin.{name}" for name in tvclin.__all__]}
+def chapters() -> dict[str, dict[str, list[str]]]:
+    """Return the public names of each chapter by question, each name once.
+
+    Questions and names are those of the first docstring of the chapter; names of an ordinary week
+    stand in the chapter that has them.
+    """
+    groups: dict[str, dict[str, list[str]]] = {}
+    missing = [*tvclin.__all__]
     for chapter in CHAPTERS:
-        own = [name for name in getattr(tvclin, chapter).__all__ if name not in tvclin.__all__]
-        found[f"tvclin.{chapter}"] = [f"tvclin.{chapter}.{name}" for name in own]
-    return found
+        module = getattr(tvclin, chapter)
+        groups[f"tvclin.{chapter}"] = questions = {}
+        missing += module.__all__
+        for item in re.split(r"\n- ", module.__doc__.partition("\n\nNames, ")[0])[1:]:
+            question, mark, _ = item.partition("?")
+            known = [name for name in re.findall(r"`(?:\w+\.)*(\w+)`", item) if name in missing]
+            questions[" ".join(f"{question}{mark}".split())] = [
+                f"tvclin.{name}" if name in tvclin.__all__ else f"tvclin.{chapter}.{name}"
+                for name in dict.fromkeys(known)
+            ]
+            missing = [name for name in missing if name not in known]
+    return {"tvclin": {"": [f"tvclin.{name}" for name in missing]}, **groups}
 
 
 def api() -> str:
-    """Return the page of all public names, chapter by chapter, as reStructuredText."""
+    """Return the page of all public names, by chapter and question, as reStructuredText."""
     return "\n".join(_api_lines())
 
 
@@ -56,12 +75,14 @@ def _api_lines() -> Iterator[str]:
     title = "Reference"
     yield from (title, "=" * len(title), "")
     yield "Public names: those of an ordinary week in ``tvclin``, the others in their chapters."
-    for chapter, names in chapters().items():
+    for chapter, questions in chapters().items():
         heading = chapter.removeprefix("tvclin.")
-        yield from ("", heading, "-" * len(heading), "")
-        yield (import_module(chapter).__doc__ or "").partition("\n\n")[0]
-        yield from ("", ".. autosummary::", "   :nosignatures:", "   :toctree: api", "")
-        yield from (f"   {name}" for name in names)
+        yield from ("", heading, "-" * len(heading))
+        if heading != chapter:
+            yield from ("", (import_module(chapter).__doc__ or "").partition("\n\n")[0])
+        for question, names in questions.items():
+            yield from ("", question, "", ".. autosummary::", "   :nosignatures:")
+            yield from ("   :toctree: api", "", *(f"   {name}" for name in names))
     yield ""
 
 

@@ -1,11 +1,11 @@
-"""A vehicle over its flight: its schedule, the winds measured along it, and flights of other tools.
+"""Ascent: a vehicle over its flight, the winds measured along it, flights of other tools.
 
-- A flight: `FlightSchedule`; from files, or along the nominal flight of a vehicle,
-  `load_schedule`; a variable of it, `flight_variable`; its bending and slosh over time, a
-  `StructureSchedule` of `load_structure`.
-- From other tools: `read_openrocket`, `read_rasaero`, `schedule_from_rocketpy`, `read_table`; of a
-  flight log with its winds `read_log`, a `SimulatedFlight`.
-- Winds over height along a flight: `fly_through`, a `MeasuredWind`.
+- What is the flight? A `FlightSchedule`, by `load_schedule` from files or along the nominal flight
+  of a vehicle; Mach number and others over it `flight_variable`.
+- How do bending and slosh change? A `StructureSchedule`, by `load_structure`.
+- From another tool? `read_openrocket`, `read_rasaero`, `schedule_from_rocketpy`, `read_table`; a
+  log with its wind `read_log`, a `SimulatedFlight`.
+- Which wind does it encounter? `fly_through`, a `MeasuredWind`.
 """
 
 from tvclin.base.public_names import public_names

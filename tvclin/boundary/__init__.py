@@ -1,13 +1,17 @@
-"""The minimum deflection limits: closed forms, any wind, the optimum, recoverable states.
+"""Boundary: minimum deflection limits, in closed form and in any wind, in one plane and two.
 
-- In any wind with any dead band: `boundary_limit`; without a forecast: `forecast_free_limit`.
-- In closed form: `rectangular_limit` (7) and (16), `triangular_limit` (12),
-  `triangular_limit_with_drift` (18), with a status from `solve_triangular_with_drift`.
-- The minimum-peak control of appendix C: `optimum_deflection`, `optimum_with_rate_limit`; angle and
-  rate together: `rate_trade_off`; angle and load: `load_trade_off`.
-- Both planes: `plane_limit`, `plane_optimum`; limit shapes: `CircularShape`, `SquareShape`,
-  `EllipticShape`, `PolygonShape`, and of several engines a `Cluster` of `ClusterEngine`.
-- How far the report's formulas hold: `single_pole_validity`, `triangle_error`.
+- Which limit survives a wind, with a dead band? `boundary_limit`, a `BoundaryLimit`.
+- Which without a forecast? `forecast_free_limit`, a `ForecastFreeLimit`.
+- In closed form? `rectangular_limit` (7) and (16), `triangular_limit` (12),
+  `triangular_limit_with_drift` (18), with a status `solve_triangular_with_drift`.
+- Which minimum peak has any control that knows the wind (appendix C)? `optimum_deflection`, an
+  `Optimum`; with a rate limit `optimum_with_rate_limit`, a `RateLimitedOptimum`.
+- What does rate or load cost in angle? `rate_trade_off`, a `RateTradeOff`; `load_trade_off`, a
+  `LoadTradeOff`.
+- With one limit for both planes? `plane_limit`, a `PlaneLimit`; `plane_optimum`, a `PlaneOptimum`.
+- Of which `LimitShape`? `CircularShape`, `SquareShape`, `EllipticShape`, `PolygonShape`; of several
+  engines a `Cluster` of `ClusterEngine`.
+- How far do the formulas hold? `single_pole_validity`, `triangle_error`.
 """
 
 from tvclin.base.public_names import public_names

@@ -1,8 +1,8 @@
-"""A case: a vehicle in a wind, with its nozzle, its autopilot and the load on its structure.
+"""Case: a vehicle in a wind, with its nozzle, its autopilot and the load on its structure.
 
-`Case` and `Nozzle`; the bound on a load, `LoadBound` and `FlownLoad`; the numbers of a nozzle's
-data sheet, `NozzleData`; turbulence, `TurbulenceRequest`, and an autopilot in it,
-`LoopInTurbulence`.
+- What is judged? A `Case`, with its `Nozzle`; the data sheet of the nozzle is `NozzleData`.
+- What does the structure bear? A `LoadBound`; the load in the flight of a law is a `FlownLoad`.
+- In which turbulence? A `TurbulenceRequest`; an autopilot in it is a `LoopInTurbulence`.
 """
 
 from tvclin.base.public_names import public_names

@@ -1,18 +1,22 @@
-"""Control of the deflection: autopilots, margins, laws, and their comparison with trim.
+"""Control of the deflection: autopilots, gains, margins, laws, turbulence.
 
-- A loop: `Autopilot`, its `Actuator`; over a flight `GainSchedule`, with a `ModeNotch`, and
-  the times of `equal_values`; of a state space `SystemAutopilot`.
-- Gains: `design_gains`, `canonical_gains`, `half_relief_gains`, `relief_gains`,
+- What is the loop? An `Autopilot` with its `Actuator`; of a state space `SystemAutopilot`; over a
+  flight a `GainSchedule` with a `ModeNotch`, and its times of `equal_values`, `EqualValues`.
+- Which gains? `design_gains`, `canonical_gains`, `half_relief_gains`, `relief_gains`,
   `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`, `drift_gains`; by a rule of a file
   `AutopilotDesign`; the `steady_drift` of any.
-- Margins: `Autopilot.margins`, `loop_margins` of any `Loop`, their `margin_bounds`, with modes
-  `detuned`, over a flight their `sweep`; requirements on them: `Criteria`, `CRITERIA`.
-- Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, of a state
-  space `SystemLaw`, without a vane `AccelerometerLaw`, and around them `FilteredLaw`,
-  `EstimatedLaw` with a `WindEstimator`; by name `design_law`; your own: `Law`.
-- In turbulence, by covariance: `turbulence_covariance` of a loop, `turbulence_history` about a
-  known wind, `turbulence_along` a flight; with `SensorNoise` and the `LoadSlopes` of a structure.
-- Compared with trim: `compare_with_trim`, `worst_duration`.
+- Which margins? `Autopilot.margins`, `Margins`; `loop_margins` of any `Loop`; `margin_bounds`,
+  `MarginBounds`; with modes `BandMargins` of a `RigidBand` and each `ModeBand`, `detuned` in
+  frequency a `Detuned`; over a flight a `sweep`, `Sweep`.
+- Are they sufficient? `Criteria`, `CRITERIA`.
+- Which law flies? `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`; of a state
+  space `SystemLaw`; without a vane `AccelerometerLaw`, or an `EstimatedLaw` with a `WindEstimator`;
+  with filters `FilteredLaw`; by name `design_law`; your own: a `Law` of a `Measurement`.
+- How does the autopilot answer a wind? `compare_with_trim`, a `TrimComparison`; `worst_duration`, a
+  `WorstDuration`.
+- And turbulence? `turbulence_covariance`, a `LoopCovariance`; about a known wind
+  `turbulence_history` and along a flight `turbulence_along`, each a `CovarianceHistory`; with its
+  `Crossings`, `SensorNoise` and `LoadSlopes`.
 """
 
 from tvclin.base.public_names import public_names

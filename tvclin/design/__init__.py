@@ -1,8 +1,12 @@
 """Design: gains for the minimum deflection, laws in standard winds, the worst case in a box.
 
-- Gains: `minimum_deflection_gains`, `minimum_gain_schedule`, `gain_trade_off`.
-- Laws in the standard winds: `law_trials`, `standard_laws`, `standard_winds`, by a `LawsRequest`.
-- The worst case in a box: `tvclin.worst_case`.
+- Which gains need the least deflection? `minimum_deflection_gains`, `MinimumGains`; over a flight
+  `minimum_gain_schedule`, a `MinimumGainSchedule`; for more margin `gain_trade_off`, a
+  `GainTradeOff`.
+- Which law needs least? `law_trials`, each a `LawTrial`, of `standard_laws` in `standard_winds`; by
+  keys of a file a `LawsRequest`.
+- What is the worst case when numbers lie in a box? `tvclin.worst_case`, a `WorstCase` of a `Worst`
+  for each margin and the deflection.
 """
 
 from tvclin.base.public_names import public_names

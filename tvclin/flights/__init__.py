@@ -1,12 +1,16 @@
 """Flights of laws with limits, and flights that the linear theory is checked against.
 
-- Linear, by samples: `fly`, `fly_many`; in both planes `fly_planes`; along a flight that varies
-  `fly_along`, `fly_many_along`. The requirement of a law: `closed_loop_boundary`, along a flight
-  `survival_limit_along`, `flown_plane_limit`, over gains and delays `boundary_map`; the margins
-  that its limit leaves: `flown_margins`.
-- With the report's equations: `fly_planar`; in JSBSim: `fly_sixdof` on its `Earth`; the report's
-  control there: `ReportControl`. A flight compared with theory: `compare_flight`; the smallest
-  limit of any engine: `tvclin.flown_boundary`.
+- Does a law survive, by samples? `fly`; many cases `fly_many`, `FlownCases`; in both planes
+  `fly_planes`, `FlownPlanes`.
+- Along a flight that varies? `fly_along`, a `FlightAlong` with the `Largest` of each output;
+  `fly_many_along`.
+- Which limit does a law require? `closed_loop_boundary`, a `ClosedLoopBoundary`; in both planes
+  `flown_plane_limit`, a `FlownPlaneLimit`; along a flight `survival_limit_along`; over gain and
+  delay `boundary_map`, a `BoundaryMap`.
+- Which margins remain with a limit? `flown_margins`, `FlownMargins`, each a `FlownMargin`.
+- And with nonlinear equations? `fly_planar`; in JSBSim `fly_sixdof`, over its `Earth`; the
+  `ReportControl`; the smallest limit `tvclin.flown_boundary`, a `FlownBoundary`; with theory
+  `compare_flight`, a `FlightComparison`.
 """
 
 from tvclin.base.public_names import public_names

@@ -1,7 +1,8 @@
 """Duty of a nozzle in a motion and over a flight, and flown trade-off curves.
 
-`nozzle_duty` is the duty of a motion, `flight_duty` the duty over an entire flight;
-`flown_trade_offs` are the limits that laws require over the rate limit.
+- What does a motion take? `nozzle_duty`, a `NozzleDuty`: angle, rate, travel, torque, power.
+- What does a flight take? `flight_duty`, a `FlightDuty`.
+- Which limit does each law require over the rate limit? `flown_trade_offs`.
 """
 
 from tvclin.base.public_names import public_names

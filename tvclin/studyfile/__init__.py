@@ -1,7 +1,7 @@
 """The study file, with all questions about a vehicle; its findings and verdicts.
 
-`load_study`, `load_sizing` and `load_campaign` read files; `StudyPlan` is a study file as a record,
-with its `Document`.
+- Which questions has a file? `load_study`, a `StudyPlan` with its `Document`.
+- Over a flight, or with dispersions alone? `load_sizing`, `load_campaign`.
 """
 
 from tvclin.base.public_names import public_names

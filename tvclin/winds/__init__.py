@@ -1,20 +1,19 @@
 """Winds: histories of the wind angle of attack alpha_w.
 
 A positive wind angle lowers the angle of attack (alpha = theta - gamma - alpha_w): it is a tail
-wind, or the downwind part of a cross wind. Every wind is a `History`: it has a value at a time, a
-transform, a sum with others and a shift.
+wind, or the downwind part of a cross wind.
 
-- Pulses: `TriangularWind`, `RectangularWind`, `AsymmetricTriangularWind`, `TrapezoidalWind`; by a
-  name with gust and direction `ShapedWind`. `equivalent_triangle` of any pulse.
-- Gusts: `OneMinusCosineGust`, `LayeredGust`.
-- From samples: `SampledWind`; many at once: `WindEnsemble`; in both planes: `PlaneWind`.
-- Random in time: `Turbulence`, by its spectrum, intensity and length; over altitude from a file:
-  `read_turbulence`.
-- From a speed: `angle_from_speed`.
-- Measured over height: `read_sounding`, `WindProfile`; archives: `read_soundings`, `Soundings`; of
-  a range: `read_range_reference`, `worst_month`.
-- Synthetic over height: `synthetic_profile`, `power_law_shear`, `add_gust`.
-- Along a steady climb: `steady_climb`, `Climb`.
+- What has every wind? As a `History` a value at a time, a transform, a sum with others, a shift.
+- Which pulse? `TriangularWind`, `RectangularWind`, `AsymmetricTriangularWind`, `TrapezoidalWind`;
+  by a name, with gust and direction, `ShapedWind`; the `equivalent_triangle` of any.
+- Which gust? `OneMinusCosineGust`, `LayeredGust`.
+- From samples or a speed? `SampledWind`, `angle_from_speed`; many at once `WindEnsemble`; in both
+  planes `PlaneWind`.
+- As measured over height? `read_sounding`, a `WindProfile`; archives `read_soundings`, `Soundings`;
+  percentiles of a launch site `read_range_reference`, a `RangeReference`, `worst_month`.
+- Made up over height? `synthetic_profile`, `power_law_shear`, `add_gust`.
+- Along which climb? `steady_climb`, a `Climb`.
+- Random? `Turbulence`, by spectrum, intensity and length; over altitude `read_turbulence`.
 """
 
 from tvclin.base.public_names import public_names
