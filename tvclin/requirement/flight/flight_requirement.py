@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit import OK, PAIRED_POLES, STABLE, leading_pole
@@ -42,6 +42,7 @@ from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
+from tvclin.numerics.pieces import Pieces
 from tvclin.requirement.case_requirement import case_requirement, pulse_of
 from tvclin.requirement.encountered_requirement import directions_of, encountered_wind
 from tvclin.requirement.flight.sizing import Sizing
@@ -58,7 +59,7 @@ from tvclin.requirement.varying_equations import (
 )
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import at_pressure
-from tvclin.winds.histories import History
+from tvclin.winds.histories import History, Piecewise
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
@@ -417,52 +418,95 @@ class FrozenRequirement:
     said: tuple[str, ...]
 
 
-def frozen_requirement(
+def frozen_requirements(
+    plants: Plant,
+    winds: Sequence[History],
+    dead_bands: FloatArray,
+    law: str,
+    two_sided: Sequence[History | None],
+) -> Iterator[FrozenRequirement]:
+    """Yield the requirements [rad] of winds that end, at dead bands ``(k,)``, by wind.
+
+    `plants`: a plant, or one for each wind. With the law "bound" `no_forecast` is the bound of
+    all laws without a forecast, with "flown" the smallest limit that the recoverable-attitude law
+    survives with. `two_sided`: for each wind the same with the angles of both signs, or None.
+    """
+    groups: dict[Any, list[int]] = {}
+    for i, (wind, complete) in enumerate(zip(winds, two_sided, strict=True)):
+        shapes = [None if x is None else x.pieces.coefficients.shape for x in (wind, complete)]
+        groups.setdefault(tuple(shapes), []).append(i)
+    limits: dict[int, tuple[Any, list[str]]] = {}
+    for cases in groups.values():
+        limits |= _required_together(plants, winds, dead_bands, two_sided, cases)
+    for i, wind in enumerate(winds):
+        yield _with_bounds(plants.case(i, (len(winds),)), wind, dead_bands, law, *limits[i])
+
+
+def _required_together(
+    plants: Plant,
+    winds: Sequence[History],
+    dead_bands: FloatArray,
+    two_sided: Sequence[History | None],
+    cases: list[int],
+) -> dict[int, tuple[Any, list[str]]]:
+    """Return required deflections [rad] ``(k,)`` and statuses of some winds, by their index.
+
+    The winds have the same number of pieces. NaN, and the message, where `InputError` is raised.
+    """
+    shape = len(cases), dead_bands.size
+    index = np.repeat(np.arange(shape[0]), shape[1])
+    wind = _stacked([winds[i] for i in cases], index)
+    both = [history for i in cases if (history := two_sided[i]) is not None]
+    complete = _stacked(both, index) if both else None
+    plant = plants.cases(np.array(cases)[index], (len(winds),))
+    try:
+        limit = required_deflection(plant, wind, np.tile(dead_bands, shape[0]), two_sided=complete)
+    except InputError as error:
+        if shape[0] == 1:
+            return {cases[0]: (np.nan, [str(error)])}
+        inputs = plants, winds, dead_bands, two_sided
+        return {i: _required_together(*inputs, [i])[i] for i in cases}
+    required = np.abs(np.reshape(limit.deflection, shape))
+    statuses = np.reshape(limit.status, shape).tolist()
+    return {i: (required[k], statuses[k]) for k, i in enumerate(cases)}
+
+
+def _stacked(histories: Sequence[History], index: IndexArray) -> History:
+    """Return the histories, with the same number of pieces, at positions `index` as a batch."""
+    pieces = [history.pieces for history in histories]
+    columns = zip(*((p.knots, p.coefficients, p.rates) for p in pieces), strict=True)
+    return Piecewise(Pieces(*(np.stack(column)[index] for column in columns)))
+
+
+def _with_bounds(
     plant: Plant,
     wind: History,
     dead_bands: FloatArray,
     law: str,
-    complete: History | None = None,
+    limits: FloatArray | float,
+    statuses: list[str],
 ) -> FrozenRequirement:
-    """Return the requirements [rad] of a wind that ends, at dead bands ``(k,)``.
-
-    With the law "bound" `no_forecast` is the bound of all laws without a forecast, with "flown" the
-    smallest limit that the recoverable-attitude law survives with. `complete` is the wind with the
-    angles of both signs.
-    """
+    """Return requirements [rad] ``(k,)`` with the lower bounds; errors and statuses as messages."""
     said: list[str] = []
 
-    def value_or(function: Callable[[], Any], missing: Any) -> Any:
-        """Return the value of a function, or `missing` and a note where it raises `InputError`."""
+    def value_or_nan(function: Callable[[], float]) -> float:
+        """Return the value of a function, or NaN and a message where it raises `InputError`."""
         try:
             return function()
         except InputError as error:
             said.append(str(error))
-            return missing
+            return np.nan
 
-    paired = False
-
-    def largest() -> FloatArray:
-        """Return required deflections [rad] at all dead bands, and collect their statuses."""
-        nonlocal paired
-        limit = required_deflection(plant, wind, dead_bands, two_sided=complete)
-        statuses = dict.fromkeys(np.ravel(limit.status).tolist())
-        said.extend(status for status in statuses if status not in (OK, STABLE))
-        paired = PAIRED_POLES in statuses
-        return np.abs(np.asarray(limit.deflection))
-
-    minimum = value_or(lambda: float(minimum_peaks(plant, wind)), np.nan)
-    required = np.maximum(
-        value_or(largest, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum))
-    )
+    minimum = value_or_nan(lambda: float(minimum_peaks(plant, wind)))
+    said.extend(status for status in statuses if status not in (OK, STABLE))
     no_forecast = np.nan
-    if paired:
+    if PAIRED_POLES in statuses:
         said.append("no bound of laws without a forecast is known where two modes grow as a pair")
     else:
-        no_forecast = value_or(lambda: _no_forecast(plant, wind, law), np.nan)
+        no_forecast = value_or_nan(lambda: _no_forecast(plant, wind, law))
     return FrozenRequirement(
         trim=abs(float(plant.coefficients.B * wind.peak)),
-        required=required,
+        required=np.maximum(limits, np.full(dead_bands.shape, np.nan_to_num(minimum))),
         no_forecast=no_forecast,
         minimum=minimum,
         slow_mode=slow_mode(plant, wind),

@@ -5,7 +5,7 @@ For both planes with a limit shape it combines the sizing of each plane and the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
@@ -27,7 +27,7 @@ from tvclin.requirement.flight.flight_requirement import (
     FlightRequirement,
     FrozenRequirement,
     flight_requirements,
-    frozen_requirement,
+    frozen_requirements,
 )
 from tvclin.requirement.flight.flight_winds import (
     PlacedWind,
@@ -333,10 +333,8 @@ def _plane_sizing(
 ) -> Sizing:
     """Return the sizing in one plane, without its notes."""
     schedule, bands, model, plane = inputs.schedule, inputs.dead_bands, inputs.model, inputs.plane
-    needs = [
-        [count_need(_frozen(schedule.plants(t, model, plane), w, bands, inputs.law)) for w in row]
-        for t, row in zip(inputs.times, placed, strict=True)
-    ]
+    frozen = _frozen(inputs, placed)
+    needs = [[count_need(next(frozen)) for _ in row] for row in placed]
     required = _columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
     messages, arises = _messages(inputs.times, needs), {}
@@ -397,12 +395,26 @@ def _circumstances(
     }
 
 
-def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenRequirement:
-    """Return the requirement of a wind at frozen parameters: zero in a calm, NaN if not known."""
-    if wind.calm:
-        none = 0.0 if wind.known else np.nan
-        return FrozenRequirement(none, np.full(bands.shape, none), none, none, np.nan, ())
-    return frozen_requirement(plant, wind.history, bands, law, wind.two_sided)
+def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenRequirement]:
+    """Yield the requirements at frozen parameters, of all winds at the first flight time first.
+
+    They are zero in a calm, and NaN if the wind is not known.
+    """
+    bands, winds = inputs.dead_bands, [wind for row in placed for wind in row]
+    blowing = np.flatnonzero([not wind.calm for wind in winds])
+    requirements = frozen_requirements(
+        inputs.schedule.plants(inputs.times[blowing // len(placed[0])], inputs.model, inputs.plane),
+        [winds[i].history for i in blowing],
+        bands,
+        inputs.law,
+        [winds[i].two_sided for i in blowing],
+    )
+    for wind in winds:
+        if wind.calm:
+            none = 0.0 if wind.known else np.nan
+            yield FrozenRequirement(none, np.full(bands.shape, none), none, none, np.nan, ())
+        else:
+            yield next(requirements)
 
 
 def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
