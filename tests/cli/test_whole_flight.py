@@ -294,6 +294,32 @@ def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     assert max(map(len, result.output.partition("study.toml")[2].splitlines()[1:10])) <= 80
 
 
+def test_dispersed_vehicles_fly_along_the_flight_in_drawn_soundings(folder, tmp_path) -> None:
+    for day, speed, top in (("01", 55, 40000), ("02", 95, 40000), ("03", 55, 18000)):
+        rows = f"0,0,0\n5000,10,0\n9000,35,0\n12000,{speed},0\n16000,20,0\n{top},0,0\n"
+        text = f"height_m,east_m_per_s,north_m_per_s\n{rows}"
+        (tmp_path / f"2024-01-{day}T00.csv").write_text(text, encoding="utf-8")
+    study = folder / "dispersed.toml"
+    text = (folder / "study.toml").read_text(encoding="utf-8")
+    further = '[campaign]\nalong = true\n[[dispersion]]\nparameter = "thrust"\npercent = 0.1\n'
+    study.write_text(
+        text.replace("[nozzle]", f"time_s = 60\n\n{further}\n[nozzle]"), encoding="utf-8"
+    )
+    words = ("--azimuth-deg", "90", "--limit-deg", "0.6")
+    csv = folder / "cases.txt"
+    done = run("disperse", study, "--winds", tmp_path, *words, "--cases", "12", "--csv", csv)
+    assert (done.exit_code, "in each wind" in done.output) == (1, True), done.output
+    survived = {True: "1.0", False: "0.0", None: "nan"}
+    flown = json.loads(
+        run("fly", folder / "study.toml", "--winds", tmp_path, *words, "--json").stdout
+    )
+    expected = [survived[flight["survived"]] for flight in flown["flights"]]
+    assert expected == ["1.0", "0.0", "nan"]
+    cases = [line.split(",") for line in csv.read_text(encoding="utf-8").splitlines()[1:]]
+    assert {int(case[2]) for case in cases} == {0, 1, 2}
+    assert all((case[3] or "nan") == expected[int(case[2])] for case in cases)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

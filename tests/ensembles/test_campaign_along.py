@@ -14,6 +14,8 @@ from tvclin.ensembles import Dispersion, Dispersions, FlightPlan, SoundingEnsemb
 from tvclin.ensembles.campaign.case_replay import replay_case
 from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.ensembles.campaign.folder import read, written
+from tvclin.ensembles.campaign.results import ResultsInMemory
+from tvclin.ensembles.campaign.summary import CampaignSummary
 from tvclin.flights import fly_along, fly_many_along
 from tvclin.vehicle import Filter
 from tvclin.winds.shaped import ShapedWind
@@ -149,6 +151,28 @@ def test_soundings_are_drawn_with_their_own_direction() -> None:
         largest = abs(flown.largest("attitude").value)
         assert answers["flight_peak_attitude"][k] == pytest.approx(largest, rel=1e-12)
     assert set(answers["wind"].tolist()) == {0, 1}
+
+
+def test_a_flight_in_a_sounding_that_ends_before_it_is_never_survived() -> None:
+    made, height = flight(flexible=False), np.array([0.0, 9e3, 1.5e4])
+    profile = tv.WindProfile(height=height, east=[0, 20, 0], north=[0, 0, 0])
+    sounding = tv.fly_through(profile, made, azimuth=np.pi / 2)
+    assert sounding.known[1] == pytest.approx(70.625)  # the flight is at 15 km
+    request = campaign(
+        wind=SoundingEnsemble.of([sounding]),
+        dispersions=Dispersions((Dispersion("thrust", "normal", 0.01),)),
+        nozzle=tv.Nozzle(limit=0.2, rate_limit=RATE),
+        along=FlightPlan(made, autopilot(sample_rate=20.0), start=45.0, stop=80.0),
+    )
+    summary = CampaignSummary.of(ResultsInMemory.of(request))
+    assert (summary.results.flights, summary.survival.upper < 1.0) == ((0, 0), True)
+    assert summary.survival.estimate == summary.success.estimate == 0.0
+    assert summary.sufficient is None
+    assert summary.verdict.startswith("limit 11.459 deg NOT KNOWN: in 4 of 4 cases")
+    known = replace(request, along=replace(request.along, stop=70.0))
+    assert ResultsInMemory.of(known).flights == (4, 0)
+    with pytest.raises(InputError, match="sounding 1 of 1 must be known at times of the flight"):
+        replace(request, along=replace(request.along, start=75.0))
 
 
 @pytest.mark.thorough

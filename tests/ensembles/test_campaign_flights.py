@@ -209,28 +209,29 @@ def test_what_drives_loss_is_asked_of_all_flights(flown_only):
 
 
 def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflections(flown_only):
-    assert flown_only.angles[0] == "flight_peak_attitude"
-    assert flown_only.success() is None
+    attitude = "flight_peak_attitude"
+    assert flown_only.angles[:2] == ("flight_peak_deflection", attitude)
+    assert flown_only.success(output=attitude) is None
     assert flown_only.deflections == ("flight_peak_deflection",)
     with pytest.raises(tv.InputError, match="limit is a deflection, and flight_peak_attitude is"):
-        flown_only.success(0.007)
-    held = flown_only.success(output="flight_peak_deflection")
+        flown_only.success(0.007, output=attitude)
+    held = flown_only.success()
     assert held.estimate == flown_only.survival().estimate  # none is larger than 0.36 deg
     folder = str(flown_only.folder)
-    for arguments in ([], ["--output", "flight_peak_deflection"]):
+    for arguments in ([], ["--output", attitude]):
         shown = CliRunner().invoke(app, ["disperse", folder, *arguments])
-        assert shown.exit_code == bool(arguments)  # the limit is not sufficient
+        assert shown.exit_code == (not arguments)  # the limit is not sufficient
         assert "inf" not in shown.output
         assert "nan" not in shown.output
         assert "NOT SURVIVED" in shown.output
         assert "loss is driven by" in shown.output
         assert "wind_duration (+" in shown.output
-        assert ("deg is SUFFICIENT in" in shown.output) == bool(arguments)
+        assert ("deg is SUFFICIENT in" in shown.output) == (not arguments)
     document = json.loads(CliRunner().invoke(app, ["disperse", folder, "--json"]).stdout)
     lost = flown_only.flights[1]
     assert document["flights"] == {"survived": 60 - lost, "lost": lost}
     assert document["loss"] == pytest.approx(vars(flown_only.loss()))
-    assert document["success"] is None
+    assert document["success"] == pytest.approx(vars(flown_only.success()))
     assert document["loss_drivers"]["wind_duration"]["confidence"] > 0.99
     case = int(np.argmin(flown_only.column("flight_survived")))
     replayed = CliRunner().invoke(app, ["disperse", folder, "--case", str(case)])
@@ -242,7 +243,9 @@ def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflect
     assert one["until_s"] == flight.time[np.argmax(over)]
     assert one["largest_attitude_deg"] > 90.0
     assert one["largest_deflection_deg"] == pytest.approx(np.degrees(limit))
-    refused = CliRunner().invoke(app, ["disperse", folder, "--limit-deg", "0.4"])
+    refused = CliRunner().invoke(
+        app, ["disperse", folder, "--limit-deg", "0.4", "--output", attitude]
+    )
     assert refused.exit_code == 2
     assert not flown_only.quantile(probability=0.99).within(1.0)
 

@@ -4,13 +4,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from math import degrees
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from tvclin.base.errors import InputError
+from tvclin.ascent.measured_wind import MeasuredWind, fly_through
+from tvclin.base.errors import InputError, naming
 from tvclin.base.files import called, exists
+from tvclin.case.case import DEFAULT_WIND
 from tvclin.cli.inputs import note_omissions, only_with
 from tvclin.cli.options import (
     GROUP,
@@ -27,7 +30,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
-from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble
 from tvclin.ensembles.campaign.chunk_runner import (
     cluster,
     damaged,
@@ -39,6 +42,7 @@ from tvclin.ensembles.campaign.folder import NAME, read_manifest
 from tvclin.ensembles.campaign.results import CampaignResults, ResultsInMemory
 from tvclin.ensembles.campaign.summary import CampaignSummary
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
+from tvclin.requirement.flight.request import SIZE_TABLE
 from tvclin.studyfile.campaign_file import CASES, load_campaign
 from tvclin.studyfile.settings import with_settings
 from tvclin.vehicle.vehicle_file import source_tables
@@ -142,6 +146,8 @@ def disperse(
 
     A file that names none of them has assumed dispersions. A few thousand cases take
     seconds; with --folder there may be millions, stopped and continued at will.
+    With along = true in [campaign] each case flies along the whole flight, in one of the
+    soundings of --winds (a file, a station file or a folder) or in a pulse.
 
     Exit code 0: the limit is SUFFICIENT for the probability, or none was given; 1: it is NOT
     SUFFICIENT, or that is NOT KNOWN; 2: bad input.
@@ -185,18 +191,41 @@ def _campaign(
             words = words.removeprefix(f"{called(source)}: ")
         raise InputError(words) from None
     assumed = campaign.dispersions == DEFAULT_DISPERSIONS
-    sounding = winds.sounding_of(campaign, source)
-    if sounding is not None:
-        if campaign.along is not None:
-            raise InputError(
-                "--winds is of one flight time; along a flight give a wind of one shape, a file of"
-                " winds, or a SoundingEnsemble in Python"
-            )
-        wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
-        dispersions = _OF_THE_VEHICLE if assumed else campaign.dispersions
-        campaign = replace(campaign, wind=wind, dispersions=dispersions)
+    if winds.winds is not None:
+        if assumed:
+            campaign = replace(campaign, dispersions=_OF_THE_VEHICLE)
+        if campaign.along is None:
+            sounding = winds.sounding_of(campaign, source)
+            assert sounding is not None
+            wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
+            campaign = replace(campaign, wind=wind)
+        else:
+            campaign = _in_soundings(campaign, winds, source)
     note_omissions(campaign, "disperse", tables=source_tables(source))
     return campaign
+
+
+def _in_soundings(campaign: Campaign, winds: WindOptions, source: str) -> Campaign:
+    """Return a campaign along a flight in the soundings of --winds, from size.from_s to to_s."""
+    plan = campaign.along
+    assert plan is not None
+    if getattr(campaign.wind, "gust", None) is not None:
+        raise InputError("a gust on soundings is of one flight time; leave out [gust]")
+    soundings = []
+    for name, request in winds.soundings_along(source).items():
+        with naming(name):
+            wind = fly_through(
+                request.profile,
+                plan.flight,
+                azimuth=request.azimuth,
+                plane=campaign.plane,
+                bias=request.bias,
+            )
+            assert isinstance(wind, MeasuredWind)  # of one plane
+            soundings.append(wind)
+    size = SIZE_TABLE.read(SIZE_TABLE.one(source_tables(source)))
+    plan = replace(plan, start=size.get("start"), stop=size.get("stop"))
+    return replace(campaign, wind=SoundingEnsemble.of(soundings), along=plan)
 
 
 def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
@@ -214,6 +243,9 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
         for key in ("time_s", "model", "plane")
     }
     band = values.get("dead_band")
+    if values["winds"] is not None and not {"wind", "gust"} & tables.keys():
+        pulse = {"duration": DEFAULT_WIND.duration, "peak_deg": degrees(DEFAULT_WIND.peak)}
+        values = {**values, "wind": DEFAULT_WIND.shape, **pulse}  # the sounding replaces it
     values = {
         "--at": (subject["time_s"], values["time"]),
         "--wind": (f"{wind}.shape", values["wind"]),

@@ -147,8 +147,7 @@ class WindOptions(PulseOptions):
 
         if self.winds is None:
             return None
-        pulse = {name: getattr(self, name) for name in ("wind", *vars(_Pulse()))}
-        only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
+        self._check_no_pulse()
         reading = SoundingReading.of(source_tables(source), Path(source).parent)
         request = getattr(case, "sizing", None)
         return SoundingWind(
@@ -160,6 +159,18 @@ class WindOptions(PulseOptions):
             gust=getattr(case.wind, "gust", None),
             bias=reading.mean_wind,
         )
+
+    def soundings_along(self, source: str) -> "dict[str, SoundingRequest]":
+        """Return the soundings of --winds, a file or a folder, for a whole flight, by name."""
+        self._check_no_pulse()
+        reading = SoundingReading.of(source_tables(source), Path(source).parent)
+        options = FlightOptions(**(vars(self) | {"winds": [self.winds]}))
+        return options.soundings(reading)
+
+    def _check_no_pulse(self) -> None:
+        """Raise `InputError` for options of a pulse beside a sounding."""
+        pulse = {name: getattr(self, name) for name in ("wind", *vars(_Pulse()))}
+        only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
 
 
 @dataclass(frozen=True)

@@ -143,7 +143,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
             " true to [campaign], for flights along the whole flight"
         )
     study = STUDY_TABLE.one(document)
-    outputs: dict[str, Any] = {}
+    outputs: dict[str, Any] = {"names": ("flight",)} if along else {}
     if "dead_band" in study:
         outputs["dead_bands"] = [number("dead_band", study["dead_band"], between(0.0, 1.0))]
     outputs |= OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))

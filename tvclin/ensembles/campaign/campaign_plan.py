@@ -92,7 +92,8 @@ class FlightPlan:
         Autopilot with a sample rate, scheduled on the nominal flight, whose modes its notches
         follow.
     start, stop : float, optional
-        Ends of the flights [s], by default the onset of the wind and the end of the flight.
+        Ends of the flights [s], by default the onset of the wind and the end of the flight. A
+        sounding that is not known from the one to the other is survived in no case.
 
     Raises
     ------
@@ -113,7 +114,12 @@ class FlightPlan:
             raise errors.InputError(
                 "flights of a campaign need samples: give the autopilot a sample_rate"
             )
-        self.flight.between(self.start, self.stop)
+        _ = self.span  # raises for times outside the flight
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time of the flights [s], those of the flight where not specified."""
+        return self.flight.between(self.start, self.stop).span
 
     @property
     def law(self) -> Autopilot:
@@ -381,6 +387,14 @@ class Campaign(Case):
         if self.vehicle.time is None:
             raise errors.InputError("a campaign along a flight needs a vehicle with its time")
         plan.flight.at(self.vehicle.time)
+        first, last = plan.span
+        if isinstance(self.wind, SoundingEnsemble):
+            for k, wind in enumerate(self.wind.soundings):
+                if not max(first, wind.known[0]) < min(last, wind.known[1]):
+                    raise errors.InputError(
+                        f"sounding {k + 1} of {self.wind.count} must be known at times of the"
+                        f" flight; it is known from {wind.known[0]:.6g} to {wind.known[1]:.6g} s"
+                    )
 
     @property
     def nominal(self) -> dict[str, Any]:

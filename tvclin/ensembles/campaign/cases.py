@@ -14,7 +14,15 @@ from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.ensembles.campaign.campaign_plan import Campaign, mode_factors
-from tvclin.ensembles.campaign.outputs import REGISTRY, REQUIRED, Batch, columns, compute
+from tvclin.ensembles.campaign.outputs import (
+    COLUMNS,
+    REGISTRY,
+    REQUIRED,
+    Batch,
+    columns,
+    compute,
+    plane_columns,
+)
 from tvclin.ensembles.dispersions import WIND, Dispersed, draw, is_mode_factor
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
@@ -24,6 +32,12 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 from tvclin.winds.wind_angles import BEYOND_LINEAR, within_linear
 
+_FLOWN_PEAKS = {
+    column
+    for name in COLUMNS.keys() - {"flight_survived"}
+    for column in (name, *plane_columns(name).values())
+}
+"""Names of the columns of largest values of flights."""
 _MAX_BATCH_CASES = 4096
 """Largest number of cases that are computed in one batch."""
 _CASE_ERRORS = (InputError, ArithmeticError, np.linalg.LinAlgError, RuntimeError)
@@ -34,9 +48,11 @@ BEYOND = f"wind beyond linear aerodynamics, counted as not survived; {BEYOND_LIN
 ENCOUNTERED_UNKNOWN = (
     "wind angle or dynamic pressure encountered not known, counted as not survived"
 )
-NOT_KNOWN = (BEYOND, ENCOUNTERED_UNKNOWN)
+UNDECIDED = (
+    "undecided, counted as not survived; the flight was not settled when it or its wind ended"
+)
+NOT_KNOWN = (BEYOND, ENCOUNTERED_UNKNOWN, UNDECIDED)
 """Statuses of cases that no deflection is known to survive: their requirement is infinite."""
-UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 
 def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
@@ -171,13 +187,21 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
     if any(REGISTRY[name].case_by_case(campaign) for name in campaign.outputs):
         for case in np.flatnonzero(cases.possible):
             divide(lambda which: answer(which, True), refused, np.array([case]))
+    _count_unknown(answers, status)
+    return {"case": index, **cases.values, **answers, "status": status}
+
+
+def _count_unknown(answers: dict[str, FloatArray], status: AnyArray) -> None:
+    """Make the angles [rad] of cases that are not known infinite, and write their status."""
     for name, values in answers.items():
         if name.startswith(REQUIRED):
             unknown = np.isnan(values) & np.isin(status, (OK, PAIRED, ENCOUNTERED_UNKNOWN))
             values[unknown], status[unknown] = np.inf, ENCOUNTERED_UNKNOWN
-    if "flight" in campaign.outputs:
-        status[(status == OK) & np.isnan(answers["flight_survived"])] = UNDECIDED
-    return {"case": index, **cases.values, **answers, "status": status}
+    if "flight_survived" in answers:
+        undecided = (status == OK) & np.isnan(answers["flight_survived"])
+        status[undecided] = UNDECIDED
+        for name in answers.keys() & _FLOWN_PEAKS:
+            answers[name][undecided] = np.inf
 
 
 def divide(

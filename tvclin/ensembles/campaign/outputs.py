@@ -139,9 +139,9 @@ def required_name(dead_band: float, kind: str = "required") -> str:
 
 COLUMNS = {
     "flight_survived": "",
+    "flight_peak_deflection": "rad",
     "flight_peak_attitude": "rad",
     "flight_peak_angle_of_attack": "rad",
-    "flight_peak_deflection": "rad",
 }
 """Units of the columns of the output "flight", by name."""
 _MOTIONS = ("flight_peak_attitude", "flight_peak_angle_of_attack")
@@ -227,16 +227,23 @@ def _fates(flown: FlownCases) -> dict[str, Any]:
 
 
 def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return `COLUMNS` of a case along its whole flight, of the worse direction of the wind."""
-    columns = [
-        _fates(flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits)[0])
-        for along, limits in flights_along(campaign, batch)
-    ]
-    return {
-        name: np.min([c[name] for c in columns], axis=0)
-        if name == "flight_survived"
-        else np.max([c[name] for c in columns], axis=0)
-        for name in COLUMNS
+    """Return `COLUMNS` of a case along its whole flight, of the worse direction of the wind.
+
+    A flight in a sounding that is not known throughout is survived in no case.
+    """
+    assert campaign.along is not None
+    first, last = campaign.along.span
+    columns = []
+    for along, limits in flights_along(campaign, batch):
+        fates = _fates(flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits)[0])
+        low, high = along.wind.known
+        if (low > first or high < last) and fates["flight_survived"]:
+            fates["flight_survived"] = np.array([np.nan])
+        columns.append(fates)
+    survived = np.array([fates.pop("flight_survived") for fates in columns])
+    worst = np.where(np.any(survived == 0.0, axis=0), 0.0, np.min(survived, axis=0))
+    return {"flight_survived": worst} | {
+        name: np.max([fates[name] for fates in columns], axis=0) for name in columns[0]
     }
 
 
@@ -251,12 +258,12 @@ def flights_along(
     if values:
         made = dispersed_plan(plan, campaign.dispersions, campaign.nominal, values)
     limits = np.array([campaign.nozzle.limit]), np.array([campaign.hardware["rate_limit"]])
+    first, last = plan.span
     for wind in _winds_along(campaign, made.flight, case, values):
-        start = plan.start
-        if start is None:
-            start = max(float(wind.history.onset), made.flight.span[0])
+        start = float(wind.history.onset) if plan.start is None else first
+        start, stop = np.clip([max(start, first), last], *wind.known).tolist()
         along = checked_flight(
-            made.flight, made.autopilot, wind, start, plan.stop, campaign.model, campaign.plane
+            made.flight, made.autopilot, wind, start, stop, campaign.model, campaign.plane
         )
         yield replace(along, scheduled=plan.flight), limits
 

@@ -13,7 +13,7 @@ from tvclin.base.errors import InputError, number, one_of, path, small_angle, wh
 from tvclin.base.fields import Field, derived, specs
 from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints
 from tvclin.ensembles.campaign.case_replay import Replay, replay_case
-from tvclin.ensembles.campaign.cases import evaluate, nominal
+from tvclin.ensembles.campaign.cases import UNDECIDED, evaluate, nominal
 from tvclin.ensembles.campaign.folder import (
     Manifest,
     chunk_file,
@@ -235,10 +235,11 @@ class CampaignResults(Tabled):
     def _flight_probability(self, which: int, confidence: float | None) -> Success | None:
         """Return the probability of survival (`which` is 0) or loss (1) of a flight."""
         counts = self.flights
-        if counts is None or not sum(counts):
+        if counts is None:
             return None
+        total = sum(counts) + self.statuses().get(UNDECIDED, 0)
         confidence = self._level(None, confidence)[1]
-        return success_probability(counts[which], sum(counts), confidence)
+        return success_probability(counts[which], total, confidence) if total else None
 
     @property
     def flights(self) -> tuple[int, int] | None:

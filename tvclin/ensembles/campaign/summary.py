@@ -126,12 +126,13 @@ class CampaignSummary(Shown):
     @property
     def pressure(self) -> str:
         """The dynamic pressure of the output, in words."""
-        plan, required = self.results.campaign, self.output.startswith(REQUIRED)
+        plan = self.results.campaign
+        encountered = self.output.startswith(REQUIRED) or plan.along is not None
         both_planes = plan.planes == BOTH
         across = plan.plane != "pitch" and not both_planes
-        if across or plan.sign == FROZEN or not required:
+        if plan.sign == FROZEN or not encountered or (across and plan.along is None):
             return "nominal"
-        if both_planes:
+        if both_planes or across:
             return "in each wind"
         if plan.sign is not None:
             return f"in a {plan.sign} wind"
