@@ -20,7 +20,6 @@ from tvclin.boundary.optimum.minimum_peak import (
     certify,
 )
 from tvclin.boundary.optimum.moments import Constraints, Window
-from tvclin.boundary.optimum.two_poles import early_switch, late_switch
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
 
@@ -298,12 +297,6 @@ def test_bad_input_is_refused_in_one_sentence(change, message):
     } | change
     with pytest.raises(InputError, match=message):
         optimum_deflection(**arguments)
-
-
-@pytest.mark.parametrize("call", [late_switch, early_switch])
-def test_ratios_of_the_approximations_are_checked(call):
-    with pytest.raises(InputError, match="ratio must be below 1"):
-        call(0.5, 1.0)
 
 
 @pytest.mark.thorough

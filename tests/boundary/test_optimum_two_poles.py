@@ -12,12 +12,10 @@ from tvclin import Coefficients, Plant, TriangularWind, optimum_deflection
 from tvclin.boundary.optimum.two_poles import (
     duration_without_fast_pole,
     early_switch,
-    late_switch,
     longest_single_pole_duration,
     single_pole_validity,
     switch_time,
     switch_variable,
-    switching_ratio,
 )
 
 
@@ -115,10 +113,10 @@ def test_the_switch_variable_solves_eq_c6(y, ratio):
 
 
 def test_approximations_of_the_switch():
-    for y, error in ((0.01, 1.8e-4), (0.1, 7.6e-4)):
-        shares = [1.0 - 2.0 * x for x in (switch_variable(y, 0.1), late_switch(y, 0.1))]
+    for y, error in ((0.01, 1.8e-4), (0.1, 7.6e-4)):  # of eq (C7), for poles far apart
+        late = ((1.0 - y) / 2.0) ** (1.0 / 0.1)
+        shares = [1.0 - 2.0 * x for x in (switch_variable(y, 0.1), late)]
         assert abs(shares[1] / shares[0] - 1.0) < 2.0 * error
-    assert late_switch(0.0, 0.1) == pytest.approx(0.5**10)
     assert switch_variable(10.0, 0.1) == pytest.approx(0.54410, abs=5e-6)
     assert early_switch(10.0, 0.1) == pytest.approx(0.5433, abs=5e-5)
     large = switch_variable(1e6, 0.1)
@@ -136,7 +134,6 @@ def test_the_duration_up_to_which_one_pole_decides():
     assert printed == pytest.approx(30.479, abs=5e-4)
     assert duration_without_fast_pole(0.01, 0.5) == pytest.approx(30.495, abs=5e-4)
     assert printed * 0.5 == pytest.approx(15.2, abs=0.05)
-    assert switching_ratio(printed, 0.01, 0.5) == pytest.approx(1.0, rel=1e-13)
     assert np.isnan(longest_single_pole_duration(0.5, 0.5))
     many = longest_single_pole_duration(np.array([[0.01], [0.02]]), 0.5, [1.0, 0.7, 0.001])
     assert many.shape == (2, 3)
@@ -149,17 +146,15 @@ def test_where_the_fast_pole_leaves_no_trace_its_neglect_is_exact():
     assert duration_without_fast_pole(1e-6, 1.0) == pytest.approx(result, rel=1e-12)
 
 
-def test_the_switching_ratio_is_that_of_the_demands():
+def test_where_the_demands_of_both_poles_agree_the_fast_one_decides_the_peak():
     for name in NAMES:
         plant = plant_of(name)
         modes = tvclin.unstable_modes(plant)
-        fast, slow = modes.poles
+        fast = modes.poles[0]
         K = -modes.wind_residues / modes.deflection_residues
-        for tau in (1.0, 30.0, 100.0):
-            terms = modes.poles * K * TriangularWind(peak=1.0, duration=tau).laplace(modes.poles)
-            y = switching_ratio(tau, slow, fast, K[1] / K[0])
-            assert y == pytest.approx(terms[1] / terms[0], rel=1e-12)
         wind = TriangularWind(peak=-0.1, duration=single_pole_validity(plant.coefficients))
+        demands = modes.poles * K * wind.laplace(modes.poles)
+        assert demands[1] == pytest.approx(demands[0], rel=1e-12)
         best = optimum_deflection(plant, wind)
         alone = fast * -K[0] * wind.laplace(fast)
         assert best.peak == pytest.approx(abs(alone), rel=1e-11)
@@ -200,39 +195,32 @@ def test_only_two_real_unstable_poles_have_a_validity():
     assert np.isnan(result[1:]).all()
 
 
-NUMBERS = {"duration": 9.0, "beta1": 0.01, "beta2": 0.5, "K1_ratio": 1.0}
+NUMBERS = {"beta1": 0.01, "beta2": 0.5, "K1_ratio": 1.0}
 
 
-@pytest.mark.parametrize(
-    "call", [switching_ratio, longest_single_pole_duration, duration_without_fast_pole]
-)
+@pytest.mark.parametrize("call", [longest_single_pole_duration, duration_without_fast_pole])
 @pytest.mark.parametrize("name", NUMBERS)
 def test_numbers_that_are_not_positive_or_do_not_fit_are_refused(call, name):
-    numbers = dict(NUMBERS)
-    if call is not switching_ratio:
-        del numbers["duration"]
-    if name in numbers:
-        with pytest.raises(tvclin.InputError, match=f"^{name} must be positive"):
-            call(**numbers | {name: -0.1})
+    with pytest.raises(tvclin.InputError, match=f"^{name} must be positive"):
+        call(**NUMBERS | {name: -0.1})
     with pytest.raises(tvclin.InputError, match="broadcast"):
-        call(**numbers | {"beta1": [0.01, 0.02], "K1_ratio": [1.0, 1.0, 1.0]})
+        call(**NUMBERS | {"beta1": [0.01, 0.02], "K1_ratio": [1.0, 1.0, 1.0]})
 
 
 def test_arguments_of_the_approximations_are_checked():
-    with pytest.raises(tvclin.InputError, match="^y must be"):
-        late_switch(1.001, 0.1)
     with pytest.raises(tvclin.InputError, match="^y must be positive"):
         early_switch(0.0, 0.1)
     for y in (np.nan, "x", [0.5, 0.6]):
         with pytest.raises(tvclin.InputError, match="^y must be"):
             switch_variable(y, 0.1)
-    for call in (switch_variable, late_switch, early_switch):
+    for call in (switch_variable, early_switch):
         for ratio in (0.0, -0.1):
             with pytest.raises(tvclin.InputError, match="^ratio must be positive"):
                 call(0.5, ratio)
-    for call in (late_switch, early_switch):
-        with pytest.raises(tvclin.InputError, match="broadcast"):
-            call([0.1, 0.2], [0.1, 0.2, 0.3])
+        with pytest.raises(tvclin.InputError, match="ratio must be below 1"):
+            call(0.5, 1.0)
+    with pytest.raises(tvclin.InputError, match="broadcast"):
+        early_switch([0.1, 0.2], [0.1, 0.2, 0.3])
 
 
 # ---- any number of poles -------------------------------------------------------------------

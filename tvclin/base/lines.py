@@ -125,9 +125,9 @@ def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
     return _shown(name, value, shown, unit)
 
 
-def upper_pole(name: str, pole: complex, digits: int = 5) -> Line:
-    """Return a pole; a complex one stands for its pair."""
-    return complex_number(name, pole, digits, "±")
+def upper_pole(name: str, pole: complex) -> Line:
+    """Return a pole to five digits; a complex one stands for its pair."""
+    return complex_number(name, pole, 5, "±")
 
 
 def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -> Line:

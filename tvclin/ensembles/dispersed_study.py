@@ -142,14 +142,6 @@ class DispersedStudy(Shown):
         """The median [rad] of the deflections of cases that have an answer."""
         return float(np.nanmedian(self.deflection))
 
-    @property
-    def relative_increase(self) -> float:
-        """Relative increase of the requirement by dispersions; infinite if not known."""
-        nominal = self.nominal.required_deflection
-        if nominal == 0.0:
-            return 0.0 if self.required.upper == 0.0 else np.inf
-        return self.required.upper / nominal - 1.0
-
 
 def disperse_study(
     study: Study,

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray, IndexArray
-from tvclin.base.errors import InputError, number, plain, positive, together, within
+from tvclin.base.errors import InputError, number, plain, positive, together
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.numerics.searches import roots_between
@@ -85,18 +85,6 @@ def switch_variable(y: float, ratio: float) -> float:
     return float(np.exp(-switch_time((ratio, 1.0), (y / ratio, 1.0))))
 
 
-def late_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
-    """Return the approximation (C7) of x, for 0 <= y <= 1 and poles far apart.
-
-        x = ((1 - y)/2)^(1/r)
-
-    `InputError` for a y outside [0, 1], or a ratio not between 0 and 1.
-    """
-    y, r = within("y", y, 0.0, 1.0), _checked_ratio(ratio)
-    together(y=y, ratio=r)
-    return plain(np.asarray(((1.0 - y) / 2.0) ** (1.0 / r)))
-
-
 def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
     """Return the approximation of x for a large y.
 
@@ -112,34 +100,18 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
     return plain(np.asarray((y - 1.0 + 2.0 ** (1.0 - r)) / (2.0 * y)))
 
 
-def switching_ratio(
-    duration: ArrayLike, beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
-) -> Any:
-    """Return y of a triangular wind, eq (C8) with the ratio of the K1_i that the print omits.
-
-        y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
-
-    `duration`: tau [s], positive. `beta1`, `beta2`: slow and fast unstable pole [1/s], positive.
-    `K1_ratio`: K1_1/K1_2 with K1_i = (beta_i + b2)/(beta_i + b1); 1 as printed.
-
-    It rises with the duration from K1_ratio beta1/beta2 to K1_ratio beta2/beta1.
-    """
-    tau = positive("duration", duration, "s")
-    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)
-    together(duration=tau, beta1=b1, beta2=b2, K1_ratio=K)
-    quotient = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
-    return plain(np.asarray(K * b2 / b1 * quotient**2))
-
-
 def longest_single_pole_duration(
     beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
 ) -> Any:
     """Return the duration tau [s] of a triangular wind at which y = 1, by eq (C8).
 
-    Up to there the fast pole alone decides the minimum peak, nearly.
+        y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
 
-    `beta1`, `beta2`, `K1_ratio`: same as in `switching_ratio`. Returned: NaN where y is never 1:
-    K1_ratio must be between beta1/beta2 and beta2/beta1.
+    Up to there the fast pole alone decides the minimum peak, nearly. The print omits the ratio of
+    the K1_i = (beta_i + b2)/(beta_i + b1). y rises with the duration from K1_ratio beta1/beta2 to
+    K1_ratio beta2/beta1; NaN is returned where it is never 1.
+
+    `beta1`, `beta2`: slow and fast unstable pole [1/s], positive. `K1_ratio`: K1_1/K1_2.
 
     Examples
     --------
@@ -167,7 +139,7 @@ def duration_without_fast_pole(
 
         1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
 
-    `beta1`, `beta2`, `K1_ratio`: same as in `switching_ratio`; NaN where y is never 1.
+    Same parameters as `longest_single_pole_duration`; NaN where y is never 1.
 
     Examples
     --------

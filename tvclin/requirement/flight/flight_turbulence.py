@@ -351,8 +351,7 @@ def flight_turbulence(
     schedule: FlightSchedule,
     times: FloatArray,
     winds: Mapping[str, WindOf],
-    signed: tuple[bool, ...] = (),
-    progress: Callable[[int, int], None] | None = None,
+    signed: tuple[bool, ...],
 ) -> FlightTurbulence:
     """Return the autopilot of a case in turbulence along a flight, and in each wind.
 
@@ -370,8 +369,6 @@ def flight_turbulence(
         Winds by name, see `SizingRequest.winds`.
     signed : tuple of bool
         Whether each of the first winds may be a head or a tail wind.
-    progress : callable, optional
-        Called with the number of finished and of all pairs of flight time and wind.
 
     Raises
     ------
@@ -395,8 +392,6 @@ def flight_turbulence(
             ]
             largest.append(_worst(rows))
             spreads.append(response.spread)
-        if progress is not None:
-            progress(j + 1, len(winds))
     rms = {
         output: np.max(
             [np.interp(loop.times, x.times, x.deviation(output)) for x in spreads], axis=0

@@ -76,7 +76,7 @@ class Soundings:
             )
         set_ = object.__setattr__
         set_(self, "offsets", self._checked_offsets())
-        set_(self, "times", to_minutes("times", self.times))
+        set_(self, "times", to_minutes(self.times))
         self._check_shapes()
         errors.text("station", self.station)
         set_(self, "notes", errors.each("notes", self.notes, str, "one for each remark"))
@@ -237,7 +237,7 @@ class Soundings:
         iterable = isinstance(profiles, Iterable) and not isinstance(profiles, np.ndarray)
         entries = list(profiles) if iterable else profiles
         sequence = errors.each("profiles", entries, WindProfile, "see read_sounding")
-        checked_times = to_minutes("times", times)
+        checked_times = to_minutes(times)
         if checked_times.shape != (len(sequence),):
             raise errors.InputError(f"times must hold one for each of {len(sequence)} profiles")
         sizes = [0, *(profile.height.size for profile in sequence)]
@@ -293,17 +293,17 @@ def years_of(times: NDArray[np.datetime64]) -> IntArray:
     return np.where(np.isnat(times), 0, times.astype("datetime64[Y]").astype(np.int64) + 1970)
 
 
-def to_minutes(name: str, values: ArrayLike) -> NDArray[np.datetime64]:
+def to_minutes(times: ArrayLike) -> NDArray[np.datetime64]:
     """Return times to the minute; `InputError` for values that are no times."""
     try:
-        array = np.asarray(values)
+        array = np.asarray(times)
         if array.dtype.kind not in "MUO" and array.size:
             raise TypeError
         return array.astype(_MINUTE)
     except (TypeError, ValueError, OverflowError):
         raise errors.InputError(
-            f"{name} must be times such as 2024-02-15T12:00, or datetime64; got"
-            f" {errors.shown(values)}"
+            "times must be times such as 2024-02-15T12:00, or datetime64; got"
+            f" {errors.shown(times)}"
         ) from None
 
 

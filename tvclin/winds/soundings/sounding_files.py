@@ -236,7 +236,7 @@ def read_soundings(
         errors.callable_for("progress", progress, "of how much is read and how much there is")
     times_by_name = {} if dates is None else _times_by_name(errors.path("dates", dates))
     files = [file for file in _files(source) if dates is None or file != Path(dates)]
-    checked_times = None if times is None else to_minutes("times", times)
+    checked_times = None if times is None else to_minutes(times)
     if checked_times is not None and checked_times.shape != (len(files),):
         raise errors.InputError(
             f"times must hold one for each of {len(files)} files; got {checked_times.shape}"
