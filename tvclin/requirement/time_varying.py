@@ -37,7 +37,6 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
-from tvclin.kernels import limited_trim
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import run
 from tvclin.requirement.varying_curves import Curves
@@ -416,11 +415,11 @@ class LimitedFlights:
         )
         work = selected.wind.shape[1] * limits.size * order
         run(
-            limited_trim.limited_trim,
+            marches.limited_trim,
             (*columns, _FEEDBACK_OVER_TRIM, np.require(limits, float, ["C", "W"]), diverged),
             len(limits),
-            limited_trim.PLAIN * work,
-            limited_trim.COMPILED * work,
+            marches.LIMITED_PLAIN * work,
+            marches.LIMITED_COMPILED * work,
         )
         return diverged
 
