@@ -1,8 +1,9 @@
 """The required deflection of a random case is the same at every entry point, or refused by name.
 
 Python, study file, shell, page, panel, campaign of one case, and the flight at one time, whose
-vehicle is constant. Vehicles are those of the report with other numbers, some nearly neutral,
-stable, or so slow that their path is quick.
+vehicle is constant; for a sounding, the ascent through it and an archive of it alone. Vehicles are
+those of the report with other numbers, some nearly neutral, stable, or so slow that their path is
+quick.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.show.pages import Page
 from tests.turns import usual
 from tvclin.base.lines import text
 from tvclin.boundary.open_loop import Reason
@@ -26,6 +28,7 @@ from tvclin.ensembles.campaign.outputs import required_name
 from tvclin.requirement.case_requirement import CaseRequirement, case_requirement
 from tvclin.show.explorer import answer as panel
 from tvclin.show.explorer.choices import Choices
+from tvclin.show.report.page import page_of
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.verdict import sentence
 
@@ -212,4 +215,48 @@ def test_a_case_requires_the_same_at_every_entry_point(seed: int, tmp_path: Path
         assert question["answer"] == ("SUFFICIENT" if covered else "NOT SUFFICIENT")
         assert in_shell.exit_code == (not covered)
     if seed % 10 == 0:
-        assert text(sentence(find(plan))).startswith(question["answer"])
+        page, findings = Page(page_of(plan)[0]), find(plan)
+        assert text(sentence(findings)).startswith(question["answer"])
+        if expected != UNKNOWN and np.isfinite(expected):
+            shown = np.radians(page.values["verdict.required_deg"])
+            assert same(float(shown), expected, 1e-12)
+
+
+def ascent_and_sounding(seed: int, folder: Path) -> tuple[tv.FlightSchedule, tv.WindProfile]:
+    """Return the ascent of a random vehicle in one minute, and a rough sounding along it."""
+    rng, vehicle = np.random.default_rng([seed, 1]), drawn(seed)[0]
+    climb = vehicle["velocity_m_per_s"] * np.sin(np.radians(vehicle["attitude_deg"]))
+    top = 2e3 + 60.0 * climb
+    schedule = {"time_s": [0.0, 60.0], **vehicle, "altitude_m": [2e3, top]}
+    file = written(folder / "ascent.toml", {"schedule": schedule})
+    height = np.unique(np.append(np.arange(0.0, top, rng.choice([300.0, 700.0, 1500.0])), top))
+    jet = np.exp(-(((height - 0.5 * top) / (rng.uniform(0.1, 0.4) * top)) ** 2))
+    sizes = vehicle["velocity_m_per_s"] * rng.uniform([-0.12, -0.12, 0.0], [0.12, 0.12, 0.04])
+    east, north = (
+        size * jet + sizes[2] * np.clip(rng.normal(0.0, 1.0, height.size), -2.0, 2.0)
+        for size in sizes[:2]
+    )
+    return tv.load_schedule(file), tv.WindProfile(height=height, east=east, north=north)
+
+
+@pytest.mark.parametrize("seed", usual([*range(40), 118, 190], 12, 33, 40, 41))
+def test_a_sounding_flies_with_what_the_ascent_through_it_requires(
+    seed: int, tmp_path: Path
+) -> None:
+    flight, wind = ascent_and_sounding(seed, tmp_path)
+    rng, study = np.random.default_rng([seed, 2]), drawn(seed)[1]["study"]
+    plane, model, azimuth = study["plane"], study["model"], float(rng.uniform(0.0, 2.0 * np.pi))
+    through = tv.fly_through(wind, flight, azimuth=azimuth, plane=plane)
+    options = {"model": model, "plane": plane}
+    sizing = answered(
+        lambda: tv.size(flight, through, times=[30.0], dead_bands=1.0, varying=True, **options)
+    )
+    if isinstance(sizing, str):
+        assert "real unstable pole" in sizing
+        return
+    required = float(sizing.required["K = 1, varying"][0, 0])
+    soundings = tv.winds.Soundings.from_profiles([wind], ["2024-02-01"])
+    for part, flies in ((0.99, 0.0), (1.02, 1.0)):
+        limit = part * required if 0.0 < required < np.pi / 2 / part else 1.0
+        result = tv.availability(flight, soundings, limit=limit, azimuth=azimuth, **options)
+        assert result.flies[0] == (flies if required else 1.0), (required, result.required)

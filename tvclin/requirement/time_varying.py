@@ -29,7 +29,7 @@ The error of the curves is of fourth order in the steps, below 1e-6 of the large
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -67,7 +67,7 @@ _MIN_LIMIT = 1e-12
 _EVEN_STEP = 0.125
 """Length of an even step times the fastest rate, through winds whose breakpoints are not ends.
 With the impulse of the wind in each step the largest min(trim, demand) is within a thousandth."""
-_MIN_RATE_PER_S = 0.25
+_MIN_RATE_PER_S = 0.5
 """Smallest rate [1/s] that sets even steps."""
 MAX_BATCH_STEPS = 5_000
 """Largest number of steps of the winds of a batch: some ten megabytes."""
@@ -198,15 +198,15 @@ def with_calm_after(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
 
-    `times`, `wind`, `ratio`: see `encountered_at_steps`.
+    `times`, `wind`, `ratio`: see `encountered_at_steps`; times may be common, ``(1, S, 3)``.
     """
     count = int(steps_after(equations).max())
     rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)
     step = (_CALM_STEP_OVER_TIME_CONSTANT / rate)[:, np.newaxis, np.newaxis]
     calm = times[:, -1:, 2:] + step * (np.arange(count)[:, np.newaxis] + [0.0, 0.5, 1.0])
+    after = (0, 0), (0, calm.shape[1]), (0, 0)
     times = np.concatenate([times, calm], axis=1)
-    wind = np.concatenate([wind, np.zeros(calm.shape)], axis=1)
-    return times, wind, np.concatenate([ratio, np.ones(calm.shape)], axis=1)
+    return times, np.pad(wind, after), np.pad(ratio, after, constant_values=1.0)
 
 
 def steps_after(equations: Equations) -> IndexArray:
@@ -270,16 +270,10 @@ def varying_requirement(
     trim = trim_and_demand.largest_trim
     no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
     minimum = np.where(no_real_mode, 0.0, np.abs(trim_and_demand.demand[:, 0, 0]))
-    march = _columns(equations, times, wind, ratio, None)[:6]
     after_trim, exit_time = np.zeros(trim.shape), np.zeros(trim.shape)
-    for modes in equations.modes:
-        cases = modes.cases if len(equations.nominal) > 1 else np.arange(len(trim))
-        peaks = minimum_peaks(
-            modes,
-            [x if len(x) == 1 else x[cases] for x in march],
-            trim_and_demand.path[cases],
-            trim_and_demand.of(cases).trim_ratios(dead_band) if 0.0 < dead_band < 1.0 else None,
-        )
+    ratios = trim_and_demand.trim_ratios(dead_band) if 0.0 < dead_band < 1.0 else None
+    march = times, wind, ratio, None
+    for cases, peaks in peaks_over_modes(equations, march, trim_and_demand.path, ratios):
         minimum[cases] = peaks[:, 0]
         if 0.0 < dead_band < 1.0:
             from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)
@@ -304,6 +298,24 @@ def varying_requirement(
     required = np.where(no_real_mode, pair_requirement, required)
     required = np.where(np.isnan(trim), np.nan, required)
     return VaryingRequirement(trim, required, minimum, time)
+
+
+def peaks_over_modes(
+    equations: Equations,
+    march: tuple[FloatArray, FloatArray, FloatArray, FloatArray | None],
+    path: FloatArray,
+    trim_ratios: FloatArray | None = None,
+) -> Iterator[tuple[IndexArray, FloatArray]]:
+    """Yield cases with several unstable modes, and their `minimum_peaks` [rad], ``(k, S + 1)``.
+
+    `march`: times, wind, ratio and onset of `curves`; `path`: see `Curves`.
+    """
+    columns = _columns(equations, *march)[:6]
+    for modes in equations.modes:
+        cases = modes.cases if len(equations.end) > 1 else np.arange(len(path))
+        selected = [x if len(x) == 1 else x[cases] for x in columns]
+        ratios = None if trim_ratios is None else trim_ratios[cases]
+        yield cases, minimum_peaks(modes, selected, path[cases], ratios)
 
 
 def batch_requirements(

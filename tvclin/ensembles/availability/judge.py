@@ -28,6 +28,7 @@ from tvclin.ensembles.availability.sounding_winds import (
     LineWinds,
     SoundingWinds,
     WindGrowth,
+    on_lines,
 )
 from tvclin.requirement.flight.flight_requirement import FlightMode
 from tvclin.requirement.time_varying import (
@@ -36,6 +37,8 @@ from tvclin.requirement.time_varying import (
     curves,
     decided_by_flights,
     even_steps,
+    peaks_over_modes,
+    with_calm_after,
 )
 from tvclin.requirement.varying_curves import Curves
 from tvclin.requirement.varying_equations import Equations
@@ -45,7 +48,7 @@ from tvclin.winds.soundings.archive import Soundings
 
 _MAX_UPPER_RATIO = 1.2
 """Largest ratio of the requirement of a flight to min(trim, demand), where trim crosses that more
-than once while the path drifts, or the path is quick; docs/availability.md has measured ratios."""
+than once while the path drifts slowly; docs/availability.md has measured ratios."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,9 +93,10 @@ class Bounds:
     Attributes
     ----------
     lower : ndarray
-        The largest min(trim, demand).
+        The largest min(trim, demand), or the minimum peak over several unstable modes if larger.
     upper : ndarray
-        Largest possible requirement of a flight, at most the largest trim.
+        Largest possible requirement of a flight, at most the largest trim; infinite where a flight
+        on a quick path diverges with a limit that it never reaches.
     lowest : ndarray
         Lowest limit with which a flight may survive: less than `lower` where trim reaches `lower`
         with both signs, or more than once while the path drifts.
@@ -130,17 +134,21 @@ class PlaneMarch:
     @cached_property
     def _steps(self) -> tuple[FloatArray, Equations]:
         """Times [s] of even steps, and the equations at these times."""
-        return self._equations_in(1)
+        steps = even_steps(self.fastest, self._span)
+        return steps, self.motion.at_steps(steps)
 
     @cached_property
     def _flight_steps(self) -> tuple[FloatArray, Equations]:
-        """Times [s] of the steps of flights, and the equations at these times."""
-        return self._equations_in(FLIGHT_SUBSTEPS)
+        """Times [s] of the steps of flights, and the equations there and in the calm after them."""
+        steps = even_steps(self.fastest, self._span, FLIGHT_SUBSTEPS)
+        nothing = np.zeros(steps.shape)
+        times = with_calm_after(self._steps[1], steps, nothing, nothing)[0]
+        return steps, self.motion.at_steps(times)
 
-    def _equations_in(self, parts: int) -> tuple[FloatArray, Equations]:
-        """Return times [s] of even steps, each in `parts`, and the equations at these times."""
-        steps = even_steps(self.fastest, (self.path.time[0], self.path.time[-1]), parts)
-        return steps, self.motion.at_steps(steps)
+    @property
+    def _span(self) -> tuple[float, float]:
+        """First and last time [s] of the interval."""
+        return self.path.time[0], self.path.time[-1]
 
     def curves(self, winds: LineWinds, pressure: bool) -> Curves:
         """Return the curves of trim and demand [rad] of winds over time."""
@@ -157,10 +165,50 @@ class PlaneMarch:
         march, equations = self.curves(winds, pressure), self._steps[1]
         limit, highest = self._limit(march)[0], march.highest_limit
         if np.any(equations.paired):
+            limit = np.maximum(limit, self._trim_at_levels(winds, pressure, march))
             return Bounds(limit, limit, limit, highest)
+        minimum = self._minimum_over_modes(winds, pressure, march)
         flown, lowest = decided_by_flights(equations, march, limit)
+        limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
+        if equations.drifts and (
+            np.any(equations.quick_path) or np.any(equations.nominal[..., 1, 0] < 0.0)
+        ):
+            never = self.flights(winds, pressure).diverge(highest[:, np.newaxis])[:, 0]
+            upper = np.where(never, np.inf, np.maximum(limit, highest))
         return Bounds(limit, np.where(flown & equations.drifts, upper, limit), lowest, highest)
+
+    def _trim_at_levels(self, winds: LineWinds, pressure: bool, march: Curves) -> FloatArray:
+        """Return the largest trim [rad] at levels of winds where two unstable modes are a pair.
+
+        Between the ends of steps the part of trim that balances drift is linear; the other part
+        follows from the wind of each level.
+        """
+        steps, equations = self._steps
+        static = -equations.nominal[..., 1, -1] / equations.nominal[..., 1, -2]
+        _, angle, ratio, _ = self.path.encountered(steps, winds, self.plane, pressure)
+        of_drift, static, paired = (
+            np.concatenate([x[:, :1, 0], x[..., 2]], axis=1)
+            for x in (march.trim - static * ratio * angle, static, equations.paired)
+        )
+        ends = np.append(steps[0, 0, 0], steps[0, :, 2])
+        along, across = (winds.speeds[plane] for plane in PLANES)
+        angle, ratio = self.path.angle_and_pressure(
+            winds.times, along, across, self.plane, pressure
+        )
+        trim = on_lines(np.broadcast_to(ends, of_drift.shape), of_drift, winds.times)
+        trim += np.interp(winds.times, ends, static[0]) * ratio * angle
+        is_paired = np.interp(winds.times, ends, paired[0]) > 0.0
+        return np.asarray(np.max(np.abs(trim), axis=1, where=is_paired, initial=0.0))
+
+    def _minimum_over_modes(self, winds: LineWinds, pressure: bool, march: Curves) -> FloatArray:
+        """Return the minimum peaks [rad] over several unstable modes; zero with one, ``(n,)``."""
+        steps, equations = self._steps
+        minimum = np.zeros(len(march.trim))
+        encountered = self.path.encountered(steps, winds, self.plane, pressure)
+        for cases, peaks in peaks_over_modes(equations, encountered, march.path):
+            minimum[cases] = peaks[:, 0]
+        return minimum
 
     def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
         """Return winds with a gust: at the time of the largest wind, and of the requirement.
@@ -194,10 +242,10 @@ class PlaneMarch:
         return np.where(calm[:, np.newaxis], 0.0, speeds)
 
     def flights(self, winds: LineWinds, pressure: bool) -> LimitedFlights:
-        """Return flights of the ideal trim law through winds."""
+        """Return flights of the ideal trim law through winds, and the calm after them."""
         steps, equations = self._flight_steps
-        encountered = self.path.encountered(steps, winds, self.plane, pressure)
-        return LimitedFlights(equations, *encountered)
+        *encountered, onset = self.path.encountered(steps, winds, self.plane, pressure)
+        return LimitedFlights(equations, *with_calm_after(self._steps[1], *encountered), onset)
 
 
 @dataclass(frozen=True, eq=False)

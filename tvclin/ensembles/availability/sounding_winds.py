@@ -226,13 +226,22 @@ class FlightPath:
         at most `MAX_LINEAR_ANGLE`.
         """
         times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
+        return times, *self.angle_and_pressure(times, along, across, plane, pressure), onset
+
+    def angle_and_pressure(
+        self, times: FloatArray, along: FloatArray, across: FloatArray, plane: str, pressure: bool
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack [rad] and q/q_n of winds [m/s] at times [s], in their shape.
+
+        `plane`, `pressure`: see `encountered`.
+        """
         speed, climb = self.speed_and_climb(times)
         sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
         if not pressure:
-            return times, _angle(sine), np.ones(sine.shape), onset
+            return _angle(sine), np.ones(sine.shape)
         ratio = pressure_in_winds(climb, along / speed, across / speed)
         in_plane = pressure_in_winds(climb, along / speed) if plane == "pitch" else ratio
-        return times, _angle(sine / np.sqrt(in_plane)), ratio, onset
+        return _angle(sine / np.sqrt(in_plane)), ratio
 
 
 def _angle(sine: FloatArray) -> FloatArray:
@@ -488,11 +497,11 @@ class LineWinds:
         inside = np.clip(at[:, np.newaxis] + parts - middle, times[:, :1], times[:, -1:])
         finer = np.sort(np.concatenate([times, inside], axis=1), axis=1)
         angle = np.interp(finer - at[:, np.newaxis] + middle, parts, gust(parts), 0.0, 0.0)
-        speeds = {name: _on_lines(times, values, finer) for name, values in self.speeds.items()}
+        speeds = {name: on_lines(times, values, finer) for name, values in self.speeds.items()}
         return LineWinds(finer, speeds | {plane: speeds[plane] + speed(angle, finer)})
 
 
-def _on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
+def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
     """Return values ``(n, k)``, interpolated linearly at times `at`, ``(n, j)``."""
     shifts = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
     return np.interp((at + shifts).ravel(), (times + shifts).ravel(), values.ravel()).reshape(
