@@ -135,7 +135,7 @@ def shift_of(plant: AnyPlant) -> Shift | None:
 
 
 def shift_lines(plant: AnyPlant) -> tuple[Line, Line] | None:
-    """Return the shifts [%] of fast pole and deflection by the structure, or None: `shift_of`."""
+    """Return the shifts of fast pole and trim by the structure [%]; None where `shift_of` is."""
     moved = shift_of(plant)
     if moved is None:
         return None

@@ -156,7 +156,7 @@ class TurbulenceRequest:
         return table if self.length is None else replace(table, length=self.length)
 
     def at(self, altitude: float | None = None) -> Turbulence:
-        """Return the turbulence of one altitude [m], by default the request's.
+        """Return the turbulence at an altitude [m], by default that of the request.
 
         Raises
         ------

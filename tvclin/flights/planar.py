@@ -83,12 +83,12 @@ class PlanarMotion:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states; the altitude is one if parameters vary."""
+        """Names of the states: of the vehicle, the altitude if it varies, and of the sensors."""
         return (*STATES[: 4 if self.nominal is None else 5], *self.sensors.states)
 
     @property
     def scales(self) -> FloatArray:
-        """Magnitude of each state that corresponds to an angle of one: of the last, the speed."""
+        """Scales of the states, ``(n,)``: the speed [m/s] from the altitude on, else 1."""
         scales = np.ones(len(self.states))
         scales[4:] = self.vehicle.velocity
         return scales
@@ -165,7 +165,7 @@ class PlanarMotion:
 
     @property
     def _moving(self) -> float:
-        """One if the nominal speed changes, else zero: frozen, its change is neglected."""
+        """Factor of the nominal acceleration: 1 if the speed changes, 0 with frozen parameters."""
         return 0.0 if self.nominal is None else 1.0
 
     def _path(

@@ -111,7 +111,7 @@ def _refined(
 
 
 def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
-    """Return the values of arrays ``(m, ...)`` at m times, one row for each time."""
+    """Return arrays ``(m, ...)`` flattened to one row for each of m times."""
     rows = (array.reshape(len(array), int(np.prod(array.shape[1:]))) for array in arrays.values())
     return np.concatenate([*rows], axis=1)
 

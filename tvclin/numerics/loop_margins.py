@@ -441,7 +441,7 @@ def row_minimum(values: FloatArray, frequencies: FloatArray) -> tuple[FloatArray
 
 
 def _concatenated(parts: list[LoopAnalysis]) -> LoopAnalysis:
-    """Return the analyses of several blocks as one, with rows as wide as the widest."""
+    """Return the analyses of several blocks of cases as one, rows filled with NaN to one width."""
     joined: list[AnyArray] = []
     for field in fields(LoopAnalysis):
         arrays = [getattr(part, field.name) for part in parts]

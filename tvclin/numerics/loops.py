@@ -466,7 +466,7 @@ class StateLoop:
 
     @staticmethod
     def _fraction(values: AnyArray, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
-        """Return values over one, and at a pole one over zero, as numerators and denominators."""
+        """Return L as numerator and denominator: L and 1, or at a pole of L 1 and 0."""
         at_pole = ~np.isfinite(values) & ~np.isnan(omega)
         ones = np.ones_like(values)
         return np.where(at_pole, ones, values), np.where(at_pole, 0.0, ones)

@@ -83,7 +83,7 @@ def autopilot_requirement(
 
 
 def counts_head(need: CaseRequirement | None) -> bool:
-    """Return whether the wind raises the required deflection above the nominal one, or may."""
+    """Return whether a head wind sets the required deflection, or may set it."""
     return need is not None and (need.ratio_to_nominal > 1.0 or bool(need.unknown))
 
 
@@ -109,7 +109,7 @@ def autopilot_boundary(
 
 
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
-    """Return a case at the dynamic pressure at the peak of so many times its wind.
+    """Return a case at the dynamic pressure encountered at the peak of `size` times its wind.
 
     `InputError` for a plant in state space, which is not known there, and for an unknown pressure.
     """

@@ -89,7 +89,7 @@ class CaseRequirement:
 
     @property
     def plane(self) -> str:
-        """The plane of the boundaries, and of the verdict where that is not on both."""
+        """Plane of the boundaries, and of the verdict unless it is on both planes."""
         return self.case.plane
 
     @property
@@ -153,7 +153,7 @@ class CaseRequirement:
 
     @property
     def plane_ratio(self) -> float:
-        """Limit of both planes over the part that this plane has; one if it is judged alone."""
+        """Limit of both planes over the share of this plane; 1 if this plane alone is judged."""
         return (
             self.planes.ratio_to(self.plane)
             if self.planes is not None and self.judges_both_planes
@@ -301,7 +301,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
 
 
 def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | None:
-    """Return the requirement of a study of the case, for other answers; None where it has none.
+    """Return the requirement in the study of a case; None where no study is defined.
 
     There is none in a wind that is not of one shape, and beyond linear aerodynamics.
     """

@@ -409,7 +409,7 @@ class Study(CaseRequirement, Shown):
 
     @property
     def peak_of(self) -> str:
-        """Wind whose peak is the survivable one, in words; empty without direction and gust."""
+        """Text that names the wind of the survivable peak; empty without direction and gust."""
         gust = "" if self.wind_in_plane.gust is None else " with its gust"
         if self.slanting is None:
             return gust and f"of the wind{gust}"

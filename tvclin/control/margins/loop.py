@@ -509,7 +509,7 @@ class SampledLoop(Loop):
 
 
 def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
-    """Return the loop of one open loop L(z) in steps, with a delay of whole samples [s].
+    """Return the sampled loop of an open loop L(z), with a delay of whole samples [s].
 
     `InputError` for another delay, and an algebraic loop.
     """

@@ -294,7 +294,7 @@ def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
 
 
 def in_batch_shape(values: Any, batch: tuple[int, ...]) -> Any:
-    """Return numbers ``(k,)`` of flattened loops in the shape of the batch; of one a scalar."""
+    """Return numbers ``(k,)`` of flattened loops in the shape of the batch; a scalar for ``()``."""
     array = np.asarray(values).reshape(batch)
     return array if array.ndim else array.item()
 

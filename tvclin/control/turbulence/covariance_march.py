@@ -94,7 +94,7 @@ class VaryingLoop:
         return index * len(_POINTS), interpolation_factors(_POINTS, places)
 
     def _slopes(self, values: FloatArray) -> FloatArray:
-        """Return the derivatives [1/s] at the nodes of values there."""
+        """Return the derivatives [1/s] of a function at the nodes, from its values at them."""
         shape = (len(self._starts), len(_POINTS), *values.shape[1:])
         slopes = np.tensordot(values.reshape(shape), _DERIVATIVE, axes=(1, 1))
         lengths = self._lengths.reshape(-1, *[1] * values.ndim)
@@ -102,7 +102,7 @@ class VaryingLoop:
 
 
 def _derivative() -> FloatArray:
-    """Return the matrix from values at the points to derivatives there, ``(5, 5)``."""
+    """Return the differentiation matrix of the points of an interval, ``(5, 5)``."""
     distances = _POINTS[:, np.newaxis] - _POINTS + np.eye(len(_POINTS))
     matrix = _BARYCENTRIC / _BARYCENTRIC[:, np.newaxis] / distances
     np.fill_diagonal(matrix, 0.0)
@@ -110,11 +110,11 @@ def _derivative() -> FloatArray:
 
 
 _DERIVATIVE = _derivative()
-"""Matrix from values at the points of an interval of unit length to derivatives there."""
+"""Differentiation matrix: derivatives at the points of a unit interval, from values at them."""
 
 
 def _combined(values: FloatArray, first: IndexArray, weights: FloatArray) -> FloatArray:
-    """Return values at times from those at nodes ``(nodes, ...)``; what is constant stays so."""
+    """Return values interpolated from the nodes ``(nodes, ...)``; constant entries are exact."""
     flat = values.reshape(len(values), -1)
     result = np.broadcast_to(flat[0], (len(first), flat.shape[1])).copy()
     varies = np.flatnonzero(np.any(flat != flat[0], axis=0))

@@ -91,7 +91,7 @@ class SensorNoise(Record):
 
 @dataclass(frozen=True, eq=False)
 class LoadSlopes(Record):
-    """Slopes of loads over angle of attack and deflection, and a low-pass of what jumps.
+    """Slopes of loads over angle of attack and deflection, and a low-pass of loads that jump.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class LoadSlopes(Record):
 
 
 def loads_at(loads: LoadSlopes, times: FloatArray, at: FloatArray) -> LoadSlopes:
-    """Return the slopes of loads at other times, given those ``(n,)`` or ``()`` at `times` [s]."""
+    """Return the slopes of loads interpolated at the times `at` [s]; ``loads``: at `times` [s]."""
     if loads.batch not in {(), times.shape}:
         raise errors.InputError(
             f"loads along a flight must have one number, or one for each of the {times.size} times"

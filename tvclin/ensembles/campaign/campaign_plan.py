@@ -333,7 +333,7 @@ class Campaign(Case):
 
     @cached_property
     def plane_campaigns(self) -> dict[str, Self]:
-        """The campaign by plane, for each plane with wind; this campaign without a limit of both.
+        """Campaigns by plane, for planes with wind; this campaign itself without a limit shape.
 
         Raises
         ------

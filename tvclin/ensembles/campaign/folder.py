@@ -192,7 +192,7 @@ def written(value: Any) -> Any:
 
 
 def read(record: Any) -> Any:
-    """Return the value that `written` has made a record of; `InputError` for any other record."""
+    """Return the value of a record that `written` returned; `InputError` for any other record."""
     if isinstance(record, list):
         return tuple(read(item) for item in record)
     if not isinstance(record, dict):

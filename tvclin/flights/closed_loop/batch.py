@@ -61,7 +61,7 @@ SUBSTEPS = 8.0
 
 
 def quickness(actuator: Actuator | None) -> FloatArray:
-    """Return the bandwidth of a nozzle of first order [1/s], infinite without one, else zero."""
+    """Return the bandwidth [1/s] of a first-order actuator; inf without any, 0 for second order."""
     if actuator is None:
         return np.asarray(np.inf)
     bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
@@ -69,7 +69,7 @@ def quickness(actuator: Actuator | None) -> FloatArray:
 
 
 def frequency(actuator: Actuator | None) -> FloatArray:
-    """Return the natural frequency of a nozzle [rad/s], zero without one."""
+    """Return the natural frequency of an actuator [rad/s]; zero without one."""
     return np.zeros(()) if actuator is None else np.asarray(actuator.natural_frequency, float)
 
 

@@ -268,7 +268,7 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
 
 
 def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
-    """Return the end of a deflection limit, or its beginning a little beyond the limit."""
+    """Return the event at which the deflection leaves its limit, or if free, reaches it."""
     limit, order = loop.limit, loop.order
     if regime.stop:
         return End(lambda t, x: limit - sign * x[order], limit, regime._replace(stop=0.0))
@@ -277,7 +277,7 @@ def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
 
 
 def _signs(active: float) -> tuple[float, ...]:
-    """Return the signs with which a limit can end (if active), or begin."""
+    """Return the signs of the limit that an event can leave, if one is active, or else reach."""
     return (active,) if active else (1.0, -1.0)
 
 

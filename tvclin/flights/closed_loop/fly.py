@@ -224,7 +224,7 @@ class LinearEquations:
 
     @property
     def scales(self) -> FloatArray:
-        """Scales of the states: one for each, and the largest rate per angle of the sensors'."""
+        """Scales of the states, ``(n,)``: 1 of the vehicle, the largest rate of each sensor."""
         scales = np.ones(len(self.states))
         sensors = slice(len(self.plant.states), None)
         scales[sensors] = np.abs(self._system.A[sensors]).max(axis=-1, initial=1.0)

@@ -292,7 +292,7 @@ class Stages:
 
     @cached_property
     def vehicles(self) -> Vehicles:
-        """Further numbers of all stages; of knots of the wind where it has one in the sample."""
+        """Vehicles of all stages; A and gust input in samples next to a knot of the wind."""
         count, h, knots = self.times.size, float(self.hardware.length), self._pieces[0]
         inside = np.floor((knots[np.isfinite(knots)] - self.times[0]) / h)
         neighbours = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
@@ -337,7 +337,7 @@ def stages_of(
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
-    """Return systems of a flat batch, or one system for all, in the shape of parts and samples."""
+    """Return a system, or a flat batch of systems, as a batch of the shape (substeps, samples)."""
 
     def shaped(matrix: FloatArray) -> FloatArray:
         tail = matrix.shape[-2:]

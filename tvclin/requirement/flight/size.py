@@ -476,7 +476,7 @@ def _along(
 
 
 def _calm_requirement(wind: PlacedWind, bands: FloatArray) -> FlightRequirement:
-    """Return the requirement of a calm: zero, or NaN where the wind is not known."""
+    """Return the requirement of a flight time without wind: zero, or NaN for an unknown wind."""
     none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
     return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
 

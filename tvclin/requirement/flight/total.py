@@ -485,7 +485,7 @@ def _at_rate(
 
 
 def _fastest(sizing: Sizing, time: float) -> float:
-    """Return the fast unstable pole [1/s], the faster of the planes; zero without one."""
+    """Return the fastest unstable pole [1/s] of the judged planes; zero without one."""
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
     return max(float(np.abs(unstable_modes(plant).poles).max(initial=0.0)) for plant in plants)
