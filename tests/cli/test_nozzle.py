@@ -243,6 +243,13 @@ def test_less_rate_never_has_a_better_answer(tmp_path, bound, vehicle, ratio, ye
     assert answer.yes is yes
     required = np.degrees(front(in_head_wind(), limit=0.6).required_rate)
     assert answer.measure.required == pytest.approx(required)
+    none = replace(findings.head, rates=replace(findings.head.rates, required_rate=np.inf))
+    (other,) = (
+        question
+        for question in questions(replace(findings, head=none))
+        if question.name == "nozzle rate"
+    )
+    assert other.text.startswith("with this limit no rate is sufficient")
     unknown = replace(findings, head=replace(findings.head, rates=None))
     (answer,) = (question for question in questions(unknown) if question.name == "nozzle rate")
     assert answer.yes is (None if yes else yes)

@@ -11,7 +11,9 @@ from scipy.optimize import linprog
 import tvclin as tv
 from tests.turns import usual
 from tvclin.ascent.nominal_flight import load_flight_condition
+from tvclin.base.lines import text
 from tvclin.ensembles.campaign.cases import ENCOUNTERED_UNKNOWN, evaluate
+from tvclin.requirement import study_tables
 from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirement
 from tvclin.requirement.varying_equations import at_pressure
@@ -284,8 +286,13 @@ def test_a_limit_is_not_sufficient_where_the_pressure_encountered_is_not_known(
         study = tv.Study.from_vehicle(vehicle, limit=factor * nominal, **options)
         assert study.sufficient is sufficient
         assert study.survivable_peak is None
+        assert np.isnan(study.known_deflection)
+        assert "survivable peak [deg]" not in study_tables.boundaries(study).head
+        sentence = text(study_tables.requirement(study))
+        assert sentence.startswith("Required deflection: NOT KNOWN; at nominal dynamic pressure ")
         calm = tv.Study.from_vehicle(vehicle, limit=factor * nominal, **options, sign="frozen")
         assert calm.sufficient is (factor > 1.0)
+        assert "survivable peak [deg]" in study_tables.boundaries(calm).head
 
 
 def test_what_lasts_too_long_to_be_followed_is_told(configuration_i) -> None:

@@ -139,7 +139,7 @@ class Compared:
             "boundary_deg": None if ends is None else self.both(ends),
             "pressure": self.case.pressure,
             "required_deflection_deg": self.required
-            and float(np.degrees(self.required.required_deflection)),
+            and float(np.degrees(self.required.known_deflection)),
             "notes": linear_notes(float(self.case.wind.peak)),
             **self.facts,
         }

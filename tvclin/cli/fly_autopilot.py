@@ -326,7 +326,7 @@ class AutopilotFlight:
             "law": self.linear.law,
             "limit_deg": None,
             "survived": None,
-            "required_deflection_deg": self.need and degrees(self.need.required_deflection),
+            "required_deflection_deg": self.need and degrees(self.need.known_deflection),
         }
         return {
             **(flight if self.flight is None else self.flight.document()),

@@ -287,7 +287,7 @@ def _covers_the_wind(case: BoundedTrim, shown: ResponseEnd) -> bool:
 def _document(case: BoundedTrim, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
     """Return the response, its verdict and the required deflection, for JSON."""
     verdict, wind_covered = case.verdict, _covers_the_wind(case, shown)
-    needed = None if case.required is None else np.degrees(case.required.required_deflection)
+    needed = None if case.required is None else np.degrees(case.required.known_deflection)
     peak = {
         "deg": np.degrees(case.loads.peak_angle_of_attack),
         "time_s": case.loads.peak_time,

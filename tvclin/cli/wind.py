@@ -138,7 +138,7 @@ class WindOptions(PulseOptions):
             "model": case.plant.model,
             "wind": {"name": self.name(case), **case.history.as_dict()},
             "plane": case.plane,
-            "required_deflection_deg": required and degrees(required.required_deflection),
+            "required_deflection_deg": required and degrees(required.known_deflection),
         }
 
     def sounding_of(self, case: Case, source: str) -> SoundingWind | None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError, NotKnownError, between, number, positive, single, within
 from tvclin.base.fields import Field, spec, specs
-from tvclin.base.quantities import NOMINAL
+from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.open_loop import Reason
 from tvclin.case.case import Case
@@ -72,7 +72,7 @@ class CaseRequirement:
     wind_in_plane: ShapedWind
     requirement: RequiredDeflection = field(
         metadata=specs(
-            Field("required_deflection", "angle", of="required_deflection"),
+            Field("required_deflection", "angle", of="known_deflection"),
             Field("governed_by", of="governs"),
             Field("requirements", "angle", of="requirement.needs", card=False),
             Field("nominal_deflection", "angle", of="nominal_deflection", card=False),
@@ -135,6 +135,11 @@ class CaseRequirement:
         return self.encountered[self.direction]
 
     @property
+    def known_deflection(self) -> float:
+        """The required deflection [rad]; NaN where it is not known at the pressure encountered."""
+        return np.nan if self.unknown else self.required_deflection
+
+    @property
     def nominal_deflection(self) -> float:
         """The required deflection [rad] at nominal dynamic pressure, a size."""
         if self.planes is not None and self.judges_both_planes:
@@ -144,6 +149,8 @@ class CaseRequirement:
     @property
     def see_study(self) -> str:
         """Required deflection in a clause, for answers other than the study."""
+        if self.unknown:
+            return f"required deflection {sufficiency(None)}, see study"
         if np.isinf(self.required_deflection):
             return "no limit is sufficient, see study"
         band = "" if self.dead_band == 1.0 else f" with K = {self.dead_band:g}"

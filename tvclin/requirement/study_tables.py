@@ -131,7 +131,7 @@ def boundaries(s: Study) -> Table:
     names, judged = tuple(s.boundaries), _judged(s)
     rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(s, "trim", s.trim_deflection))]
     for i, K in enumerate(s.dead_bands):
-        mark = _VERDICT if K == s.dead_band and not judged else ""
+        mark = _VERDICT if K == s.dead_band and not judged and not s.unknown else ""
         cells: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
         for name in names:
             boundary, key = s.boundaries[name], f"boundary.{name}.{i}"
@@ -144,7 +144,8 @@ def boundaries(s: Study) -> Table:
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
     scope = ""
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
-    if s.limit is not None and not s.judges_both_planes and s.model in s.boundaries:
+    if _has_survivable_peaks(s):
+        assert s.limit is not None
         peaks = _survived(s, s.limit, [row.survived for row in judged])
         bound = abs(s.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
@@ -162,6 +163,12 @@ def boundaries(s: Study) -> Table:
         f"{s.wind_in_plane.gust_text}{component}{scope}"
     )
     return Table(caption, head, tuple(rows))
+
+
+def _has_survivable_peaks(s: Study) -> bool:
+    """Return whether the peaks that the limit survives are known, in one plane."""
+    known = s.limit is not None and not s.unknown
+    return known and not s.judges_both_planes and s.model in s.boundaries
 
 
 def both_planes(s: Study) -> Table:
@@ -266,7 +273,10 @@ def requirement(s: Study) -> Line:
     if s.at_nominal_pressure and s.sign != FROZEN:
         air = f", {NOMINAL}"
     line: Line = ("Required deflection: ", sufficiency(None))
-    if not s.beyond:
+    if s.unknown:
+        nominal = minimum_limit(degrees("verdict.nominal", s.nominal_deflection, unit="deg"))
+        line = (*line, f"; {NOMINAL} ", *nominal)
+    elif not s.beyond:
         required = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
         basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
         line = ("Required deflection: ", *required, basis)

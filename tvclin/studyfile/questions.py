@@ -215,7 +215,7 @@ def _answered(findings: Findings) -> Iterator[Question]:
 def _wind(findings: Findings) -> Question:
     """Return the question whether the limit covers the required deflection of the wind."""
     required, governs = findings.study.required_deflection, findings.study.governs
-    whose = "this wind requires"
+    whose = f"this wind requires{f' {NOMINAL}' if findings.study.unknown else ''}"
     line: Line = (f"set by {governs}",)
     if not required:
         line = ("no deflection is needed",)
@@ -229,16 +229,18 @@ def _rate(findings: Findings) -> Question:
     name, front = "nozzle rate", findings.rates
     if front is None:
         return Question(name, None, (_reason(findings, "rates"),))
-    line: Line = ("the least rate with which any control survives with this limit",)
-    if np.isinf(front.required_rate):
-        line = ("with this limit no rate is sufficient",)
     yes, head = front.above_lower_bound, findings.head
+    at_peak: Line = ()
     if head is not None and head.rates is not None:
         nominal = degrees("answer.calm_rate", front.required_rate, unit="deg/s")
-        line, front = (*line, _at_peak(findings), *nominal), head.rates
+        at_peak, front = (_at_peak(findings), *minimum_limit(nominal)), head.rates
         yes = _also(yes, front.above_lower_bound)
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
+    words = "the least rate with which any control survives with this limit"
+    if np.isinf(front.required_rate):
+        words = "with this limit no rate is sufficient"
+    line: Line = (words, *at_peak)
     required = front.lower_bound * findings.study.plane_ratio
     whose = "at this rate any control requires"
     if yes is False and np.isinf(required):  # no angle is sufficient at this rate

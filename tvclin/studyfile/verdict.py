@@ -185,7 +185,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
     s = findings.study
     rows: list[tuple[str, Line]] = []
     if len(questions_table(findings).rows) < 2:  # else it is one of its rows
-        need = minimum_limit(degrees("facts.required", s.required_deflection, unit="deg"))
+        need = minimum_limit(degrees("facts.required", s.known_deflection, unit="deg"))
         rows.append(("required deflection", need))
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
