@@ -149,7 +149,7 @@ def test_seconds_of_flights_of_different_vehicles_beside_lsoda(benchmark: Any) -
         peer_name="solve_ivp LSODA from command to command, no filters",
         per=120.0 * 20,
         peer_per=0.2,
-        floor="matrices of some 300 times of each vehicle, and their interpolation",
+        floor="matrices of some 200 times of each vehicle, and their interpolation",
         clock=PROCESSOR,
     )
 

@@ -15,7 +15,7 @@ from tvclin.ascent.wind_along import wind_along
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.flights import fly_along, fly_many_along
-from tvclin.flights.closed_loop.fly_along import checked_flight, sampled_stages
+from tvclin.flights.closed_loop.flown_flights import checked_flight, sampled_stages
 
 GUST = tv.TriangularWind(peak=np.radians(4.0), duration=6.0).shift(52.0)
 
@@ -351,7 +351,7 @@ def test_stages_between_breakpoints_are_those_of_their_own_times() -> None:
     along = checked_flight(
         made, laws, wind_along(made, GUST, "pitch"), 49.0, 66.0, "drift-exact", "pitch"
     )
-    stages = sampled_stages(along)
+    stages = sampled_stages([along])
     some = np.arange(3, stages.times.size, 17)
     exact = stages._arrays_at(stages.times[some], some)
     for name, values in stages._arrays.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from os import PathLike
@@ -12,14 +13,15 @@ from numpy.typing import ArrayLike
 
 from tvclin.ascent.atmosphere import speed_of_sound, standard_atmosphere
 from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight
-from tvclin.ascent.structure_schedule import StructureSchedule
+from tvclin.ascent.structure_schedule import StructureSchedule, structures_at
 from tvclin.base import errors
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, spec
 from tvclin.base.files import called, write_text
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.numerics.tables import TableLines
+from tvclin.vehicle.vehicle import AIR_FORCES, NUMBERS, Vehicle
 from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
 _MIN_B = 1e-9
@@ -349,6 +351,27 @@ def _check_structure(structure: StructureSchedule | None, times: FloatArray) -> 
             f"the structure must be known over the whole flight, {times[0]:.6g} to"
             f" {times[-1]:.6g} s; got {first:.6g} to {last:.6g} s"
         )
+
+
+def vehicles_at(
+    flights: Sequence[FlightSchedule],
+    time: FloatArray,
+    which: IndexArray | int = 0,
+    pressure: FloatArray | float = 1.0,
+) -> Vehicle:
+    """Return vehicles with their structure at any times [s] of flights with equal times.
+
+    They are constant outside the schedule. `time`: times, ``(...)``. `which`: index of the flight
+    of each, ``(...)``. `pressure`: dynamic pressure q/q_n, ``(...)``.
+    """
+    lines = TableLines(flights[0].times, time, which)
+    tables = [_numbers(flight.vehicle) for flight in flights]
+    numbers = {name: lines.values([table[name] for table in tables]) for name in tables[0]}
+    numbers |= {name: np.multiply(numbers[name], pressure) for name in AIR_FORCES}
+    structures = [flight.structure for flight in flights if flight.structure is not None]
+    if structures:
+        numbers["structure"] = structures_at(structures, time, which)
+    return flights[0].vehicle.replace(**numbers, time=time)
 
 
 def _numbers(vehicle: Vehicle) -> dict[str, Any]:

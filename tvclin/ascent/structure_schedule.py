@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from os import PathLike
 from typing import Any
@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, each, finite, instance, naming, one_of, shown, text
 from tvclin.base.fields import spec
 from tvclin.base.lines import listed
 from tvclin.base.sheet import Headings, Sheet, cell_number, read_sheet
+from tvclin.numerics.tables import TableLines
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, SloshTank, Structure
 from tvclin.vehicle.vehicle_file import BENDING_TABLE, SLOSH_TABLE, bending_mode
@@ -94,8 +95,7 @@ class StructureSchedule(Shown):
 
     def at(self, time: ArrayLike) -> Structure:
         """Return the structure at any times [s], of their shape, constant outside the table."""
-        made: Structure = _interpolated(self.structure, self.times, finite("time", time, "s"))
-        return made
+        return structures_at([self], finite("time", time, "s"))
 
     def mode_number(self, name: str) -> int:
         """Return the index of a bending mode in the structure by its name.
@@ -276,14 +276,28 @@ def _stacked(name: str, elements: list[Any]) -> Any:
     return kind(**values)
 
 
-def _interpolated(value: Any, times: FloatArray, at: FloatArray) -> Any:
-    """Return a value with all numbers ``(n,)`` in it interpolated; other numbers are unchanged."""
-    if isinstance(value, tuple):
-        return tuple(_interpolated(element, times, at) for element in value)
-    if is_dataclass(value) and not isinstance(value, Filter):
+def structures_at(
+    schedules: Sequence[StructureSchedule], time: FloatArray, which: IndexArray | int = 0
+) -> Structure:
+    """Return structures at any times [s] of schedules with equal times, constant outside them.
+
+    `time`: times, ``(...)``. `which`: index of the schedule of each, ``(...)``.
+    """
+    lines = TableLines(schedules[0].times, time, which)
+    made: Structure = _interpolated([schedule.structure for schedule in schedules], lines)
+    return made
+
+
+def _interpolated(values: Sequence[Any], lines: TableLines) -> Any:
+    """Return a value with all its numbers interpolated between those of several schedules."""
+    first = values[0]
+    if isinstance(first, tuple):
+        return tuple(_interpolated(elements, lines) for elements in zip(*values, strict=True))
+    if is_dataclass(first) and not isinstance(first, Filter):
         numbers = {
-            item.name: _interpolated(getattr(value, item.name), times, at) for item in fields(value)
+            item.name: _interpolated([getattr(value, item.name) for value in values], lines)
+            for item in fields(first)
         }
-        kind: Any = type(value)
+        kind: Any = type(first)
         return kind(**numbers)
-    return np.interp(at, times, value) if isinstance(value, np.ndarray) else value
+    return lines.values(values) if isinstance(first, np.ndarray | float) else first

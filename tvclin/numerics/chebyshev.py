@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebpts2
 
 from tvclin.base.arrays import FloatArray, IndexArray
+from tvclin.numerics.storage import Storage
 
 _FIRST_DEGREE, _MAX_DEGREE = 5, 32
 """Degree of the first and the last interpolant."""
@@ -31,6 +32,7 @@ def smooth_values(
     function: Callable[[FloatArray, IndexArray], dict[str, FloatArray]],
     times: FloatArray,
     interval: IndexArray,
+    storage: Storage | None = None,
 ) -> dict[str, FloatArray]:
     """Return the values of a function at times, ``(n, ...)``, to about 1e-13 of the largest.
 
@@ -46,6 +48,8 @@ def smooth_values(
     interval : ndarray of int
         Number of the interval in which the function is smooth, for each time; negative for a time
         at which it is evaluated itself. Times of an interval follow each other.
+    storage : Storage, optional
+        Memory of the arrays that are returned; by default new.
     """
     edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), times.size]
     runs = [slice(*ends) for ends in pairwise(edges) if ends[0] < ends[1]]
@@ -59,7 +63,8 @@ def smooth_values(
         np.concatenate([times[exact], *nodes]),
         np.concatenate([exact, np.repeat([run.start for run in pending], degree + 1)]).astype(int),
     )
-    values = {name: np.empty((times.size, *array.shape[1:])) for name, array in first.items()}
+    storage = storage or Storage()
+    values = {name: storage.empty(name, (times.size, *a.shape[1:])) for name, a in first.items()}
     flat = [array.reshape(times.size, -1) for array in values.values()]
     columns = np.cumsum([0, *(array.shape[1] for array in flat)])
     for array, made in zip(values.values(), first.values(), strict=True):

@@ -260,11 +260,14 @@ NUMBERS = tuple(parameters(Vehicle))
 """Names of the numerical fields."""
 
 
+AIR_FORCES = ("normal_force_slope", "axial_force")
+"""Names of the numbers of a vehicle that are proportional to the dynamic pressure."""
+
+
 def at_pressure(vehicle: Vehicle, ratio: ArrayLike) -> Vehicle:
     """Return a vehicle whose normal and axial force are those at q/q_n times its own pressure."""
     return vehicle.replace(
-        normal_force_slope=np.multiply(vehicle.normal_force_slope, ratio),
-        axial_force=np.multiply(vehicle.axial_force, ratio),
+        **{name: np.multiply(getattr(vehicle, name), ratio) for name in AIR_FORCES}
     )
 
 

@@ -201,7 +201,7 @@ class GainSchedule:
         """Return the autopilot at values of the variable, constant outside the breakpoints."""
         autopilot = self.autopilot
         changes: dict[str, Any] = {
-            name: self._line(getattr(autopilot, name), values)
+            name: self.line(getattr(autopilot, name), values)
             for name in (*GAINS, "delay", "sample_rate")
         }
         for name in CHAINS:
@@ -211,17 +211,17 @@ class GainSchedule:
         if servo is not None and servo.batch:
             frequency, damping = servo.natural_frequency, servo.damping
             changes["actuator"] = Actuator(
-                natural_frequency=self._line(frequency, values),
-                damping=self._line(damping, values),
+                natural_frequency=self.line(frequency, values),
+                damping=self.line(damping, values),
             )
         return replace(autopilot, **changes)
 
     def _notch(self, notch: ModeNotch, values: FloatArray) -> ModeNotch:
         """Return a notch whose numbers are interpolated."""
-        numbers = {name: self._line(getattr(notch, name), values) for name in NOTCH_NUMBERS}
+        numbers = {name: self.line(getattr(notch, name), values) for name in NOTCH_NUMBERS}
         return replace(notch, **numbers)
 
-    def _line(self, numbers: Any, values: FloatArray) -> Any:
+    def line(self, numbers: Any, values: FloatArray) -> Any:
         """Return numbers ``(n,)`` interpolated; a single number is the same everywhere."""
         return numbers if np.ndim(numbers) == 0 else np.interp(values, self.breakpoints, numbers)
 
@@ -230,7 +230,7 @@ class GainSchedule:
         if not filter_.batch:
             return filter_
         rows = (
-            np.stack([self._line(column, values) for column in np.moveaxis(rows, -1, 0)], axis=-1)
+            np.stack([self.line(column, values) for column in np.moveaxis(rows, -1, 0)], axis=-1)
             for rows in (filter_.numerator, filter_.denominator)
         )
         return Filter(*rows)
@@ -244,6 +244,20 @@ def autopilot_along(
         return autopilot.along(flight, time)
     instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
     return with_actuator_of(autopilot, flight, time)
+
+
+def gains_along(
+    autopilot: Autopilot | GainSchedule, flight: FlightSchedule, time: FloatArray
+) -> dict[str, FloatArray]:
+    """Return the gains of an autopilot or a schedule of it at times of a flight [s], by name."""
+    if not isinstance(autopilot, GainSchedule):
+        return {name: np.full(time.shape, getattr(autopilot, name)) for name in GAINS}
+    values = flight_variable(flight, autopilot.variable, time)
+    law = autopilot.autopilot
+    return {
+        name: np.broadcast_to(autopilot.line(getattr(law, name), values), time.shape)
+        for name in GAINS
+    }
 
 
 def with_actuator_of(autopilot: Autopilot, flight: FlightSchedule, time: ArrayLike) -> Autopilot:

@@ -24,7 +24,7 @@ from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.control.margins.margins import MARGINS, Margins, margins_of, unit_factor
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, named_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
-from tvclin.vehicle.vehicle import at_pressure
+from tvclin.vehicle.vehicle import Vehicle, at_pressure
 
 _COLUMNS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin")
 """Margins of the whole loop in a CSV."""
@@ -300,7 +300,11 @@ def plants_along(
 
     `pressure`: dynamic pressure q/q_n, ``(n,)``.
     """
-    vehicle = at_pressure(flight.at(times), pressure)
+    return plants_of(at_pressure(flight.at(times), pressure), model, plane)
+
+
+def plants_of(vehicle: Vehicle, model: str, plane: str) -> AnyPlant:
+    """Return the plants of vehicles, flexible where they have a structure."""
     if vehicle.structure is None:
         return Plant.from_vehicle(vehicle, model, plane)
     return FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, model, plane)

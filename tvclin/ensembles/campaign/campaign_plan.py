@@ -116,7 +116,7 @@ class FlightPlan:
             )
         _ = self.span  # raises for times outside the flight
 
-    @property
+    @cached_property
     def span(self) -> tuple[float, float]:
         """First and last time of the flights [s], those of the flight where not specified."""
         return self.flight.between(self.start, self.stop).span
@@ -134,13 +134,13 @@ def nominal_gains(plan: FlightPlan, time: float) -> dict[str, float]:
     return {name: float(getattr(law, name)) for name in GAINS}
 
 
-def dispersed_plan(
+def dispersed_flight(
     plan: FlightPlan,
     dispersions: Dispersions,
     nominal: Mapping[str, Any],
     values: Mapping[str, float],
-) -> FlightPlan:
-    """Return the plan of a case.
+) -> tuple[FlightSchedule, Autopilot | GainSchedule]:
+    """Return the flight and the autopilot of a case.
 
     `nominal`, `values`: nominal and dispersed values of the parameters at the time of the vehicle
     of the campaign, by name.
@@ -164,9 +164,10 @@ def dispersed_plan(
     if modes:
         flight = _with_modes(flight, modes)
     gains = {name: changed(name, getattr(law, name)) for name in relative if name in GAINS}
+    if not gains:
+        return flight, plan.autopilot
     law, made = replace(law, **gains), plan.autopilot
-    autopilot = replace(made, autopilot=law) if isinstance(made, GainSchedule) else law
-    return replace(plan, flight=flight, autopilot=autopilot)
+    return flight, replace(made, autopilot=law) if isinstance(made, GainSchedule) else law
 
 
 def _with_modes(flight: FlightSchedule, factors: Mapping[str, float]) -> FlightSchedule:

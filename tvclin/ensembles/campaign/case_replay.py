@@ -19,6 +19,7 @@ from tvclin.ensembles.campaign.outputs import (
     columns,
     flights_along,
     law_of,
+    limits_along,
     required_name,
     shares_of,
 )
@@ -192,10 +193,8 @@ class Replay:
         if self.campaign.along is None:
             raise InputError("the campaign flies no whole flight: give it along")
         made = self._plane("").made
-        return tuple(
-            sampled_outputs(along, float(limit[0]), float(rate[0]))
-            for along, (limit, rate) in flights_along(self.campaign, made)
-        )
+        flights = flights_along(self.campaign, made, 0)
+        return tuple(sampled_outputs(flight, *limits_along(self.campaign)) for flight in flights)
 
     def _extremes(
         self, made: "Callable[[str], TimeResponseData]", names: tuple[str, ...]

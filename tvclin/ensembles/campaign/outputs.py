@@ -5,7 +5,7 @@ A batch is plants, winds and gains of the cases that are computed together, in a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -27,14 +27,9 @@ from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.margins import loop_margins
-from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble, dispersed_plan
+from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble, dispersed_flight
 from tvclin.ensembles.dispersions import mode_names
-from tvclin.flights.closed_loop.fly_along import (
-    FlownFlight,
-    checked_flight,
-    flown_in_winds,
-    sampled_stages,
-)
+from tvclin.flights.closed_loop.flown_flights import FlownFlight, checked_flight, fly_together
 from tvclin.flights.closed_loop.fly_many import FlownCases, fly_many
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
@@ -227,49 +222,52 @@ def _fates(flown: FlownCases) -> dict[str, Any]:
 
 
 def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return `COLUMNS` of a case along its whole flight, of the worse direction of the wind.
+    """Return `COLUMNS` of cases along their whole flights, of the worse direction of the wind.
 
     A flight in a sounding that is not known throughout is survived in no case.
     """
     assert campaign.along is not None
     first, last = campaign.along.span
-    columns = []
-    for along, limits in flights_along(campaign, batch):
-        fates = _fates(flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits)[0])
-        low, high = along.wind.known
-        if (low > first or high < last) and fates["flight_survived"]:
-            fates["flight_survived"] = np.array([np.nan])
-        columns.append(fates)
-    survived = np.array([fates.pop("flight_survived") for fates in columns])
-    worst = np.where(np.any(survived == 0.0, axis=0), 0.0, np.min(survived, axis=0))
-    return {"flight_survived": worst} | {
-        name: np.max([fates[name] for fates in columns], axis=0) for name in columns[0]
+    by_case = [flights_along(campaign, batch, case) for case in range(batch.count)]
+    flights = [flight for of_case in by_case for flight in of_case]
+    starts = np.cumsum([0, *(len(of_case) for of_case in by_case[:-1])])
+    limits = (np.full(len(flights), x) for x in limits_along(campaign))
+    fates = _fates(fly_together(flights, np.arange(len(flights)), *limits))
+    known = np.array([flight.wind.known for flight in flights])
+    survived = fates.pop("flight_survived")
+    survived[((known[:, 0] > first) | (known[:, 1] < last)) & (survived != 0.0)] = np.nan
+    lost = np.maximum.reduceat(survived == 0.0, starts)
+    return {"flight_survived": np.where(lost, 0.0, np.minimum.reduceat(survived, starts))} | {
+        name: np.maximum.reduceat(values, starts) for name, values in fates.items()
     }
 
 
-def flights_along(
-    campaign: Campaign, batch: Batch
-) -> Iterator[tuple[FlownFlight, tuple[FloatArray, FloatArray]]]:
-    """Yield the flights of a case along its whole flight, with limits [rad, rad/s] ``(1,)``."""
-    plan, case = campaign.along, batch.first
+def limits_along(campaign: Campaign) -> tuple[float, float]:
+    """Return the limits of deflection [rad] and its rate [rad/s] of flights along a flight."""
+    limit = campaign.nozzle.limit
+    assert limit is not None
+    return limit, float(campaign.hardware["rate_limit"])
+
+
+def flights_along(campaign: Campaign, batch: Batch, case: int) -> list[FlownFlight]:
+    """Return the flights of a case along its whole flight, by possible directions of the wind."""
+    plan = campaign.along
     assert plan is not None
-    values = {name: float(np.ravel(value)[0]) for name, value in case.values.items()}
-    made = plan
+    values = {name: float(np.ravel(value)[case]) for name, value in batch.values.items()}
+    flight, autopilot = plan.flight, plan.autopilot
     if values:
-        made = dispersed_plan(plan, campaign.dispersions, campaign.nominal, values)
-    limits = np.array([campaign.nozzle.limit]), np.array([campaign.hardware["rate_limit"]])
-    first, last = plan.span
-    for wind in _winds_along(campaign, made.flight, case, values):
+        flight, autopilot = dispersed_flight(plan, campaign.dispersions, campaign.nominal, values)
+    flights, (first, last) = [], plan.span
+    for wind in _winds_along(campaign, flight, batch.wind.case(case, (batch.count,)), values):
         start = float(wind.history.onset) if plan.start is None else first
         start, stop = np.clip([max(start, first), last], *wind.known).tolist()
-        along = checked_flight(
-            made.flight, made.autopilot, wind, start, stop, campaign.model, campaign.plane
-        )
-        yield replace(along, scheduled=plan.flight), limits
+        along = checked_flight(flight, autopilot, wind, start, stop, campaign.model, campaign.plane)
+        flights.append(replace(along, scheduled=plan.flight))
+    return flights
 
 
 def _winds_along(
-    campaign: Campaign, flight: FlightSchedule, case: Batch, values: Mapping[str, float]
+    campaign: Campaign, flight: FlightSchedule, wind: History, values: Mapping[str, float]
 ) -> list[WindAlong]:
     """Return the wind of a case along its flight, by its possible directions."""
     plane, sign = campaign.plane, campaign.sign
@@ -279,10 +277,10 @@ def _winds_along(
     if not isinstance(campaign.wind, ShapedWind):
         wind_sign = FROZEN if not uses_encountered_pressure(sign) else None
         if wind_sign is None and plane == "pitch":
-            wind_sign = "tail" if float(case.wind.peak) > 0.0 else "head"
-        return [wind_along(flight, case.wind, plane, wind_sign)]
+            wind_sign = "tail" if float(wind.peak) > 0.0 else "head"
+        return [wind_along(flight, wind, plane, wind_sign)]
     time = float(np.asarray(campaign.vehicle.time))
-    placed = place(case.wind, case.vehicle, time, PEAK, 1.0).in_flight
+    placed = place(wind, campaign.vehicle, time, PEAK, 1.0).in_flight
     directions = directions_of(campaign) or (FROZEN,)
     signs = [name if name == FROZEN or plane == "pitch" else None for name in directions]
     return [wind_along(flight, placed, plane, name) for name in signs]
@@ -497,7 +495,6 @@ REGISTRY = {
     "flight": Output(
         lambda campaign: _with_plane_columns(campaign, COLUMNS),
         flights,
-        lambda campaign: campaign.along is not None,
     ),
     "flown": Output(
         lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},

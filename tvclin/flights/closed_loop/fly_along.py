@@ -14,21 +14,23 @@ from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule, flight_variable
 from tvclin.ascent.wind_along import WindAlong, wind_along
 from tvclin.base import errors
-from tvclin.base.arrays import AnyArray, FloatArray, IntArray
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Column, Columns, Tabled, table
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
-from tvclin.control.autopilot.sweep import plants_along
+from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.wiring import closed_loop
-from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
-from tvclin.flights.closed_loop.fly_many import FlownCases, flown_cases, unstable_loops
-from tvclin.flights.closed_loop.sampled import finish
-from tvclin.flights.closed_loop.stages import Stages, stages_of
-from tvclin.kernels.choice import repeated
+from tvclin.flights.closed_loop.checks import check_samples
+from tvclin.flights.closed_loop.flown_flights import (
+    FlownFlight,
+    checked_flight,
+    flown_in_winds,
+    fly_together,
+    sampled_stages,
+)
+from tvclin.flights.closed_loop.fly_many import FlownCases
 from tvclin.kernels.flights import Flights
-from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.linear.system import connect, constant_over_steps, polynomial_input
 from tvclin.numerics.pieces import polynomial_pieces
@@ -38,8 +40,6 @@ from tvclin.winds.wind_angles import FROZEN, SIGNS
 
 _CONTINUOUS_STEP = 0.02
 """Longest step of a continuous loop [s]."""
-_SIMILAR_RUNS = 4
-"""Runs of the kernel for a flight with its continuations in still air."""
 UNLIMITED = "not judged"
 """Status of a flight of a continuous loop, which has no limits."""
 _REASONS = {
@@ -127,58 +127,6 @@ class FlightAlong(Tabled):
             for name, values in self.outputs.items()
         )
         return Columns((axis,), columns, {"status": self.status})
-
-
-@dataclass(frozen=True, eq=False)
-class FlownFlight:
-    """Checked arguments of a flight: the loop at any times, its span [s] and its law.
-
-    `scheduled`: flight by which gains and notches are scheduled, if another than that of the plant.
-    """
-
-    flight: FlightSchedule
-    autopilot: Autopilot | GainSchedule
-    wind: WindAlong
-    model: str
-    plane: str
-    start: float
-    stop: float
-    scheduled: FlightSchedule | None = None
-
-    def plants_at(self, times: FloatArray) -> AnyPlant:
-        """Return the plants at times [s]."""
-        pressure = self.wind.pressure(times)
-        return plants_along(self.flight, times, self.model, self.plane, pressure)
-
-    def laws_at(self, times: FloatArray) -> Autopilot:
-        """Return the autopilots at times [s]."""
-        return autopilot_along(self.autopilot, self.scheduled or self.flight, times)
-
-    def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
-        """Return plants and autopilots at times [s]."""
-        return self.plants_at(times), self.laws_at(times)
-
-    @property
-    def breaks(self) -> FloatArray:
-        """Times [s] within the flight between which plants and autopilots are smooth.
-
-        Those of a schedule on another variable than time are not known, and not among them.
-        """
-        times = [self.flight.times, self.wind.breaks]
-        for flight in (self.flight, self.scheduled):
-            if flight is not None and flight.structure is not None:
-                times.append(flight.structure.times)
-        schedule = self.autopilot
-        if isinstance(schedule, GainSchedule) and schedule.variable == "time":
-            times.append(schedule.breakpoints)
-        inner = np.unique(np.concatenate(times))
-        return inner[(inner > self.start) & (inner < self.stop)]
-
-    @property
-    def law(self) -> Autopilot:
-        """Autopilot at the breakpoints of a schedule, or the autopilot of all times."""
-        made = self.autopilot
-        return made.autopilot if isinstance(made, GainSchedule) else made
 
 
 def fly_along(
@@ -288,7 +236,7 @@ def sampled_outputs(
     deflection_moment [N m/rad] at the times of the schedule, for a bending moment.
     """
     limits = np.array([limit]), np.array([rate_limit])
-    made, f = flown_in_winds(sampled_stages(along), np.zeros(1, np.int64), *limits, track=True)
+    made, f = flown_in_winds(sampled_stages([along]), np.zeros(1, np.int64), *limits, track=True)
     return _with_outputs(along, *_tracked(along, f, limit), str(made.status[0]), slopes or {})
 
 
@@ -360,20 +308,9 @@ def fly_many_along(
         raise errors.InputError("there must be a wind and a limit or more; got none")
     which = np.broadcast_to(np.arange(int(np.prod(batch))).reshape(batch), shape).ravel()
     limits, rates = (np.array(np.broadcast_to(a, shape)).ravel() for a in (limit, rate))
-    flown: dict[str, list[AnyArray]] = {name: [] for name in FlownCases.__dataclass_fields__}
-    flights = []
-    for k, one in enumerate(winds):
-        chosen = np.flatnonzero(which == k) if len(winds) > 1 else np.arange(which.size)
-        along = checked_flight(flight, autopilot, one, start, stop, model, plane)
-        inside = which[chosen] if one.history.batch else np.zeros(chosen.size, np.int64)
-        made, _ = flown_in_winds(sampled_stages(along), inside, limits[chosen], rates[chosen])
-        flights.append(chosen)
-        for name, values in flown.items():
-            values.append(getattr(made, name))
-    order = np.argsort(np.concatenate(flights))
-    return FlownCases(
-        **{name: np.concatenate(values)[order].reshape(shape) for name, values in flown.items()}
-    )
+    flights = [checked_flight(flight, autopilot, w, start, stop, model, plane) for w in winds]
+    flown = fly_together(flights, which, limits, rates)
+    return FlownCases(**{name: values.reshape(shape) for name, values in vars(flown).items()})
 
 
 def _winds_along(
@@ -404,67 +341,6 @@ def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
             f" {array.shape}"
         )
     return np.broadcast_to(array, flight.times.shape)
-
-
-def checked_flight(
-    flight: FlightSchedule,
-    autopilot: Autopilot | GainSchedule,
-    wind: WindAlong,
-    start: float | None,
-    stop: float | None,
-    model: str,
-    plane: str,
-) -> FlownFlight:
-    """Return the checked arguments of a flight."""
-    along = FlownFlight(flight, autopilot, wind, model, plane, *wind.span(flight, start, stop))
-    if not isinstance(autopilot, GainSchedule):
-        errors.instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
-        if autopilot.batch:
-            raise errors.InputError(
-                "autopilot must be one autopilot for all times, or a GainSchedule"
-            )
-    if np.unique(along.law.delay).size > 1 or np.ndim(along.law.sample_rate or 0.0):
-        raise errors.InputError("delay and sample_rate must be the same along the flight")
-    return along
-
-
-def sampled_stages(along: FlownFlight) -> Stages:
-    """Return the stages of a sampled flight.
-
-    `InputError` for an autopilot without a sample rate, and as `fly_many`.
-    """
-    law = along.law
-    if law.sample_rate is None:
-        raise errors.InputError("many flights need samples: give the autopilot a sample_rate")
-    actuator = along.laws_at(np.array([along.start])).actuator
-    rate = float(np.asarray(law.sample_rate))
-    check_sample_rates(rate, actuator)
-    check_delays(np.unique(law.delay)[0], np.array(1.0 / rate))
-    check_samples(along.stop - along.start, 1.0 / rate)
-    wind = along.wind.history
-    winds = wind if wind.batch else wind.cases(np.zeros(1, np.int64), ())
-    span = along.start, along.stop
-    return stages_of(along.plants_at, along.laws_at, along.breaks, span, rate, winds)
-
-
-def flown_in_winds(
-    stages: Stages,
-    which: IntArray,
-    limit: FloatArray,
-    rate_limit: FloatArray,
-    *,
-    track: bool = False,
-) -> tuple[FlownCases, Flights]:
-    """Return the outcomes of sampled flights ``(m,)``, and their arrays at their ends.
-
-    `which`: indices of their winds. `limit`, `rate_limit`: of the deflection [rad, rad/s].
-    """
-    batch = stages.batch(which, limit, rate_limit)
-    f = stages.flights(batch, track=track)
-    with repeated(_SIMILAR_RUNS):
-        finish(f, batch.laws)
-        rings = unstable_loops(batch, f)
-    return flown_cases(f, np.ones(limit.size, bool), rings), f
 
 
 def _tracked(

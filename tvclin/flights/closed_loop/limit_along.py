@@ -13,7 +13,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, number, positive, single, unlimited
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
-from tvclin.flights.closed_loop.fly_along import (
+from tvclin.flights.closed_loop.flown_flights import (
     FlownFlight,
     checked_flight,
     flown_in_winds,
@@ -102,7 +102,7 @@ def limit_of_flight(
     if not _LOWEST < top:
         raise InputError(f"highest must be above {_LOWEST:g}; got {top:.6g}")
     scale = _largest_trim(along)
-    stages = sampled_stages(along)
+    stages = sampled_stages([along])
 
     def survives(limits: FloatArray) -> Words:
         which = np.zeros(limits.size, np.int64)

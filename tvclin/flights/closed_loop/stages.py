@@ -7,10 +7,10 @@ matrices of `fly_many`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -44,36 +44,66 @@ from tvclin.linear.system import LinearSystem, connect, constant_over_steps, pol
 from tvclin.numerics.chebyshev import smooth_values
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
+from tvclin.numerics.storage import Storage
 from tvclin.winds.histories import History
 
-PlantsAt = Callable[[FloatArray], AnyPlant]
-LawsAt = Callable[[FloatArray], Autopilot]
-"""Functions from times [s] ``(n,)`` to plants, and to autopilots, of that batch."""
+PlantsAt = Callable[[FloatArray, IntArray], AnyPlant]
+LawsAt = Callable[[FloatArray, IntArray], Autopilot]
+"""Functions from times [s] and indices of flights ``(n,)`` to plants, and to autopilots."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stages:
-    """Sampled loop over a flight: plants and autopilots at its samples, and winds.
+    """Sampled loops over flights: plants and autopilots at their samples, and winds.
 
-    `plants_at`, `laws_at`: plants and autopilots at any times. `times`: times of the samples [s],
-    ``(n + 1,)``, the last that of the end. `breaks`: times [s] between which plants and actuator
-    are smooth, rising. `plants`: at both ends. `laws`: at the samples. `hardware`: sample period
-    and delay; its actuator is that of the laws. `wind`: winds ``(w,)`` over the time of flight.
+    `plants_at`, `laws_at`: plants and autopilots at any times. `starts`, `samples`: start [s] and
+    number of samples of each flight, ``(f,)``. `breaks`: times [s] between which plants and
+    actuator of each flight are smooth, rising. `plants`: at both ends of the flights. `period`:
+    length of a sample [s]. `winds`: winds ``(w,)`` of each flight over the time of flight.
+    `storage`: memory of the large arrays.
     """
 
     plants_at: PlantsAt
     laws_at: LawsAt
-    times: FloatArray
-    breaks: FloatArray
+    starts: FloatArray
+    samples: IntArray
+    breaks: Sequence[FloatArray]
     plants: AnyPlant
-    laws: Autopilot
-    hardware: Hardware
-    wind: History
+    period: float
+    winds: Sequence[History]
+    storage: Storage
 
-    @property
-    def samples(self) -> int:
-        """Number of samples n."""
-        return self.times.size - 1
+    @cached_property
+    def times(self) -> FloatArray:
+        """Times of the samples [s], the end of each flight included, ``(n,)``."""
+        numbers = np.arange(self.flight.size) - self.first[self.flight]
+        return np.asarray(self.starts[self.flight] + self.period * numbers)
+
+    @cached_property
+    def flight(self) -> IntArray:
+        """Index of the flight of each sample, ``(n,)``."""
+        return np.repeat(np.arange(self.samples.size), self.samples + 1)
+
+    @cached_property
+    def first(self) -> IntArray:
+        """Index of the first sample of each flight, ``(f,)``."""
+        return np.cumsum(np.append(0, self.samples[:-1] + 1))
+
+    @cached_property
+    def flight_of_wind(self) -> IntArray:
+        """Index of the flight of each wind, ``(w,)``."""
+        counts = [int(np.prod(wind.batch)) for wind in self.winds]
+        return np.repeat(np.arange(len(counts)), counts)
+
+    @cached_property
+    def laws(self) -> Autopilot:
+        """Autopilots at the samples of all flights, ``(n,)`` or one for all."""
+        return self.laws_at(self.times, self.flight)
+
+    @cached_property
+    def hardware(self) -> Hardware:
+        """Sample period, delay, and the actuator of the laws."""
+        return Hardware(self.period, float(np.unique(self.laws.delay)[0]), self.laws.actuator)
 
     @property
     def sensors(self) -> LateralSensors:
@@ -86,18 +116,18 @@ class Stages:
         `limit`, `rate_limit`: limits of deflection and deflection rate, ``(m,)``.
         """
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
-        first = np.zeros(limit.size, np.int64)
+        vehicle = self.first[self.flight_of_wind[which]]
         numbers: Any = self._law_rows.view(np.recarray)
-        laws = LawBatch((), numbers, [chains], first, self.sensors)
+        laws = LawBatch((), numbers, [chains], vehicle, self.sensors)
         return Batch(
             self.plants,
             replace(self.hardware, rate_limit=rate_limit),
-            self.wind,
+            self.winds[0],
             laws,
             limit,
             limit.shape,
-            until=float(self.times[-1]),
-            vehicle=first.copy(),
+            until=float(self.times.max()),
+            vehicle=vehicle,
             encountered=which,
         )
 
@@ -112,8 +142,8 @@ class Stages:
             pieces.shape[2],
             memory.states.shape[1],
         )
-        now.piece[:] = ((knots <= self.times[0]).sum(axis=1) - 1)[cases.wind]
-        rows = int(steps.substeps[0].sum()) * self.samples if track else 0
+        now.piece[:] = (knots[cases.wind] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
+        rows = int(steps.substeps[0].sum()) * int(self.samples[0]) if track else 0
         return Flights(
             steps=steps,
             vehicles=self.vehicles,
@@ -134,17 +164,23 @@ class Stages:
 
     @cached_property
     def _pieces(self) -> tuple[FloatArray, FloatArray]:
-        """Breakpoints [s] and polynomials of the winds."""
-        knots, pieces = polynomial_pieces(self.wind.pieces)
-        return np.ascontiguousarray(knots), np.ascontiguousarray(pieces)
+        """Breakpoints [s] and polynomials of the winds, with infinite breakpoints at the end."""
+        made = [polynomial_pieces(wind.pieces) for wind in self.winds]
+        count, terms = (max(pieces.shape[axis] for _, pieces in made) for axis in (1, 2))
+        all_knots = np.full((self.flight_of_wind.size, count), np.inf)
+        all_pieces, row = np.zeros((*all_knots.shape, terms)), 0
+        for knots, pieces in made:
+            rows = slice(row, row + len(knots))
+            all_knots[rows, : knots.shape[1]] = knots
+            all_pieces[rows, : pieces.shape[1], : pieces.shape[2]] = pieces
+            row += len(knots)
+        return all_knots, all_pieces
 
     @cached_property
     def _timing(self) -> Timing:
         """Timing of the samples, with the same substeps in each."""
         count = self.times.size
-        length, delay = (
-            np.full(count, float(x)) for x in (self.hardware.length, self.hardware.delay)
-        )
+        length, delay = (np.full(count, float(x)) for x in (self.period, self.hardware.delay))
         timing = Timing.of(self.hardware, (count,), length, delay)
         return timing._replace(  # the rows of a track are as many in each sample
             substeps=np.broadcast_to(timing.substeps.max(axis=0), timing.substeps.shape).copy()
@@ -172,26 +208,41 @@ class Stages:
 
         Samples within an interval of smooth plants are interpolated.
         """
-        ends = self.times + float(self.hardware.length)
-        interval = np.searchsorted(self.breaks, self.times, side="right") - 1
-        same = interval == np.searchsorted(self.breaks, ends * (1.0 - 1e-15), side="left") - 1
-        interval = np.where(same, interval, -1)
-        return smooth_values(self._arrays_at, self.times, interval)
+        crossing = self._interval(self.times) != self._interval(
+            (self.times + self.period) * (1.0 - 1e-15), "left"
+        )
+        interval = np.where(crossing, -1, self._interval(self.times))
+        return smooth_values(self._arrays_at, self.times, interval, self.storage)
 
-    def _arrays_at(self, times: FloatArray, _: IntArray) -> dict[str, FloatArray]:
-        """Return the arrays of stages that begin at times [s], by name."""
-        count, terms, last = times.size, self._pieces[1].shape[2], self.times[-1]
+    def _interval(self, times: FloatArray, side: Literal["left", "right"] = "right") -> IntArray:
+        """Return the number of the smooth interval of times [s] of the samples of all flights.
+
+        `side`: that of a breakpoint on which a time at it does not lie.
+        """
+        numbers, before = np.empty(times.size, np.int64), 0
+        for k, breaks in enumerate(self.breaks):
+            of_flight = slice(self.first[k], self.first[k] + self.samples[k] + 1)
+            at = np.searchsorted(breaks, times[of_flight], side=side)
+            numbers[of_flight], before = before + at, before + breaks.size + 1
+        return numbers
+
+    def _arrays_at(self, times: FloatArray, sample: IntArray) -> dict[str, FloatArray]:
+        """Return the arrays of stages that begin at times [s], by name.
+
+        `sample`: index of a sample of the same flight for each.
+        """
+        count, terms = times.size, self._pieces[1].shape[2]
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
         lengths = np.ascontiguousarray(timing.lengths[:, 1:].T)  # (parts, m)
         length = timing.lengths[:, 0]
         begins = times + np.stack([length - lengths[0], np.zeros(count)])[: len(lengths)]
         at = [begins + node * lengths for node in GAUSS_NODES]
         flat = np.concatenate([*(a.ravel() for a in at), times])
-        flat, shape = np.minimum(flat, last), (flat.size,)
-        plants = self.plants_at(flat)
+        flight, shape = np.tile(self.flight[sample], flat.size // max(count, 1)), flat.shape
+        plants = self.plants_at(flat, flight)
         system = self.sensors.system(plants)
         blocks = [
-            *plant_blocks(plants, self.laws_at(flat).actuator, self.sensors),
+            *plant_blocks(plants, self.laws_at(flat, flight).actuator, self.sensors),
             polynomial_input("wind", terms),
         ]
 
@@ -218,21 +269,24 @@ class Stages:
 
         Those of samples at which no flight is judged are NaN.
         """
-        ends, judged = self._judged[0], np.zeros(self.times.size, bool)
-        for end in np.unique(ends):
-            judged[end + JUDGED_SAMPLES :: JUDGED_SAMPLES] = True
-        times, width = self.times[judged], self.steps.joint.shape[2]
+        judged = np.zeros(self.times.size, bool)
+        for wind, end in enumerate(self._judged[0]):
+            flight = self.flight_of_wind[wind]
+            last = self.first[flight] + self.samples[flight]
+            judged[self.first[flight] + end + JUDGED_SAMPLES : last + 1 : JUDGED_SAMPLES] = True
+        rows, width = np.flatnonzero(judged), self.steps.joint.shape[2]
 
-        def at(times: FloatArray, _: IntArray) -> dict[str, FloatArray]:
-            criteria = outcome_criteria(self.plants_at(times))
-            rows = widened(criteria.rows, width, len(self.sensors.states))
-            return {"judges": rows, "reach": criteria.reach, "ratio": criteria.ratio}
+        def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
+            criteria = outcome_criteria(self.plants_at(times, self.flight[rows[index]]))
+            judges = widened(criteria.rows, width, len(self.sensors.states))
+            return {"judges": judges, "reach": criteria.reach, "ratio": criteria.ratio}
 
-        interval = np.searchsorted(self.breaks, times, side="right") - 1
+        interval = self._interval(self.times)[rows]
         arrays = {}
-        for name, values in smooth_values(at, times, interval).items():
-            arrays[name] = np.full((judged.size, *values.shape[1:]), np.nan)
-            arrays[name][judged] = values
+        for name, values in smooth_values(at, self.times[rows], interval).items():
+            arrays[name] = self.storage.empty(name, (judged.size, *values.shape[1:]))
+            arrays[name].fill(np.nan)
+            arrays[name][rows] = values
         return arrays
 
     @cached_property
@@ -243,7 +297,7 @@ class Stages:
         chains = Chains(laws.attitude_filters, laws.rate_filters, laws.filters)
         size = len(integral.states) + sum(f.order for chain in chains for f in chain)
         varies = any(filter_.batch for chain in chains for filter_ in chain)
-        lengths = np.full(count if varies else 1, float(self.hardware.length))
+        lengths = np.full(count if varies else 1, self.period)
         memory = memory_of(integral, chains, lengths, size)
         if any(chains):
             return memory
@@ -256,35 +310,36 @@ class Stages:
         Both are ``(w,)``. In a wind that lasts until the end of the flight they are the settling
         time before the end.
         """
-        h = float(self.hardware.length)
-        ends = samples_in(self.wind.end.ravel() - self.times[0], np.array(h))
-        ends = np.minimum(ends, self.samples)
-        at_end = outcome_criteria(self.plants_at(self.times[np.append(ends, self.samples)]))
-        settling = np.ceil(np.where(np.isnan(at_end.reach), 0.0, at_end.settling) / h)
-        settling = settling.astype(np.int64)
-        late = ends >= self.samples
-        before = self.samples - settling[-1] - 2 * JUDGED_SAMPLES
-        ends = np.where(late, max(before, 1), ends)
-        settling = np.where(late, settling[-1], settling[:-1])
-        return ends.astype(np.int64), settling
+        h, flight = self.period, self.flight_of_wind
+        wind_end = np.concatenate([wind.end.ravel() for wind in self.winds])
+        samples = self.samples[flight]
+        ends = np.minimum(samples_in(wind_end - self.starts[flight], np.array(h)), samples)
+        rows = self.first[flight] + np.stack([ends, samples])
+        plants = self.plants_at(self.times[rows].ravel(), np.tile(flight, 2))
+        criteria = outcome_criteria(plants)
+        settling = np.ceil(np.where(np.isnan(criteria.reach), 0.0, criteria.settling) / h)
+        after_wind, at_end = settling.astype(np.int64).reshape(2, -1)
+        late = ends >= samples
+        before = np.maximum(samples - at_end - 2 * JUDGED_SAMPLES, 1)
+        return np.where(late, before, ends), np.where(late, at_end, after_wind)
 
     def _cases(self, batch: Batch) -> Cases:
         """Return the numbers of each flight; outcomes are judged after its wind."""
         count, (vehicle, wind) = batch.shape[0], batch.indices
-        ends, settling = self._judged
-        zeros = np.zeros(count, np.int64)
+        flight, (ends, settling) = self.flight_of_wind[wind], self._judged
+        zeros, several = np.zeros(count, np.int64), len(self._memory.states) > 1
         return Cases(
             vehicle=vehicle.copy(),
             wind=wind.copy(),
-            law=zeros.copy(),
-            memory=zeros.copy(),
+            law=vehicle.copy(),
+            memory=vehicle.copy() if several else zeros.copy(),
             sequence=zeros.copy(),
-            stages=np.full(count, self.times.size, np.int64),
+            stages=self.samples[flight] + 1,
             gain=np.ones(count),
             limit=np.array(batch.limit, float),
             rate_limit=np.array(np.broadcast_to(batch.hardware.rate_limit, (count,)), float),
-            start=np.full(count, float(self.times[0])),
-            finish=np.full(count, self.samples, np.int64),
+            start=self.starts[flight],
+            finish=self.samples[flight],
             ends=ends[wind],
             waiting=zeros.copy(),
             settling=settling[wind],
@@ -293,15 +348,18 @@ class Stages:
     @cached_property
     def vehicles(self) -> Vehicles:
         """Vehicles of all stages; A and gust input in samples next to a knot of the wind."""
-        count, h, knots = self.times.size, float(self.hardware.length), self._pieces[0]
-        inside = np.floor((knots[np.isfinite(knots)] - self.times[0]) / h)
-        neighbours = np.unique(np.concatenate([inside - 1, inside, inside + 1]))
-        neighbours = neighbours[(neighbours >= 0) & (neighbours < count)].astype(np.int64)
-        middles = np.minimum(self.times[neighbours] + 0.5 * h, self.times[-1])
-        moving, fastest = self.sensors.system(self.plants_at(middles)), np.zeros(count)
-        fastest[neighbours] = np.abs(np.linalg.eigvals(moving.A)).max(axis=-1)
-        A, gust = (np.zeros((count, *moving.A.shape[-k:])) for k in (2, 1))
-        A[neighbours], gust[neighbours] = moving.A, moving.B[..., 1]
+        count, h, flight = self.times.size, self.period, self.flight_of_wind
+        inside = np.floor((self._pieces[0] - self.starts[flight, np.newaxis]) / h)
+        samples, firsts = (a[flight, np.newaxis, np.newaxis] for a in (self.samples, self.first))
+        neighbours = inside[..., np.newaxis] + np.arange(-1, 2)
+        flown = (neighbours >= 0) & (neighbours <= samples)
+        rows = np.unique((firsts + np.where(flown, neighbours, 0))[flown]).astype(np.int64)
+        plants = self.plants_at(self.times[rows] + 0.5 * h, self.flight[rows])
+        moving, fastest = self.sensors.system(plants), np.zeros(count)
+        fastest[rows] = np.abs(np.linalg.eigvals(moving.A)).max(axis=-1)
+        n = len(moving.states)
+        A, gust = self.storage.empty("A", (count, n, n)), self.storage.empty("gust", (count, n))
+        A[rows], gust[rows] = moving.A, moving.B[..., 1]
         shown = self._arrays["shown"]
         return Vehicles(shown=shown, A=A, gust=gust, fastest=fastest, **self._criteria)
 
@@ -309,31 +367,33 @@ class Stages:
 def stages_of(
     plants_at: PlantsAt,
     laws_at: LawsAt,
-    breaks: FloatArray,
-    span: tuple[float, float],
+    breaks: Sequence[FloatArray],
+    spans: Sequence[tuple[float, float]],
     rate: float,
-    wind: History,
+    winds: Sequence[History],
+    storage: Storage,
 ) -> Stages:
-    """Return the stages of a loop over a span [s] in winds ``(w,)``.
+    """Return the stages of loops over spans [s] in winds ``(w,)`` of each flight.
 
     `rate`: samples [Hz]. Others: see `Stages`.
     """
-    h, (start, stop) = 1.0 / rate, span
-    count = int(samples_in(np.array(stop - start), np.array(h)))
-    times = np.asarray(start + h * np.arange(count + 1), np.float64)
+    h, ends = 1.0 / rate, np.array(spans)
+    samples = samples_in(ends[:, 1] - ends[:, 0], np.array(h))
 
-    def plants_until(at: FloatArray) -> AnyPlant:
-        return plants_at(np.minimum(at, stop))
+    def inside(times: FloatArray, flight: IntArray) -> tuple[FloatArray, IntArray]:
+        return np.minimum(times, ends[flight, 1]), flight
 
-    def laws_until(at: FloatArray) -> Autopilot:
-        return laws_at(np.minimum(at, stop))
-
-    laws = laws_until(times)
-    hardware = Hardware(h, float(np.unique(laws.delay)[0]), laws.actuator)
-    ends = np.array([start, stop])
-    inside = np.unique(np.concatenate([breaks, ends]))
-    plants = plants_at(ends)
-    return Stages(plants_until, laws_until, times, inside, plants, laws, hardware, wind)
+    return Stages(
+        lambda times, flight: plants_at(*inside(times, flight)),
+        lambda times, flight: laws_at(*inside(times, flight)),
+        ends[:, 0],
+        samples,
+        [np.unique(np.concatenate(both)) for both in zip(breaks, ends, strict=True)],
+        plants_at(ends.ravel(), np.repeat(np.arange(len(ends)), 2)),
+        h,
+        winds,
+        storage,
+    )
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
