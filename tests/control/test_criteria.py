@@ -9,7 +9,8 @@ import pytest
 from tests.margin_numbers import NUMBERS
 from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
-from tvclin.control.margins.criteria import CRITERIA, Criteria, Criterion
+from tvclin.base import lines
+from tvclin.control.margins.criteria import CRITERIA, Criteria, Criterion, margin_table
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import loop_margins
 from tvclin.linear.plant import MODELS
@@ -402,6 +403,23 @@ def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_ban
         True,
     )
     assert replace(one, band="slosh").as_dict()["band"] == "slosh"
+
+
+def test_the_table_of_margins_has_gain_and_phase_below_the_disk_margin_and_limits_without_a_band():
+    margins = loop_margins(course_loop())
+    (judgement,) = Criteria.custom("own", disk_margin=0.4).judge(margins)
+    in_band = replace(judgement, band="slosh", surplus=-1.0)
+    rows = [
+        [lines.text(cell) for cell in row]
+        for row in margin_table(margins, (judgement, in_band)).rows
+    ]
+    labels = [row[0].strip() for row in rows]
+    disk = labels.index("disk")
+    assert labels.count("gain and phase") == 1
+    assert labels[disk + 1] == "gain and phase"
+    assert f"{margins.disk_margin_dB:.2f} dB" in rows[disk + 1][1]
+    assert rows[disk][3:] == ["0.4", f"+{margins.disk_margin - 0.4:.3f} MET"]
+    assert lines.text(judgement.shortfall).startswith("disk ")
 
 
 @pytest.mark.parametrize(

@@ -123,6 +123,7 @@ def test_from_beta_is_the_pair_of_the_report():
     assert (c.beta, c.B) == (0.5, 0.125)
     assert c.K1 == pytest.approx(0.52 / 0.53, rel=1e-15)
     assert (c.b1, c.b2, c.q, c.C1, c.C2) == (0.03, 0.02, 1e-4, 0.025, 0.004)
+    assert Coefficients.from_beta(beta=1e-3, B=0.125).mu_alpha == pytest.approx(1e-6, rel=1e-15)
 
 
 @pytest.mark.parametrize(
