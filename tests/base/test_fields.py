@@ -82,7 +82,7 @@ def test_a_field_is_checked_where_it_is_given() -> None:
     assert Request(turn=np.float64(0.1), bands=np.array([0.0, 1.0])).bands == (0.0, 1.0)
     for wrong, said in (
         ({"turn": -1.0}, "turn must be positive; got -1 rad"),
-        ({"turn": 2.0}, "turn must be a turn within 90 degrees, in radians"),
+        ({"turn": 2.0}, "turn must be a turn within 90 degrees; got"),
         ({"bands": ()}, "bands must hold one number or more"),
         ({"bands": (0.5, 2.0)}, "bands must be between 0 and 1; got 2 at index 1"),
         ({"way": "lfet"}, r"way must be one of left, right; .*did you mean 'left'"),

@@ -281,14 +281,14 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
             (("configuration-i", "--wind", "square"), "wind must be one of"),
             (("configuration-i", "--winds", "no.csv", "--azimuth-deg", "90"), "no.csv"),
             (("configuration-i", "--winds", WIND), "--winds needs --azimuth-deg"),
-            (("configuration-i", "--azimuth-deg", "90"), "--azimuth-deg is for a sounding"),
+            (("configuration-i", "--azimuth-deg", "90"), "--azimuth-deg needs a sounding"),
             (
                 ("configuration-i", "--winds", BAD, "--azimuth-deg", "90"),
                 "bad.csv, line 3: direction must be between 0 and 360 degrees; got 400",
             ),
             (
                 ("configuration-i", *FLOWN, "--set", "sounding.window_s=0", *FAST),
-                "[sounding]: window must be positive",
+                "window_s in [sounding] must be positive",
             ),
             (
                 ("configuration-i", "--winds", LOW, "--azimuth-deg", "90", *FAST),
@@ -489,7 +489,7 @@ def test_both_planes_stand_beside_each_plane_alone() -> None:
 def test_both_planes_need_a_direction() -> None:
     for given, said in {
         ("--plane", "both"): "both planes need a wind with a direction",
-        ("--azimuth-deg", "9"): "--azimuth-deg is for a sounding, --winds FILE",
+        ("--azimuth-deg", "9"): "--azimuth-deg needs a sounding, --winds FILE",
         ("--set", "wind.direction_deg=9"): "direction in [wind] needs azimuth (--azimuth-deg)",
         ("--set", "nozzle.limit_shape=oval"): "limit_shape must be one of round",
     }.items():

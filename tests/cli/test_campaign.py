@@ -197,7 +197,10 @@ def test_bad_input_is_exit_code_two(arguments):
         (["RESULTS", "--peak-deg", "4"], "--peak-deg needs a vehicle or a file, not a folder"),
         (["FILE", "-o", "RESULTS", "--shard", "3"], "shard must be i/n"),
         (["FILE", "-o", "RESULTS", "--workers", "0"], "workers must be from 1"),
-        (["FILE", "--set", "campaign.until_percent=-1"], "until must be positive"),
+        (
+            ["FILE", "--set", "campaign.until_percent=-1"],
+            "until_percent in [campaign] must be positive",
+        ),
         (["FILE", "-o", "FILE"], "is a file; name a directory"),
     ],
 )

@@ -310,7 +310,7 @@ def test_a_sounding_is_chosen_by_its_time():
     [
         (["--winds", SOUNDING], "--winds needs --azimuth-deg"),
         (["--set", "sounding.window_s=5"], "Error: [sounding] needs a sounding"),
-        (["--azimuth-deg", 5], "--azimuth-deg is for a sounding, --winds FILE"),
+        (["--azimuth-deg", 5], "--azimuth-deg needs a sounding, --winds FILE"),
         (["--winds", SOUNDING, "--azimuth-deg", 90, "--peak-deg", 3], "has its own wind"),
         (["--winds", "no.csv", "--azimuth-deg", 90], "no.csv"),
     ],

@@ -85,3 +85,46 @@ def test_nothing_is_said_of_a_file_where_an_option_is_meant(option):
 def test_a_count_of_one_is_singular_and_zero_has_no_minus():
     assert [plural(k, "row") for k in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
     assert text(significant("damping", -0.0)) == "0"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("study --limit-deg abc", "--limit-deg must be a number, such as 0.4"),
+        ("study --limit-deg 0,4", "--limit-deg must be a number, such as 0.4"),
+        ("disperse --cases 1.5", "--cases must be a whole number, such as 100"),
+        ("study --limit-deg", "option '--limit-deg' requires an argument"),
+        ("study --verbose", "tvclin study: no option --verbose; see tvclin study --help"),
+        ("study --jsn", "tvclin study takes no --jsn: did you mean --json or --sign?"),
+        ("stdy", "no such command 'stdy'"),
+        ("study a b", "tvclin study: got unexpected extra argument"),
+        ("import table", "tvclin import table: missing argument 'file'"),
+        ("nozzle --from 3", "--from needs --over flight"),
+        ("study --peak-deg 95", "--peak-deg must be a wind angle within 90 degrees; got 95 deg"),
+        ("study --natural-frequency -1", "--natural-frequency must be positive; got -1 rad/s"),
+        ("disperse --wind square", "--wind must be one of triangular"),
+        ("disperse --azimuth-deg 90", "--azimuth-deg needs a sounding, --winds FILE"),
+        ("ascent --winds {folder} --azimuth-deg 90", "no file of soundings in {folder}"),
+        ("study {file}", "limit_deg in [nozzle] must be positive; got -0.45 deg"),
+        (
+            "study --set nozzle.limit_deg -0.45",
+            "limit_deg in [nozzle] must be positive; got -0.45 deg",
+        ),
+        ("study --damping 0 --natural-frequency 1", "--damping must be positive; got 0"),
+    ],
+)
+def test_a_command_line_that_cannot_be_read_is_one_sentence(
+    words: str, said: str, tmp_path: Path
+) -> None:
+    file, folder = tmp_path / "s.toml", tmp_path / "empty"
+    folder.mkdir()
+    file.write_text(
+        '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+        "[nozzle]\nlimit_deg = -0.45\n"
+    )
+    result = CliRunner().invoke(app, words.format(file=file, folder=folder).split())
+    assert result.exit_code == 2
+    message = " ".join(result.stderr.split())
+    assert message.startswith("Error: ")
+    assert said.format(folder=folder) in message
+    assert "──" not in message

@@ -177,7 +177,7 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
             "--box must have a smaller and a larger value",
         ),
         (("disperse", "--seed", "4"), "tvclin disperse takes no --seed: --set campaign.seed VALUE"),
-        (("fly", "--duration", "7.5s"), "Error: --duration: "),
+        (("fly", "--duration", "7.5s"), "Error: --duration must be a number"),
         (("study", "--winds", "x.csv"), "a study file gives it the measured wind"),
     ],
 )

@@ -201,7 +201,10 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         ({"campaign": HEAD | {"plane": "roll"}}, "plane must be one of"),
         ({"campaign": HEAD | {"method": "halton"}}, "method must be one of plain"),
         ({"campaign": HEAD | {"method": "latin", "cases": 10**8}}, "at most 1e7 cases"),
-        ({"campaign": HEAD | {"until_percent": -3}}, "until must be positive"),
+        (
+            {"campaign": HEAD | {"until_percent": -3}},
+            r"until_percent in \[campaign\] must be positive",
+        ),
         ({"campaign": 3}, r"\[campaign\] must be a table"),
         (
             {"wind": {"peak": 5.0, "duration_s": 7.5}},
@@ -219,7 +222,7 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         ({"outputs": {"dead_bands": [1.5]}}, "dead_bands must be between 0 and 1"),
         ({"outputs": {"dead_bands": 1.0}}, "dead_bands in .outputs. must be a list"),
         ({"question": {"probability": 1.0}}, "probability must be above 0 and below 1"),
-        ({"nozzle": {"limit_deg": -1.0}}, "limit must be positive"),
+        ({"nozzle": {"limit_deg": -1.0}}, r"limit_deg in \[nozzle\] must be positive"),
         ({"dispersion": {"parameter": "thrust"}}, r"must be given as \[\[dispersion\]\]"),
         ({"dispersion": [{"parameter": "thurst"}]}, "did you mean 'thrust'"),
         ({"dispersion": [{"parameter": "thrust"}]}, "spread of thrust must be given once"),

@@ -273,7 +273,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"nozzle": {"limt_deg": 0.4}}, r"'limt_deg'; did you mean limit_deg or limit_rad\?"),
         ({"nozzle": {"limit": 0.4}}, "limit has no known unit .* write limit_rad or limit_deg"),
         ({"study": {"vehicle": {"weight": 1.0}}}, "weight has no known unit .*; write weight_N or"),
-        ({"nozzle": {"limit_deg": -0.4}}, "limit must be positive"),
+        ({"nozzle": {"limit_deg": -0.4}}, r"limit_deg in \[nozzle\] must be positive"),
         ({"laws": {"names": ["trimm"]}}, r"\[laws\]: names must be one of .*'trim'"),
         ({"laws": {"names": "trim"}}, r"names in \[laws\] must be a list"),
         (
@@ -281,10 +281,10 @@ def test_gains_and_criteria_of_ones_own() -> None:
             r"\[laws\]: winds must be a tuple of one or more different values",
         ),
         ({"laws": {"sample_rate": 50}}, "sample_rate has no known unit .* write sample_rate_Hz"),
-        ({"laws": {"sample_rate_Hz": 0}}, r"\[laws\]: sample_rate must be positive"),
+        ({"laws": {"sample_rate_Hz": 0}}, r"sample_rate_Hz in \[laws\] must be positive"),
         ({"autopilot": {"desing": "lqr"}}, "'desing'; did you mean design"),
         ({"autopilot": {"design": "guess"}}, "design must be one of canonical"),
-        ({"autopilot": {"delay_ms": -1}}, "delay must be zero or positive"),
+        ({"autopilot": {"delay_ms": -1}}, r"delay_ms in \[autopilot\] must be zero or positive"),
         ({"autopilot": {"delay_ms": 1, "delay_s": 1}}, "delay is given twice .* keep one"),
         ({"criteria": {"name": "clasic"}}, "name in .criteria. must be one of .*'classic'"),
         ({"criteria": {}}, "criteria need a limit"),
@@ -325,11 +325,14 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"schedule": {"time_s": [1, 2]}}, "row 1: a key is missing .*: weight_N"),
         ({"schedule": {"thrust_N": [1, 2]}}, "needs time_s, a list"),
         ({"size": {"evry_s": 1}}, "'evry_s'; did you mean every_s"),
-        ({"size": {"every_s": 0}}, "every must be positive"),
+        ({"size": {"every_s": 0}}, r"every_s in \[size\] must be positive"),
         ({"size": {"dead_bands": 1}}, r"dead_bands in \[size\] must be a list"),
         ({"size": {"dead_bands": [2]}}, "dead_bands must be between 0 and 1"),
         ({"size": {"varying": 1}}, "must be true or false"),
-        ({"size": {"reserve_percent": -1}}, "reserve must be zero or positive"),
+        (
+            {"size": {"reserve_percent": -1}},
+            r"reserve_percent in \[size\] must be zero or positive",
+        ),
     ],
 )
 def test_what_a_study_file_should_not_say_is_one_sentence(

@@ -83,7 +83,7 @@ def test_a_vehicle_that_needs_no_deflection_has_no_triangle_error():
         ([1.0, 0.0] * ONE, r"^wind must have a time integral.* got 0 rad s with a peak of 0 rad$"),
         (tv.linear.ConstantDeflection(limit=PEAK), r"^wind must end"),
         (ONE.filter([1.0], [1.0, 0.1]), r"^wind must end"),
-        (30.0 * ONE, r"^peak must be a wind angle within 90 degrees.*got 2\.4 rad"),
+        (30.0 * ONE, r"^peak must be a wind angle within 90 degrees.*got .*2\.4 rad"),
     ],
 )
 def test_a_wind_that_no_triangle_can_stand_for_is_refused(wind, message):

@@ -295,6 +295,12 @@ def bearing(name: str, value: ArrayLike) -> float:
     return number(name, value, directions, "rad")
 
 
+def in_degrees(angle: float) -> str:
+    """Return an angle [rad] in degrees, and in radians too, in which an array is given."""
+    with np.errstate(over="ignore"):
+        return f"{np.degrees(angle):.6g} deg ({angle:.6g} rad)"
+
+
 def small_angle(what: str, check: _Check = finite) -> _Check:
     """Return a check of angles within 90 degrees, in radians or "deg", also for `number`.
 
@@ -307,11 +313,7 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
         if unit == "deg" and largest >= 90.0:
             raise InputError(f"{name} must be {what} within 90 degrees; got {largest:.6g} deg")
         if unit != "deg" and largest >= np.pi / 2:
-            degrees = f" ({np.degrees(largest):.4g} deg)" if largest < MAX_TIME else ""
-            raise InputError(
-                f"{name} must be {what} within 90 degrees, in radians; got {largest:.6g}"
-                f" rad{degrees}"
-            )
+            raise InputError(f"{name} must be {what} within 90 degrees; got {in_degrees(largest)}")
         return array
 
     return checked

@@ -24,7 +24,16 @@ from typing import Any, TypeVar
 import numpy as np
 
 from tvclin.base import lines
-from tvclin.base.errors import InputError, different, finite, one_of, whole_number
+from tvclin.base.errors import (
+    InputError,
+    different,
+    finite,
+    nonnegative,
+    nonzero,
+    one_of,
+    positive,
+    whole_number,
+)
 from tvclin.base.errors import flag as true_or_false
 from tvclin.base.errors import number as one_number
 from tvclin.base.errors import plain as plain_number
@@ -386,7 +395,13 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
             *more.get("lists", ()),
         ),
         fields={item.key: item.name for item in specified if item.key},
+        checks={item.called: item.check for item in single if _in_any_unit(item)},
     )
+
+
+def _in_any_unit(item: Field) -> bool:
+    """Return whether the check of a number holds in each unit of its keys."""
+    return item.numeric and (item.kind == "angle" or item.check in (positive, nonnegative, nonzero))
 
 
 def _keyed(kind: type) -> list[Field]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import Faults, InputError, naming, number, shown
 from tvclin.base.units import UNITS, written
 
@@ -25,7 +26,7 @@ class FileTable:
     `heading`: as in a file: ``[vehicle]``, or ``[[dispersion]]`` of a repeated table. `quantities`:
     names of numbers, without unit, and the kind of `UNITS` of each. `words`: keys whose value is
     taken unchanged. `required`: required names of all these. `fields`: results' names in `read`
-    that differ from the file's.
+    that differ from the file's. `checks`: of numbers, by name, in the unit of the key.
     """
 
     heading: str
@@ -34,6 +35,7 @@ class FileTable:
     lists: tuple[str, ...] = ()
     required: tuple[str, ...] = ()
     fields: dict[str, str] = field(default_factory=dict)
+    checks: dict[str, Callable[..., FloatArray]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -103,7 +105,11 @@ class FileTable:
                             f"{name} is given twice in {self.heading}, {both_keys}; keep one"
                         )
                     key_of[name] = key
-                    values[name] = number(key, value) * factor
+                    plain = number(key, value)
+                    if name in self.checks:
+                        unit = written(key.removeprefix(name).strip("_"))
+                        self.checks[name](f"{key} in {self.heading}", plain, unit)
+                    values[name] = plain * factor
                 else:
                     raise InputError(self.unknown(key))
         faults.tell()

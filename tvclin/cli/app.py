@@ -35,6 +35,12 @@ _FILE_OF_COMMAND = {"init": "vehicles", "import": "flight_import", "reproduce": 
 """File of a command that shares the file of another."""
 _STRICT_HANDLERS = ("strict", "surrogateescape")
 """Error handlers of a stream that raise for a letter which its encoding lacks."""
+_NUMBERS = {
+    "number": "a number, such as 0.4",
+    "float": "a number, such as 0.4",
+    "integer": "a whole number, such as 100",
+}
+"""Values of an option in words, by the name of its type in the messages of typer."""
 _WITHOUT_ARITHMETIC = ("init", "explore", "doctor")
 """Commands that compute nothing."""
 
@@ -209,8 +215,9 @@ def _sentence(error: Exception) -> str | None:
 
     if isinstance(error, InputError):
         return str(error)
-    if type(error).__name__ in ("NoSuchOption", "BadParameter"):
-        return _usage(**vars(error))
+    kinds = [kind.__name__ for kind in type(error).__mro__]
+    if "UsageError" in kinds and kinds[0] != "NoArgsIsHelpError":
+        return _usage(error)
     if isinstance(error, OSError) and error.errno != EPIPE:
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):
@@ -223,14 +230,28 @@ def _sentence(error: Exception) -> str | None:
     return None
 
 
-def _usage(ctx: Any = None, message: str = "", param: Any = None, **more: Any) -> str | None:
-    """Return the message on an unknown option or on a value that is none of its option."""
-    if param is None:
-        return _unknown_option(ctx, str(more.get("option_name", "")))
-    return f"{param.opts[0]}: {message[:1].lower()}{message[1:].rstrip('.')}"
+def _usage(error: Any) -> str:
+    """Return the message on a command line that cannot be read, with the help that explains it."""
+    from tvclin.base.lines import listed
+
+    context, option = error.ctx, getattr(error, "option_name", None) or ""
+    path = " ".join(["tvclin", *context.command_path.split()[1:]]) if context else "tvclin"
+    unknown = [option] if type(error).__name__ == "NoSuchOption" else []
+    if unknown and (message := _refused_option(context, path, option)):
+        return message
+    param, kind = getattr(error, "param", None), type(error).__name__
+    if kind == "BadParameter" and param is not None:
+        if valid := re.search(r"\bvalid (number|float|integer)\b", error.message):
+            return f"{param.opts[0]} must be {_NUMBERS[valid[1]]}"
+        return f"{param.opts[0]}: {error.message[:1].lower()}{error.message[1:].rstrip('.')}"
+    if unknown and (close := [name for name in error.possibilities or () if name != "--set"]):
+        return f"{path} takes no {option}: did you mean {listed(close, 'or')}?"
+    words = f"no option {option}" if unknown else error.format_message().rstrip(".")
+    words = f"{path}: {words[:1].lower()}{words[1:]}"
+    return words if words.endswith("?") else f"{words}; see {path} --help"
 
 
-def _unknown_option(context: Any, option: str) -> str | None:
+def _refused_option(context: Any, path: str, option: str) -> str | None:
     """Return the message on an unknown option: the option in its unit, who takes it, or its key.
 
     None for a misspelling.
@@ -241,7 +262,6 @@ def _unknown_option(context: Any, option: str) -> str | None:
     if context is None:
         return None
     command, taken = str(context.info_name), context.command.params
-    path = " ".join(["tvclin", *context.command_path.split()[1:]])
     flags = [flag for item in taken for flag in item.opts if flag.startswith("--")]
     name = without_unit(option.replace("-", "_"))
     same = [flag for flag in flags if without_unit(flag.replace("-", "_")) == name]

@@ -29,7 +29,7 @@ from tvclin.cli.options import (
     to_write,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, say
-from tvclin.cli.wind import WindOptions
+from tvclin.cli.wind import DIRECTED, WindOptions
 from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble
 from tvclin.ensembles.campaign.chunk_runner import (
     cluster,
@@ -47,7 +47,7 @@ from tvclin.studyfile.campaign_file import CASES, load_campaign
 from tvclin.studyfile.settings import with_settings
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import FixedWind
-from tvclin.winds.wind_file import SOUNDING, wind_tables
+from tvclin.winds.wind_file import SOUNDING, directed_winds, wind_tables
 
 _OF_THE_VEHICLE = Dispersions(
     tuple(d for d in DEFAULT_DISPERSIONS.distributions if d.parameter not in WIND)
@@ -190,6 +190,8 @@ def _campaign(
         if not {"study", "campaign"} & source_tables(source).keys():  # no file has these keys
             words = words.removeprefix(f"{called(source)}: ")
         raise InputError(words) from None
+    if winds.winds is None and not directed_winds(source_tables(source)):
+        only_with(DIRECTED, azimuth_deg=winds.azimuth_deg)
     assumed = campaign.dispersions == DEFAULT_DISPERSIONS
     if winds.winds is not None:
         if assumed:

@@ -32,7 +32,7 @@ def only_with(needed: str, **options: Any) -> None:
     Options are named as in a signature; one that is None or False is not given.
     """
     flags = [
-        f"--{name.replace('_', '-')}"
+        f"--{name.strip('_').replace('_', '-')}"
         for name, value in options.items()
         if value is not None and value is not False
     ]

@@ -261,6 +261,7 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
     "--gust": ("peak", "duration"),
     "--gust-speed": ("speed", "duration"),
     "--peak-speed": ("speed",),
+    "--wind": ("shape",),
     "--limit-deg": ("deflection_limit",),
     "--cn-alpha-per-rad": ("normal_force_coefficient_slope",),
     "--cn-alpha": ("normal_force_coefficient_slope",),
@@ -326,7 +327,7 @@ def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set
             line = re.sub(rf"(?<![\w.\-]){name}(?![\w=(])", option, line)
             continue
         if len(likely) == 1:
-            line = re.sub(rf"^{name}(?=( of the wind)? (must|is|needs)\b)", likely[0], line)
+            line = re.sub(rf"^{name}( of the wind)?(?= (must|is|needs)\b)", likely[0], line)
         line = re.sub(rf"(?<=\bgive ){name}(?=,)", options[0], line)
     for word, *pair in _PAIR.findall(line):
         if all(name in candidates for name in pair):

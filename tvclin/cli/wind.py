@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from tvclin.winds.soundings.profile import WindProfile
 
 
+DIRECTED = "a sounding, --winds FILE, or a wind with a direction, --set wind.direction_deg 270"
+"""Winds that need the direction of flight."""
+
+
 @dataclass(frozen=True)
 class _Pulse:
     duration: float | None = option("Duration of the wind, in s.", shown="7.5")
@@ -74,11 +78,8 @@ class PulseOptions(_Pulse):
             duration=lasts,
             peak=peak,
         )
-        if self.azimuth_deg is not None and wind.heading is None and not _has_soundings(plan):
-            raise InputError(
-                "--azimuth-deg is for a sounding, --winds FILE, and for a wind with a direction,"
-                " --set wind.direction_deg 270"
-            )
+        if wind.heading is None and not _has_soundings(plan):
+            only_with(DIRECTED, azimuth_deg=self.azimuth_deg)
         if self.peak_speed is not None:
             vehicle = complete_vehicle(plan.vehicle, "--peak-speed")
             speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")

@@ -420,12 +420,15 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
             yield Question(_TURBULENCE, None, (_reason(findings, "turbulence"),))
         return
     nominal, sigmas = t, f"the linear autopilot in the wind and {t.label} of turbulence"
+    whose = f"{sigmas} requires"
     if findings.head is not None:
         if findings.head.turbulence is None:
             yield Question(_TURBULENCE, None, (_NOT_KNOWN_AT_PEAK,))
             return
+        whose += f", by the bound for a {findings.study.direction} wind,"
         sigmas, t = f"{sigmas}{_at_peak(findings)}", findings.head.turbulence
     beyond = beyond_linear(t.angle_of_attack, ATTACK)
+    whose = "" if beyond else whose
     judged = [(_TURBULENCE, (nominal.deflection, limit), (t.deflection, limit), "deg")]
     if rate_limit is not None and t.deflection_rate is not None:
         rate = nominal.deflection_rate or np.nan
@@ -441,7 +444,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
             line = (*line, *degrees(key, at_nominal[0], unit=unit))
         yes = _also(bool(covers(*at_nominal[::-1])), bool(covers(available, required)))
         measure = _of_angles(required, available, unit)
-        yield Question(name, None if beyond else yes, line, measure=measure)
+        yield Question(name, None if beyond else yes, line, whose=whose, measure=measure)
     if rate_limit is not None and t.deflection_rate is None:
         yield Question(_TURBULENCE_RATE, None, ("the deflection rate has no variance here",))
 

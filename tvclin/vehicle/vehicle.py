@@ -36,9 +36,9 @@ def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
     array = errors.finite(name, value, unit)
     beyond = array[np.abs(array) > np.pi / 2]
     if beyond.size:
-        with np.errstate(over="ignore"):
-            got = f"{beyond[0]:.6g} rad ({np.degrees(beyond[0]):.6g} deg)"
-        raise errors.InputError(f"{name} must be within 90 degrees, in radians; got {got}")
+        raise errors.InputError(
+            f"{name} must be within 90 degrees; got {errors.in_degrees(beyond[0])}"
+        )
     return array
 
 

@@ -157,8 +157,8 @@ def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
     """Raise `InputError` for angles beyond 90 degrees, and for a wind that is zero."""
     if np.any(np.abs(angle) >= np.pi / 2):
         raise errors.InputError(
-            "angle must be a wind within 90 degrees, in radians; got a largest size of"
-            f" {np.abs(angle).max():.6g} rad"
+            "angle must be a wind within 90 degrees; got a largest size of"
+            f" {errors.in_degrees(np.abs(angle).max())}"
         )
     has_wind = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
     if not np.all(np.any(has_wind & (np.diff(time) > 0.0), axis=-1)):

@@ -124,13 +124,15 @@ class AutopilotDesign:
     """
 
     design: str | None = word(DESIGNS, None, shown="canonical")
-    natural_frequency: float | None = quantity("natural frequency", None)
-    damping: float | None = quantity("number", None, shown=f"{_DEFAULT_DAMPING:g}")
-    drift_frequency: float | None = quantity("natural frequency", None)
-    drift_damping: float | None = quantity("number", None, shown=f"{_DEFAULT_DAMPING:g}")
-    alpha_weight: float | None = quantity("number", None)
-    drift_rate_weight: float | None = quantity("number", None)
-    drift_weight: float | None = quantity("number", None)
+    natural_frequency: float | None = quantity("natural frequency", None, errors.positive)
+    damping: float | None = quantity("number", None, errors.positive, shown=f"{_DEFAULT_DAMPING:g}")
+    drift_frequency: float | None = quantity("natural frequency", None, errors.positive)
+    drift_damping: float | None = quantity(
+        "number", None, errors.positive, shown=f"{_DEFAULT_DAMPING:g}"
+    )
+    alpha_weight: float | None = quantity("number", None, errors.nonnegative)
+    drift_rate_weight: float | None = quantity("number", None, errors.nonnegative)
+    drift_weight: float | None = quantity("number", None, errors.nonnegative)
     attitude_gain: float | None = quantity(GAINS["attitude_gain"], None)
     rate_gain: float | None = quantity(GAINS["rate_gain"], None)
     alpha_gain: float | None = quantity(GAINS["alpha_gain"], None)
@@ -143,7 +145,7 @@ class AutopilotDesign:
         "natural frequency", ACCELEROMETER_BANDWIDTH, errors.positive
     )
     delay: float = quantity("delay", 0.0, errors.nonnegative)
-    crossover: float | None = quantity("natural frequency", None)
+    crossover: float | None = quantity("natural frequency", None, errors.positive)
     minimum: str = word(MINIMA, "peak")
     sudden_ends: int = count(0)
     filters: tuple[Filter, ...] = ()

@@ -299,7 +299,7 @@ def _files(source: Any) -> list[Path]:
         files += [file for file in inside if file.is_file() and not file.name.startswith(".")]
     if not files:
         raise errors.InputError(
-            f"source must name files or folders with files; got {errors.shown(source)}"
+            f"no file of soundings in {', '.join(map(called, paths)) or 'an empty list'}"
         )
     return files
 
