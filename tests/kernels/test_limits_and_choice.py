@@ -14,6 +14,7 @@ from tvclin.base.package_warnings import MachineWarning
 from tvclin.boundary import closed_forms
 from tvclin.kernels import choice
 from tvclin.kernels.small_roots import small_roots
+from tvclin.kernels.switches import switches
 
 pytestmark = pytest.mark.usefixtures("as_users_have_it")
 
@@ -211,7 +212,9 @@ def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatc
     for _ in range(2):  # each command by itself
         with choice.in_a_command():
             assert [choice.fastest(small_roots, 0.13) for _ in range(4)] == [*plain, "compiled"]
-            assert choice.fastest(small_roots, 0.001) is small_roots
+            assert choice.fastest(small_roots, 0.001) == "compiled"  # it is loaded
+            assert choice.fastest(switches, 0.001) is switches
+            assert choice.fastest(switches, 0.03) == "compiled"  # numba is imported
     assert choice.fastest(small_roots, 0.13) == "compiled"
 
 

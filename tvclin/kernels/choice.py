@@ -2,8 +2,8 @@
 
 Machine code needs numba (extra `fast`), some ten seconds per kernel to compile for the first time
 on a computer, and half a second to load from then on. It is chosen where the work of the call, or
-of all similar calls, is worth that, independently of earlier calls. The callers of kernels do not
-depend on the choice.
+of all similar calls, is worth that, independently of earlier calls; in a command also where an
+earlier call has loaded it. The callers of kernels do not depend on the choice.
 
 Machine code runs in threads, each with slices of the cases.
 """
@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from hashlib import sha1
 from importlib.util import find_spec
@@ -88,10 +88,11 @@ _similar_calls: ContextVar[int] = ContextVar("_alike", default=1)
 
 @dataclass
 class _PlainWork:
-    """Work [s] that this process has given to plain Python, and whether that was warned of."""
+    """Work [s] given to plain Python, and whether that was warned of; kernels with machine code."""
 
     seconds: float = 0.0
     announced: bool = False
+    loaded: set[Callable[..., Any]] = field(default_factory=set)
 
 
 _plain_work = _PlainWork()
@@ -125,8 +126,15 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
     if compiled is None:
         total, command = seconds * _similar_calls.get(), _command.get()
         compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
-        loads = command is None or command.seconds + total > _MIN_IMPORTING_SECONDS
+        loads = (
+            command is None
+            or bool(command.loaded)
+            or command.seconds + total > _MIN_IMPORTING_SECONDS
+        )
         compiled = compile_now or (loads and total > _MIN_LOADING_SECONDS and _is_cached(function))
+        if command is not None:
+            command.loaded |= {function} if compiled and available() else set()
+            compiled = function in command.loaded
     return machine_code(function) if compiled and available() else function
 
 
