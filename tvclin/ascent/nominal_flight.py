@@ -23,6 +23,7 @@ from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import checked, file_table, quantity
 from tvclin.base.files import called
+from tvclin.numerics.initial_value import initial_value_solution
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.vehicle.vehicle_file import is_schedule, read_vehicle_text, table_of
 
@@ -105,8 +106,6 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
         return FlightCondition(**FLIGHT_TABLE.read(table))
 
 
-_RTOL = 1e-11
-"""Of the solver: the nominal flight enters all others, which are exact to about 1e-9."""
 _STEEP = np.radians(89.9)
 """The path at which a nominal flight ends: straight up or down it has no plane."""
 
@@ -238,33 +237,23 @@ class NominalFlight:
 
     def _integrated(self, begin: FloatArray, end: float) -> Any:
         """Return the function from times [s] to states, from state `begin` to the time `end`."""
-        from scipy.integrate import solve_ivp
-
-        def leaves(t: float, states: FloatArray) -> float:
-            inside = min(states[2] - LOWEST, HIGHEST - states[2]) / HIGHEST
-            return float(min(states[0] - 1.0, _STEEP - abs(states[1]), inside))
-
-        leaves.terminal = True  # type: ignore[attr-defined]
         if end == self._time:
             return lambda t: begin if np.ndim(t) == 0 else np.outer(begin, np.ones(np.size(t)))
-        solution = solve_ivp(
-            self.rates,
-            (self._time, end),
-            begin,
-            method="DOP853",
-            rtol=_RTOL,
-            atol=1e-9,
-            dense_output=True,
-            events=leaves,
-        )
-        if solution.status:
+        solution = initial_value_solution(self.rates, begin, (self._time, end), _in_atmosphere)
+        if (last := solution.ends[-1]) != end:
+            speed, _, altitude = solution(last) if solution.values.size else begin
             raise errors.InputError(
-                f"the nominal flight does not reach t = {end:.6g} s: at {solution.t[-1]:.6g} s"
-                " it is"
-                f" at {solution.y[2, -1]:.6g} m with {solution.y[0, -1]:.6g} m/s; ask for a"
-                " shorter span"
+                f"the nominal flight does not reach t = {end:.6g} s: at {last:.6g} s it is at"
+                f" {altitude:.6g} m with {speed:.6g} m/s; ask for a shorter span"
             )
-        return solution.sol
+        return solution
+
+
+def _in_atmosphere(states: FloatArray) -> bool:
+    """Return whether all states move within the atmosphere, neither straight up nor down."""
+    speed, path, altitude = states
+    inside = (altitude > LOWEST) & (altitude < HIGHEST)
+    return bool(np.all((speed > 1.0) & (np.abs(path) < _STEEP) & inside))
 
 
 def nominal_flight(
