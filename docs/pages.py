@@ -74,7 +74,7 @@ def api() -> str:
 def _api_lines() -> Iterator[str]:
     title = "Reference"
     yield from (title, "=" * len(title), "")
-    yield "Public names: those of an ordinary week in ``tvclin``, the others in their chapters."
+    yield "Public names by question; those of an ordinary week are in ``tvclin`` itself."
     for chapter, questions in chapters().items():
         heading = chapter.removeprefix("tvclin.")
         yield from ("", heading, "-" * len(heading))

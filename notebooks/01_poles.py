@@ -45,7 +45,7 @@ coefficients
 
 # %% [markdown]
 # Four models, from the simplest to the one with all degrees of freedom of the plane. Each has one
-# fast pole on the right, near beta. Those with a flight path have a slow one beside it.
+# fast pole on the right, near beta. Those with a flight path have a slow one as well.
 
 # %%
 for model in tv.linear.available_models(coefficients):
@@ -101,8 +101,8 @@ print(f"fastest pole {fast:.4f} 1/s; the attitude grows at {measured:.4f} 1/s in
 
 # %% [markdown]
 # **Try:** make the vehicle stable with `vehicle.replace(aerodynamic_arm=-1.0)`; then the fast pole
-# is gone, `coefficients.beta` says so, and on a fixed path no wind needs any deflection at all to
-# be survived. The slow pole of the flight path stays.
+# is gone, `coefficients.beta` says so, and on a fixed path no wind requires any deflection.
+# The slow pole of the flight path stays.
 
 # %%
 kind = "unstable" if coefficients.mu_alpha > 0.0 else "stable"

@@ -11,10 +11,10 @@
 # ---
 
 # %% [markdown]
-# # How much deflection does this wind need, and what does a dead band save?
+# # How much deflection does this wind require, and what does a dead band save?
 #
 # This is the report's question. The nozzle trims the wind's moment until that takes a part K of its
-# limit, the dead band. Then it goes to its limit. What limit is just enough?
+# limit, the dead band. Then it goes to its limit. Which limit is just sufficient?
 #
 # The attitude has one growing mode, $e^{pt}$. The vehicle survives if the deflection leaves nothing
 # of it behind, eq (4b). With drift, as here, that reads
@@ -50,8 +50,8 @@ for dead_band in (1.0, 0.75, 0.5, 0.25, 0.0):
     print(f"K = {dead_band:4.2f}: {found.limit:.4f} of trim, {degrees:.3f} deg")
 
 # %% [markdown]
-# Is that so? At the boundary limit nothing is left of the growing mode. With a tenth less
-# deflection something is, and it grows.
+# Is that so? At the boundary limit the growing mode has no residue. With a tenth less deflection
+# it has one, and grows.
 
 # %%
 boundary = tv.boundary_limit(plant, wind, dead_band=K)

@@ -57,7 +57,7 @@ axes.set(xlabel="time [s]", ylabel="attitude error [deg]", ylim=(-6.0, 6.0))
 _ = axes.legend()
 
 # %% [markdown]
-# How many digits are left?
+# How many digits remain?
 
 # %% tags=["rounding"]
 error = np.abs(simulated.outputs[0] - exact.outputs[0]) / np.max(np.abs(exact.outputs[0]))
@@ -85,7 +85,7 @@ for name, held in zip(("below", "above"), nearly, strict=True):
     print(name, tv.residues(plant, held, wind), np.degrees(response.outputs[0]).round(4))
 
 # %% [markdown]
-# **Try:** a shorter wind in a shorter time (4 s in 12 s), where the simulation is good enough; or a
+# **Try:** a shorter wind in a shorter time (4 s in 12 s), where the simulation is sufficient; or a
 # grid on which the peak of the wind is not a point (`np.linspace(0, 100, 1000)`): then the
 # simulation is wrong from the peak on, and lost three times as soon.
 

@@ -11,9 +11,9 @@
 # ---
 
 # %% [markdown]
-# # What is the least deflection that any control could do with?
+# # What is the minimum deflection of any control?
 #
-# If the whole wind were known beforehand, how little would do? Appendix C of the report asks for
+# If the whole wind were known beforehand, which limit would suffice? Appendix C of the report seeks
 #
 # $$\min_\delta\ \max_t |\delta(t)| \quad\text{such that}\quad
 # (p_k + b_1)\int_{t_0}^\infty e^{-p_k t}\,\delta\,dt
@@ -47,8 +47,8 @@ print(
 )
 
 # %% [markdown]
-# Beside it, the boundary limits of trim with a dead band, and the least limit of any law that
-# does not know when the wind will stop.
+# In comparison: the boundary limits of trim with a dead band, and the least limit of any law that
+# does not know when the wind will end.
 
 # %%
 B = plant.coefficients.B * wind.peak
@@ -63,7 +63,7 @@ for name, peak in rows.items():
 
 # %% [markdown]
 # A long wind excites the slow mode of the flight path as well. Then one constant deflection is not
-# enough: the control switches once, between its two limits.
+# sufficient: the control switches once, between its two limits.
 
 # %%
 long = tv.TriangularWind(peak=np.radians(5.0), duration=40.0)

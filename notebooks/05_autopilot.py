@@ -11,10 +11,10 @@
 # ---
 
 # %% [markdown]
-# # Is this autopilot stable enough, and does it ask too much of the nozzle?
+# # Does this autopilot have its margins, and is the nozzle sufficient for it?
 #
 # The plant is unstable, so a margin has two sides: too much gain and too little. And good margins
-# say nothing about stops.
+# say nothing about the limit of the nozzle.
 #
 # With the loop $L(s)$, broken at the deflection command, the closed loop is
 #
@@ -73,7 +73,7 @@ for one in tv.CRITERIA["aircraft"].judge(margins):
     print(one.criterion.margin, round(float(one.value), 2), "met" if one.satisfied else "NOT MET")
 
 # %% [markdown]
-# And the nozzle? In a wind this loop asks for a peak deflection. Below the boundary limits no
+# And the nozzle? In a wind this loop commands a peak deflection. Below the boundary limits no
 # trim-then-hold control survives, and below the minimum nothing does.
 
 # %%
@@ -82,7 +82,7 @@ beside = tv.compare_with_trim(plant, autopilot, wind)
 _ = comparison_chart(beside)
 
 # %% [markdown]
-# Linear margins leave out the stop. With a stop at 0.9 of trim, in this wind, less may change
+# Linear margins neglect the limit. With a limit of 0.9 of trim, in this wind, less may change
 # before the flight is lost. And which gains with these margins and this crossover need the least
 # deflection, if the angle of attack is fed back too? One wind alone is overfitted, so take three.
 
@@ -126,7 +126,7 @@ _ = needs.set_ylabel("nozzle, of trim [-]")
 
 # %% [markdown]
 # **Try:** half the attitude gain, `0.5 * gains.attitude_gain`: a third of the aero margin is gone,
-# and the nozzle is asked for no less. Where is the edge? Beyond it there is nothing to compare.
+# and the peak deflection is no smaller. Where is the edge? Beyond it there is nothing to compare.
 
 # %%
 answer = (

@@ -74,8 +74,8 @@ flown = tv.fly(plant, laws[name], wind, times, deflection_limit=limit)
 _ = response_chart(flown, f"Law {name}, with 1.2 times the limit that it needs", limit=limit)
 
 # %% [markdown]
-# Now what it cannot do. A wind that jumps to its peak leaves no time to lean, and one that turns
-# round finds the vehicle leaning the wrong way.
+# Now what it cannot do. A wind that jumps to its peak leaves no time to lean, and in one that
+# turns round the vehicle leans the wrong way.
 
 # %% tags=["within 2e-3"]
 winds = tv.design.standard_winds(peak, float(wind.duration))

@@ -28,7 +28,7 @@ from tvclin.plots import response_chart
 
 # %% [markdown]
 # The first answer takes seconds, with dispersions that are assumed. It is for a head wind, which
-# raises the dynamic pressure; a campaign below leaves that out.
+# raises the dynamic pressure; a campaign below omits that.
 
 # %%
 vehicle = tv.load_vehicle("configuration-i")

@@ -61,8 +61,8 @@ axes.set(xlabel="time [s]", ylabel="attitude error [deg]")
 _ = axes.legend()
 
 # %% [markdown]
-# The boundary, found by flying again and again with limits that close in on it, beside eq (18) of
-# the report and the exact model.
+# The boundary, by flights with limits that close in on it, eq (18) of the report, and the exact
+# model.
 
 # %% tags=["within 5e-3"]
 rows = []
@@ -75,7 +75,7 @@ for dead_band in (1.0, 0.5, 0.0):
     print(f"K = {dead_band:.1f}: flown {by_flight:.4f}, exact {exact:.4f}, eq (18) {report:.4f}")
 
 # %% [markdown]
-# For K = 1 the formula asks for slightly more than the flight needs: it is on the safe side, as
+# For K = 1 the formula requires slightly more than the flight: it is on the safe side, as
 # the report says. What the theory freezes, a real flight does not: in
 # `fly_planar(..., condition=...)` speed, mass and dynamic pressure follow the trajectory, and then
 # sign and size of the wind matter.

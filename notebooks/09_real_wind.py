@@ -11,10 +11,10 @@
 # ---
 
 # %% [markdown]
-# # How much nozzle does this real wind ask for?
+# # How much deflection does this real wind require?
 #
 # The report's winds are triangles. A balloon measures something else: a wind over height, from all
-# sides. This notebook takes such a file, flies through it, and asks at every time of the flight.
+# sides. This notebook takes such a file, flies through it, and sizes every time of the flight.
 #
 # A horizontal wind $V_w$ makes an angle of attack, eq (B1e):
 #
@@ -58,7 +58,7 @@ profile = tv.read_sounding(file)
 profile
 
 # %% [markdown]
-# The flight: configuration I along its nominal flight, launched to the east. It meets the levels
+# The flight: configuration I along its nominal flight, launched to the east. It passes the levels
 # one after another; at each the wind makes an angle of attack.
 
 # %%
@@ -79,8 +79,8 @@ lasts = float(triangle.end - triangle.onset)
 print(f"{np.degrees(triangle.peak):.2f} deg for {lasts:.1f} s, from {triangle.onset:.1f} s on")
 
 # %% [markdown]
-# What each asks for. The vehicle is frozen at one flight time after the other, and meets the whole
-# wind as the flight met it; the triangle's peak is moved to each time.
+# What each requires. The vehicle is frozen at one flight time after the other, in the whole wind as
+# the flight encountered it; the triangle's peak is moved to each time.
 
 # %%
 times = np.unique([*np.arange(45.0, 91.0, 5.0), peak_time])
@@ -95,8 +95,8 @@ for row in zip(times, need, beside, strict=True):
 _ = sizing_chart(found)
 
 # %% [markdown]
-# A vehicle that changes while the wind blows needs no flight time: there is one answer. Beside it
-# is the error of freezing the vehicle at the peak of the wind, at nominal dynamic pressure.
+# A vehicle that changes during the wind needs no flight time: there is one answer. With it comes
+# the error of freezing the vehicle at the peak of the wind, at nominal dynamic pressure.
 
 # %%
 both = tv.size(flight, {"real wind": met}, times=peak_time, dead_bands=1.0, varying=True)
@@ -105,7 +105,7 @@ error = 100.0 * float(both.freezing_error["K = 1"][0, 0])
 print(f"{true:.3f} deg along the flight; frozen at {peak_time:.1f} s {error:+.1f} %")
 
 # %% [markdown]
-# What the theory says of itself: where the wind is known, and where one pole is not enough.
+# What the theory says of itself: where the wind is known, and where one pole is not sufficient.
 
 # %%
 for note in both.notes:
@@ -114,7 +114,7 @@ for note in both.notes:
 # %% [markdown]
 # **Try:** a launch to the north, `azimuth = 0`, which leaves little of this wind in the pitch
 # plane; or a gust on top, `gust=tv.OneMinusCosineGust(peak=np.radians(1), duration=2)` in
-# `fly_through`, which meets the frozen vehicle at each time. In a shell:
+# `fly_through`, at each time of the frozen vehicle. In a shell:
 # `tvclin ascent configuration-i --winds sounding.csv --azimuth-deg 90`.
 
 # %%

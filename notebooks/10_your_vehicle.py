@@ -11,10 +11,10 @@
 # ---
 
 # %% [markdown]
-# # What does my own vehicle need?
+# # What does my own vehicle require?
 #
 # A vehicle is a small file, in which every key carries its unit. This notebook writes one, reads
-# it, says what it needs, and what happens when a number is wrong. Put your own numbers in.
+# it, says what it requires, and what happens when a number is wrong. Put your own numbers in.
 #
 # The theory makes two numbers of them, how fast the vehicle falls over and how much deflection
 # holds one radian of wind:
@@ -54,8 +54,8 @@ vehicle
 
 # %% [markdown]
 # The whole answer in one value: boundaries without and with drift, the minimum, what a law
-# without a forecast needs, and whether the part of the nozzle's limit that is left for the wind
-# is enough. The wind is a tail wind that comes and goes within a few seconds; its angle follows
+# without a forecast requires, and whether the part of the nozzle's limit that remains for the wind
+# is sufficient. The wind is a tail wind that comes and goes within a few seconds; its angle follows
 # from its speed and the flight path.
 
 # %%
@@ -80,7 +80,7 @@ for model, boundary in study.boundaries.items():
 
 # %% [markdown]
 # The same over the duration of the wind. Where the limit lies above the curve of a dead band, it is
-# enough for that control.
+# sufficient for that control.
 
 # %%
 _ = study_chart(study)

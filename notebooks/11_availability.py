@@ -13,13 +13,14 @@
 # %% [markdown]
 # # Can we launch in February?
 #
-# A nozzle that is enough for the design's wind is not enough for every day's. An archive of
+# A nozzle that is sufficient for the design's wind is not so for every day's. An archive of
 # balloons says on how many days it is. This notebook reads one, flies through each sounding, and
 # counts:
 #
 # $$P(\delta_{max}) = \frac{\#\{i : \delta_i \le \delta_{max}\}}{n},$$
 #
-# $\delta_i$ being what the day of sounding $i$ needs, and $n$ the soundings of which it is known.
+# $\delta_i$ being what the day of sounding $i$ requires, and $n$ the soundings of which it is
+# known.
 
 # %%
 import tempfile
@@ -61,7 +62,7 @@ soundings
 
 # %% [markdown]
 # The flight: configuration I along its nominal flight, launched to the east. Each sounding is flown
-# through with parameters that vary; pitch and yaw are combined as for a round stop.
+# through with parameters that vary; pitch and yaw are combined as for a round limit.
 
 # %%
 flight = tv.load_schedule("configuration-i")
@@ -71,15 +72,15 @@ for month, part in found.by_month().items():
     print(month, part)
 
 # %% [markdown]
-# What a balloon did not see is unknown, not calm. It is judged only where the limit is enough, or
-# is not, whatever blew there.
+# What a balloon did not see is unknown, not calm. It is judged only where the limit is sufficient,
+# or is not, in any wind there.
 
 # %%
 unknown = [f"{time}: {why}" for time, why in zip(soundings.times, found.why, strict=True) if why]
 print(f"{len(unknown)} are unknown, the first at {unknown[0]}")
 
 # %% [markdown]
-# How much nozzle would be enough for more days? The curve, and what stands on a placard.
+# Which limit would be sufficient for more days? The curve, and what stands on a placard.
 
 # %%
 february = tv.availability(
@@ -92,8 +93,8 @@ for part, need in zip((0.5, 0.8, 0.9, 0.95), february.placard([0.5, 0.8, 0.9, 0.
 _ = availability_chart(february)
 
 # %% [markdown]
-# The balloon flies some hours before the vehicle. The archive's own pairs say by how much a need
-# grows in twelve hours; three and a half hours are less. And today?
+# The balloon flies some hours before the vehicle. The archive's own pairs say by how much a
+# requirement grows in twelve hours; three and a half hours are less. And today?
 
 # %%
 later = tv.availability(

@@ -11,11 +11,11 @@
 # ---
 
 # %% [markdown]
-# # Is my notch enough?
+# # Is my notch sufficient?
 #
 # A vehicle bends, its gyros feel it, and the autopilot answers. A filter keeps it from answering.
-# Is the filter still enough when the mode is not where the model has it? What does it cost in a
-# wind, with a stop? The vehicle is made up; put your own files in its place.
+# Is the filter still sufficient when the mode is not where the model has it? What does it cost in a
+# wind, with a deflection limit? The vehicle is made up; put your own files in its place.
 
 # %%
 from dataclasses import replace
@@ -103,7 +103,7 @@ for factor in (0.8, 0.9, 1.0, 1.1, 1.2):
 
 # %% [markdown]
 # And all modes in turn, with half their damping too, and with slopes of the other sign: which
-# change leaves the least?
+# change leaves the smallest margin?
 
 # %%
 table = tv.control.detuned(notched, plant, factors=(0.9, 1.1))

@@ -14,7 +14,7 @@
 # # Does it matter where the wind blows from?
 #
 # A limit is counted in the pitch plane, and the nozzle turns in two. How much too small is it,
-# and what does the shape of the stop change? The wind over height is made up; put your own
+# and what does the shape of the limit change? The wind over height is made up; put your own
 # sounding in its place (`tv.read_sounding`).
 
 # %%
@@ -50,8 +50,8 @@ for azimuth in (0, 30, 60, 90):
     )
 
 # %% [markdown]
-# What the wind asks of the nozzle is a vector that turns. It is trimmed until the stop is met; from
-# there on the discounted mean of the future trim is held,
+# Trim of this wind is a vector that turns. It is followed up to the limit; from there on the
+# discounted mean of the future trim is held,
 #
 # $$g_S\big(w(a)\big) = K\,g_S\big(W(a)\big), \qquad W(t) = p\int_t^\infty e^{-p(r-t)}\,w(r)\,dr .$$
 
@@ -60,7 +60,7 @@ plant = tv.Plant.from_vehicle(booster)
 _ = plane_chart(plant, sounding.to_winds(flight, azimuth=np.radians(30)), "round")
 
 # %% [markdown]
-# Two actuators at right angles have a square stop. Where it stands matters:
+# Two actuators at right angles have a square limit. Its orientation matters:
 
 # %%
 met = tv.fly_through(sounding, flight, azimuth=np.radians(30), plane="both")
@@ -90,8 +90,8 @@ for part in (0.95, 1.05):
 
 # %% [markdown]
 # **Try:** other azimuths, `dead_bands=(1.0, 0.5)`, a wind that turns by 180 degrees (trim then
-# needs more than the boundary), `saturate="each plane"`. In a shell: `tvclin ascent configuration-i
-# --set nozzle.limit_shape square --winds FILE --azimuth-deg 30`.
+# requires more than the boundary), `saturate="each plane"`. In a shell: `tvclin ascent
+# configuration-i --set nozzle.limit_shape square --winds FILE --azimuth-deg 30`.
 
 # %%
 worst = max(misses, key=misses.get)

@@ -14,7 +14,7 @@
 # # Course, first hour: how do nine numbers become a deflection?
 #
 # This hour goes from the data of a booster to the least deflection that survives a wind, by hand
-# first and with the package beside it. Three exercises stand in the middle; their answers, at the
+# first, then with the package. Three exercises stand in the middle; their answers, at the
 # end, are computed. The vehicle is made up: put your own in.
 
 # %%
@@ -64,7 +64,7 @@ print(f"package beta = {known.beta:.4f} 1/s, B = {known.B:.4f}")
 #
 # $$\int_0^\infty e^{-\beta t}\,\bigl(\delta(t) + B\,\alpha_w(t)\bigr)\,dt = 0 .$$
 #
-# Only the sizes count below: the wind asks for trim $B\alpha_w$, the nozzle gives
+# Only the sizes count below: the wind requires trim $B\alpha_w$, the nozzle gives
 # $\min(B\alpha_w, \delta_{max})$ until the limit is reached, and holds it from there on (K = 1).
 
 # %%
@@ -107,16 +107,16 @@ _ = axes.legend()
 #    Does the boundary fall by as much, by more, or by less?
 # 2. A rectangular wind, and the whole limit from its first moment on (K = 0). Find the boundary as
 #    a formula of $\beta\tau$.
-# 3. With drift, the usual model, a longer wind need not be the worse one. Which duration needs
+# 3. With drift, the usual model, a longer wind need not be the worse one. Which duration requires
 #    most with K = 1, and how much of trim? Does the report's exit, on the wind, say the same?
 #
-# **Try:** each before you read on. Paper is enough for the second.
+# **Try:** each before you read on. Paper is sufficient for the second.
 
 # %% [markdown]
 # ## Answers
 #
 # **1.** By more. $B$ falls in proportion to the arm, and with it trim. $\beta$ falls with its
-# root: the wind is shorter in falling times, and a shorter wind needs a smaller part of trim.
+# root: the wind is shorter in falling times, and a shorter wind requires a smaller part of trim.
 
 # %%
 aft = tv.Plant.from_vehicle(vehicle.replace(aerodynamic_arm=5.5), model="fixed-path")
@@ -135,11 +135,11 @@ limit = float(tv.boundary_limit(fixed, rectangle, dead_band=0.0).limit)
 print(f"formula {formula:.6f}, package {limit:.6f}")
 
 # %% [markdown]
-# **3.** All durations in one call. The maximum is flat, and longer winds need a little less: the
-# vehicle drifts with them. A flight leaves the dead band when trim itself meets the limit, and so
+# **3.** All durations in one call. The maximum is flat, and longer winds require a little less: the
+# vehicle drifts with them. A flight leaves the dead band when trim itself reaches the limit, and so
 # does `tv.required_deflection`; `tv.boundary_limit` leaves it as the report does, when
-# $B\alpha_w$ meets the limit. Drift relieves trim, so the exit of a flight is later, nearer to
-# the peak: in long winds the report's number lies far below what a flight needs.
+# $B\alpha_w$ reaches the limit. Drift relieves trim, so the exit of a flight is later, nearer to
+# the peak: in long winds the report's number lies far below what a flight requires.
 
 # %%
 drift = tv.Plant.from_vehicle(vehicle)

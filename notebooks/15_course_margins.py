@@ -11,9 +11,9 @@
 # ---
 
 # %% [markdown]
-# # Course, second hour: what do margins promise, and what does a stop leave of them?
+# # Course, second hour: what do margins promise, and what remains with a limit?
 #
-# From gains by hand to margins, and from margins to a flight with a nozzle that has a stop. The
+# From gains by hand to margins, and from margins to a flight with a limited nozzle. The
 # vehicle is the report's configuration I, on a fixed path, so that every number can be checked
 # with a pencil. Three exercises; their answers, at the end, are computed.
 
@@ -62,9 +62,9 @@ margins
 _ = nyquist_chart(autopilot, plant)
 
 # %% [markdown]
-# Margins are of small motions. A nozzle has a stop, and in a wind it comes to it. Then a larger
-# gain turns it no further, and the vehicle flies on with less gain than it has: the aero margin is
-# what a stop takes. Flights say how much is left.
+# Margins are of small motions. A nozzle has a limit, and in a wind it reaches it. Then a larger
+# gain turns it no further, and the vehicle flies on with less gain than it has: it is the aero
+# margin that a limit reduces. Flights say how much remains.
 
 # %% tags=["within 2e-3"]
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
@@ -93,10 +93,11 @@ _ = axes.legend()
 # %% [markdown]
 # ## Exercises
 #
-# 1. Which delay makes this loop unstable? Find crossover and phase by hand, then ask the package.
+# 1. Which delay makes this loop unstable? Find crossover and phase by hand, then with the package.
 # 2. A criterion wants 6 dB of aero margin, and the damping shall stay. Which attitude gain and
 #    which frequency are the least?
-# 3. Somebody doubles both gains to bring the vehicle back faster. Does it then need less nozzle?
+# 3. Somebody doubles both gains to bring the vehicle back faster. Does it then require less
+#    deflection?
 #
 # **Try:** each before you read on; the first needs one root of one equation.
 

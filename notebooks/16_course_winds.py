@@ -11,7 +11,7 @@
 # ---
 
 # %% [markdown]
-# # Course, third hour: is the nozzle enough for the wind of this balloon?
+# # Course, third hour: is the nozzle sufficient for the wind of this balloon?
 #
 # From a measured wind to a verdict over a whole flight. The sounding is made up, with a jet stream
 # at 11 km; the flight is that of configuration I. Three exercises; their answers, at the end, are
@@ -68,8 +68,8 @@ print(f"{time:g} s: {height / 1e3:.2f} km, {speed:.0f} m/s, path {np.degrees(pat
 print(f"{wind_speed:.1f} m/s there make {np.degrees(float(met.wind(time))):.3f} deg")
 
 # %% [markdown]
-# A vehicle that is frozen at one flight time after the other, and meets the whole wind as the
-# flight met it, has as many answers as times. One whose parameters vary as it flies has one.
+# A vehicle that is frozen at one flight time after the other, in the whole wind as the flight
+# encountered it, has as many answers as times. One whose parameters vary as it flies has one.
 
 # %%
 times, wanted = np.arange(44.0, 81.0, 4.0), "K = 1, varying"
@@ -83,7 +83,7 @@ print(f"as it flies:    {np.degrees(need):.3f} deg")
 _ = sizing_chart(found)
 
 # %% [markdown]
-# A nozzle has more to do than wind: an engine that stands askew, a centre of gravity beside the
+# A nozzle has more to do than wind: an engine that stands askew, a centre of gravity off the
 # axis. They are taken from its limit before the wind comes.
 
 # %%
@@ -97,9 +97,9 @@ total
 # 1. Find the angle at 60 s by hand with (B1e), as it is used: $V_R$ is the speed in calm air. Then
 #    draw the triangle of velocities. By how much are the angle and the moment, $V_R^2\alpha_w$,
 #    another?
-# 2. Into which azimuth would this wind ask for least in the pitch plane, and why is that no
+# 2. Into which azimuth would this wind require least in the pitch plane, and why is that no
 #    advice?
-# 3. By which factor may all winds of the balloon grow until the nozzle is just enough?
+# 3. By which factor may all winds of the balloon grow until the nozzle is just sufficient?
 #
 # **Try:** each before you read on. The third is a root of the whole chain.
 
@@ -120,8 +120,8 @@ for name, along in {"tail": wind_speed, "head": -wind_speed}.items():
     print(f"{name} wind: angle {angle / by_hand - 1.0:+.1%}, moment {moment - 1.0:+.1%}")
 
 # %% [markdown]
-# **2.** To the north, across the wind: in pitch nearly nothing is left. But then all of it stands
-# in yaw, where no inclined path makes the angle smaller, and one stop holds both planes. Frozen at
+# **2.** To the north, across the wind: in pitch nearly nothing remains. But then all of it stands
+# in yaw, where no inclined path makes the angle smaller, and one limit holds both planes. Frozen at
 # 60 s:
 
 # %%
@@ -134,9 +134,9 @@ for degrees in (0.0, 45.0, 90.0):
     print("azimuth {:2.0f} deg: pitch {:.3f} deg, both planes {:.3f} deg".format(degrees, *needs))
 
 # %% [markdown]
-# **3.** The sine of the angle is proportional to the wind, and for small angles the need to the
-# angle; a root of the whole chain says it without "small", and with the dynamic pressure that the
-# wind makes.
+# **3.** The sine of the angle is proportional to the wind, and for small angles the requirement to
+# the angle; a root of the whole chain says it without "small", and with the dynamic pressure that
+# the wind makes.
 
 # %%
 rows = [line.split(",") for line in levels.splitlines()[1:]]

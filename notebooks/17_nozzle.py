@@ -13,10 +13,10 @@
 # %% [markdown]
 # # What must this nozzle be able to do?
 #
-# Who builds the nozzle of a launcher asks for a data sheet: how far, how fast, how often, with
+# Who builds the nozzle of a launcher wants a data sheet: how far, how fast, how often, with
 # what torque. This notebook goes there from a wind, for a launcher that is made up, as is its
-# nozzle: angle and rate that the wind asks for, a law that flies with them, and the card of the
-# whole flight.
+# nozzle: angle and rate that the wind requires, a law that flies with them, and the data sheet of
+# the whole flight.
 
 # %%
 from dataclasses import replace
@@ -34,7 +34,7 @@ from tvclin.plots import rate_chart
 #
 # $$ d = -\frac{r}{p}\,\ln\Big(1 - \frac{p\,d_0}{r}\Big), $$
 #
-# and at $r = p\,d_0$ no angle is enough.
+# and at $r = p\,d_0$ no angle is sufficient.
 
 # %%
 vehicle = tv.load_vehicle("made-up-launcher").rigid
@@ -48,10 +48,10 @@ trade_off
 _ = rate_chart(trade_off, "Made-up launcher, a triangle of 5 deg and 7.5 s")
 
 # %% [markdown]
-# The nozzle's point lies far to the right: wind alone asks for little rate. What asks for rate
-# are gains, noise, and steps of the command.
+# The nozzle's point lies far to the right: wind alone takes little rate. Gains, noise, and steps
+# of the command take more.
 #
-# ## One flight: what the motion asks for
+# ## One flight: what the motion takes
 #
 # The law flies through an actuator; rate and acceleration are those of its equation. With what
 # turns and what resists there are torque and power as well.
@@ -123,8 +123,7 @@ for name, one in (("quiet", card), ("with noise", loud)):
 # %% [markdown]
 # ## The data sheet
 #
-# What is needed, what is there, and what is left: the line of which the largest part is needed
-# comes first.
+# Required, available and remaining: the line of which the largest part is required comes first.
 
 # %%
 loud.verdict

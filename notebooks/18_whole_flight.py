@@ -11,7 +11,7 @@
 # ---
 
 # %% [markdown]
-# # Is my autopilot good enough for the whole flight?
+# # Is my autopilot sufficient for the whole flight?
 #
 # From a trajectory file to a scheduled autopilot: the sweep of its margins, a notch that follows a
 # bending mode, and a flight through a jet stream. The launcher and all its numbers are made up; put
@@ -84,7 +84,7 @@ print(f"{flight.span[0]:g} to {flight.span[1]:g} s, modes: {', '.join(flight.str
 #
 # A rule gives gains for the rigid vehicle at each time; between them lie straight lines. Gains may
 # be scheduled on a variable with one value for each time: the dynamic pressure of this flight rises
-# and falls, and has one value for two times with different needs.
+# and falls, and has one value for two times with different gains.
 
 # %%
 times = np.arange(30.0, 111.0, 5.0)

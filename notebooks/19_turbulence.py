@@ -34,8 +34,8 @@ print(f"at 55 s: {vehicle.velocity:.0f} m/s, {height / 1e3:.1f} km")
 # ## The wind
 #
 # MIL-F-8785C gives an intensity over altitude for a probability with which it is exceeded. Severe
-# turbulence is met once in 100,000. A launcher climbs along its path, so that the transverse
-# component turns it. Its power falls with the square of frequency above $V/L$.
+# turbulence has a probability of one in 100,000. A launcher climbs along its path, so that the
+# transverse component turns it. Its power falls with the square of frequency above $V/L$.
 
 # %%
 severe = tv.winds.Turbulence.mil_f_8785c("severe")
@@ -74,7 +74,7 @@ _ = spectrum_chart(loop, "Made-up launcher at 55 s in severe turbulence")
 
 # %% [markdown]
 # The nozzle's travel is the integral of the size of its rate: $\sqrt{2/\pi}$ standard deviations
-# of the rate in each second. How often a limit is met follows from Rice's formula.
+# of the rate in each second. How often a limit is reached follows from Rice's formula.
 
 # %%
 print(f"travel {np.degrees(loop.travel_rate):.3f} deg in each second")
@@ -127,7 +127,7 @@ _ = axes.set_title("Mean, three standard deviations, and eight flights")
 #
 # Along a flight speed, altitude, vehicle and gains change. The rigid vehicle is at rest when
 # the flight begins, here at 40 s. The budget takes turbulence at its own quantile, as a random
-# contribution, beside the wind.
+# contribution, in addition to the wind.
 
 # %%
 design = tv.control.AutopilotDesign(natural_frequency=1.5, damping=0.8)
@@ -184,8 +184,8 @@ duty = tv.nozzle.flight_duty(
 duty.verdict
 
 # %% [markdown]
-# **Try:** moderate turbulence, or a loop of half the natural frequency: how much of the travel is
-# left then?
+# **Try:** moderate turbulence, or a loop of half the natural frequency: how much of the travel
+# remains then?
 
 # %%
 answer = f"The data sheet in turbulence: {duty.verdict.words}."

@@ -11,7 +11,7 @@
 # ---
 
 # %% [markdown]
-# # Is the filter good enough, with a plant and a controller from MATLAB?
+# # Is the filter sufficient, with a plant and a controller from MATLAB?
 #
 # A finite-element tool gives a plant as matrices, the flight computer its law as difference
 # equations, both as files. This notebook reads them, judges the loop by band, trades four filters
