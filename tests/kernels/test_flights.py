@@ -8,6 +8,7 @@ from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, Plant
 from tvclin.flights.closed_loop import sampled
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
+from tvclin.kernels import choice, flights
 from tvclin.kernels.choice import available, pinned
 from tvclin.kernels.control_laws import bounded_coordinate, slow_edges
 from tvclin.numerics.pieces import polynomial_pieces
@@ -85,7 +86,7 @@ def test_machine_code_flies_as_plain_python_does(name, options):
     np.testing.assert_allclose(fields(fast), fields(slow), rtol=1e-9, atol=1e-10)
 
 
-class Asked(tv.control.Law):
+class LawInPython(tv.control.Law):
     """Gains in Python: their flights go sample by sample, by `look` and `advance`."""
 
     def demand(self, measured, states, limit):
@@ -99,10 +100,21 @@ def test_machine_code_moves_by_a_sample_as_plain_python_does():
     computed = []
     for compiled in (False, True):
         with pinned(compiled):
-            flight = flown((plant, Asked(), wind, limit), actuator=SERVO, delay=0.047)
+            flight = flown((plant, LawInPython(), wind, limit), actuator=SERVO, delay=0.047)
         computed.append(flight)
     np.testing.assert_array_equal(*(one.status for one in computed))
     np.testing.assert_allclose(fields(computed[1]), fields(computed[0]), rtol=1e-9, atol=1e-10)
+
+
+def test_both_kernels_of_a_sample_run_alike_if_one_alone_is_cached(monkeypatch):
+    """As after the end of a process between their two compilations."""
+    plant, _, wind, limit = case("gains", 2)
+    with pinned(False):
+        expected = flown((plant, LawInPython(), wind, limit))
+    monkeypatch.setattr(choice, "_MIN_LOADING_SECONDS", 0.0)
+    monkeypatch.setattr(choice, "_is_cached", lambda kernel: kernel is flights.advance)
+    computed = flown((plant, LawInPython(), wind, limit))
+    np.testing.assert_array_equal(fields(computed), fields(expected))
 
 
 @EACH_WAY

@@ -23,6 +23,7 @@ from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import in_slices
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import NEVER, Flights
+from tvclin.kernels.source import machine_code
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
 from tvclin.linear.system import LinearSystem, connect, polynomial_input
 from tvclin.numerics.propagation import input_states, matrix_exponentials, piece_matrix
@@ -79,10 +80,10 @@ class Stepper:
     """Kernel of flights whose demand is computed outside, one sample at a time."""
 
     def __init__(self, f: Flights) -> None:
-        seconds = float(_last(f).sum()) * kernel.PLAIN / 2.0
-        self._look = choice.fastest(kernel.look, seconds)
-        self._advance = choice.fastest(kernel.advance, seconds)
-        self._flights = f if self._look is kernel.look else _compact(f)
+        self._look = choice.fastest(kernel.look, float(_last(f).sum()) * kernel.PLAIN)
+        compiled = self._look is not kernel.look  # both, as machine code takes other arrays
+        self._advance = machine_code(kernel.advance) if compiled else kernel.advance
+        self._flights = _compact(f) if compiled else f
 
     def look(self, k: int) -> int:
         """Evaluate measurements and outcomes at sample k; return the number of active flights."""
