@@ -124,7 +124,7 @@ def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     second = autopilot().band_margins(booster()).mode("bending 2").gain_margin_dB
     computed = judged["bending 2", "mode_gain_margin_dB"]
     assert computed["surplus"] == pytest.approx(second - 6.0, rel=1e-9)
-    assert [key[0] for key, one in judged.items() if not one["met"]] == ["bending 2"]
+    assert [key[0] for key, one in judged.items() if not one["satisfied"]] == ["bending 2"]
     free = margins(*own, "--set", "criteria.mode_gain_margin_dB=6").output
     assert "bending 1: phase-stabilised, without a required margin (mode_phase_margin_deg" in free
     failed = margins(
@@ -216,10 +216,10 @@ def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
     assert (nominal.exit_code, moved.exit_code) == (0, 1)
     document = json.loads(moved.stdout)
     computed = document["detuned"]
-    assert document["criteria"]["met"]
-    missed = [row["change"] for row in computed["rows"] if not row["met"]]
+    assert document["criteria"]["satisfied"]
+    missed = [row["change"] for row in computed["rows"] if not row["satisfied"]]
     assert missed
-    assert computed["met"] is False
+    assert computed["satisfied"] is False
     lower = ONE_MODE.replace("frequency_Hz = 9", f"frequency_Hz = {0.8 * 9.0}")
     file.write_text(read_vehicle_text("configuration-i")[0] + lower)
     assert "bending 1 x 0.8" in missed
@@ -249,7 +249,7 @@ def test_detuned_modes_are_those_of_the_library():
     expected = tv.control.detuned(autopilot(), booster(), criteria=criteria)
     assert [row["change"] for row in document["rows"]] == list(expected.changes)
     assert [row["first"] for row in document["rows"]] == list(expected.critical_margin)
-    assert [row["met"] for row in document["rows"]] == expected.satisfied.tolist()
+    assert [row["satisfied"] for row in document["rows"]] == expected.satisfied.tolist()
     assert "unstable" in expected.critical_margin
     for row, phase in zip(document["rows"], expected.margins.phase_margin_deg, strict=True):
         computed = row["phase_margin_deg"]

@@ -53,11 +53,11 @@ def test_gains_are_sought_for_the_samples_and_filters_that_are_given():
     result = run("design", "--least", "--crossover", "2", *loop, "--json")
     assert result.exit_code == 0
     document = json.loads(result.stdout)
-    assert document["criteria"]["met"]
+    assert document["criteria"]["satisfied"]
     own = document["autopilot"]
     gains = ("--attitude-gain", repr(own["attitude_gain"]), "--rate-gain", repr(own["rate_gain_s"]))
     judged = json.loads(run("margins", *gains, *loop, "--json").stdout)
-    assert judged["criteria"]["met"]
+    assert judged["criteria"]["satisfied"]
     assert own["sample_rate_Hz"] == judged["autopilot"]["sample_rate_Hz"] == 25.0
 
 
@@ -92,8 +92,8 @@ def test_the_worst_margins_of_a_box_are_judged():
     bad = run(*fine, "--box", "gain=0.2..1", "--json")
     assert bad.exit_code == 1
     document = json.loads(bad.stdout)
-    assert document["criteria"]["met"]
-    assert not document["box"]["met"]
+    assert document["criteria"]["satisfied"]
+    assert not document["box"]["satisfied"]
     assert document["box"]["margins"]["aero_margin_dB"]["at"] == {"gain": 0.2}
     assert document["bounds"]["disk_margin"] == pytest.approx(1.73, abs=0.01)
 
@@ -162,7 +162,7 @@ def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
     gains = ("made-up-launcher", *map(str, own), "--delay-ms", "10", "--json")
     for command in ("margins", "design"):
         answer = run(command, *gains)
-        assert (answer.exit_code, json.loads(answer.stdout)["criteria"]["met"]) == (1, False)
+        assert (answer.exit_code, json.loads(answer.stdout)["criteria"]["satisfied"]) == (1, False)
 
 
 @pytest.mark.thorough
@@ -177,4 +177,8 @@ def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
     own = answer["autopilot"]
     gains = ("--attitude-gain", own["attitude_gain"], "--rate-gain", own["rate_gain_s"])
     margins = run("margins", *map(str, gains), *notch)
-    assert answer["criteria"]["met"] is json.loads(margins.stdout)["criteria"]["met"] is True
+    assert (
+        answer["criteria"]["satisfied"]
+        is json.loads(margins.stdout)["criteria"]["satisfied"]
+        is True
+    )

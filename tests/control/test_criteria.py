@@ -397,7 +397,7 @@ def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_ban
     assert [document[key] for key in ("margin", "limit", "source", "band")] == [
         *("disk_margin", 0.4, "a memorandum", None)
     ]
-    assert (document["value"], document["surplus"], document["met"]) == (
+    assert (document["value"], document["surplus"], document["satisfied"]) == (
         one.value,
         one.surplus,
         True,

@@ -121,7 +121,7 @@ def requirement_of(plan: Any) -> CaseRequirement:
 
 def known(need: CaseRequirement) -> float | str:
     """Return the required deflection [rad] of a requirement, or that it is not known."""
-    return UNKNOWN if need.beyond or need.unknown else need.required_deflection
+    return UNKNOWN if need.beyond_linear or need.unknown else need.required_deflection
 
 
 def of_campaign(plan: Any) -> float | str:

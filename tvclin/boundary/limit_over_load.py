@@ -165,7 +165,7 @@ class LoadTradeOff(TradeOff):
         limit is sufficient. A limit below the bound is never sufficient; one above it may be too
         small for a control.
         """
-        if self.beyond:
+        if self.beyond_linear:
             return None
         if self.limit is None:
             return False if np.isinf(self._proved) else None
@@ -197,8 +197,8 @@ class LoadTradeOff(TradeOff):
     @property
     def verdict(self) -> str:
         """Whether the limit is below the lower bound, in words; empty where it is not."""
-        if self.beyond:
-            return f"{sufficiency(None)}: {self.beyond}"
+        if self.beyond_linear:
+            return f"{sufficiency(None)}: {self.beyond_linear}"
         if self.above_lower_bound is False:
             return f"{sufficiency(False)}, below the {WIND_KNOWN}"
         if self.above_lower_bound is None and self.limit is not None:
@@ -624,4 +624,6 @@ def load_trade_off(
         else case.required_load(nozzle_limit),
         angle=abs(float(wind.peak)),
     )
-    return replace(front, lower_bound=np.nan, required_load=np.nan) if front.beyond else front
+    return (
+        replace(front, lower_bound=np.nan, required_load=np.nan) if front.beyond_linear else front
+    )

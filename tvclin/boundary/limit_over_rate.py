@@ -160,7 +160,7 @@ class TradeOff(Shown):
         return margin_of(self.limit, self.lower_bound)
 
     @property
-    def beyond(self) -> str:
+    def beyond_linear(self) -> str:
         """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
         return beyond_linear(self.angle)
 
@@ -229,7 +229,7 @@ class RateTradeOff(TradeOff):
         For a limit or a rate limit alone, whether some value of the other one satisfies this. A
         limit below the bound is never sufficient; one above it may be too small for a control.
         """
-        if self.beyond:
+        if self.beyond_linear:
             return None
         if self.limit is None:
             return None if self.rate_limit is None else bool(np.isfinite(self.lower_bound))
@@ -258,8 +258,8 @@ class RateTradeOff(TradeOff):
     @property
     def verdict(self) -> str:
         """Whether the nozzle's point is below the lower bound, in words; empty where it is not."""
-        if self.beyond:
-            return f"{sufficiency(None)}: {self.beyond}"
+        if self.beyond_linear:
+            return f"{sufficiency(None)}: {self.beyond_linear}"
         if self.above_lower_bound is not False:
             return ""
         whose = NO_FORECAST if self._sufficient_with_forecast else WIND_KNOWN
@@ -392,7 +392,9 @@ def rate_trade_off(
         ),
         angle=abs(float(wind.peak)),
     )
-    return replace(front, lower_bound=np.nan, required_rate=np.nan) if front.beyond else front
+    return (
+        replace(front, lower_bound=np.nan, required_rate=np.nan) if front.beyond_linear else front
+    )
 
 
 @dataclass(frozen=True, eq=False)

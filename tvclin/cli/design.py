@@ -89,7 +89,7 @@ class BoxResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the worst case and the verdict, for JSON."""
-        return self.worst.as_dict() | {"met": self.satisfied}
+        return self.worst.as_dict() | {"satisfied": self.satisfied}
 
     @property
     def verdict(self) -> str:
@@ -251,7 +251,7 @@ class RuleResult:
             "aero_margin_dB": margins.aero_margin_dB,
             "gain_increase_dB": margins.gain_increase_dB,
             "phase_margin_deg": margins.phase_margin_deg,
-            "met": self.margins.satisfied,
+            "satisfied": self.margins.satisfied,
             "peak_deflection_deg": degrees(self.peak),
         }
 

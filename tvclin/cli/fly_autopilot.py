@@ -361,7 +361,11 @@ class AutopilotFlight:
     def _criteria_document(self) -> dict[str, Any]:
         """Return name, limits and verdict of the criteria, for JSON."""
         criteria = self.case.held_to
-        return {"name": criteria.name, "limits": criteria.limits, "met": self.criteria_satisfied}
+        return {
+            "name": criteria.name,
+            "limits": criteria.limits,
+            "satisfied": self.criteria_satisfied,
+        }
 
     def show(self, shown: ShownCurves, more: bool) -> bool:
         """Write and print the answer; return whether it survives, and its limit is sufficient."""

@@ -189,7 +189,7 @@ def margins_document(result: JudgedMargins) -> dict[str, Any]:
         **({} if result.bands is None else {"bands": result.bands}),
         "criteria": {
             "name": result.criteria.name,
-            "met": result.satisfied,
+            "satisfied": result.satisfied,
             "limits": result.judged,
         },
         "notes": loop_margins.notes,

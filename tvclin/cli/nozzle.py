@@ -199,7 +199,7 @@ class TradeOffAnswer:
     def verdict(self, required: CaseRequirement | None) -> str:
         """Return the verdict on the limit, its lower bound, the study's requirement and flights."""
         front, bound = self.trade_off, []
-        if not front.beyond:
+        if not front.beyond_linear:
             bound = [front.bound_text, *([] if required is None else [required.see_study])]
         return "; ".join([*filter(None, [front.verdict]), *self.outcomes, *bound])
 
@@ -223,7 +223,7 @@ def over_rate(
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
         front = rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
-        stated = None if front.beyond else _at_limit(case, front, required)
+        stated = None if front.beyond_linear else _at_limit(case, front, required)
     needed = _flown_limits(case) if every_law else None
     drawn, (curve, point) = needed or front, front.tables()
     at = REQUIRED if limit is None else "limit"

@@ -109,7 +109,7 @@ class BoundedTrim:
     @property
     def survived(self) -> bool | None:
         """Whether the limit survives at this pressure; None beyond linear aerodynamics."""
-        return None if self.beyond else bool(covers(self.limit, self.nominal))
+        return None if self.beyond_linear else bool(covers(self.limit, self.nominal))
 
     @property
     def outcome(self) -> str:
@@ -120,7 +120,7 @@ class BoundedTrim:
         return f"{survival(self.survived)}: {required}; {limit}"
 
     @property
-    def beyond(self) -> str:
+    def beyond_linear(self) -> str:
         """Reason of `beyond_linear` why the answer is not known in this wind; empty if it is."""
         return beyond_linear(float(self.wind.peak))
 

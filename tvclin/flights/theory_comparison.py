@@ -55,7 +55,7 @@ class FlightComparison:
         The wind angle [rad].
     survived, predicted : bool or None
         Whether the flight survives the wind, and whether it does in linear theory; None in a wind
-        `beyond` linear aerodynamics, which both assume.
+        beyond the linear aerodynamics that both assume.
     let_go : tuple of float
         Times [s], flown and linear, at which the limit of the report's control, held for ever
         otherwise, is released: at zero attitude, if the flight survives. Infinite if that is later
@@ -122,7 +122,7 @@ class FlightComparison:
         return flown, linear
 
     @property
-    def beyond(self) -> str:
+    def beyond_linear(self) -> str:
         """Reason of `beyond_linear` why survival is not known in this wind; else empty."""
         return beyond_linear(float(self.wind.peak))
 

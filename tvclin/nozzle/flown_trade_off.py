@@ -68,7 +68,7 @@ class FlownTradeOff(Shown):
     def survives(self) -> dict[str, bool] | None:
         """Whether each law survives with the nozzle; None without its limits, or not known."""
         required, limit = self.required, self.minimum.limit
-        if required is None or limit is None or self.minimum.beyond:
+        if required is None or limit is None or self.minimum.beyond_linear:
             return None
         return {name: limit >= value for name, value in required.items()}
 

@@ -238,7 +238,7 @@ def _study_curves(study: Study, durations: FloatArray) -> Curves:
     gust = "" if study.gust is None else f", gust of {np.degrees(study.gust.peak):.3g} deg"
     words = f"{shape} winds of {peak:.3g} deg{gust}"
     words = f"{study.vehicle.name}: {words}" if study.vehicle.name else words
-    words = f"{words}; {BEYOND_LINEAR}" if study.beyond else words
+    words = f"{words}; {BEYOND_LINEAR}" if study.beyond_linear else words
     return Curves("study", words, "wind duration [s]", durations, tuple(columns))
 
 

@@ -56,7 +56,7 @@ class CaseRequirement:
     encountered_unknown : str
         Reason why it is not known.
 
-    All requirements are NaN, or empty, in a wind `beyond` linear aerodynamics.
+    All requirements are NaN, or empty, in a wind beyond linear aerodynamics (`beyond_linear`).
     """
 
     case: Case = field(
@@ -224,7 +224,7 @@ class CaseRequirement:
         return abs(float((self.planes or self.history).peak))
 
     @property
-    def beyond(self) -> str:
+    def beyond_linear(self) -> str:
         """Reason why nothing is known in this wind; empty otherwise. See `beyond_linear`."""
         return beyond_linear(self.wind_angle)
 
@@ -245,7 +245,7 @@ class CaseRequirement:
         limit, needed = self.limit, self.required_deflection
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
-        if self.beyond:
+        if self.beyond_linear:
             size = MAX_LINEAR_ANGLE / self.wind_angle
             linear = replace(self.case, wind=self.placed.scaled(size))
             judged = case_requirement(linear, self.dead_band).judged

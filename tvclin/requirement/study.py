@@ -218,8 +218,8 @@ class Study(CaseRequirement, Shown):
         K, falling; the dead band of the verdict is among them.
     sufficient : bool or None
         Whether the limit is at or above what is required; None without a limit, in a wind
-        `beyond` 30 deg, of which linear aerodynamics says nothing, and where it covers the
-        requirement at nominal dynamic pressure and that encountered is `unknown`.
+        of angles above 30 deg (`beyond_linear`), and where it covers the requirement at nominal
+        dynamic pressure and that encountered is `unknown`.
     survivable_peak : float or None
         The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`. Up
         to `peak_bound`, at which the wind angle is 30 deg: what survives that may survive more.
@@ -372,17 +372,17 @@ class Study(CaseRequirement, Shown):
             linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
             slow_or_paired(*plant_wind_requirement),
             unstable_modes_omitted(plant, modes),
-            () if need.beyond else forecast_trusted(*plant_wind_requirement[2:], free),
-            () if need.beyond else undamped(*plant_wind_requirement),
+            () if need.beyond_linear else forecast_trusted(*plant_wind_requirement[2:], free),
+            () if need.beyond_linear else undamped(*plant_wind_requirement),
             vehicle_warnings(case.vehicle),
             gust_placed(pulse_of(case), need.wind_in_plane),
-            () if need.beyond else along_the_path(need),
+            () if need.beyond_linear else along_the_path(need),
             ()
-            if need.beyond
+            if need.beyond_linear
             else direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
         )
         trim = abs(float(coefficients.B * history.peak))
-        if need.beyond:
+        if need.beyond_linear:
             required, trim = _unknown(required), np.nan
         return cls(
             **vars(need),

@@ -150,7 +150,10 @@ def boundaries(s: Study) -> Table:
         bound = abs(s.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
         head = (*head, "survivable peak [deg]")
-        if np.isnan([row.survived for row in judged if not row.of_verdict]).any() and not s.beyond:
+        if (
+            np.isnan([row.survived for row in judged if not row.of_verdict]).any()
+            and not s.beyond_linear
+        ):
             scope = f"; survivable peak of the {s.direction} wind"
         rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
@@ -276,7 +279,7 @@ def requirement(s: Study) -> Line:
     if s.unknown:
         nominal = minimum_limit(degrees("verdict.nominal", s.nominal_deflection, unit="deg"))
         line = (*line, f"; {NOMINAL} ", *nominal)
-    elif not s.beyond:
+    elif not s.beyond_linear:
         required = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
         basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
         line = ("Required deflection: ", *required, basis)

@@ -177,7 +177,7 @@ def _in_linear_range(findings: Findings) -> Iterator[Question]:
     """
     for question in _answered(findings):
         study, in_wind = findings.study, question.name in _IN_THE_WIND
-        reason = study.beyond or (study.unknown if question.yes is not False else "")
+        reason = study.beyond_linear or (study.unknown if question.yes is not False else "")
         if in_wind and reason:
             yield Question(question.name, None, (reason,))
         else:

@@ -85,7 +85,7 @@ def _named(others: Sequence[Question]) -> Line:
 def _required(study: Study) -> Line:
     """Return the verdict without a limit: the required deflection of the wind."""
     need = study.required_deflection
-    if reason := study.beyond or study.unknown:
+    if reason := study.beyond_linear or study.unknown:
         return (f"{sufficiency(None)}: {reason}",)
     if not need:
         return (_NOTHING,)
@@ -144,7 +144,7 @@ def basis(findings: Findings) -> Line:
         line += (f" The whole flight counts all deflections of the nozzle{reserve_text}.",)
     if findings.flight is not None and findings.plan.sizing is not None:
         line += tuple(f" Warning: {doubt}." for doubt in findings.plan.sizing.warnings)
-    if s.beyond or findings.dispersed is None or findings.dispersed.success is None:
+    if s.beyond_linear or findings.dispersed is None or findings.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * findings.dispersed.success.estimate, 2, "%")
     return (

@@ -120,13 +120,13 @@ class Detuned:
             "change": self.changes,
             **document(self.margins, *names),
             "first": self.critical_margin,
-            "met": self.satisfied,
+            "satisfied": self.satisfied,
         }
         rows = zip(*columns.values(), strict=True)
         return {
             "rows": [dict(zip(columns, row, strict=True)) for row in rows],
             "edges": self.stable_ranges,
-            "met": self.all_satisfied,
+            "satisfied": self.all_satisfied,
         }
 
     def table(self) -> Table:

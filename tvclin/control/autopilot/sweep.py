@@ -250,7 +250,7 @@ class Sweep(Tabled):
                 values = np.asarray(getattr(self.detuned, name))
                 lowest = np.where(np.any(np.isnan(values), axis=0), np.nan, values.min(axis=0))
                 columns.append(_of_margin(f"detuned_{name}", lowest))
-        columns.append(Column("met", self.satisfied, ""))
+        columns.append(Column("satisfied", self.satisfied, ""))
         return Columns((axis,), tuple(columns), {"criteria": self.criteria.name})
 
 

@@ -113,7 +113,7 @@ class Judgement(Record):
     )
     value: Any = field(metadata=spec())
     surplus: Any = field(metadata=spec())
-    satisfied: Any = field(metadata=spec(name="met"))
+    satisfied: Any = field(metadata=spec())
     band: str = field(default="", metadata=spec(of=lambda judged: judged.band or None))
 
     @property

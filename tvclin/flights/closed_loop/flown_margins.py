@@ -91,9 +91,9 @@ class FlownMargin(Shown):
 
     value: float = field(metadata=spec())
     cause: str = field(metadata=spec())
-    survives_beyond: bool = field(metadata=spec(name="again"))
-    loss: float = field(metadata=spec(name="lost"))
-    linear: float = field(metadata=spec(name="near_rest"))
+    survives_beyond: bool = field(metadata=spec())
+    loss: float = field(metadata=spec())
+    linear: float = field(metadata=spec())
     scan: FloatArray
     survives: BoolArray
 
@@ -178,7 +178,7 @@ def flown_table(margins: FlownMargins, caption: str = "Flown margins") -> Table:
         m: FlownMargin = getattr(margins, name)
         flown, linear = (
             _change_cell(f"flown.{name}.{key}", value, name == "delay")
-            for key, value in (("value", m.value), ("near_rest", m.linear))
+            for key, value in (("value", m.value), ("linear", m.linear))
         )
         rows.append(((_CHANGES[name],), flown, (_CAUSES.get(m.cause, m.cause),), linear))
     return Table(caption, ("change", "margin", "failure", "near rest"), tuple(rows))

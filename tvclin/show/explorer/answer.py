@@ -301,8 +301,8 @@ def _verdict(
             else "What this wind requires is computed ..."
         )
         return f"{said}{flown}"
-    if requirement.beyond:
-        return f"{sufficiency(None)}: {requirement.beyond}.{flown}"
+    if requirement.beyond_linear:
+        return f"{sufficiency(None)}: {requirement.beyond_linear}.{flown}"
     have, required = float(np.degrees(c.limit)), requirement.required_deflection
     if not required:
         return f"No deflection is needed: no unstable pole that a wind could excite.{flown}"
