@@ -134,7 +134,7 @@ class Curves:
         of both curves. `paired`: where trim must never be limited, ``(n, S, 3)``. `sign`: sign of
         the trim that counts, by default either. Both are ``(n,)``.
         """
-        lower = _smaller(self.trim, self.demand, sign)
+        lower = smaller(self.trim, self.demand, sign)
         if np.any(paired):
             lower = np.where(paired, np.abs(self.trim), lower)
         flat = lower.reshape(len(lower), -1)
@@ -145,7 +145,7 @@ class Curves:
         summit = step + _vertex(self.trim[case, step])
         crossed, crossing = self._crossings(case, step)
         case, position = np.append(case, crossed), np.append(summit, crossing)
-        level = _smaller(self.trim_at(case, position), self.demand_at(case, position), sign)
+        level = smaller(self.trim_at(case, position), self.demand_at(case, position), sign)
         order = np.argsort(level)
         case, position, level = case[order], position[order], level[order]
         larger = level > limit[case]  # the last of equal cases, the largest, stays
@@ -259,7 +259,7 @@ class Curves:
         return np.asarray(np.minimum(high, -low) > _BOTH_SIGNS_FRACTION * limit) & (limit > 0.0)
 
 
-def _smaller(trim: FloatArray, demand: FloatArray, sign: float | None) -> FloatArray:
+def smaller(trim: FloatArray, demand: FloatArray, sign: float | None) -> FloatArray:
     """Return min(|trim|, |demand|) [rad] where both have one sign, or `sign`; zero elsewhere."""
     opposite = (
         trim * demand <= 0.0 if sign is None else np.minimum(sign * trim, sign * demand) <= 0.0

@@ -40,7 +40,7 @@ from tvclin.requirement.time_varying import (
     peaks_over_modes,
     with_calm_after,
 )
-from tvclin.requirement.varying_curves import Curves
+from tvclin.requirement.varying_curves import Curves, smaller
 from tvclin.requirement.varying_equations import Equations
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
@@ -162,53 +162,71 @@ class PlaneMarch:
 
     def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
         """Return bounds of the required deflections of winds."""
-        march, equations = self.curves(winds, pressure), self._steps[1]
+        steps, equations = self._steps
+        encountered = self.path.encountered(steps, winds, self.plane, pressure)
+        march = curves(equations, *encountered)
         limit, highest = self._limit(march)[0], march.highest_limit
+        limit = np.maximum(limit, self._limit_at_levels(winds, pressure, march, encountered))
         if np.any(equations.paired):
-            limit = np.maximum(limit, self._trim_at_levels(winds, pressure, march))
             return Bounds(limit, limit, limit, highest)
-        minimum = self._minimum_over_modes(winds, pressure, march)
+        minimum = np.zeros(limit.shape)
+        for cases, peaks in peaks_over_modes(equations, encountered, march.path):
+            minimum[cases] = peaks[:, 0]
         flown, lowest = decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
-        if equations.drifts and (
-            np.any(equations.quick_path) or np.any(equations.nominal[..., 1, 0] < 0.0)
-        ):
+        if np.any(equations.quick_path) or self._law_may_diverge:
+            upper = np.maximum(limit, highest)
+        if self._law_may_diverge:
             never = self.flights(winds, pressure).diverge(highest[:, np.newaxis])[:, 0]
-            upper = np.where(never, np.inf, np.maximum(limit, highest))
-        return Bounds(limit, np.where(flown & equations.drifts, upper, limit), lowest, highest)
+            return Bounds(limit, np.where(never, np.inf, upper), lowest, highest)
+        return Bounds(limit, np.where(flown, upper, limit), lowest, highest)
 
-    def _trim_at_levels(self, winds: LineWinds, pressure: bool, march: Curves) -> FloatArray:
-        """Return the largest trim [rad] at levels of winds where two unstable modes are a pair.
+    @cached_property
+    def _law_may_diverge(self) -> bool:
+        """Whether flights may diverge with a limit that the law never reaches.
 
-        Between the ends of steps the part of trim that balances drift is linear; the other part
-        follows from the wind of each level.
+        Of a stable vehicle, and where the path is unstable while trim holds the attitude.
+        """
+        equations = self._steps[1].nominal
+        if not self._steps[1].drifts:
+            return False
+        rate = (
+            equations[..., 2, 2]
+            - equations[..., 2, -2] / equations[..., 1, -2] * equations[..., 1, 2]
+        )
+        return bool(np.any(equations[..., 1, 0] < 0.0) or np.any(rate > 0.0))
+
+    def _limit_at_levels(
+        self,
+        winds: LineWinds,
+        pressure: bool,
+        march: Curves,
+        encountered: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+    ) -> FloatArray:
+        """Return the largest min(trim, demand) [rad] at the levels of winds, ``(n,)``.
+
+        Trim alone counts where two unstable modes are a pair. Between the ends of steps the part of
+        trim that balances drift is linear; the other part follows from the wind of each level.
+        `encountered`: of the winds over the steps.
         """
         steps, equations = self._steps
         static = -equations.nominal[..., 1, -1] / equations.nominal[..., 1, -2]
-        _, angle, ratio, _ = self.path.encountered(steps, winds, self.plane, pressure)
+        _, angle, ratio, _ = encountered
         of_drift, static, paired = (
             np.concatenate([x[:, :1, 0], x[..., 2]], axis=1)
             for x in (march.trim - static * ratio * angle, static, equations.paired)
         )
-        ends = np.append(steps[0, 0, 0], steps[0, :, 2])
+        ends, times = np.append(steps[0, 0, 0], steps[0, :, 2]), winds.times
         along, across = (winds.speeds[plane] for plane in PLANES)
-        angle, ratio = self.path.angle_and_pressure(
-            winds.times, along, across, self.plane, pressure
-        )
-        trim = on_lines(np.broadcast_to(ends, of_drift.shape), of_drift, winds.times)
-        trim += np.interp(winds.times, ends, static[0]) * ratio * angle
-        is_paired = np.interp(winds.times, ends, paired[0]) > 0.0
-        return np.asarray(np.max(np.abs(trim), axis=1, where=is_paired, initial=0.0))
-
-    def _minimum_over_modes(self, winds: LineWinds, pressure: bool, march: Curves) -> FloatArray:
-        """Return the minimum peaks [rad] over several unstable modes; zero with one, ``(n,)``."""
-        steps, equations = self._steps
-        minimum = np.zeros(len(march.trim))
-        encountered = self.path.encountered(steps, winds, self.plane, pressure)
-        for cases, peaks in peaks_over_modes(equations, encountered, march.path):
-            minimum[cases] = peaks[:, 0]
-        return minimum
+        angle, ratio = self.path.angle_and_pressure(times, along, across, self.plane, pressure)
+        trim = on_lines(np.broadcast_to(ends, of_drift.shape), of_drift, times)
+        trim += np.interp(times, ends, static[0]) * ratio * angle
+        case = np.broadcast_to(np.arange(len(times))[:, np.newaxis], times.shape)
+        demand = march.demand_at(case, (times - ends[0]) / (ends[1] - ends[0]))
+        is_paired = np.interp(times, ends, paired[0]) > 0.0
+        level = np.where(is_paired, np.abs(trim), smaller(trim, demand, None))
+        return np.asarray(level.max(axis=1))
 
     def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
         """Return winds with a gust: at the time of the largest wind, and of the requirement.
