@@ -328,7 +328,7 @@ def test_dispersed_vehicles_fly_along_the_flight_in_drawn_soundings(folder, tmp_
         (("--engine", "planar"), "--engine needs a single flight time: --at TIME"),
         (("--dead-band", "1"), "--dead-band needs a single flight time"),
         (("--winds", "no-such.csv"), "--winds needs --azimuth-deg"),
-        (("--set", "nozzle.limit_shape", "round"), "the loop flies in one plane"),
+        (("--set", "nozzle.limit_shape", "round"), "the loop flies along a flight in one plane"),
     ],
 )
 def test_what_a_flight_of_the_loop_cannot_take_is_refused(folder, words, message) -> None:
@@ -377,6 +377,16 @@ def test_ascent_is_not_satisfied_where_the_autopilot_is_not_known(folder) -> Non
     assert (verdict["sufficient"], verdict["satisfied"]) == (True, False)
     assert verdict["autopilot"] == "NOT KNOWN in 1 of 2 winds"
     assert document["autopilot"]["survived"] is None
+
+
+def test_the_autopilot_of_both_planes_or_of_one_flight_time_is_not_left_out(folder) -> None:
+    words = (*PULSE, "--from", "60", "--to", "60")
+    both = (*words, "--plane", "both", "--set", "nozzle.limit_shape", "round")
+    result = run("ascent", folder / "study.toml", *both)
+    said = "remaining; autopilot NOT KNOWN: the loop flies along a flight in one plane: leave out"
+    assert (result.exit_code, said in " ".join(result.output.split())) == (1, True), result.output
+    alone = json.loads(run("ascent", folder / "study.toml", *words, "--json").stdout)
+    assert alone["verdict"]["autopilot"] == "SURVIVED in 1 wind"
 
 
 def test_the_duty_of_a_flight_without_a_name_has_that_of_its_file(folder) -> None:

@@ -40,6 +40,8 @@ from tvclin.winds.wind_angles import ATTACK, MAX_LINEAR_ANGLE, SIGNS, beyond_lin
 
 Progress = Callable[[float, float], None]
 """Function called with the number of flights done and in total."""
+ONE_PLANE = "the loop flies along a flight in one plane: leave out the limit shape"
+"""Reason why flights of a plan with both planes are not known."""
 _MIN_WINDS = 2
 """Smallest number of winds of which a fraction is shown."""
 
@@ -139,7 +141,7 @@ class FlightLoop:
         if plan.nozzle.limit is None:
             raise InputError("a flight of the loop needs the deflection limit: --limit-deg")
         if plan.planes == BOTH:
-            raise InputError("the loop flies in one plane: leave out the limit shape")
+            raise InputError(ONE_PLANE)
         cases = list(self._cases())
         times = self.request.times(plan)
         used = np.full(times.shape, np.nan)

@@ -228,7 +228,7 @@ def deflection_use(
     Parameters
     ----------
     sizing : Sizing
-        Requirements at two or more flight times.
+        Requirements by flight time.
     flown : FlightAlong or array_like
         Flight of an autopilot through the wind; or its largest deflection [rad] in the wind of each
         flight time, ``(n,)``, NaN where not known.
@@ -242,15 +242,12 @@ def deflection_use(
     Raises
     ------
     InputError
-        For a sizing of one flight time, a limit out of range, unknown labels, and requirements or
-        deflections at other times.
+        For a limit out of range, unknown labels, and requirements or deflections at other times.
     """
     errors.instance("sizing", sizing, Sizing, "see size")
     available = errors.number(
         "limit", limit, errors.small_angle("a deflection", errors.positive), "rad"
     )
-    if sizing.times.size < 2:
-        raise errors.InputError("deflections over the flight need two or more flight times; got 1")
     order = np.argsort(sizing.times)
     times = sizing.times[order]
     every = tuple(r.label for r in sizing.required)
