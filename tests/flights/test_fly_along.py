@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.turns import usual
-from tests.whole_flight import Filter, StructureSchedule, autopilot, flight
+from tests.whole_flight import TIMES, Filter, StructureSchedule, autopilot, flight
 from tvclin import InputError
 from tvclin.ascent.wind_along import wind_along
 from tvclin.control.autopilot.actuator import plant_with_actuator
@@ -296,6 +296,31 @@ def test_a_small_limit_is_lost_and_a_wind_to_the_end_is_judged_before_it() -> No
     good = fly_along(made, laws, long, deflection_limit=0.1, **options)
     assert good.status == "survived"
     assert "unstable modes" in good.reason
+
+
+def test_a_pulse_at_the_end_is_flown_on_with_the_vehicle_and_gains_of_the_end() -> None:
+    """That of a schedule whose last row stays the same, to rounding."""
+    made, laws = flight(flexible=False), autopilot(sample_rate=25.0)
+    rows = made.at(np.append(TIMES, 110.0)).replace(time=np.append(TIMES, 400.0))
+    long = tv.FlightSchedule(rows, altitude=np.append(made.altitude, made.altitude[-1]))
+    gust = tv.TriangularWind(peak=np.radians(4.0), duration=8.0).shift(105.0)
+    options = {"deflection_limit": 0.02, "rate_limit": 0.3, "start": 105.0}
+    short = fly_along(made, laws, gust, **options)
+    whole = fly_along(long, laws, gust, **options, stop=400.0)
+    assert 113.0 < short.times[-1] < 400.0
+    assert short.status == whole.status == "survived"
+    for name, values in short.outputs.items():
+        expected = whole.outputs[name][: values.size]
+        np.testing.assert_allclose(values, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    assert fly_along(made, laws, gust, **options, stop=110.0).status == "undecided"
+    winds = tv.TriangularWind(peak=np.radians([1.0, 4.0, 4.0]), duration=8.0).shift(105.0)
+    many = fly_many_along(made, laws, winds, **(options | {"deflection_limit": [0.02, 1e-5, 0.02]}))
+    assert many.status.tolist() == ["survived", "lost", "survived"]
+    assert many.peak_attitude[2] == abs(short.largest("attitude").value)
+    limits = (
+        tv.flights.survival_limit_along(x, laws, gust, start=105.0).limit for x in (made, long)
+    )
+    assert next(limits) == pytest.approx(next(limits), rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -75,14 +75,14 @@ def test_a_head_wind_that_cannot_be_is_not_known_and_the_reason_is_said() -> Non
     assert "no horizontal wind turns it so far" in needed.reasons[0]
 
 
-def test_the_requirement_of_a_flight_too_short_to_settle_is_not_known() -> None:
+def test_the_requirement_at_the_end_of_the_flight_is_of_the_vehicle_frozen_as_it_is_then() -> None:
     made, laws = flight(flexible=False), autopilot(sample_rate=25.0)
     gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0)
     sizing = tv.size(made, gust, times=[105.0, 106.0])
     needed = tv.requirement.autopilot_requirements(sizing, laws, gust, sign="head")
-    assert np.isnan(needed.limit).all()
-    (reason,) = needed.reasons
-    assert reason.startswith("wind at 105 s and 106 s: no limit in the range survives; undecided")
-    use = tv.requirement.deflection_use(sizing, [0.01, 0.01], 0.05, needed)
+    assert np.all(needed.at_times > sizing.at_times("K = 1"))
+    assert not needed.reasons
+    unknown = replace(needed, limit=np.full((2, 1), np.nan), reasons=("wind: undecided",))
+    use = tv.requirement.deflection_use(sizing, [0.01, 0.01], 0.05, unknown)
     assert np.isnan(use.remaining).all()
-    assert use.reasons == needed.reasons
+    assert use.reasons == unknown.reasons

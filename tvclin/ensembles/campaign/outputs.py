@@ -257,10 +257,11 @@ def flights_along(campaign: Campaign, batch: Batch, case: int) -> list[FlownFlig
     flight, autopilot = plan.flight, plan.autopilot
     if values:
         flight, autopilot = dispersed_flight(plan, campaign.dispersions, campaign.nominal, values)
-    flights, (first, last) = [], plan.span
+    flights, first, last = [], plan.span[0], plan.stop
     for wind in _winds_along(campaign, flight, batch.wind.case(case, (batch.count,)), values):
         start = float(wind.history.onset) if plan.start is None else first
-        start, stop = np.clip([max(start, first), last], *wind.known).tolist()
+        start = max(start, first, wind.known[0])
+        stop = None if last is None else min(last, wind.known[1])
         along = checked_flight(flight, autopilot, wind, start, stop, campaign.model, campaign.plane)
         flights.append(replace(along, scheduled=plan.flight))
     return flights

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,8 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along, gains_along
 from tvclin.control.autopilot.sweep import plants_of
 from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
-from tvclin.flights.closed_loop.fly_many import FlownCases, flown_cases, unstable_loops
+from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases, flown_cases, unstable_loops
+from tvclin.flights.closed_loop.outcomes import decidable, outcome_criteria
 from tvclin.flights.closed_loop.sampled import finish
 from tvclin.flights.closed_loop.stages import Stages, stages_of
 from tvclin.kernels.choice import repeated
@@ -26,6 +28,10 @@ from tvclin.numerics.storage import Storage
 
 _SIMILAR_RUNS = 4
 """Runs of the kernel for a flight with its continuations in still air."""
+_SETTLINGS = 6.0
+"""Time that a flight goes on after its wind, over the settling time at the end of the schedule."""
+_MAX_FURTHER_SAMPLES = 20_000
+"""Largest number of samples after the end of the schedule; a flight that needs more ends there."""
 _MAX_STAGES = 60_000
 """Largest number of samples of flights whose stages are in memory at one time, some 200 MB."""
 
@@ -34,7 +40,9 @@ _MAX_STAGES = 60_000
 class FlownFlight:
     """Checked arguments of a flight: the loop at any times, its span [s] and its law.
 
-    `scheduled`: flight by which gains and notches are scheduled, if another than that of the plant.
+    After the end of the schedule vehicle and autopilot are frozen as they are then. `scheduled`:
+    flight by which gains and notches are scheduled, if another than that of the plant. `goes_on`:
+    whether a flight that is not decided at the end of the schedule goes on.
     """
 
     flight: FlightSchedule
@@ -45,6 +53,7 @@ class FlownFlight:
     start: float
     stop: float
     scheduled: FlightSchedule | None = None
+    goes_on: bool = False
 
     def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
         """Return plants and autopilots at times [s]."""
@@ -78,6 +87,26 @@ class FlownFlight:
         made = self.autopilot
         return made.autopilot if isinstance(made, GainSchedule) else made
 
+    @cached_property
+    def stages(self) -> Stages:
+        """Stages of the sampled flight by itself, as of `sampled_stages`."""
+        return sampled_stages([self])
+
+    @cached_property
+    def further(self) -> FlownFlight | None:
+        """The flight until it can settle after its wind; None where it ends with the schedule.
+
+        In a wind that lasts as long as it is known it ends with that.
+        """
+        end = float(np.max(self.wind.history.end))
+        if not self.goes_on or not end < self.wind.known[1]:
+            return None
+        last, _ = self.loops(np.array([self.flight.span[1]]))
+        stop = end + _SETTLINGS * float(outcome_criteria(last).settling[0])
+        samples = (stop - self.stop) * float(np.asarray(self.law.sample_rate))
+        settles = decidable(last)[0] and 0.0 < samples <= _MAX_FURTHER_SAMPLES
+        return replace(self, stop=stop, goes_on=False) if settles else None
+
 
 @dataclass(frozen=True, eq=False)
 class FlownFlights:
@@ -91,12 +120,12 @@ class FlownFlights:
         for flight, inside in self._by_flight(which):
             pressure[inside] = flight.wind.pressure(times[inside])
         schedules = [flight.flight for flight in self.flights]
-        vehicles = vehicles_at(schedules, times, which, pressure)
+        vehicles = vehicles_at(schedules, self._within(times), which, pressure)
         return plants_of(vehicles, first.model, first.plane)
 
     def laws_at(self, times: FloatArray, which: IntArray) -> Autopilot:
         """Return the autopilots at times [s] of the flights with the indices `which`."""
-        first = self.flights[0]
+        first, times = self.flights[0], self._within(times)
         laws = autopilot_along(first.autopilot, first.gain_flight, times)
         if all(flight.autopilot is first.autopilot for flight in self.flights):
             return laws
@@ -106,6 +135,10 @@ class FlownFlights:
             for name, values in of_flight.items():
                 gains.setdefault(name, np.empty(times.shape))[inside] = values
         return replace(laws, **gains)
+
+    def _within(self, times: FloatArray) -> FloatArray:
+        """Return times [s], those after the end of the schedule as its end."""
+        return np.minimum(times, self.flights[0].flight.span[1])
 
     def _by_flight(self, which: IntArray) -> Iterator[tuple[FlownFlight, AnyArray]]:
         """Yield each flight among the indices `which`, with its positions there."""
@@ -123,7 +156,8 @@ def checked_flight(
     plane: str,
 ) -> FlownFlight:
     """Return the checked arguments of a flight."""
-    along = FlownFlight(flight, autopilot, wind, model, plane, *wind.span(flight, start, stop))
+    first, last = wind.span(flight, start, stop)
+    along = FlownFlight(flight, autopilot, wind, model, plane, first, last, goes_on=stop is None)
     if not isinstance(autopilot, GainSchedule):
         errors.instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
         if autopilot.batch:
@@ -183,10 +217,35 @@ def flown_in_winds(
     return flown_cases(f, np.ones(limit.size, bool), rings), f
 
 
+def fly_with_limits(flight: FlownFlight, limit: FloatArray, rate_limit: FloatArray) -> FlownCases:
+    """Return the outcomes of a sampled flight in one wind with limits [rad, rad/s], ``(m,)``.
+
+    Those that are not decided at the end of the schedule go on.
+    """
+    which = np.zeros(limit.size, np.int64)
+    flown, _ = flown_in_winds(flight.stages, which, limit, rate_limit)
+    undecided = np.flatnonzero(flown.status == UNDECIDED)
+    if not undecided.size or flight.further is None:
+        return flown
+    again = fly_with_limits(flight.further, limit[undecided], rate_limit[undecided])
+    return _with_cases(flown, undecided, again)
+
+
+def _with_cases(flown: FlownCases, which: IntArray, further: FlownCases) -> FlownCases:
+    """Return outcomes ``(m,)`` with those of the indices `which` replaced by further ones."""
+    outcomes = {name: np.array(values) for name, values in vars(flown).items()}
+    for name, values in outcomes.items():
+        values[which] = getattr(further, name)
+    return FlownCases(**outcomes)
+
+
 def fly_together(
     flights: Sequence[FlownFlight], which: IntArray, limit: FloatArray, rate_limit: FloatArray
 ) -> FlownCases:
     """Return the outcomes of sampled flights in their winds, ``(m,)``.
+
+    Those that are not decided at the end of the schedule go on.
+
 
     `flights`: as in `sampled_stages`; `which`: indices of their winds, counted from the first wind
     of the first flight to the last of the last. `limit`, `rate_limit`: of the deflection [rad,
@@ -202,12 +261,23 @@ def fly_together(
         made, _ = flown_in_winds(stages, which[cases] - first, limit[cases], rate_limit[cases])
         parts.append((cases, made))
     order = np.argsort(np.concatenate([cases for cases, _ in parts]))
-    return FlownCases(
+    flown = FlownCases(
         **{
             name: np.concatenate([getattr(made, name) for _, made in parts])[order]
             for name in FlownCases.__dataclass_fields__
         }
     )
+    owner = np.searchsorted(winds, which, side="right") - 1
+    undecided = flown.status == UNDECIDED
+    owners = [k for k in np.unique(owner[undecided]).tolist() if flights[k].further is not None]
+    cases = np.flatnonzero(undecided & np.isin(owner, owners))
+    if not cases.size:
+        return flown
+    going_on = [further for k in owners if (further := flights[k].further) is not None]
+    begins = np.cumsum([0, *np.diff(winds)[owners[:-1]]])
+    inside = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
+    again = fly_together(going_on, inside, limit[cases], rate_limit[cases])
+    return _with_cases(flown, cases, again)
 
 
 def _parts(flights: Sequence[FlownFlight]) -> Iterator[slice]:

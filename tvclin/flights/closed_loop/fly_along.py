@@ -27,9 +27,8 @@ from tvclin.flights.closed_loop.flown_flights import (
     checked_flight,
     flown_in_winds,
     fly_together,
-    sampled_stages,
 )
-from tvclin.flights.closed_loop.fly_many import FlownCases
+from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases
 from tvclin.kernels.flights import Flights
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.linear.system import connect, constant_over_steps, polynomial_input
@@ -168,7 +167,9 @@ def fly_along(
     gust_time : float, optional
         Time of flight [s] of the gust of a sounding.
     start, stop : float, optional
-        Ends of the flight [s], by default those of the schedule, or of the sounding within it.
+        Ends of the flight [s], by default those of the schedule, or of the sounding within it. By
+        default a flight that is not decided at the end of the schedule goes on until it can settle
+        after its wind, with vehicle and autopilot frozen as they are then.
     model : {"fixed-path", "drift", "drift-exact", "drift-and-speed"}
         Model of the motion; "drift" without a structure alone.
     plane : {"pitch", "yaw"}
@@ -235,8 +236,11 @@ def sampled_outputs(
     `limit`, `rate_limit`: of the deflection [rad, rad/s]. `slopes`: alpha_moment and
     deflection_moment [N m/rad] at the times of the schedule, for a bending moment.
     """
-    limits = np.array([limit]), np.array([rate_limit])
-    made, f = flown_in_winds(sampled_stages([along]), np.zeros(1, np.int64), *limits, track=True)
+    one = np.zeros(1, np.int64), np.array([limit]), np.array([rate_limit])
+    made, f = flown_in_winds(along.stages, *one, track=True)
+    if made.status[0] == UNDECIDED and along.further is not None:
+        along = along.further
+        made, f = flown_in_winds(along.stages, *one, track=True)
     return _with_outputs(along, *_tracked(along, f, limit), str(made.status[0]), slopes or {})
 
 
@@ -425,6 +429,7 @@ def _outputs(
     """
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
     plants, ratio = along.loops(inside)[0], along.wind.pressure(inside)
+    within = np.minimum(inside, flight.span[1])
     gust = np.asarray(along.wind.history(times), float)
     states, deflection = rows[:, : len(plants.states)], rows[:, -1]
     _, _, C, D = plants.matrices()
@@ -437,11 +442,11 @@ def _outputs(
             outputs[name] = by_name[name]
     outputs |= {"deflection": deflection, "deflection_rate": rates, "pressure_ratio": ratio}
     if "flight_path_angle" in outputs:
-        speed = flight_variable(flight, "speed", inside) * outputs["flight_path_angle"]
+        speed = flight_variable(flight, "speed", within) * outputs["flight_path_angle"]
         steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(times)
         outputs["drift"] = np.concatenate([[0.0], np.cumsum(steps)])
     if flight.altitude is not None:
-        pressure = flight_variable(flight, "dynamic_pressure", inside)
+        pressure = flight_variable(flight, "dynamic_pressure", within)
         outputs["q_alpha"] = ratio * pressure * outputs["angle_of_attack"]
     if "alpha_moment" in slopes:
         on_alpha, on_deflection = (

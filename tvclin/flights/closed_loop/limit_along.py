@@ -13,12 +13,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, number, positive, single, unlimited
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
-from tvclin.flights.closed_loop.flown_flights import (
-    FlownFlight,
-    checked_flight,
-    flown_in_winds,
-    sampled_stages,
-)
+from tvclin.flights.closed_loop.flown_flights import FlownFlight, checked_flight, fly_with_limits
 from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT
 from tvclin.flights.closed_loop.survival_limit import (
     LEVELS,
@@ -102,11 +97,9 @@ def limit_of_flight(
     if not _LOWEST < top:
         raise InputError(f"highest must be above {_LOWEST:g}; got {top:.6g}")
     scale = _largest_trim(along)
-    stages = sampled_stages([along])
 
     def survives(limits: FloatArray) -> Words:
-        which = np.zeros(limits.size, np.int64)
-        return flown_in_winds(stages, which, limits, np.full(limits.size, rate_limit))[0].status
+        return fly_with_limits(along, limits, np.full(limits.size, rate_limit)).status
 
     low, high = (min(end * scale, MAX_DEFLECTION_LIMIT) for end in (_LOWEST, top))
     with repeated(1 + LEVELS):
@@ -119,10 +112,13 @@ def _largest_trim(along: FlownFlight) -> float:
     `InputError` for a calm; `NotKnownError` for a wind beyond linear aerodynamics.
     """
     wind: WindAlong = along.wind
-    times = np.clip(wind.history.probe_times(), along.start, along.stop)
+    times = np.maximum(wind.history.probe_times(), along.start)
+    if not along.goes_on:
+        times = np.minimum(times, along.stop)
     angles = np.abs(wind.history(times))
     checked_linear(float(angles.max()))
-    coefficients: Any = along.flight.plants(times, along.model, along.plane).coefficients
+    within = np.minimum(times, along.flight.span[1])
+    coefficients: Any = along.flight.plants(within, along.model, along.plane).coefficients
     largest = float((np.abs(coefficients.B) * wind.pressure(times) * angles).max())
     if not largest > 0.0:
         raise InputError("the wind must blow during the flight; it is calm")
