@@ -55,7 +55,7 @@ def chapters() -> dict[str, dict[str, list[str]]]:
         module = getattr(tvclin, chapter)
         groups[f"tvclin.{chapter}"] = questions = {}
         missing += module.__all__
-        for item in re.split(r"\n- ", module.__doc__.partition("\n\nNames, ")[0])[1:]:
+        for item in module.__doc__.split("\n- ")[1:]:
             question, mark, _ = item.partition("?")
             known = [name for name in re.findall(r"`(?:\w+\.)*(\w+)`", item) if name in missing]
             questions[" ".join(f"{question}{mark}".split())] = [

@@ -110,8 +110,7 @@ def test_what_stands_after_the_dot_fits_on_a_screen() -> None:
 @pytest.mark.parametrize("chapter", CHAPTERS)
 def test_the_page_of_a_chapter_names_what_is_public_by_question(chapter: str) -> None:
     door = getattr(tvclin, chapter)
-    lines = door.__doc__.partition("\n- ")[2].partition("\n\n")[0]
-    named = set(re.findall(r"`(?:\w+\.)*(\w+)`", lines))
+    named = set(re.findall(r"`(?:\w+\.)*(\w+)`", door.__doc__.partition("\n- ")[2]))
 
     assert set(door.__all__) <= named <= {*public(), *door.__all__, "margins"}
 

@@ -4,13 +4,9 @@ import sys
 from collections.abc import Callable, Iterable
 from importlib import import_module
 from importlib.util import find_spec
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import lazy_loader  # type: ignore[import-untyped]
-
-_HELP_WIDTH = 96
-"""Characters per line of the names in the help of a module."""
 
 GUESSES = {
     "tf": 'Plant.tf("attitude", "deflection")',
@@ -63,11 +59,6 @@ def public_names(
     The message on a missing name proposes the public name that is meant, or its chapter.
     """
     load, all_names, names = lazy_loader.attach_stub(package, file)
-    module, public = sys.modules[package], [name for name in names if name not in CHAPTERS]
-    if module.__doc__:
-        words = f"Names, each with its own help: {', '.join(sorted(public, key=str.lower))}."
-        broken = fill(words, _HELP_WIDTH, break_on_hyphens=False)
-        module.__doc__ = f"{module.__doc__.rstrip()}\n\n{broken}\n"
 
     def get(name: str) -> Any:
         if name in names:
@@ -81,7 +72,7 @@ def public_names(
         caller = sys._getframe(1).f_globals.get("__name__", "")
         return [] if caller == "inspect" else all_names()
 
-    return get, listed, public
+    return get, listed, [name for name in names if name not in CHAPTERS]
 
 
 class Hinted:
