@@ -203,7 +203,7 @@ def worst_case(
         margins=margins,
         stable=all(worst.value > 0.0 for worst in margins.values()),
         deflection=deflection,
-        tried=sum(np.size(loops.status) for loops in case.seen.values()),
+        tried=sum(np.size(loops.status) for loops in case.analyses.values()),
     )
 
 
@@ -250,7 +250,7 @@ class _Case:
     plane: str
     wind: ShapedWind | None
 
-    seen: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
+    analyses: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
 
     def values(self, points: FloatArray) -> dict[str, FloatArray]:
         """Return the numbers [SI] at points of the unit box, ``(n,)`` each."""
@@ -290,9 +290,9 @@ class _Case:
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
             """Return the margin at values of the parameters, ``(n,)``."""
             key = tuple(np.asarray(v).tobytes() for v in values.values())
-            if key not in self.seen:
-                self.seen[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
-            margins: Margins = self.seen[key]
+            if key not in self.analyses:
+                self.analyses[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
+            margins: Margins = self.analyses[key]
             return np.nan_to_num(np.asarray(getattr(margins, name), float), nan=0.0, posinf=np.inf)
 
         return value

@@ -96,15 +96,15 @@ class Laws(NamedTuple):
 
     `numbers`: a sequence of `LawNumbers`, or an array with their fields. `memory`: next states of a
     law with its filters: rows on these states and on the sensed values, ``(l, s, s + 9)``, of the l
-    indices in `Cases.memory`. `seen`, `told`: with filters, rows of the law's inputs and of the
-    command to the limiter, likewise ``(l, 8, s + 9)`` and ``(l, s + 9)``; empty without
+    indices in `Cases.memory`. `input_rows`, `command_rows`: with filters, rows of the law's
+    inputs and of the command to the limiter, ``(l, 8, s + 9)`` and ``(l, s + 9)``; empty without
     filters. `noise`: of the measured attitude rate [rad/s], ``(sequences, samples)``.
     """
 
     numbers: Any
     memory: FloatArray
-    seen: FloatArray
-    told: FloatArray
+    input_rows: FloatArray
+    command_rows: FloatArray
     noise: FloatArray
 
 
@@ -524,9 +524,9 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
         sensed[1] += f.laws.noise[f.cases.sequence[i], k]
     for r in range(MEASURED):
         f.now.measured[i, r] = sensed[r]
-    if f.laws.seen.shape[0]:
+    if f.laws.input_rows.shape[0]:
         for r in range(MEASURED):
-            f.now.measured[i, r] = row_product(f, i, f.laws.seen[f.cases.memory[i], r])
+            f.now.measured[i, r] = row_product(f, i, f.laws.input_rows[f.cases.memory[i], r])
     return True
 
 
@@ -592,8 +592,8 @@ def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, releas
     p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
     demand = f.cases.gain[i] * demand
     sensed[MEASURED] = demand
-    if f.laws.told.shape[0]:
-        demand = row_product(f, i, f.laws.told[f.cases.memory[i]])
+    if f.laws.command_rows.shape[0]:
+        demand = row_product(f, i, f.laws.command_rows[f.cases.memory[i]])
     mode = next_mode(engage * limit, release * limit, demand, f.now.mode[i])
     f.now.mode[i] = mode
     command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)

@@ -124,11 +124,15 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
         [shown[:, :4], spread(x[n : n + 1]), shown[:, 4:], not_measured], axis=1
     )
     signals = np.concatenate([spread(law_states), sensed, spread(0.0 * x[:1])], axis=1)
-    measured = per_case(f.laws.seen) @ signals if len(f.laws.seen) else sensed
+    measured = per_case(f.laws.input_rows) @ signals if len(f.laws.input_rows) else sensed
     slopes = f.cases.gain[cases, np.newaxis] * _slopes(batch, f, cases)
     demand = slopes[:, np.newaxis] @ np.concatenate([measured, spread(law_states)], axis=1)
     signals[:, -1:] = demand
-    command = per_case(f.laws.told)[:, np.newaxis] @ signals if len(f.laws.told) else demand
+    command = (
+        per_case(f.laws.command_rows)[:, np.newaxis] @ signals
+        if len(f.laws.command_rows)
+        else demand
+    )
     commands = np.concatenate([command, spread(pending)], axis=1)
     stepped = spread(x)
     for index in range(f.steps.joint.shape[1] - 1, -1, -1):
