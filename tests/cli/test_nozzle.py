@@ -71,16 +71,20 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
             (
                 ("--limit-deg", "0.35", "--rate-limit-deg", "2"),
                 0,
-                "Lower bound, wind known at this rate limit",
+                "lower bound, wind known at this rate limit",
             ),
             (
                 ("--limit-deg", "0.21", "--rate-limit-deg", "0.5"),
                 1,
                 "NOT SUFFICIENT, below the lower bound",
             ),
-            (("--limit-deg", "0.35"), 0, "Lower bound, wind known: 0.199 deg"),
+            (("--limit-deg", "0.35"), 0, "required rate with the limit 0.142 deg/s; lower bound"),
             (("--limit-deg", "0.1"), 1, "NOT SUFFICIENT, below the lower bound"),
-            (("--rate-limit-deg", "2"), 0, "required deflection 0.412 deg, see study"),
+            (
+                ("--rate-limit-deg", "2"),
+                0,
+                "Required deflection 0.412 deg, see study; required rate",
+            ),
             ((), 0, "a limit below it is never sufficient"),
             (
                 ("--limit-deg", "0.35", "--rate-limit-deg", "0.5", "--law", "trim"),

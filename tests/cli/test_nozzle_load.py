@@ -55,7 +55,7 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
             (
                 ("--limit-deg", "0.3", "--load-deg", "3"),
                 0,
-                "Lower bound, wind known within this load",
+                "lower bound, wind known within this load",
             ),
             (("--limit-deg", "0.3", "--load-deg", "2"), 0, "more than this load"),
             (

@@ -168,7 +168,8 @@ def test_a_flight_in_a_sounding_that_ends_before_it_is_never_survived() -> None:
     assert (summary.results.flights, summary.survival.upper < 1.0) == ((0, 0), True)
     assert summary.survival.estimate == summary.success.estimate == 0.0
     assert summary.sufficient is None
-    assert summary.verdict.startswith("limit 11.459 deg NOT KNOWN: in 4 of 4 cases")
+    assert summary.verdict.startswith("limit 11.459 deg: NOT KNOWN; ")
+    assert ": in 4 of 4 cases" in summary.verdict
     known = replace(request, along=replace(request.along, stop=70.0))
     assert ResultsInMemory.of(known).flights == (4, 0)
     with pytest.raises(InputError, match="sounding 1 of 1 must be known at times of the flight"):

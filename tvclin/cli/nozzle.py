@@ -10,7 +10,7 @@ import typer
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed
-from tvclin.base.quantities import REQUIRED
+from tvclin.base.quantities import REQUIRED, REQUIRED_RATE
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off, required_rate_table
 from tvclin.case.load import FlownLoad
@@ -182,13 +182,15 @@ def _case_in_a_wind(
 class TradeOffAnswer:
     """A trade-off with its flights: what is printed, drawn and written.
 
-    `outcomes`: the outcomes of the flights, in words. `tables`: the answer; `further`: the others.
-    `satisfied`: whether no limit is below its lower bound, and the flights satisfy the limits.
+    `outcomes`: the outcomes of the flights, in words. `rate`: the required rate in words. `tables`:
+    the answer; `further`: the others. `satisfied`: whether no limit is below its lower bound, and
+    the flights satisfy the limits.
     """
 
     trade_off: RateTradeOff | LoadTradeOff
     document: dict[str, Any]
     outcomes: list[str]
+    rate: str = ""
     tables: tuple[Table, ...]
     further: tuple[Table, ...]
     notes: tuple[str, ...]
@@ -197,11 +199,12 @@ class TradeOffAnswer:
     chart: "Callable[[Curves], ControlPlot]"
 
     def verdict(self, required: CaseRequirement | None) -> str:
-        """Return the verdict on the limit, its lower bound, the study's requirement and flights."""
-        front, bound = self.trade_off, []
+        """Return the verdict on the limit and flights, required deflection and rate, and bound."""
+        front, numbers = self.trade_off, [""]
         if not front.beyond_linear:
-            bound = [front.bound_text, *([] if required is None else [required.see_study])]
-        return "; ".join([*filter(None, [front.verdict]), *self.outcomes, *bound])
+            study = "" if required is None else required.see_study
+            numbers = [study, self.rate, front.bound_text]
+        return "; ".join(filter(None, [front.verdict, *self.outcomes, *numbers]))
 
 
 def over_rate(
@@ -237,6 +240,7 @@ def over_rate(
         | ({} if stated is None else {"required_rate": document(stated, "limit", "required_rate")})
         | ({} if needed is None else {"laws": needed}),
         outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
+        rate="" if stated is None else _rate_text(stated, at),
         tables=_titled(title, *rate_table, (*flown_tables, curve)[0]),
         further=(*(flown_tables and (curve,)), point, *duty_tables),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
@@ -261,6 +265,13 @@ def _at_limit(
         return None
     plant, rates, rate_limit = case.plant.rigid, front.rates[:1], front.rate_limit
     return rate_trade_off(plant, case.history, rates, limit=deflection, rate_limit=rate_limit)
+
+
+def _rate_text(stated: RateTradeOff, at: str) -> str:
+    """Return the required rate with the limit or with the required deflection, in words."""
+    if np.isinf(stated.required_rate):
+        return f"no rate is sufficient with the {at}"
+    return f"{REQUIRED_RATE} with the {at} {np.degrees(stated.required_rate):.3f} deg/s"
 
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:

@@ -10,7 +10,18 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, document, spec
-from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant, text
+from tvclin.base.lines import (
+    Line,
+    Row,
+    Table,
+    degrees,
+    number,
+    plural,
+    quantities,
+    significant,
+    text,
+)
+from tvclin.base.quantities import REQUIRED as REQUIRED_DEFLECTION
 from tvclin.base.quantities import sufficiency, survival
 from tvclin.ensembles.campaign.cases import NOT_KNOWN
 from tvclin.ensembles.campaign.outputs import REQUIRED, plane_columns, required_name
@@ -94,19 +105,21 @@ class CampaignSummary(Shown):
 
     @property
     def verdict(self) -> str:
-        """The covering deflection with its confidence, and whether the limit is sufficient."""
-        r, of = self.required, self.output.replace("_", " ")
-        share = f"{100 * r.probability:g} % of flights, {100 * r.confidence:g} % sure"
+        """Whether the limit is sufficient, and the covering deflection with its confidence."""
+        r, kind = self.required, REQUIRED_DEFLECTION if REQUIRED in self.output else self.output
+        share = f"{100 * r.probability:g} % of flights, with {100 * r.confidence:g} % confidence"
+        of = f"{kind} of {plural(self.unknown.size, 'case')}"
         angle = text(self._bound("verdict", r.upper))
-        words = f"{angle} ({of}) covers {share}" if np.isfinite(r.upper) else f"{share}: {angle}"
+        words = f"{angle} covers {share}" if np.isfinite(r.upper) else f"{angle} ({share})"
         if self.limit is None or self.success is None:
-            return words
+            return f"{of}: {words}"
         if self.sufficient is None:
             words = self._why_unknown or words
         if self.sufficient is False and np.isfinite(r.estimate) > np.isfinite(r.upper):
             upper = f"{100 * self.success.upper:.4g} %"
             words = f"sufficient in at most {upper} of flights, not in {100 * r.probability:g} %"
-        return f"limit {np.degrees(self.limit):.3f} deg {sufficiency(self.sufficient)}: {words}"
+        limit = f"limit {np.degrees(self.limit):.3f} deg: {sufficiency(self.sufficient)}"
+        return f"{limit}; {of}: {words}"
 
     @property
     @derived("part")
