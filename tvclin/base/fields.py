@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from functools import cache, partial
 from operator import attrgetter
@@ -86,6 +86,8 @@ _ROUNDED_UNITS = ("dB", "deg", "deg_per_s", "deg_per_s2")
 """Units with a fixed number of decimals in tables."""
 _ANGLE_DIGITS = 3
 """Decimals of an angle in tables."""
+_SIGNIFICANT_DIGITS = 4
+"""Significant digits of another number in tables."""
 _EXPONENTS = str.maketrans("23", "²³")
 _TEMPLATE_WIDTH = 96
 """Characters per line of a template."""
@@ -104,9 +106,10 @@ class Field:
     shown in dB, "decibels" or "degrees" for a value that is given in them; of a parameter also
     "text", "flag" or "count". `of`: the attribute, also a nested one as "vehicle.name", or a
     function of the record, where that is not the attribute `name`. `label`: name in tables.
-    `digits`: decimals in tables; without, three for an angle, and four significant digits for
-    another number. `card`, `document`: whether notebooks, and JSON, show the field. `key`: name in
-    a file, or in a document with its unit, where it differs; None for a parameter without key.
+    `digits`: decimals in tables, by default three for an angle. `significant`: significant digits
+    in place of decimals, by default four for another number. `infinite`: text of an infinite
+    number. `card`, `document`: whether notebooks, and JSON, show the field. `key`: name in a file,
+    or in a document with its unit, where it differs; None for a parameter without key.
 
     Of a parameter: `check`: function from a name and a value to the value, or its `InputError`; of
     numbers from a unit too. `many`: whether the field holds one or more values. `option`: its
@@ -119,6 +122,8 @@ class Field:
     of: str | Callable[[Any], Any] = ""
     label: str = ""
     digits: int | None = None
+    significant: int | None = None
+    infinite: str = ""
     card: bool = True
     document: bool = True
     key: str | None = ""
@@ -184,10 +189,13 @@ class Field:
 
     def cell(self, name: str, value: Any, unit: str = "") -> lines.Line:
         """Return a value in the unit of documents as the cell `name` of a table."""
-        if value is None or isinstance(value, str):
-            return (value or "none",)
-        if self.digits is None and self.suffix not in _ROUNDED_UNITS:
-            return lines.significant(name, value, unit=unit)
+        if isinstance(value, bool | np.bool_ | str):
+            return (value or "none",) if isinstance(value, str) else ("yes" if value else "no",)
+        if value is None or (self.infinite and np.isinf(value)):
+            return ("-" if value is None else self.infinite,)
+        by_decimals = self.digits is not None or self.suffix in _ROUNDED_UNITS
+        if self.significant or not by_decimals:
+            return lines.significant(name, value, self.significant or _SIGNIFICANT_DIGITS, unit)
         digits = _ANGLE_DIGITS if self.digits is None else self.digits
         return lines.number(name, value, digits, unit)
 
@@ -255,6 +263,62 @@ def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
         for item in chosen(record, *names)
         if item.value(record) is not None
     ]
+
+
+def cells(record: Any, prefix: str, *names: str) -> tuple[lines.Line, ...]:
+    """Return the values of fields of a record as cells of a table, without units.
+
+    `prefix`: as in `Field.line`. `names`: names of the fields, in the order of the cells.
+    """
+    columns = (chosen(record, name)[0] for name in names)
+    return tuple(item.cell(f"{prefix}.{item.document_key}", item.value(record)) for item in columns)
+
+
+def record_table(
+    caption: str,
+    prefix: str,
+    records: Sequence[Any],
+    *names: str,
+    labels: tuple[str, Iterable[str]] | None = None,
+) -> lines.Table:
+    """Return the table of records of one kind, a row for each, with a column for each name.
+
+    `prefix`: first part of the names of the numbers, before the index of the record, as in
+    "trial.0.limit". `records`: one or more. `labels`: heading and texts of a first column of labels
+    that are no field.
+    """
+    head, first = labels or ("", ())
+    rows = [cells(record, f"{prefix}.{k}", *names) for k, record in enumerate(records)]
+    if labels is not None:
+        rows = [((label,), *row) for label, row in zip(first, rows, strict=True)]
+    return lines.Table(
+        caption, (*((head,) if labels else ()), *headings(records[0], *names)), tuple(rows)
+    )
+
+
+def array_table(
+    caption: str, prefix: str, record: Any, *names: str, rows: Iterable[int] | None = None
+) -> lines.Table:
+    """Return the table of fields of a record that are arrays ``(n,)``, a column for each.
+
+    `prefix`: first part of the names of the numbers, before the index of the row. `rows`: indices
+    of the rows; by default all. A field without values, None, is a column of dashes.
+    """
+    columns = {item: item.value(record) for name in names for item in chosen(record, name)[:1]}
+    count = max(len(values) for values in columns.values() if values is not None)
+    cells_of_rows = (
+        tuple(
+            item.cell(f"{prefix}.{k}.{item.document_key}", None if values is None else values[k])
+            for item, values in columns.items()
+        )
+        for k in (range(count) if rows is None else rows)
+    )
+    return lines.Table(caption, headings(record, *names), tuple(cells_of_rows))
+
+
+def headings(record: Any, *names: str) -> tuple[str, ...]:
+    """Return the headings of columns of fields of a record: labels with units."""
+    return tuple(chosen(record, name)[0].heading for name in names)
 
 
 def _converted(value: Any, convert: Callable[[Any], Any]) -> Any:

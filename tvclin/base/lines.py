@@ -59,6 +59,8 @@ class Table:
 QUANTITIES = ("quantity", "value")
 """Head of a table of names and values."""
 _UNLIMITED = "unlimited"
+NONE_SUFFICIENT = "none is sufficient"
+"""Text of an infinite minimum limit."""
 _SYMBOL = re.compile(r"(Theta|beta|[A-Za-z])(?:_([A-Za-z]+)|(\d))?")
 """Letter and index of a symbol, such as beta, K1 or F_A."""
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -115,7 +117,7 @@ def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
 
 def minimum_limit(limit: Line) -> Line:
     """Return a minimum deflection limit; the text that none is sufficient if infinite."""
-    return ("none is sufficient",) if limit == (_UNLIMITED,) else limit
+    return (NONE_SUFFICIENT,) if limit == (_UNLIMITED,) else limit
 
 
 def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:

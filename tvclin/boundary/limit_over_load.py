@@ -22,9 +22,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base import errors
 from tvclin.base.arrays import ComplexArray, FloatArray
-from tvclin.base.fields import derived, spec
-from tvclin.base.lines import Table, degrees, minimum_limit
-from tvclin.base.lines import number as figure
+from tvclin.base.fields import array_table, derived, spec
+from tvclin.base.lines import NONE_SUFFICIENT, Table
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.limit_over_rate import (
     TradeOff,
@@ -132,12 +131,16 @@ class LoadTradeOff(TradeOff):
         and the lower bound is NaN.
     """
 
-    loads: FloatArray = field(metadata=spec("angle", card=False))
-    limits: FloatArray = field(metadata=spec("angle", card=False))
+    loads: FloatArray = field(metadata=spec("angle", "load", card=False))
+    limits: FloatArray = field(
+        metadata=spec("angle", WIND_KNOWN, infinite=NONE_SUFFICIENT, card=False)
+    )
     lower_bounds: FloatArray = field(metadata=spec("angle", card=False))
     slopes: FloatArray = field(metadata=spec(card=False))
     set_by: tuple[str, ...] = field(metadata=spec(card=False))
-    no_forecast_bounds: FloatArray | None = field(metadata=spec("angle", card=False))
+    no_forecast_bounds: FloatArray | None = field(
+        metadata=spec("angle", NO_FORECAST, infinite=NONE_SUFFICIENT, card=False)
+    )
     minimum_deflection: float = field(metadata=spec("angle"))
     load_of_minimum: float = field(metadata=spec("angle", card=False))
     minimum_load: float = field(metadata=spec("angle"))
@@ -146,12 +149,18 @@ class LoadTradeOff(TradeOff):
     rate_limit: float = field(metadata=spec("angular rate", card=False))
     limit: float | None = field(metadata=spec("angle"))
     load: float | None = field(metadata=spec("angle"))
-    lower_bound: float = field(metadata=spec("angle"))
-    required_load: float = field(metadata=spec("angle"))
+    lower_bound: float = field(metadata=spec("angle", infinite=NONE_SUFFICIENT))
+    required_load: float = field(metadata=spec("angle", infinite=NONE_SUFFICIENT))
     angle: float = 0.0
 
     @property
-    @derived("angle", card=False)
+    @derived("degrees", label="a degree buys", digits=2, card=False, document=False)
+    def load_per_degree(self) -> FloatArray:
+        """Decrease of the load per increase of the limit, ``(n,)``; NaN where there is none."""
+        return 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
+
+    @property
+    @derived("angle", infinite="-", card=False)
     def remaining_load(self) -> float | None:
         """Remaining load [rad]: the structure's limit minus the required load."""
         return margin_of(self.load, self.required_load)
@@ -209,28 +218,20 @@ class LoadTradeOff(TradeOff):
 
     def tables(self) -> tuple[Table, ...]:
         """Return the tables of the trade-off, and of the nozzle's point with the requirement."""
-        bounds = self._bounds_column(self.loads)
-        buys = 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
-        rows = tuple(
-            (
-                degrees(f"trade_off.{k}.load", self.loads[k]),
-                minimum_limit(degrees(f"trade_off.{k}.limit", self.limits[k])),
-                figure(f"trade_off.{k}.load_per_degree", buys[k], 2),
-                minimum_limit(degrees(f"trade_off.{k}.bound", bounds[k])),
-                (self.set_by[k],),
-            )
-            for k in range(self.loads.size)
+        return (
+            array_table(
+                "Lower bounds of the limit over the largest load",
+                "trade_off",
+                self,
+                *("loads", "limits", "load_per_degree", "no_forecast_bounds", "set_by"),
+            ),
+            point_table(
+                "Both at once: the limit at that load, the load at that limit",
+                self,
+                ("lower_bound", "limit", "remaining"),
+                ("required_load", "load", "remaining_load"),
+            ),
         )
-        head = (
-            *("load [deg]", f"{WIND_KNOWN} [deg]", "a degree buys [deg]"),
-            *(f"{NO_FORECAST} [deg]", "set by"),
-        )
-        point = point_table(
-            "Both at once: the limit at that load, the load at that limit",
-            ("limit [deg]", "limit", self.lower_bound, self.limit),
-            ("load [deg]", "load", self.required_load, self.load),
-        )
-        return Table("Lower bounds of the limit over the largest load", head, rows), point
 
     @property
     def notes(self) -> Iterator[str]:

@@ -28,8 +28,8 @@ from numpy.typing import ArrayLike
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.fields import derived, spec
-from tvclin.base.lines import Table, degrees, minimum_limit
+from tvclin.base.fields import array_table, cells, derived, headings, record_table, spec
+from tvclin.base.lines import NONE_SUFFICIENT, Table
 from tvclin.base.quantities import NO_FORECAST, REQUIRED_RATE, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
@@ -40,8 +40,6 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
-Quantity = tuple[str, str, float, float | None]
-"""Label, key, lower bound and available quantity [rad, rad/s]."""
 _ROUNDING = 1e-9
 """Relative tolerance of two equal lower bounds."""
 _MULTIPLES = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
@@ -68,20 +66,15 @@ def lower_bound_text(name: str, deflection: float) -> str:
     return f"{name}: {np.degrees(deflection):.3f} deg; a limit below it is never sufficient"
 
 
-def point_table(title: str, *quantities: Quantity) -> Table:
-    """Return the table of a nozzle's quantities, in degrees."""
-    rows = []
-    for label, key, required, available in quantities:
-        margin = margin_of(available, required)
-        rows.append(
-            (
-                (label,),
-                minimum_limit(degrees(f"nozzle.{key}.lower_bound", required)),
-                degrees(f"nozzle.{key}.available", np.nan if available is None else available),
-                degrees(f"nozzle.{key}.remaining", np.nan if margin in (None, -np.inf) else margin),
-            )
-        )
-    return Table(title, ("", "lower bound", "available", "remaining"), tuple(rows))
+def point_table(caption: str, trade_off: TradeOff, *rows: tuple[str, str, str]) -> Table:
+    """Return the table of a nozzle's quantities, in degrees.
+
+    `rows`: fields of the lower bound, the available and the remaining quantity of each row.
+    """
+    labels = headings(trade_off, *(available for _, available, _ in rows))
+    numbers = (cells(trade_off, "nozzle", *names) for names in rows)
+    shown = tuple(((label,), *row) for label, row in zip(labels, numbers, strict=True))
+    return Table(caption, ("", "lower bound", "available", "remaining"), shown)
 
 
 def required_rate_table(trade_off: RateTradeOff, deflection: str) -> Table:
@@ -89,18 +82,13 @@ def required_rate_table(trade_off: RateTradeOff, deflection: str) -> Table:
 
     `deflection`: what the limit is, in words.
     """
-    assert trade_off.limit is not None
-    rate, available = trade_off.required_rate, trade_off.rate_limit
-    remaining = margin_of(available, rate)
-    required = degrees("required_rate.required", rate)
-    cells = (
-        degrees("required_rate.limit", trade_off.limit),
-        required if np.isfinite(rate) else ("no rate is sufficient",),
-        degrees("required_rate.available", np.nan if available is None else available),
-        degrees("required_rate.remaining", np.nan if remaining in (None, -np.inf) else remaining),
+    return record_table(
+        REQUIRED_RATE.capitalize(),
+        "required_rate",
+        [trade_off],
+        *("limit", "required_rate", "rate_limit", "remaining_rate"),
+        labels=("at", [deflection]),
     )
-    head = ("at", "[deg]", f"{REQUIRED_RATE} [deg/s]", "available", "remaining")
-    return Table(REQUIRED_RATE.capitalize(), head, (((deflection,), *cells),))
 
 
 def ramped_deflection(
@@ -154,7 +142,7 @@ class TradeOff(Shown):
     angle: float
 
     @property
-    @derived("angle", card=False)
+    @derived("angle", infinite="-", card=False)
     def remaining(self) -> float | None:
         """Remaining angle [rad]: available minus required."""
         return margin_of(self.limit, self.lower_bound)
@@ -163,11 +151,6 @@ class TradeOff(Shown):
     def beyond_linear(self) -> str:
         """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
         return beyond_linear(self.angle)
-
-    def _bounds_column(self, like: FloatArray) -> FloatArray:
-        """Return the bounds without a forecast [rad], NaN without one, in the shape of `like`."""
-        blank = np.full(like.shape, np.nan)
-        return blank if self.no_forecast_bounds is None else self.no_forecast_bounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,21 +185,25 @@ class RateTradeOff(TradeOff):
         and the lower bound is NaN.
     """
 
-    rates: FloatArray = field(metadata=spec("angular rate", card=False))
-    limits: FloatArray = field(metadata=spec("angle", card=False))
-    no_forecast_bounds: FloatArray | None = field(metadata=spec("angle", card=False))
+    rates: FloatArray = field(metadata=spec("angular rate", "rate limit", card=False))
+    limits: FloatArray = field(
+        metadata=spec("angle", WIND_KNOWN, infinite=NONE_SUFFICIENT, card=False)
+    )
+    no_forecast_bounds: FloatArray | None = field(
+        metadata=spec("angle", NO_FORECAST, infinite=NONE_SUFFICIENT, card=False)
+    )
     minimum_deflection: float = field(metadata=spec("angle"))
     minimum_rate: float = field(metadata=spec("angular rate"))
     no_forecast_rate: float = field(metadata=spec("angular rate", card=False))
     acceleration_limit: float = field(metadata=spec("angular acceleration", card=False))
     limit: float | None = field(metadata=spec("angle"))
     rate_limit: float | None = field(metadata=spec("angular rate"))
-    lower_bound: float = field(metadata=spec("angle"))
-    required_rate: float = field(metadata=spec("angular rate"))
+    lower_bound: float = field(metadata=spec("angle", infinite=NONE_SUFFICIENT))
+    required_rate: float = field(metadata=spec("angular rate", infinite="no rate is sufficient"))
     angle: float = 0.0
 
     @property
-    @derived("angular rate", card=False)
+    @derived("angular rate", label="remaining", infinite="-", card=False)
     def remaining_rate(self) -> float | None:
         """Remaining rate [rad/s]: available minus required."""
         return margin_of(self.rate_limit, self.required_rate)
@@ -267,21 +254,20 @@ class RateTradeOff(TradeOff):
 
     def tables(self) -> tuple[Table, ...]:
         """Return the tables of the trade-off, and of the nozzle's point with the requirement."""
-        bounds = self._bounds_column(self.rates)
-        columns = {"rate": self.rates, "limit": self.limits, "bound": bounds}
-        rows = tuple(
-            tuple(
-                minimum_limit(degrees(f"trade_off.{k}.{name}", x[k])) for name, x in columns.items()
-            )
-            for k in range(self.rates.size)
+        return (
+            array_table(
+                "Lower bounds of the limit over the rate limit",
+                "trade_off",
+                self,
+                *("rates", "limits", "no_forecast_bounds"),
+            ),
+            point_table(
+                "Both at once: the limit at that rate, the rate limit at that angle",
+                self,
+                ("lower_bound", "limit", "remaining"),
+                ("required_rate", "rate_limit", "remaining_rate"),
+            ),
         )
-        head = ("rate limit [deg/s]", f"{WIND_KNOWN} [deg]", f"{NO_FORECAST} [deg]")
-        point = point_table(
-            "Both at once: the limit at that rate, the rate limit at that angle",
-            ("limit [deg]", "limit", self.lower_bound, self.limit),
-            (f"{REQUIRED_RATE} [deg/s]", "rate", self.required_rate, self.rate_limit),
-        )
-        return Table("Lower bounds of the limit over the rate limit", head, rows), point
 
     @property
     def notes(self) -> Iterator[str]:

@@ -2,16 +2,16 @@
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import degrees, nan
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.base.cards import Record
 from tvclin.base.errors import InputError
-from tvclin.base.lines import Line, Table, number, significant
-from tvclin.base.lines import degrees as angle
+from tvclin.base.fields import Field, record_table, spec, specs
 from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import check_known
 from tvclin.case.flexible_autopilot import gain_notes, satisfying_rule
@@ -220,15 +220,26 @@ class MinimumGainOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class RuleResult:
+class RuleResult(Record):
     """Gains of a rule, the margins of their loop, and the peak deflection [rad] in the wind.
 
     The peak is of the linear loop without a limit; NaN for an unstable loop.
     """
 
-    rule: str
-    margins: JudgedMargins
-    peak: float
+    rule: str = field(metadata=spec(label="gains"))
+    margins: JudgedMargins = field(
+        metadata=specs(
+            Field("attitude_gain", of="margins.autopilot.attitude_gain", label="a0", significant=3),
+            Field("rate_gain", "time", "margins.autopilot.rate_gain", "a1", significant=3),
+            Field("alpha_gain", of="margins.autopilot.alpha_gain", label="b0", significant=3),
+            Field("stable", of="margins.whole.stable"),
+            Field("aero_margin", "gain", "margins.whole.aero_margin", "aero", digits=1),
+            Field("gain_increase", "gain", "margins.whole.gain_increase", "rise", digits=1),
+            Field("phase_margin", "angle", "margins.whole.phase_margin", "phase", digits=1),
+            Field("satisfied", of="margins.satisfied", label="met"),
+        )
+    )
+    peak: float = field(metadata=spec("angle", "peak", name="peak_deflection"))
 
     @classmethod
     def of(cls, rule: str, case: StudyPlan, autopilot: Autopilot) -> "RuleResult":
@@ -239,35 +250,12 @@ class RuleResult:
                 peak = abs(autopilot.wind_response(case.plant, case.history).peak("deflection")[0])
         return cls(rule, margins, float(peak))
 
-    def document(self) -> dict[str, Any]:
-        """Return the document of the answer for JSON."""
-        autopilot, margins = self.margins.autopilot, self.margins.whole
-        return {
-            "rule": self.rule,
-            "attitude_gain": autopilot.attitude_gain,
-            "rate_gain_s": autopilot.rate_gain,
-            "alpha_gain": autopilot.alpha_gain,
-            "stable": margins.stable,
-            "aero_margin_dB": margins.aero_margin_dB,
-            "gain_increase_dB": margins.gain_increase_dB,
-            "phase_margin_deg": margins.phase_margin_deg,
-            "satisfied": self.margins.satisfied,
-            "peak_deflection_deg": degrees(self.peak),
-        }
 
-    def cells(self) -> tuple[Line, ...]:
-        """Return the row of the table of rules."""
-        key, autopilot, margins = f"rule.{self.rule}", self.margins.autopilot, self.margins.whole
-        gains = (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
-        values = (margins.aero_margin_dB, margins.gain_increase_dB)
-        return (
-            (self.rule,),
-            *(significant(f"{key}.gain.{k}", gain, 3) for k, gain in enumerate(gains)),
-            *(number(f"{key}.margin.{k}_dB", value, 1) for k, value in enumerate(values)),
-            number(f"{key}.phase_deg", margins.phase_margin_deg, 1),
-            ("yes" if self.margins.satisfied else "no",),
-            angle(f"{key}.peak", self.peak),
-        )
+_RULE_COLUMNS = (
+    *("rule", "attitude_gain", "rate_gain", "alpha_gain", "aero_margin", "gain_increase"),
+    *("phase_margin", "satisfied", "peak_deflection"),
+)
+"""Fields of a rule in its table."""
 
 
 def design(
@@ -408,7 +396,7 @@ class _Answer:
             **margins,
             "wind_peak_deg": degrees(case.history.peak),
             "natural_frequency_rad_per_s": self.frequency,
-            "rules": [result.document() for result in self.results],
+            "rules": self.results,
             **{name: value for name, value in further.items() if value is not None},
             "notes": self.notes,
         }
@@ -417,14 +405,8 @@ class _Answer:
         """Print the verdict on the gains, the table of rules or of the box, and notes."""
         name = self.case.vehicle.name or source
         poles = f"; poles at {self.frequency:.3g} rad/s" if self.frequency else ""
-        rules = Table(
-            f"{name}, {self.case.plant.model}, {self.case.plane}: {self.wind}{poles}",
-            (
-                *("gains", "a0", "a1 [s]", "b0"),
-                *("aero [dB]", "rise [dB]", "phase [deg]", "met", "peak [deg]"),
-            ),
-            tuple(result.cells() for result in self.results),
-        )
+        caption = f"{name}, {self.case.plant.model}, {self.case.plane}: {self.wind}{poles}"
+        rules = record_table(caption, "rule", self.results, *_RULE_COLUMNS)
         tables = (rules,) if self.in_box is None else (self.in_box.worst.table(),)
 
         def details() -> None:

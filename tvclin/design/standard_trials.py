@@ -12,11 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, callable_for, each, flag, instance, number, positive
-from tvclin.base.fields import checked, count, file_table, quantity, spec, word
+from tvclin.base.fields import checked, count, file_table, quantity, record_table, spec, word
 from tvclin.base.lines import Line, Table
 from tvclin.base.lines import number as number_cell
 from tvclin.base.quantities import WIND_KNOWN
@@ -121,7 +120,7 @@ class LawTrial(Shown):
 
     law: str = field(metadata=spec())
     wind: str = field(metadata=spec())
-    limit: float = field(metadata=spec())
+    limit: float = field(metadata=spec(label="limit, of full trim", digits=3))
     status: str = field(metadata=spec())
     lowest: float
     highest: float
@@ -129,8 +128,8 @@ class LawTrial(Shown):
     creeps: bool
     monotone: bool
     looked: tuple[tuple[float, float], ...]
-    peak_angle_of_attack: float = field(metadata=spec())
-    peak_attitude: float = field(metadata=spec())
+    peak_angle_of_attack: float = field(metadata=spec(label="angle of attack", digits=2))
+    peak_attitude: float = field(metadata=spec(label="attitude", digits=2))
 
 
 class LawTrials(tuple[LawTrial, ...]):
@@ -139,20 +138,9 @@ class LawTrials(tuple[LawTrial, ...]):
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        head = ("law", "wind", "limit, of full trim", "angle of attack", "attitude", "status")
-        rows = tuple(
-            (
-                (t.law,),
-                (t.wind,),
-                lines.number("limit", t.limit),
-                lines.number("angle of attack", t.peak_angle_of_attack, 2),
-                lines.number("attitude", t.peak_attitude, 2),
-                (t.status,),
-            )
-            for t in self
-        )
         caption = "Required limit of each law; angles over the peak of the wind"
-        return table(lines.Table(caption, head, rows))
+        names = ("law", "wind", "limit", "peak_angle_of_attack", "peak_attitude", "status")
+        return table(record_table(caption, "trial", self, *names))
 
 
 def standard_winds(peak: float, duration: float) -> dict[str, History]:

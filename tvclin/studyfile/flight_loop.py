@@ -14,8 +14,8 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, number
-from tvclin.base.fields import spec
-from tvclin.base.lines import Line, Table, degrees, plural, significant, text
+from tvclin.base.fields import derived, record_table, spec
+from tvclin.base.lines import Table, plural, text
 from tvclin.base.quantities import survival
 from tvclin.case.flexible_autopilot import actuator_notes
 from tvclin.control.autopilot.gain_schedule import GainSchedule, even_times, flight_autopilot
@@ -310,14 +310,14 @@ class FlightOutcome(Record):
     """
 
     wind: str = field(metadata=spec())
-    time: float | None = field(metadata=spec("time"))
+    time: float | None = field(metadata=spec("time", "peak at"))
     sign: str | None = field(metadata=spec())
     status: str = field(metadata=spec())
     survived: bool | None = field(metadata=spec())
     reason: str = field(metadata=spec())
-    peak_deflection: float = field(metadata=spec("angle"))
-    peak_deflection_rate: float = field(metadata=spec("angular rate"))
-    peak_angle_of_attack: float = field(metadata=spec("angle"))
+    peak_deflection: float = field(metadata=spec("angle", "deflection"))
+    peak_deflection_rate: float = field(metadata=spec("angular rate", "rate"))
+    peak_angle_of_attack: float = field(metadata=spec("angle", "angle of attack"))
     peak_attitude: float = field(metadata=spec("angle"))
     peak_time: float = field(metadata=spec("time"))
 
@@ -341,10 +341,17 @@ class FlightOutcome(Record):
         return max(outcomes, key=_severity) is self
 
     @property
+    @derived(label="wind", card=False, document=False)
     def label(self) -> str:
         """Name of the wind, its direction, and the time of its peak."""
         name = f"{self.wind}, {self.sign} wind," if self.sign in SIGNS else self.wind
         return name if self.time is None else f"{name} at {self.time:.4g} s"
+
+    @property
+    @derived(card=False, document=False)
+    def outcome(self) -> str:
+        """The outcome as a word: SURVIVED, NOT SURVIVED or NOT KNOWN."""
+        return survival(self.survived)
 
 
 def _severity(outcome: FlightOutcome) -> tuple[int, float]:
@@ -459,21 +466,6 @@ class FlightsOfLoop:
         if rows is not None and len(shown) > rows:
             most_severe = sorted(shown, key=_severity)[-rows:]
             shown = [outcome for outcome in shown if outcome in most_severe]
-        several = self.wind_count > 1
-        cells: list[tuple[Line, ...]] = []
-        for k, outcome in enumerate(shown):
-            name = f"flown.{k}"
-            first = (outcome.label,) if several else significant(f"{name}.time", _time(outcome))
-            peaks = (
-                degrees(f"{name}.{value}", getattr(outcome, value))
-                for value in ("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack")
-            )
-            cells.append((first, *peaks, (survival(outcome.survived),)))
-        head = ("wind" if several else "peak at [s]", "deflection", "rate", "angle of attack")
-        caption = "Largest values by wind, in deg and deg/s"
-        return Table(caption, (*head, "outcome"), tuple(cells))
-
-
-def _time(outcome: FlightOutcome) -> float:
-    """Return the flight time of the peak of a wind [s]; NaN of a sounding without a gust."""
-    return np.nan if outcome.time is None else outcome.time
+        names = ("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "outcome")
+        first = "label" if self.wind_count > 1 else "time"
+        return record_table("Largest values by wind", "flown", shown, first, *names)

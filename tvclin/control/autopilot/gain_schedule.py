@@ -16,8 +16,8 @@ from tvclin.ascent.schedule import VARIABLES, FlightSchedule, flight_variable
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Column, Columns, Tabled, columns_of
 from tvclin.base.errors import InputError, callable_for, each, finite, instance, one_of, times_row
-from tvclin.base.fields import spec
-from tvclin.base.lines import Line, Table, significant
+from tvclin.base.fields import array_table, spec
+from tvclin.base.lines import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, AutopilotDesign
@@ -303,19 +303,17 @@ class EqualValues(Tabled):
 
     def table(self) -> Table:
         """Return the table of the pairs whose gains differ most."""
-        rows: list[tuple[Line, ...]] = []
-        names = ("value", "first_time", "second_time", "attitude_gain_ratio", "rate_gain_ratio")
-        for k in np.argsort(-self.difference, kind="stable")[:_SHOWN_PAIRS]:
-            rows.append(
-                tuple(significant(f"equal.{k}.{name}", getattr(self, name)[k]) for name in names)
-            )
-        head = (self.variable, "at [s]", "and at [s]", "ratio of a0", "ratio of a1")
-        return Table("Times of one value, and the ratio of the gains there", head, tuple(rows))
+        caption = f"Times of one {self.variable}, and the ratio of the gains there"
+        largest = np.argsort(-self.difference, kind="stable")[:_SHOWN_PAIRS]
+        return array_table(caption, "equal", self, *_PAIR, rows=largest.tolist())
 
     def _columns(self) -> Columns:
         pairs = Column("pair", np.arange(1, self.value.size + 1), "")
-        names = ("value", "first_time", "second_time", "attitude_gain_ratio", "rate_gain_ratio")
-        return Columns((pairs,), columns_of(self, *names), {"variable": self.variable})
+        return Columns((pairs,), columns_of(self, *_PAIR), {"variable": self.variable})
+
+
+_PAIR = ("value", "first_time", "second_time", "attitude_gain_ratio", "rate_gain_ratio")
+"""Fields of a pair of times."""
 
 
 def equal_values(

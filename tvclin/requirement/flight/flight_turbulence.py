@@ -23,8 +23,8 @@ from tvclin.ascent.wind_along import wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, NotKnownError, number, one_of
-from tvclin.base.fields import derived, spec
-from tvclin.base.lines import Line, Row, Table, degrees, quantities, significant
+from tvclin.base.fields import derived, record_table, spec
+from tvclin.base.lines import Line, Row, Table, degrees, quantities
 from tvclin.case.case import Case
 from tvclin.case.turbulence import AFTER_WIND_S, TurbulenceRequest
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -86,7 +86,7 @@ class LargestInTurbulence(Shown):
 
     wind: str = field(metadata=spec())
     deflection: float = field(metadata=spec("angle"))
-    time: float = field(metadata=spec("time"))
+    time: float = field(metadata=spec("time", significant=5))
     deflection_rate: float | None = field(metadata=spec("angular rate"))
     angle_of_attack: float = field(metadata=spec("angle"))
     _whole: Callable[[], CovarianceHistory]
@@ -211,19 +211,9 @@ class FlightTurbulence(Shown):
     def tables(self) -> list[Table]:
         """Return the tables of the largest in each wind, and of the spread and travel."""
         key, label = "flight.turbulence", self.request.label
-        rows: list[tuple[Line, ...]] = [
-            (
-                (largest.wind,),
-                degrees(f"{key}.{k}.deflection", largest.deflection),
-                significant(f"{key}.{k}.time", largest.time, 5),
-                degrees(f"{key}.{k}.rate", _number(largest.deflection_rate)),
-                degrees(f"{key}.{k}.angle_of_attack", largest.angle_of_attack),
-            )
-            for k, largest in enumerate(self.winds)
-        ]
-        heads = ("wind", "deflection [deg]", "at [s]", "rate [deg/s]", "angle of attack [deg]")
+        names = ("wind", "deflection", "time", "deflection_rate", "angle_of_attack")
         caption = f"The linear loop in each wind and turbulence, wind + {label}"
-        tables = [Table(caption, heads, tuple(rows))] if rows else []
+        tables = [record_table(caption, key, self.winds, *names)] if self.winds else []
         at = float(self.times[int(np.argmax(self.deflection_rms))])
         rms = degrees(f"{key}.rms", self.largest_rms, unit="deg")
         alone: list[Row] = [
@@ -250,11 +240,6 @@ class FlightTurbulence(Shown):
         heads = ("wind", "wind alone", "expected", "deviation", f"with {self.sigmas:.4g} of these")
         caption = "Travel of the nozzle in a whole flight, in turbulence, from its variance [deg]"
         return [*self.tables(), *([Table(caption, heads, tuple(rows))] if rows else [])]
-
-
-def _number(value: float | None) -> float:
-    """Return a number for a table; NaN, which it shows as a dash, where there is none."""
-    return float("nan") if value is None else value
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,7 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Column, Columns, Shown, Tabled, columns_of, table
 from tvclin.base.errors import one_of
-from tvclin.base.fields import derived, document, spec
-from tvclin.base.lines import Table, degrees, significant
+from tvclin.base.fields import derived, document, record_table, spec
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE
 from tvclin.requirement.plane_requirement import omitted_fraction
@@ -38,7 +37,7 @@ class Worst(Shown):
     """Largest deflection [rad] of a requirement, with its flight time [s] and wind."""
 
     deflection: float = field(metadata=spec("angle"))
-    time: float = field(metadata=spec("time"))
+    time: float = field(metadata=spec("time", "flight time", significant=6))
     wind: str = field(metadata=spec())
 
 
@@ -165,20 +164,14 @@ class Sizing(Tabled):
         }
 
     def _repr_html_(self) -> str:
-        rows = tuple(
-            (
-                (heading_of(key.label),),
-                degrees("", worst.deflection),
-                significant("", worst.time, 6),
-                (worst.wind,),
-            )
-            for key, worst in self.worst.items()
-        )
         span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
         name = self.schedule.vehicle.name or "Sizing"
-        title = f"{name}, {self.model}, {PLANE_TEXTS[self.plane]}: {span}"
-        head = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
-        return table(Table(title, head, rows))
+        title = f"{name}, {self.model}, {PLANE_TEXTS[self.plane]}: {span}, the largest"
+        labels = ("requirement", (heading_of(key.label) for key in self.worst))
+        worst = list(self.worst.values())
+        return table(
+            record_table(title, "worst", worst, "deflection", "time", "wind", labels=labels)
+        )
 
     @property
     @derived(card=False)
