@@ -91,7 +91,8 @@ def expected_boundaries(study: tv.Study) -> dict[str, float]:
 def expected_inputs(vehicle: tv.Vehicle) -> dict[str, float]:
     c = tv.Coefficients.from_vehicle(vehicle)
     coefficients = {
-        f"coefficients.{k}": getattr(c, k) for k in ("beta", "K1", "B", "C1", "C2", "b1", "b2")
+        "coefficients.beta_per_s": c.beta,
+        **{f"coefficients.{k}": getattr(c, k) for k in ("K1", "B", "C1", "C2", "b1", "b2")},
     }
     poles = {
         f"poles.{model}.{k}.{part}": getattr(pole, {"real": "real", "imaginary": "imag"}[part])

@@ -5,9 +5,12 @@ A `Field` stands in the metadata of the attribute of a dataclass (`spec`), or at
 the card of a notebook (`base/cards`), the rows of a table, and the columns of a CSV
 (`base/cards`). A key ends with the unit of its value.
 
-A parameter of a request is made with `quantity`, `word`, `text`, `flag` or `count`; its help is a
-line of the docstring. Its field makes the check (`checked`), the keys of a table of a file in all
-units (`file_table`), and the option of a command (`cli/options`).
+A parameter of a request is made with `quantity`, `word`, `text`, `flag` or `count`; its help is the
+entry of its name in the class's docstring, which `help` shows too, so that it is written once.
+Python keeps no text with an attribute, and the parser of numpydoc would bring Sphinx with it; two
+expressions (`help_lines`) find the section and its entries. Its field makes the check (`checked`),
+the keys of a table of a file in all units (`file_table`), and the option of a command
+(`cli/options`).
 """
 
 from __future__ import annotations
@@ -172,7 +175,11 @@ class Field:
 
     def value(self, record: Any) -> Any:
         """Return the value of a record in the unit of documents: angles in degrees, gains in dB."""
-        value, convert = self.si_value(record), _CONVERSIONS.get(self.kind)
+        return self.in_document_unit(self.si_value(record))
+
+    def in_document_unit(self, value: Any) -> Any:
+        """Return a stored value of the field in the unit of documents."""
+        convert = _CONVERSIONS.get(self.kind)
         return value if convert is None else _converted(value, convert)
 
     def si_value(self, record: Any) -> Any:
@@ -198,6 +205,10 @@ class Field:
             return lines.significant(name, value, self.significant or _SIGNIFICANT_DIGITS, unit)
         digits = _ANGLE_DIGITS if self.digits is None else self.digits
         return lines.number(name, value, digits, unit)
+
+    def cell_of(self, name: str, value: Any) -> lines.Line:
+        """Return a stored value as the cell `name` of a table, with its unit."""
+        return self.cell(name, self.in_document_unit(value), self.unit)
 
     @property
     def numeric(self) -> bool:

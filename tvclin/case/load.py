@@ -33,8 +33,10 @@ class LoadBound:
         Dynamic pressure [Pa].
     moment : float, optional
         Largest bending moment [N m] at a station; needs `alpha_moment`.
-    alpha_moment, deflection_moment : float, optional
-        Slopes of that moment over angle of attack and deflection [N m/rad].
+    alpha_moment : float, optional
+        Slope of that moment over the angle of attack [N m/rad].
+    deflection_moment : float, optional
+        Slope of that moment over the deflection [N m/rad].
 
     Raises
     ------

@@ -34,9 +34,11 @@ class NozzleData:
         Viscous damping c of the hinge [N m s/rad].
     friction : float
         Friction moment M_f [N m], independent of the rate.
-    offset, thrust_offset : float
-        Lateral offset e of the centre of mass, and e_T of the line of thrust from the hinge [m]; a
-        positive one resists a positive deflection.
+    offset : float
+        Lateral offset e of the centre of mass from the hinge [m]; a positive one resists a positive
+        deflection.
+    thrust_offset : float
+        Lateral offset e_T of the line of thrust from the hinge [m], with the same sign.
 
     Raises
     ------
@@ -99,10 +101,12 @@ class Nozzle:
     rate_limit: float | None = quantity("angular rate", None, errors.positive)
     actuator: Actuator | None = USUAL_ACTUATOR
     data: NozzleData | None = None
-    acceleration_limit: float | None = quantity("angular acceleration", None, errors.positive)
-    travel_limit: float | None = quantity("angle", None, errors.positive)
-    torque_limit: float | None = quantity("moment", None, errors.positive)
-    power_limit: float | None = quantity("power", None, errors.positive)
+    acceleration_limit: float | None = quantity(
+        "angular acceleration", None, errors.positive, label="acceleration"
+    )
+    travel_limit: float | None = quantity("angle", None, errors.positive, label="travel of a flight")
+    torque_limit: float | None = quantity("moment", None, errors.positive, label="torque")
+    power_limit: float | None = quantity("power", None, errors.positive, label="power")
 
     def __post_init__(self) -> None:
         checked(self)

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.base import errors
 from tvclin.base.cards import Shown
-from tvclin.base.fields import checked, derived, file_table, quantity, spec, word
-from tvclin.base.lines import Row, Table, degrees, quantities, significant
+from tvclin.base.fields import checked, derived, file_table, quantity, rows, spec, word
+from tvclin.base.lines import Row, Table, quantities
 from tvclin.case.load import LoadBound
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.turbulence.covariance_history import CovarianceHistory, turbulence_history
@@ -247,13 +247,15 @@ class LoopInTurbulence(Shown):
     time: float = field(metadata=spec("time"))
     deflection_rate: float | None = field(metadata=spec("angular rate"))
     angle_of_attack: float = field(metadata=spec("angle"))
-    load: float | None = field(metadata=spec("angle"))
+    load: float | None = field(metadata=spec("angle", "load as an angle"))
     load_bound: float | None = field(metadata=spec("angle"))
     deflection_rms: float = field(metadata=spec("angle"))
     deflection_rate_rms: float | None = field(metadata=spec("angular rate"))
     duration: float = field(metadata=spec("time"))
     limit: float | None = field(metadata=spec("angle"))
-    probability_of_none: float | None = field(metadata=spec())
+    probability_of_none: float | None = field(
+        metadata=spec(label="probability that the limit is not met", significant=5)
+    )
     covariance: LoopCovariance
     history: CovarianceHistory
 
@@ -359,30 +361,15 @@ class LoopInTurbulence(Shown):
 
     def tables(self) -> list[Table]:
         """Return the tables of the motion and of the stationary covariance."""
-        k, key = self.label, "turbulence"
-        rows: list[Row] = [
+        key, sizes = "turbulence", ("deflection", "deflection_rate", "angle_of_attack", "load")
+        shown: list[Row] = [
             ("spectrum", (f"{self.turbulence.spectrum}, {self.turbulence.component}",)),
-            ("intensity", significant(f"{key}.intensity", self.turbulence.intensity, 4, "m/s")),
-            ("length", significant(f"{key}.length", self.turbulence.length, 4, "m")),
-            (
-                f"deflection, wind + {k}",
-                degrees(f"{key}.deflection", self.deflection, unit="deg"),
-            ),
+            *rows(self.turbulence, key, "intensity", "length"),
+            *((f"{name}, wind + {self.label}", line) for name, line in rows(self, key, *sizes)),
         ]
-        if self.deflection_rate is not None:
-            rate = degrees(f"{key}.deflection_rate", self.deflection_rate, unit="deg/s")
-            rows.append((f"deflection rate, wind + {k}", rate))
-        angle = degrees(f"{key}.angle_of_attack", self.angle_of_attack, unit="deg")
-        rows.append((f"angle of attack, wind + {k}", angle))
-        if self.load is not None:
-            load = degrees(f"{key}.load", self.load, unit="deg")
-            rows.append((f"load as an angle, wind + {k}", load))
-        if self.travel is not None and self.travel_deviation is not None:
-            travel = degrees(f"{key}.travel", self.travel, unit="deg")
-            spread = degrees(f"{key}.travel_deviation", self.travel_deviation, unit="deg")
-            rows.append((f"travel in {self.duration:.4g} s", (*travel, " +- ", *spread)))
-        if self.probability_of_none is not None:
-            chance = significant(f"{key}.probability_of_none", self.probability_of_none, 5)
-            rows.append(("probability that the limit is not met", chance))
+        if travel := rows(self, key, "travel", "travel_deviation"):
+            (_, expected), (_, deviation) = travel
+            shown.append((f"travel in {self.duration:.4g} s", (*expected, " +- ", *deviation)))
+        shown += rows(self, key, "probability_of_none")
         title = "The autopilot in the wind and turbulence, linear, without limits"
-        return [quantities(title, rows), *self.covariance.tables()]
+        return [quantities(title, shown), *self.covariance.tables()]

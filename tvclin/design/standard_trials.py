@@ -120,7 +120,7 @@ class LawTrial(Shown):
 
     law: str = field(metadata=spec())
     wind: str = field(metadata=spec())
-    limit: float = field(metadata=spec(label="limit, of full trim", digits=3))
+    limit: float = field(metadata=spec(digits=3))
     status: str = field(metadata=spec())
     lowest: float
     highest: float
@@ -138,7 +138,7 @@ class LawTrials(tuple[LawTrial, ...]):
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        caption = "Required limit of each law; angles over the peak of the wind"
+        caption = "Required limit of each law over full trim, and angles over the peak of the wind"
         names = ("law", "wind", "limit", "peak_angle_of_attack", "peak_attitude", "status")
         return table(record_table(caption, "trial", self, *names))
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.fields import Field, derived, rows, spec, specs
-from tvclin.base.lines import Line, Table, quantities, significant
+from tvclin.base.fields import Field, chosen, derived, record_table, rows, spec, specs
+from tvclin.base.lines import Table, quantities
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import satisfaction, survival
+from tvclin.base.units import written
 from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.linear.extremes import Point
 from tvclin.nozzle.motion import AT_REST, Motion, Work, largest, rms, work_of
@@ -239,15 +240,6 @@ def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
     return row
 
 
-SHEET = {
-    "limit": ("limit", "deg"),
-    "rate_limit": ("rate limit", "deg/s"),
-    "acceleration_limit": ("acceleration", "deg/s2"),
-    "travel_limit": ("travel of a flight", "deg"),
-    "torque_limit": ("torque", "N m"),
-    "power_limit": ("power", "W"),
-}
-"""Label and unit in the data sheet by field of `Nozzle`."""
 _RELATIVE_TOLERANCE = 1e-12
 """Excess of a requirement, relative to what is available, that counts as rounding."""
 
@@ -255,7 +247,7 @@ _RELATIVE_TOLERANCE = 1e-12
 def requirements_on_nozzle(
     nozzle: Nozzle, duties: Sequence[NozzleDuty], travel: float
 ) -> dict[str, float]:
-    """Return the requirements of motions on a nozzle [SI], by the fields of `SHEET`.
+    """Return the requirements of motions on a nozzle [SI], by the names of its limits.
 
     `travel`: travel of the whole flight [rad]. Flights keep to the rate limit, which an actuator of
     second order may exceed by a thousandth.
@@ -286,11 +278,11 @@ class DataSheetLine(Shown):
 
     name: str = field(metadata=spec())
     unit: str = field(metadata=spec())
-    required: float = field(metadata=spec())
+    required: float = field(metadata=spec(label="used"))
     available: float | None = field(metadata=spec())
 
     @property
-    @derived()
+    @derived(infinite="-")
     def remaining(self) -> float | None:
         """Remaining margin, available minus required; negative where the nozzle is insufficient."""
         if self.available is None:
@@ -334,20 +326,16 @@ class NozzleVerdict(Shown):
         diverged: Iterable[str] = (),
         unknown: Iterable[str] = (),
     ) -> Self:
-        """Return the verdict on a nozzle with requirements [SI] by the fields of `SHEET`.
+        """Return the verdict on a nozzle with requirements [SI] by the names of its limits.
 
         Where a flight diverges with the available values, the required values are not known.
         """
         lines, diverged = [], tuple(diverged)
-        for name, (label, unit) in SHEET.items():
-            if name in required:
-                scale = float(np.degrees(1.0)) if unit.startswith("deg") else 1.0
-                value: Any = getattr(nozzle, name)
-                available = None if value is None else scale * value
-                minimum = scale * required[name]
-                if diverged and minimum <= (available or 0.0):
-                    minimum = np.nan
-                lines.append(DataSheetLine(label, unit, minimum, available))
+        for item in chosen(nozzle, *required):
+            minimum, available = item.in_document_unit(required[item.name]), item.value(nozzle)
+            if diverged and minimum <= (available or 0.0):
+                minimum = np.nan
+            lines.append(DataSheetLine(item.title, written(item.suffix), minimum, available))
         return cls(tuple(sorted(lines, key=lambda line: -line.ratio)), diverged, tuple(unknown))
 
     @classmethod
@@ -399,24 +387,7 @@ class NozzleVerdict(Shown):
 
     def tables(self) -> tuple[Table, ...]:
         """Return the table of used, available and remaining values."""
-
-        def cell(key: str, value: float | None) -> Line:
-            return significant(key, np.nan if value is None or value == -np.inf else value)
-
-        rows = tuple(
-            (
-                (f"{line.name} [{line.unit}]",),
-                cell(f"sheet.{line.name}.required", line.required),
-                cell(f"sheet.{line.name}.available", line.available),
-                cell(f"sheet.{line.name}.remaining", line.remaining),
-            )
-            for line in self.lines
-        )
-        scope = ", where that is known" if self.unknown else ""
-        return (
-            Table(
-                f"Requirements on the nozzle{scope}",
-                ("", "used", "available", "remaining"),
-                rows,
-            ),
-        )
+        caption = "Requirements on the nozzle" + ", where that is known" * bool(self.unknown)
+        labels = ("", (f"{line.name} [{line.unit}]" for line in self.lines))
+        names = ("required", "available", "remaining")
+        return (record_table(caption, "sheet", self.lines, *names, labels=labels),)

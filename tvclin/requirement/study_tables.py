@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tvclin.base.fields import Field, fields_of
+from tvclin.base.fields import Field, fields_of, rows
 from tvclin.base.lines import (
     Line,
     Row,
@@ -93,22 +93,13 @@ def vehicle(
 
 def coefficients(s: Study) -> Table:
     """Return the table of linear coefficients, with the coefficients of a known flight path."""
-    c, unstable = s.coefficients, s.coefficients.mu_alpha > 0.0
-    units = {"beta": "1/s", "damping": "1/s", "pole": "1/s", "K1": "", "B": "deg/deg"}
-    path = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s"}
-    rows: list[Row] = []
-    drifts = "drift-exact" in s.modes
-    for name, unit in (units | (path if drifts else {})).items():
-        label = "pole p" if name == "pole" else name
-        if name == "K1" and not drifts:
-            continue
-        if name in ("damping", "pole") and not (c.damping and (unstable or name == "damping")):
-            continue
-        if name in ("beta", "K1") and not unstable:
-            rows.append((label, _NOT_STABLE))
-            continue
-        rows.append((label, significant(f"coefficients.{name}", getattr(c, name), 4, unit)))
-    return quantities(f"Linear coefficients, {s.plane} plane", rows)
+    damped = ("damping", "pole") if s.coefficients.damping else ()
+    path = ("C1", "C2", "b1", "b2", "K1") if "drift-exact" in s.modes else ()
+    groups = ("beta", "B", *damped), *((name,) for name in path)
+    shown = [row for names in groups for row in rows(s.coefficients, "coefficients", *names)]
+    if s.coefficients.mu_alpha <= 0.0:
+        shown.insert(0, ("beta", _NOT_STABLE))
+    return quantities(f"Linear coefficients, {s.plane} plane", shown)
 
 
 def poles(s: Study) -> Table:

@@ -39,7 +39,7 @@ class Document:
     Attributes
     ----------
     project, author, date, revision : str
-        As they are to be shown; empty where nothing is given.
+        Text at the head of the page; empty where nothing is given.
     """
 
     project: str = ""

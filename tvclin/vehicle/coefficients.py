@@ -214,7 +214,7 @@ class Coefficients(Record):
         return errors.plain(np.sqrt(self.mu_alpha))
 
     @property
-    @derived("per time", of=_if_unstable("pole"))
+    @derived("per time", label="pole p", of=_if_unstable("pole"))
     def pole(self) -> float | FloatArray:
         """Unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
 

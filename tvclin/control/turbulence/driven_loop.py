@@ -30,6 +30,7 @@ from tvclin.control.autopilot.wiring import (
     closed_loop,
     measured_outputs,
 )
+from tvclin.linear import lateral
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import LinearSystem, connect, split_delay
 from tvclin.winds.turbulence import FilterMatrices, Turbulence
@@ -41,6 +42,29 @@ DRIFT_RATE, DRIFT = "drift_rate", "drift"
 Q_ALPHA, BENDING_MOMENT = "q_alpha", "bending_moment"
 FILTERED = "filtered_"
 """Begin of the names of angle of attack and loads behind a low-pass."""
+OUTPUT_KINDS = {
+    "attitude": "angle",
+    "sensed_attitude": "angle",
+    "flight_path_angle": "angle",
+    ANGLE_OF_ATTACK: "angle",
+    DEFLECTION: "angle",
+    "attitude_rate": "angular rate",
+    "sensed_attitude_rate": "angular rate",
+    DEFLECTION_RATE: "angular rate",
+    ACCELERATION: "angular acceleration",
+    DRIFT_RATE: "speed",
+    DRIFT: "length",
+    lateral.DRIFT_RATE: "speed",
+    lateral.DRIFT: "length",
+    lateral.ACCELERATION: "acceleration",
+    "lateral_acceleration": "acceleration",
+    Q_ALPHA: "pressure angle",
+    BENDING_MOMENT: "moment",
+}
+OUTPUT_KINDS |= {
+    FILTERED + name: OUTPUT_KINDS[name] for name in (ANGLE_OF_ATTACK, Q_ALPHA, BENDING_MOMENT)
+}
+"""Kind of unit of each output of a loop that is no output of a state space alone."""
 _SLOPES = ("dynamic_pressure", "alpha_moment", "deflection_moment")
 """Names of the numbers of loads that may vary along a flight."""
 _BANDWIDTHS = errors.between(1e-3, 1e5)

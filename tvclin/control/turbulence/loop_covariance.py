@@ -16,18 +16,12 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, fraction, nonnegative, number, one_of, positive, within
 from tvclin.base.fields import Field, derived, spec, specs
-from tvclin.base.lines import Line, Table, significant
+from tvclin.base.lines import Table, significant
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.turbulence.driven_loop import (
-    ACCELERATION,
-    ANGLE_OF_ATTACK,
-    BENDING_MOMENT,
     DEFLECTION,
     DEFLECTION_RATE,
-    DRIFT,
-    DRIFT_RATE,
-    FILTERED,
-    Q_ALPHA,
+    OUTPUT_KINDS,
     DrivenLoop,
     LoadSlopes,
     SensorNoise,
@@ -35,7 +29,6 @@ from tvclin.control.turbulence.driven_loop import (
     checked_parts,
     driven_loop,
 )
-from tvclin.linear import lateral
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.numerics.covariance import (
     crossing_rate,
@@ -51,27 +44,6 @@ _PHASES = 16
 """Steps of each interval of a sample, an even number."""
 _MAX_FREQUENCY = 1e9
 """Largest frequency of a spectrum [rad/s]."""
-KINDS = {
-    "attitude": "angle",
-    "sensed_attitude": "angle",
-    "flight_path_angle": "angle",
-    ANGLE_OF_ATTACK: "angle",
-    DEFLECTION: "angle",
-    "attitude_rate": "angular rate",
-    "sensed_attitude_rate": "angular rate",
-    DEFLECTION_RATE: "angular rate",
-    ACCELERATION: "angular acceleration",
-    DRIFT_RATE: "speed",
-    DRIFT: "length",
-    lateral.DRIFT_RATE: "speed",
-    lateral.DRIFT: "length",
-    lateral.ACCELERATION: "acceleration",
-    "lateral_acceleration": "acceleration",
-    Q_ALPHA: "pressure angle",
-    BENDING_MOMENT: "moment",
-}
-KINDS |= {FILTERED + name: KINDS[name] for name in (ANGLE_OF_ATTACK, Q_ALPHA, BENDING_MOMENT)}
-"""Kind of unit of each output that is no output of a state space alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,9 +214,11 @@ class LoopCovariance(Shown):
 
     def tables(self) -> list[Table]:
         """Return the table of the rms of each output, and of its mean absolute rate."""
+        kinds = {name: OUTPUT_KINDS.get(name, "number") for name in self.outputs}
+        fields = [Field(name, kind, significant=4) for name, kind in kinds.items()]
         rows = [
-            ((output.replace("_", " "),), shown_value(f"turbulence.{output}", output, rms))
-            for output, rms in ((name, self.rms(name)) for name in self.outputs)
+            ((item.title,), item.cell_of(f"turbulence.{item.name}", self.rms(item.name)))
+            for item in fields
         ]
         if self.travel_rate is not None:
             label, travel = ("travel of the nozzle in a second",), np.degrees(self.travel_rate)
@@ -262,16 +236,6 @@ class LoopCovariance(Shown):
     def _variances(self, row: FloatArray) -> FloatArray:
         """Return the variance of a row of the states at each phase, ``(phases,)``."""
         return np.maximum(np.einsum("i,kij,j->k", row, self._covariances, row), 0.0)
-
-
-def shown_value(name: str, output: str, value: float) -> Line:
-    """Return a value of an output as a cell of a table, in degrees where it is an angle."""
-    kind = KINDS.get(output, "number")
-    item = Field(name, kind)
-    if kind in ("angle", "angular rate", "angular acceleration"):
-        unit = {"angle": "deg", "angular rate": "deg/s"}.get(kind, "deg/s2")
-        return significant(name, np.degrees(value), 4, unit)
-    return significant(name, value, 4, item.unit)
 
 
 def turbulence_covariance(

@@ -247,7 +247,7 @@ class Campaign(Case):
         "flight" (survival and peaks of a flight of the law with its nozzle), "flown" (the boundary
         at each dead band by flights with six degrees of freedom, some tenths of a second for each).
     dead_bands : tuple of float
-        K of "required" and "flown", each in [0, 1].
+        Dead bands K of "required" and "flown", each from 0 to 1.
     method : str
         Method of drawing cases: "plain", "sobol" or "latin"; see `draw`.
     chunk : int

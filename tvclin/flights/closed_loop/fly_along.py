@@ -16,11 +16,13 @@ from tvclin.ascent.wind_along import WindAlong, wind_along
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Column, Columns, Tabled, table
-from tvclin.base.fields import spec
+from tvclin.base.fields import Field, spec
 from tvclin.base.lines import Line, Table, significant
+from tvclin.base.units import si_unit
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.wiring import closed_loop
+from tvclin.control.turbulence.driven_loop import OUTPUT_KINDS
 from tvclin.flights.closed_loop.checks import check_samples
 from tvclin.flights.closed_loop.flown_flights import (
     FlownFlight,
@@ -71,15 +73,12 @@ class FlightAlong(Tabled):
         attitude_rate [rad/s], deflection [rad], deflection_rate [rad/s]; pressure_ratio q/q_n;
         lateral drift [m] where the model has a flight path; q_alpha [Pa rad] where the altitude is
         known; bending_moment [N m] on request; the displacement of each mode and tank by its name.
-    units : dict of str to str
-        SI unit of each.
     status : str
         Status as in `FlownCases`; "not judged" for a continuous loop.
     """
 
     times: FloatArray = field(metadata=spec("time"))
     outputs: dict[str, FloatArray]
-    units: dict[str, str]
     status: str = field(metadata=spec())
 
     @property
@@ -88,9 +87,14 @@ class FlightAlong(Tabled):
         return _REASONS[self.status]
 
     @property
+    def units(self) -> dict[str, str]:
+        """SI unit of each output; empty for modes and tanks."""
+        return {name: si_unit(_KINDS.get(name, "number")) for name in self.outputs}
+
+    @property
     def mode_names(self) -> tuple[str, ...]:
         """Names of the modes and tanks among the outputs."""
-        return tuple(name for name in self.outputs if name not in _UNITS)
+        return tuple(name for name in self.outputs if name not in _KINDS)
 
     def largest(self, output: str) -> Largest:
         """Return the value of largest size of an output, at `times`, and its time.
@@ -107,13 +111,11 @@ class FlightAlong(Tabled):
     def table(self) -> Table:
         """Return the table of the largest value of each output and its time, angles in degrees."""
         rows: list[tuple[Line, ...]] = []
-        for name, unit in self.units.items():
+        for name in self.outputs:
+            item = Field(name, _KINDS.get(name, "number"), significant=5)
             value, time = self.largest(name)
-            in_degrees = unit.startswith("rad")
-            value = float(np.degrees(value)) if in_degrees else value
-            written = unit.replace("rad", "deg", 1) if in_degrees else unit
-            shown = significant(f"along.{name}", value, 5, written)
-            rows.append(((name.replace("_", " "),), shown, significant(f"along.{name}.s", time)))
+            shown = item.cell_of(f"along.{name}", value)
+            rows.append(((item.title,), shown, significant(f"along.{name}.s", time)))
         return Table(f"Largest values, {self.status}", ("output", "largest", "at [s]"), tuple(rows))
 
     def _repr_html_(self) -> str:
@@ -254,16 +256,11 @@ def _with_outputs(
 ) -> FlightAlong:
     """Return a flight with its outputs; see `_outputs`."""
     outputs = _outputs(along, times, rows, rates, slopes)
-    units = {name: _UNITS.get(name, "") for name in outputs}
-    return FlightAlong(times, outputs, units, status)
+    return FlightAlong(times, outputs, status)
 
 
-_UNITS = {
-    **dict.fromkeys(("wind", "attitude", "flight_path_angle", "angle_of_attack"), "rad"),
-    **{"attitude_rate": "rad/s", "deflection": "rad", "deflection_rate": "rad/s"},
-    **{"pressure_ratio": "", "drift": "m", "q_alpha": "Pa rad", "bending_moment": "N m"},
-}
-"""SI units of the outputs; displacements of modes and tanks are in their normalisation."""
+_KINDS = {"wind": "angle", "pressure_ratio": "number", **OUTPUT_KINDS}
+"""Kinds of the outputs; displacements of modes and tanks are in their normalisation."""
 
 
 def fly_many_along(
