@@ -34,9 +34,9 @@ class LoadBound:
     moment : float, optional
         Largest bending moment [N m] at a station; needs `alpha_moment`.
     alpha_moment : float, optional
-        Slope of that moment over the angle of attack [N m/rad].
+        Slope of the bending moment over the angle of attack [N m/rad].
     deflection_moment : float, optional
-        Slope of that moment over the deflection [N m/rad].
+        Slope of the bending moment over the deflection [N m/rad].
 
     Raises
     ------

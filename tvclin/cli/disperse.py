@@ -16,6 +16,7 @@ from tvclin.base.files import called, exists
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.cli.inputs import note_omissions, only_with
 from tvclin.cli.options import (
+    CAMPAIGN,
     GROUP,
     LIMIT,
     MOTION,
@@ -113,8 +114,6 @@ class AnswerOptions:
 
     case: int | None = option("Compute one case again, and print it in full with its response.")
     output: str | None = option("Output of the statistics.", shown="the first of the file")
-    probability: float | None = option("Fraction of all flights to be covered.", shown="0.99865")
-    confidence: float | None = option("Confidence of each bound.", shown="0.9")
 
     panel = "Answer"
 
@@ -136,6 +135,7 @@ def disperse(
     drawn: Options = Options(STUDY, ("cases",)),
     work: FolderOptions = GROUP,
     shown: AnswerOptions = GROUP,
+    level: Options = Options(CAMPAIGN, ("probability", "confidence")),
     as_json: AsJson = False,
     csv: Annotated[
         Path | None, typer.Option(help="Also write all cases into this file.", callback=to_write)
@@ -168,9 +168,7 @@ def disperse(
         replayed = results.replay(shown.case)
         answer(as_json, lambda: replayed, lambda: print_tables(*replayed.tables()))
         return
-    summary = CampaignSummary.of(
-        results, shown.output, limit.values.get("limit"), shown.probability, shown.confidence
-    )
+    summary = CampaignSummary.of(results, shown.output, limit.values.get("limit"), **level.values)
     good = summary.success is None or bool(summary.sufficient)
     answer(as_json, lambda: summary, lambda: _print(summary, more), good)
 

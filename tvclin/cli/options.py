@@ -220,7 +220,8 @@ SHAPE = option(f"Shape of the wind: {listed(SHAPES, 'or')}.", shown="triangular"
 STUDY = "studyfile.study_plan.StudyPlan"
 DESIGN = "control.autopilot.design_rules.AutopilotDesign"
 NOZZLE = "case.nozzle.Nozzle"
-_PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
+CAMPAIGN = "ensembles.campaign.campaign_plan.Campaign"
+_PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot", CAMPAIGN: "Answer"}
 """Panels of the help, by the record whose options they group."""
 MOTION = Options(STUDY, ("model", "plane"))
 MODEL, PLANE = (Options(STUDY, (name,)) for name in ("model", "plane"))

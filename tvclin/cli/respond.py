@@ -12,11 +12,12 @@ from tvclin.base.errors import InputError, within
 from tvclin.base.fields import document
 from tvclin.base.quantities import NOMINAL, survival
 from tvclin.case.case import Case
-from tvclin.cli.inputs import case_of, chosen, note_nominal_pressure
+from tvclin.cli.inputs import case_of, note_nominal_pressure
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
     MOTION,
+    STUDY,
     At,
     More,
     Options,
@@ -143,9 +144,8 @@ def bounded_trim(
         raise InputError("give --capability or --limit-deg, not both")
     wind, plant = case.history, case.plant.rigid
     history = wind.shift(-float(wind.onset)) if wind.onset else wind
-    K = float(within("--dead-band", dead_band, 0.0, 1.0))
     _check_length(plant, max(until, 1.0) * float(history.end))
-    needed = required_deflection(plant, history, K)
+    needed = required_deflection(plant, history, dead_band)
     nominal = abs(float(needed.deflection))
     if case.nozzle.limit is not None:
         limit = case.nozzle.limit
@@ -154,14 +154,16 @@ def bounded_trim(
             within("--capability", 1.0 if capability is None else capability, 1e-3, 1e3)
         )
         if np.isinf(limit):
-            raise InputError(f"no limit is sufficient with K = {K:g} here; give --limit-deg")
+            raise InputError(
+                f"no limit is sufficient with K = {dead_band:g} here; give --limit-deg"
+            )
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
-    deflection = trim_then_hold(plant, history, opposing * limit, K, "literal")
-    required = study_requirement(case, K)
+    deflection = trim_then_hold(plant, history, opposing * limit, dead_band, "literal")
+    required = study_requirement(case, dead_band)
     return BoundedTrim(
-        case, name, history, deflection, K, nominal, limit, str(needed.governs), required
+        case, name, history, deflection, dead_band, nominal, limit, str(needed.governs), required
     )
 
 
@@ -184,9 +186,7 @@ def respond(
     vehicle: Source = "configuration-i",
     time: At = None,
     winds: WindOptions = GROUP,
-    dead_band: float | None = option(
-        "Dead band K, from 0 to 1: trim up to K times the limit.", shown="1.0"
-    ),
+    dead_band: Options = Options(STUDY, ("dead_band",)),
     capability: float | None = option(
         "Deflection limit over what is required: 1 is the boundary.", shown="1"
     ),
@@ -207,13 +207,11 @@ def respond(
 
     within("--until", until, 1e-3, _MAX_UNTIL)
     within("--points", points, 2, 1_000_000)
-    plan = case_of(
-        vehicle, limit.over, motion.over, wind=winds.over, questions=("respond",), time=time
-    )
+    changes = (limit.over, motion.over, dead_band.over)
+    plan = case_of(vehicle, *changes, wind=winds.over, questions=("respond",), time=time)
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
-    K = chosen(dead_band, plan.dead_band)
-    case = bounded_trim(plan, winds.name(plan), K, capability, until)
+    case = bounded_trim(plan, winds.name(plan), plan.dead_band, capability, until)
     largest, shown = case.followed(until * float(case.wind.end))
     files.write(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),

@@ -16,7 +16,6 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.base.fields import Field, document, spec, specs
 from tvclin.base.quantities import NOMINAL
-from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import PAIRED_POLES, BoundaryLimit, boundary_limit
 from tvclin.boundary.limit_shapes import LimitShape
@@ -186,11 +185,6 @@ def undamped(
 
 _SURVIVES = "the limit survives peaks of up to"
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-STUDY_TABLE = FileTable(
-    "[study]",
-    {"time": "time"},
-    ("vehicle", "rigid", "model", "plane", "dead_band", "switch", "sign"),
-)
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,8 +50,7 @@ from tvclin.linear.plant import DEFAULT_MODEL, flexible_model
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_file import read_system
 from tvclin.requirement.flight.request import EVERY_S, SIZE_TABLE
-from tvclin.requirement.study import STUDY_TABLE
-from tvclin.studyfile.study_plan import DOCUMENT_TABLE
+from tvclin.studyfile.study_plan import DOCUMENT_TABLE, STUDY_TABLE
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles, source_tables
 from tvclin.winds.shaped import ShapedWind

@@ -8,7 +8,7 @@ from datetime import date
 from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.base.errors import InputError, between, fraction, instance, shown
-from tvclin.base.fields import count, quantity, word
+from tvclin.base.fields import count, file_table, quantity, word
 from tvclin.base.tables import FileTable
 from tvclin.case.case import DEFAULT_WIND, Case
 from tvclin.ensembles.dispersions import METHODS
@@ -204,3 +204,12 @@ class StudyPlan(Case):
     def study(self) -> Study:
         """Return the study; raise `InputError` as `Study.of`."""
         return Study.of(self, self.dead_band, self.switch)
+
+
+STUDY_TABLE = file_table(
+    "[study]",
+    StudyPlan,
+    ("model", "plane", "dead_band", "switch", "sign"),
+    quantities={"time": "time"},
+    words=("vehicle", "rigid"),
+)
