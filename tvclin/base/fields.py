@@ -438,16 +438,18 @@ def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
     }
 
 
-def checked(record: Any) -> None:
-    """Check each parameter of a record, and set it to the checked value.
+def checked(record: Any, *names: str) -> None:
+    """Check parameters of a record, and set them to the checked values.
 
-    None passes where it is the default.
+    `names`: names of the parameters; without, all. None passes where it is the default.
     """
     kind: Any = type(record)
-    for name, item in parameters(kind).items():
+    optional = {item.name for item in fields(kind) if item.default is None}
+    specified = parameters(kind)
+    for name in names or specified:
         value = getattr(record, name)
-        if value is not None or item.default is not None:
-            object.__setattr__(record, name, item.checked(name, value))
+        if value is not None or name not in optional:
+            object.__setattr__(record, name, specified[name].checked(name, value))
 
 
 def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any) -> FileTable:

@@ -104,7 +104,9 @@ class Nozzle:
     acceleration_limit: float | None = quantity(
         "angular acceleration", None, errors.positive, label="acceleration"
     )
-    travel_limit: float | None = quantity("angle", None, errors.positive, label="travel of a flight")
+    travel_limit: float | None = quantity(
+        "angle", None, errors.positive, label="travel of a flight"
+    )
     torque_limit: float | None = quantity("moment", None, errors.positive, label="torque")
     power_limit: float | None = quantity("power", None, errors.positive, label="power")
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base import errors
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
+from tvclin.base.fields import checked, flag, quantity, word
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
@@ -47,15 +48,13 @@ class Dispersion:
     """
 
     parameter: str
-    shape: str
-    spread: float
-    relative: bool = True
+    shape: str = word(SHAPES)
+    spread: float = quantity("number", check=errors.positive)
+    relative: bool = flag(True)
 
     def __post_init__(self) -> None:
         checked_parameter("parameter", self.parameter)
-        errors.one_of("shape", self.shape, SHAPES)
-        object.__setattr__(self, "spread", errors.number("spread", self.spread, errors.positive))
-        errors.flag("relative", self.relative)
+        checked(self)
 
     def deviates(self, normal: FloatArray) -> FloatArray:
         """Return deviations in units of the spread, ``(n,)``, from standard normal deviates."""

@@ -14,6 +14,7 @@ from math import radians
 import numpy as np
 
 from tvclin.base.errors import InputError, between, instance, number, positive, single, small_angle
+from tvclin.base.fields import checked, quantity
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.autopilot_law import SaturatedLaw
@@ -42,11 +43,10 @@ class ReportControl:
         For a dead band outside [0, 1].
     """
 
-    dead_band: float = 1.0
+    dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
 
     def __post_init__(self) -> None:
-        K = number("dead_band", self.dead_band, between(0.0, 1.0))
-        object.__setattr__(self, "dead_band", K)
+        checked(self)
 
 
 ONSET_OVER_LIMIT = 1e-9

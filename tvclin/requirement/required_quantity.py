@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.base import quantities
-from tvclin.base.errors import between, flag, number, one_of
+from tvclin.base.errors import between, one_of
+from tvclin.base.fields import checked, flag, word
+from tvclin.base.fields import quantity as number_field
 from tvclin.winds.wind_angles import DIRECTIONS
 
 DEAD_BAND = "dead band"
@@ -53,16 +55,13 @@ class Requirement:
     K = 0.5, varying, head wind
     """
 
-    quantity: str = DEAD_BAND
-    dead_band: float = 1.0
-    varying: bool = False
-    direction: str = ""
+    quantity: str = word(QUANTITIES, DEAD_BAND)
+    dead_band: float = number_field("number", 1.0, between(0.0, 1.0))
+    varying: bool = flag(False)
+    direction: str = word(("", *DIRECTIONS), "")
 
     def __post_init__(self) -> None:
-        one_of("quantity", self.quantity, QUANTITIES)
-        number("dead_band", self.dead_band, between(0.0, 1.0))
-        flag("varying", self.varying)
-        one_of("direction", self.direction, ("", *DIRECTIONS))
+        checked(self)
 
     @property
     def name(self) -> str:

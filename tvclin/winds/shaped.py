@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.base.errors import InputError, directions, instance, nonzero, number, one_of, within
+from tvclin.base.errors import InputError, between, directions, instance, nonzero, number, one_of
+from tvclin.base.fields import checked, quantity
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -74,9 +75,9 @@ class ShapedWind:
     duration: float
     heading: float | None = None
     gust: History | None = None
-    gust_at: float | None = None
-    speed: float | None = None
-    gust_speed: float | None = None
+    gust_at: float | None = quantity("time", None, between(-MAX_DURATION, MAX_DURATION))
+    speed: float | None = quantity("speed", None, nonzero)
+    gust_speed: float | None = quantity("speed", None, nonzero)
 
     count = 0
 
@@ -89,17 +90,7 @@ class ShapedWind:
         if self.heading is not None:
             number("heading of the wind", self.heading, directions, "rad")
         checked_gust(self.gust)
-        for name in ("speed", "gust_speed"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, number(name, getattr(self, name), nonzero, "m/s"))
-        if self.gust_at is not None:
-            within(
-                "gust_at",
-                number("gust_at", self.gust_at, unit="s"),
-                -MAX_DURATION,
-                MAX_DURATION,
-                "s",
-            )
+        checked(self)
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
         """Return the component of the wind in a plane, without a heading; itself without one.

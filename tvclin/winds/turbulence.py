@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.fields import spec
+from tvclin.base.fields import checked, quantity, spec, word
 from tvclin.base.units import UNITS
 from tvclin.numerics.covariance import stationary_covariance, steps
 from tvclin.winds.pulses import SampledWind
@@ -129,23 +129,17 @@ class Turbulence(Record):
 
     intensity: float | FloatArray = field(metadata=spec("speed"))
     length: float | FloatArray | None = field(default=None, metadata=spec("length"))
-    spectrum: str = field(default=_DRYDEN, metadata=spec())
-    component: str = field(default=_TRANSVERSE, metadata=spec())
+    spectrum: str = word(SPECTRA, _DRYDEN)
+    component: str = word(COMPONENTS, _TRANSVERSE)
     altitude: FloatArray | None = field(default=None, metadata=spec("length", card=False))
-    cutoff_wavelength: float | None = field(default=None, metadata=spec("length"))
+    cutoff_wavelength: float | None = quantity("length", None, errors.between(*_LENGTH_RANGE))
 
     def __post_init__(self) -> None:
-        errors.one_of("spectrum", self.spectrum, SPECTRA)
-        errors.one_of("component", self.component, COMPONENTS)
+        checked(self, "spectrum", "component", "cutoff_wavelength")
         intensity = errors.within("intensity", self.intensity, 0.0, _MAX_INTENSITY, "m/s")
         length = LENGTHS[self.spectrum] if self.length is None else self.length
         length = errors.within("length", length, *_LENGTH_RANGE, "m")
         errors.together(intensity=intensity, length=length)
-        if self.cutoff_wavelength is not None:
-            check, cutoff = errors.between(*_LENGTH_RANGE), self.cutoff_wavelength
-            object.__setattr__(
-                self, "cutoff_wavelength", errors.number("cutoff_wavelength", cutoff, check)
-            )
         if self.altitude is not None:
             altitude = errors.finite("altitude", self.altitude, "m")
             if altitude.ndim != 1 or altitude.size < 2 or np.any(np.diff(altitude) <= 0.0):

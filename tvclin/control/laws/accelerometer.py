@@ -17,8 +17,8 @@ from functools import cached_property
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, instance, number, one_of, positive, single
-from tvclin.base.fields import spec
+from tvclin.base.errors import InputError, instance, positive, single
+from tvclin.base.fields import checked, quantity, spec, word
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import Chains, LinearLaw
@@ -66,18 +66,15 @@ class AccelerometerLaw(LinearLaw):
 
     autopilot: Autopilot = field(metadata=spec())
     vehicle: Vehicle
-    station: float = field(default=0.0, metadata=spec("length"))
-    bandwidth: float = field(default=100.0, metadata=spec("natural frequency"))
-    plane: str = field(default="pitch", metadata=spec())
+    station: float = quantity("length", 0.0)
+    bandwidth: float = quantity("natural frequency", 100.0, positive)
+    plane: str = word(PLANES, "pitch")
 
     def __post_init__(self) -> None:
         SaturatedLaw(self.autopilot)
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         single("vehicle", self.vehicle.batch)
-        one_of("plane", self.plane, PLANES)
-        object.__setattr__(self, "station", number("station", self.station, unit="m"))
-        wide = number("bandwidth", self.bandwidth, positive, "rad/s")
-        object.__setattr__(self, "bandwidth", wide)
+        checked(self, "plane", "station", "bandwidth")
         if not self.autopilot.alpha_gain or self.autopilot.integral_gain:
             raise InputError(
                 "autopilot must have a gain on the angle of attack, which an accelerometer stands"

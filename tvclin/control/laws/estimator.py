@@ -6,7 +6,7 @@ instead of from a vane.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.fields import spec
+from tvclin.base.fields import checked, count, quantity
 from tvclin.control.laws.autopilot_law import SystemLaw
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
@@ -50,17 +50,12 @@ class WindEstimator(Record):
         For numbers out of range.
     """
 
-    bandwidth: float = field(metadata=spec("natural frequency"))
-    rate_noise: float = field(default=0.0, metadata=spec("angular rate"))
-    seed: int = field(default=0, metadata=spec())
+    bandwidth: float = quantity("natural frequency", check=errors.positive)
+    rate_noise: float = quantity("angular rate", 0.0, errors.nonnegative)
+    seed: int = count(0)
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "bandwidth", errors.number("bandwidth", self.bandwidth, errors.positive, "rad/s")
-        )
-        noise = errors.number("rate_noise", self.rate_noise, errors.nonnegative, "rad/s")
-        object.__setattr__(self, "rate_noise", noise)
-        object.__setattr__(self, "seed", errors.whole_number("seed", self.seed))
+        checked(self)
 
     def states(self, plant: Plant) -> tuple[FloatArray, FloatArray]:
         """Return F ``(2, 2)`` and G ``(2, 5)`` of the states q^ and d^, for the design plant."""

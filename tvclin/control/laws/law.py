@@ -16,10 +16,11 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.errors import InputError, between, each, instance, one_of
+from tvclin.base.errors import InputError, between, each, instance, one_of, unlimited
 from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
 from tvclin.boundary.limit_shapes import LimitShape, PolygonShape, Vectors, limit_shape_of
@@ -30,10 +31,13 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
 
-RATE_LIMIT_RANGE = between(1e-15, 1e9)
-"""Check of the rate limit [rad/s] of a law: 1e-15 is practically zero, 1e9 practically none."""
 _MEASURED_STATES = 3
 """Number of plant states that a law measures: attitude, its rate, flight path angle."""
+
+
+def law_rate_limit(name: str, value: ArrayLike, unit: str = "rad/s") -> float:
+    """Return the rate limit [rad/s] of a law: infinite, or from 1e-15, practically zero, to 1e9."""
+    return unlimited(name, value, between(1e-15, 1e9), unit)
 
 
 class Measurement(NamedTuple):

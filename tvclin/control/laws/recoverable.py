@@ -11,12 +11,12 @@ import numpy as np
 
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.fields import spec
+from tvclin.base.fields import checked, quantity, spec
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import (
-    RATE_LIMIT_RANGE,
     Law,
     Measurement,
+    law_rate_limit,
     measured_coordinates,
     rate_limit_angle,
 )
@@ -75,39 +75,21 @@ class RecoverableAttitudeLaw(Law):
     """
 
     plant: Plant = field(metadata=spec(name="model", of="plant.model"))
-    reach: float = field(default=0.9, metadata=spec())
-    gain: float = field(default=10.0, metadata=spec())
-    design_peak: float | None = field(default=None, metadata=spec("angle"))
-    trust: float = field(default=0.8, metadata=spec())
-    dead_band: float = field(default=0.0, metadata=spec("angle"))
-    rate_limit: float = field(default=np.inf, metadata=spec("angular rate"))
+    reach: float = quantity("number", 0.9, errors.between(1e-3, 1.0))
+    gain: float = quantity("number", 10.0, errors.positive)
+    design_peak: float | None = quantity("angle", None, errors.small_angle("a wind angle"))
+    trust: float = quantity("number", 0.8, errors.between(1e-3, 1.0))
+    dead_band: float = quantity(
+        "angle", 0.0, errors.small_angle("a wind angle", errors.nonnegative)
+    )
+    rate_limit: float = quantity("angular rate", np.inf, law_rate_limit)
     estimator: WindEstimator | None = field(default=None, metadata=spec())
 
     def __post_init__(self) -> None:
         modes = measured_coordinates(self.plant)
-        for name in ("reach", "trust"):
-            fraction = errors.number(name, getattr(self, name), errors.between(1e-3, 1.0))
-            object.__setattr__(self, name, fraction)
-        object.__setattr__(self, "gain", errors.number("gain", self.gain, errors.positive))
-        object.__setattr__(
-            self,
-            "dead_band",
-            errors.number(
-                "dead_band",
-                self.dead_band,
-                errors.small_angle("a wind angle", errors.nonnegative),
-                "rad",
-            ),
-        )
-        rate = errors.unlimited("rate_limit", self.rate_limit, RATE_LIMIT_RANGE, "rad/s")
-        object.__setattr__(self, "rate_limit", rate)
+        checked(self, "reach", "trust", "gain", "dead_band", "rate_limit", "design_peak")
         if self.design_peak is not None:
-            peak = abs(
-                errors.number(
-                    "design_peak", self.design_peak, errors.small_angle("a wind angle"), "rad"
-                )
-            )
-            object.__setattr__(self, "design_peak", peak)
+            object.__setattr__(self, "design_peak", abs(self.design_peak))
         if self.estimator is None:
             return
         errors.instance("estimator", self.estimator, WindEstimator, "see WindEstimator")

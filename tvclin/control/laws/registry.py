@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.errors import InputError, instance, number, one_of, small_angle, unlimited
+from tvclin.base.errors import InputError, instance, number, one_of, small_angle
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import ACCELEROMETER, CHAINS, GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.autopilot.system_autopilot import SystemAutopilot
 from tvclin.control.laws.autopilot_law import SaturatedLaw, SystemLaw
-from tvclin.control.laws.law import RATE_LIMIT_RANGE, FilteredLaw, Law
+from tvclin.control.laws.law import FilteredLaw, Law, law_rate_limit
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 from tvclin.linear.plant import PLANT_HINT, Plant
@@ -116,7 +116,7 @@ def design_law(
     for key in options:
         if key != _OPTIONS.get(name):
             raise InputError(f"{key} is not of the law {name}; leave it out")
-    rate = unlimited("rate_limit", rate_limit, RATE_LIMIT_RANGE, "rad/s")
+    rate = law_rate_limit("rate_limit", rate_limit, "rad/s")
     return design(plant, number("peak", peak, small_angle("a wind angle"), "rad"), rate, **options)
 
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Self
 
-from tvclin.base.errors import between, nonnegative, number, small_angle, unlimited
-from tvclin.base.fields import spec
+from tvclin.base.errors import between, nonnegative, number, small_angle
+from tvclin.base.fields import checked, quantity, spec
 from tvclin.control.laws.law import (
-    RATE_LIMIT_RANGE,
     LinearLaw,
+    law_rate_limit,
     measured_coordinates,
     rate_limit_angle,
 )
@@ -49,11 +49,11 @@ class TrimLaw(LinearLaw):
     """
 
     plant: Plant = field(metadata=spec(name="model", of="plant.model"))
-    gain: float = field(default=10.0, metadata=spec())
+    gain: float = quantity("number", 10.0, nonnegative)
 
     def __post_init__(self) -> None:
         measured_coordinates(self.plant)
-        object.__setattr__(self, "gain", number("gain", self.gain, nonnegative))
+        checked(self, "gain")
 
     @classmethod
     def suited(cls, plant: Plant, peak: float, rate_limit: float) -> Self:
@@ -75,9 +75,7 @@ class TrimLaw(LinearLaw):
         times as fast as the wind; with this gain trim requires no more than the wind's rate.
         """
         size = abs(number("peak", peak, small_angle("a wind angle"), "rad"))
-        available = rate_limit_angle(
-            plant, unlimited("rate_limit", rate_limit, RATE_LIMIT_RANGE, "rad/s")
-        )
+        available = rate_limit_angle(plant, law_rate_limit("rate_limit", rate_limit, "rad/s"))
         return cls(plant, gain=min(cls.gain, available / size) if size else cls.gain)
 
     @cached_property
@@ -126,13 +124,12 @@ class DeadBandLaw(TrimLaw):
         rounding.
     """
 
-    gain: float = field(default=1.0, metadata=spec())
-    dead_band: float = field(default=0.5, metadata=spec())
+    gain: float = quantity("number", 1.0, nonnegative)
+    dead_band: float = quantity("number", 0.5, between(0.01, 1.0))
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        K = number("dead_band", self.dead_band, between(0.01, 1.0))
-        object.__setattr__(self, "dead_band", K)
+        checked(self, "dead_band")
 
     @property
     def engage(self) -> float:  # type: ignore[override]

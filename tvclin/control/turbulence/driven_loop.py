@@ -19,7 +19,7 @@ import numpy as np
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
-from tvclin.base.fields import spec
+from tvclin.base.fields import checked, quantity, spec
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.autopilot import PADE_WARNING, Autopilot, pade_misleads
 from tvclin.control.autopilot.wiring import (
@@ -97,15 +97,11 @@ class SensorNoise(Record):
     that passes all up to half the sample rate.
     """
 
-    attitude: float = field(default=0.0, metadata=spec())
-    rate: float = field(default=0.0, metadata=spec())
+    attitude: float = quantity("number", 0.0, errors.between(0.0, _MAX_DENSITY))
+    rate: float = quantity("number", 0.0, errors.between(0.0, _MAX_DENSITY))
 
     def __post_init__(self) -> None:
-        for name in ("attitude", "rate"):
-            density = errors.number(
-                name, errors.within(name, getattr(self, name), 0.0, _MAX_DENSITY)
-            )
-            object.__setattr__(self, name, density)
+        checked(self)
 
     @property
     def intensities(self) -> FloatArray:

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, flag, instance, number, one_of, single, times_row, within
+from tvclin.base.errors import InputError, between, instance, single, times_row
+from tvclin.base.fields import checked, flag, quantity, word
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -80,16 +81,15 @@ class SixDof:
     """
 
     vehicle: Vehicle
-    plane: str = "pitch"
-    drift: bool = True
-    step: float = 0.01
+    plane: str = word(PLANES, "pitch")
+    drift: bool = flag(True)
+    step: float = quantity("time", 0.01, between(_MIN_STEP, _MAX_STEP))
     earth: Earth | None = None
     condition: FlightCondition | None = None
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
-        one_of("plane", self.plane, PLANES)
-        flag("drift", self.drift)
+        checked(self, "plane", "drift")
         single("vehicle", self.coefficients.batch)
         if self.earth is not None:
             instance("earth", self.earth, Earth, "or None for a flat planet")
@@ -100,8 +100,7 @@ class SixDof:
                     "condition must be left out over the Earth and without drift: with one, the"
                     " flight follows its trajectory over a flat planet"
                 )
-        step = within("step", self.step, _MIN_STEP, _MAX_STEP, "s")
-        object.__setattr__(self, "step", number("step", step))
+        checked(self, "step")
         c = self.coefficients
         pace = abs(float(c.mu_alpha)) ** 0.5 + float(c.damping)
         if self.step * pace > _MAX_STEP_TIMES_FREQUENCY:

@@ -14,7 +14,7 @@ import numpy as np
 
 from tvclin.base import errors
 from tvclin.base.cards import Record, Shown, table
-from tvclin.base.fields import derived, spec
+from tvclin.base.fields import checked, derived, quantity, spec, text, word
 from tvclin.base.lines import Line as Cell
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.base.lines import text as cell_text
@@ -45,13 +45,12 @@ class Line(Record):
     Systematic contributions add up, random ones by the root of the sum of squares.
     """
 
-    name: str = field(metadata=spec())
-    deflection: float = field(metadata=spec("angle"))
-    kind: str = field(default="systematic", metadata=spec())
+    name: str = text()
+    deflection: float = quantity("angle", check=errors.nonnegative)
+    kind: str = word(KINDS, "systematic")
 
     def __post_init__(self) -> None:
-        errors.one_of("kind", self.kind, KINDS)
-        errors.text("name of a line", self.name)
+        checked(self, "kind", "name")
         name = self.name or "deflection"
         size = errors.number(name, self.deflection, errors.nonnegative, "rad")
         errors.within(name, size, 0.0, _MAX_DEFLECTION_RAD, "rad")
@@ -86,34 +85,27 @@ class DeflectionTotal(Shown):
     """
 
     lines: tuple[Line, ...] = field(metadata=spec(card=False))
-    reserve: float = field(default=0.0, metadata=spec())
-    limit: float | None = field(default=None, metadata=spec("angle", document=False))
-    time: float | None = field(default=None, metadata=spec("time"))
+    reserve: float = quantity("number", 0.0, errors.nonnegative)
+    limit: float | None = quantity(
+        "angle", None, errors.small_angle("a deflection", errors.positive), document=False
+    )
+    time: float | None = quantity("time", None)
     not_sized: tuple[str, ...] = field(default=(), metadata=spec(card=False, document=False))
-    rate_limit: float | None = field(default=None, metadata=spec("angular rate", card=False))
+    rate_limit: float | None = quantity("angular rate", None, errors.between(*RATES), card=False)
     needed_rate: float = field(default=0.0, metadata=spec("angular rate", card=False))
-    end: str = ""
+    end: str = text("", card=False, document=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lines", errors.each("lines", self.lines, Line, "of a total"))
         object.__setattr__(
             self, "not_sized", errors.each("not_sized", self.not_sized, str, "a place")
         )
-        reserve = errors.number("reserve", self.reserve, errors.nonnegative)
-        if reserve >= 1.0:
+        checked(self, "reserve", "limit", "time", "rate_limit", "end")
+        if self.reserve >= 1.0:
             raise errors.InputError(
-                f"reserve must be a part of the limit, below 1; got {reserve:.6g}"
+                f"reserve must be a part of the limit, below 1; got {self.reserve:.6g}"
             )
-        if self.limit is not None:
-            errors.number(
-                "limit", self.limit, errors.small_angle("a deflection", errors.positive), "rad"
-            )
-        if self.time is not None:
-            errors.number("time", self.time, unit="s")
-        if self.rate_limit is not None:
-            errors.number("rate_limit", self.rate_limit, errors.between(*RATES), "rad/s")
         errors.instance("needed_rate", self.needed_rate, float, "in rad/s")
-        errors.text("end", self.end)
 
     def _repr_html_(self) -> str:
         return table(total_table(self), self.verdict)
@@ -457,13 +449,13 @@ def flight_end(sizing: Sizing, time: float | None) -> str:
     """Return the end of a flight at a worst time [s], in words; empty between the ends."""
     if time is None:
         return ""
-    for word, beyond, k in (("first", "before", 0), ("last", "after", -1)):
+    for end, beyond, k in (("first", "before", 0), ("last", "after", -1)):
         if np.isclose(time, sizing.schedule.span[k], rtol=0.0, atol=_TIME_TOLERANCE):
-            return f"the {word} of the schedule: more may be needed {beyond}"
+            return f"the {end} of the schedule: more may be needed {beyond}"
         if np.any(np.isclose(time, sizing.known_times[:, k], rtol=0.0, atol=_TIME_TOLERANCE)):
-            return f"the {word} at which a wind is known: more may be needed {beyond}"
+            return f"the {end} at which a wind is known: more may be needed {beyond}"
         if sizing.times.size > 1 and time == np.sort(sizing.times)[k]:
-            return f"the {word} that is sized: more may be needed {beyond}"
+            return f"the {end} that is sized: more may be needed {beyond}"
     return ""
 
 
