@@ -17,6 +17,7 @@ from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, positive, small_angle
 from tvclin.base.fields import (
     Field,
+    array_table,
     checked,
     completed,
     derived,
@@ -26,6 +27,7 @@ from tvclin.base.fields import (
     help_line,
     parameters,
     quantity,
+    record_table,
     rows,
     spec,
     specs,
@@ -91,6 +93,20 @@ def test_a_field_is_checked_where_it_is_given() -> None:
     ):
         with pytest.raises(InputError, match=said):
             Request(**wrong)
+
+
+def test_none_is_a_value_only_where_it_is_the_default() -> None:
+    @dataclass(frozen=True)
+    class Needed:
+        turn: float = quantity("angle")
+        rate: float | None = quantity("angular rate", None)
+
+        def __post_init__(self) -> None:
+            checked(self)
+
+    assert Needed(0.1).rate is None
+    with pytest.raises(InputError, match="turn must be a number in rad; got None"):
+        Needed(None)  # type: ignore[arg-type]
 
 
 def test_a_file_has_its_keys_in_all_units_of_its_kind() -> None:
@@ -192,6 +208,34 @@ class Flown(Record):
     def status(self) -> str:
         """Status."""
         return "ok"
+
+
+def test_records_and_arrays_are_columns_of_a_table_in_their_units() -> None:
+    @dataclass(frozen=True)
+    class Limits(Record):
+        rates: np.ndarray = field(metadata=spec("angular rate", "rate limit"))
+        limits: np.ndarray | None = field(metadata=spec("angle", infinite="none"))
+        parts: tuple[float, ...] = field(metadata=spec(significant=2))
+
+    limits = Limits(np.radians([1.0, 2.0]), np.array([np.inf, np.radians(3.0)]), (1.234, 0.5))
+    table = array_table("Limits", "limit", limits, "limits", "rates", "parts", rows=[1, 0])
+    assert table.head == ("limits [deg]", "rate limit [deg/s]", "parts")
+    assert [tuple(map(as_text, row)) for row in table.rows] == [
+        ("3.000", "2.000", "0.5"),
+        ("none", "1.000", "1.2"),
+    ]
+    assert table.rows[0][1][0].name == "limit.1.rates_deg_per_s"
+    bare = array_table("Limits", "limit", replace(limits, limits=None), "rates", "limits")
+    assert [as_text(row[1]) for row in bare.rows] == ["-", "-"]
+
+    labels = ("flight", ["first", "second"])
+    flights = [Flown(), Flown(lag=0.1, rate=np.nan)]
+    flown = record_table("Flights", "flown", flights, "rate", "lag", "peak", labels=labels)
+    assert flown.head == ("flight", "rate [deg/s]", "largest lag [deg]", "peak [deg]")
+    assert [tuple(map(as_text, row)) for row in flown.rows] == [
+        ("first", "180.0", "-45.000", "-"),
+        ("second", "-", f"{np.degrees(0.1):.3f}", "-"),
+    ]
 
 
 def test_a_document_has_each_field_in_the_unit_of_its_key() -> None:

@@ -200,7 +200,7 @@ def _word(status: str) -> str:
 
 _COMPARED = (
     *("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "peak_attitude"),
-    *("peak_flight_path_angle", "minimum", "wind_gain"),
+    *("peak_flight_path_angle", "minimum", "wind_gain", "part_of_trim", "steady_drift_rate"),
 )
 """Fields of a comparison with trim that JSON has."""
 _MIN_DURATION_RATIO, _MAX_DURATION_RATIO = 0.2, 8.0
@@ -348,10 +348,8 @@ class AutopilotFlight:
             "wind_peak_deg": degrees(compared.wind.peak),
             "stable": compared.margins.stable,
             **document(compared, *_COMPARED),
-            "part_of_trim": compared.ratio_to_trim,
             "peak_normal_force_N": force,
             "peak_lateral_speed_m_s": across,
-            "steady_drift_rate_m_per_s": compared.steady_drift_rate,
             "trim_deg": degrees(compared.trim_deflection),
             "boundaries_deg": {f"{K:g}": degrees(y) for K, y in compared.boundaries.items()},
             "worst_duration": self.worst,

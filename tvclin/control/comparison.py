@@ -20,7 +20,7 @@ from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, callable_for, ending, instance, number, positive
-from tvclin.base.fields import rows, spec
+from tvclin.base.fields import derived, rows, spec
 from tvclin.base.quantities import REQUIREMENT, STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
@@ -325,12 +325,7 @@ class TrimComparison(Shown):
         """Return rows of the peak rate, angles and drift, and of the H-infinity norm."""
         angles = ("peak_angle_of_attack", "peak_attitude", "peak_flight_path_angle")
         finite = [name for name in angles if np.isfinite(getattr(self, name))]
-        shown = rows(self, "wind", "peak_deflection_rate", *finite, "wind_gain")
-        steady = self.steady_drift_rate
-        if steady is None:
-            return shown
-        value = lines.significant("wind.steady_drift_rate_m_per_s", steady, 4, "m/s")
-        return [*shown, ("steady drift in a constant wind of that peak", value)]
+        return rows(self, "wind", "peak_deflection_rate", *finite, "wind_gain", "steady_drift_rate")
 
     def _repr_html_(self) -> str:
         title = f"Autopilot beside trim, {self.plant.model}"
@@ -339,6 +334,9 @@ class TrimComparison(Shown):
         return table(self.deflections(title)) + table(motions, notes)
 
     @property
+    @derived(
+        "speed", label="steady drift in a constant wind of that peak", card=False, document=False
+    )
     def steady_drift_rate(self) -> float | None:
         """Steady drift rate [m/s] in a constant wind of this peak, of feedback of lateral motion.
 
@@ -353,6 +351,7 @@ class TrimComparison(Shown):
         return float(steady_drift(autopilot, plant)) * float(self.wind.peak)
 
     @property
+    @derived(name="part_of_trim", card=False, document=False)
     def ratio_to_trim(self) -> float:
         """Peak deflection of the autopilot over the trim deflection."""
         return self.peak_deflection / self.trim_deflection if self.trim_deflection else np.nan

@@ -7,8 +7,8 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
-from tvclin.base.fields import Field, derived, spec, specs
-from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
+from tvclin.base.fields import Field, derived, rows, spec, specs
+from tvclin.base.lines import Table, degrees, number, quantities
 from tvclin.base.quantities import sufficiency
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.cases import NOT_KNOWN, evaluate
@@ -62,13 +62,13 @@ class DispersedStudy(Shown):
 
     nominal: Study
     dispersions: Dispersions = field(metadata=spec(of="dispersions.distributions", card=False))
-    seed: int = field(metadata=spec())
+    seed: int = field(metadata=spec(significant=9))
     values: dict[str, FloatArray]
     deflection: FloatArray
     status: AnyArray
     required: Quantile = field(
         metadata=specs(
-            Field(name="cases", of="required.cases"),
+            Field(name="cases", of="required.cases", significant=9),
             Field(name="probability", of="required.probability", card=False),
             Field(name="confidence", of="required.confidence", card=False),
             Field(kind="angle", name="estimate", of="required.estimate"),
@@ -90,15 +90,13 @@ class DispersedStudy(Shown):
         if np.isinf(r.upper):
             few = f"too few cases to say{r.few_cases}"
             covers = ("not known" if self.unknown_cases else few,)
-        rows: list[Row] = [
-            ("cases", significant("dispersed.cases", r.cases, 9)),
-            ("seed", significant("dispersed.seed", self.seed, 9)),
-            ("median", degrees("dispersed.median", self.median, unit="deg")),
+        shown = [
+            *rows(self, "dispersed", "cases", "seed", "median"),
             (of_cases, degrees("dispersed.estimate", r.estimate, unit="deg")),
             (of_flights, covers),
         ]
         if self.success is not None:
-            rows.append(
+            shown.append(
                 (f"the limit is {sufficiency(True)} in", self.success.line("dispersed.success"))
             )
         drivers = tuple(
@@ -106,7 +104,7 @@ class DispersedStudy(Shown):
             for name, rank in self.drivers.items()
         )
         return (
-            quantities("Deflection that covers the dispersions", rows),
+            quantities("Deflection that covers the dispersions", shown),
             Table("Drivers", ("parameter", "rank correlation"), drivers),
         )
 

@@ -24,8 +24,9 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
-from tvclin.base.fields import Field, derived, document, spec, specs
+from tvclin.base.fields import Field, derived, document, rows, spec, specs
 from tvclin.base.lines import (
+    NONE_SUFFICIENT,
     Line,
     Row,
     Table,
@@ -320,7 +321,7 @@ class KnownWind(Shown):
         return (self.limited or self.best).deflection
 
     @property
-    @derived("angle")
+    @derived("angle", label=STATIC_TRIM)
     def trim(self) -> float:
         """Static trim [rad]: the largest deflection of ideal trim."""
         return abs(float(self.plant.coefficients.B * self.wind.peak))
@@ -332,7 +333,7 @@ class KnownWind(Shown):
         return self.best.peak / self.trim if self.trim else None
 
     @property
-    @derived("angle")
+    @derived("angle", label="fast pole alone (K = 0)", infinite=NONE_SUFFICIENT)
     def constant(self) -> float:
         """Boundary limit [rad] at K = 0, for one pole: constant from the onset of the wind on."""
         return abs(float(boundary_limit(self.plant, self.wind, 0.0).deflection))
@@ -389,25 +390,21 @@ class KnownWind(Shown):
         if self.fraction_of_trim is not None:
             fraction = number("optimum.fraction_of_trim", self.fraction_of_trim)
             peak = (*peak, " (", *fraction, " of trim)")
-        rows: list[Row] = [(WIND_KNOWN, peak)]
+        shown: list[Row] = [(WIND_KNOWN, peak)]
         if self.limited is not None:
             rate = f"with {np.degrees(self.limited.rate):.4g} deg/s"
             limited = degrees("optimum.limited", self.limited.peak, unit="deg")
-            rows.append((rate, (*limited, f", {self.limited.status}")))
+            shown.append((rate, (*limited, f", {self.limited.status}")))
         switches = (
             ", ".join(f"{t:.4g} s" for t in best.switch_times[:_MAX_SHOWN_SWITCHES]) or "none"
         )
         more = best.switch_times.size - _MAX_SHOWN_SWITCHES
         gap = significant("optimum.gap", proof.gap, 2)
-        rows += [
-            ("first segment", (self.first_segment,)),
+        shown += [
+            *rows(self, "optimum", "first_segment"),
             ("switches", (switches + (f" and {more} more" if more > 0 else ""),)),
-            (
-                "fast pole alone (K = 0)",
-                minimum_limit(degrees("optimum.held", self.constant, unit="deg")),
-            ),
-            (STATIC_TRIM, degrees("optimum.trim", self.trim, unit="deg")),
-            ("dual bound", degrees("optimum.dual", proof.dual, unit="deg")),
+            *rows(self, "optimum", "trim", "constant"),
+            *rows(proof, "optimum", "dual"),
             ("certificate", ("gap ", *gap, f", {best.status}")),
         ]
-        return quantities(caption, rows)
+        return quantities(caption, shown)

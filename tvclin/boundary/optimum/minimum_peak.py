@@ -65,7 +65,7 @@ class Certificate(Record):
     """
 
     primal: float
-    dual: float = field(metadata=spec("angle"))
+    dual: float = field(metadata=spec("angle", "dual bound"))
     gap: float = field(metadata=spec())
     residual: float = field(metadata=spec())
     tail: float = field(metadata=spec())
