@@ -22,6 +22,7 @@ from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
     MODEL,
+    SIZING,
     AsJson,
     More,
     Options,
@@ -127,7 +128,7 @@ def ascent(
     model: Options = MODEL,
     planes: PlaneOptions = GROUP,
     limits: Options = BOTH_LIMITS,
-    question: Options = Options("requirement.flight.request.SizingRequest", _FIELDS, "sizing"),
+    question: Options = Options(SIZING, _FIELDS, "sizing"),
     more: More = False,
     as_json: AsJson = False,
     csv: Path | None = option(

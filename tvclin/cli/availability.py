@@ -1,7 +1,7 @@
 """`tvclin availability`: on how many days of an archive the nozzle is sufficient."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +11,7 @@ import typer
 from tvclin.base.errors import InputError, within
 from tvclin.base.files import called
 from tvclin.cli.inputs import note_source
-from tvclin.cli.options import GROUP, LIMIT, MODEL, AsJson, More, Options, Plot, option, to_write
+from tvclin.cli.options import LIMIT, MODEL, SIZING, AsJson, More, Options, Plot, option, to_write
 from tvclin.cli.output import (
     answer,
     bar,
@@ -31,16 +31,8 @@ from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.vehicle.vehicle_file import source_tables
 
 _REQUEST = "ensembles.availability.availability.AvailabilityRequest"
-
-
-@dataclass(frozen=True)
-class FlightTimes:
-    """Options of the flight times that count; `grouped` gives them to a command."""
-
-    begin: float | None = option(
-        "First flight time that counts, in s.", flag="--from", shown="the first"
-    )
-    end: float | None = option("Last flight time that counts, in s.", flag="--to", shown="the last")
+_SHOWN_TIMES = {"start": "the first", "stop": "the last"}
+"""Defaults of the flight times that count."""
 
 
 def availability(
@@ -72,7 +64,7 @@ def availability(
     months: list[int] | None = option(
         "Only this month, from 1 to 12; may be given several times.", flag="--month"
     ),
-    times: FlightTimes = GROUP,
+    times: Options = Options(SIZING, ("start", "stop"), shown=_SHOWN_TIMES),
     today: Path | None = option("Also judge this balloon of today: go or no go?", metavar="FILE"),
     as_json: AsJson = False,
     csv: Path | None = option(
@@ -108,7 +100,7 @@ def availability(
         plan = _plan(source, keys)
         balloon = None if today is None else plan.reading.profile(today)
     assert plan.availability is not None
-    flight = plan.availability.flight.between(times.begin, times.end)
+    flight = plan.availability.flight.between(times.values.get("start"), times.values.get("stop"))
     request = replace(plan.availability, flight=flight)
     for note in () if balloon is None else balloon.notes:
         note_below(f"{called(today)}: {note}")

@@ -23,6 +23,7 @@ from tvclin.cli.options import (
     DESIGN,
     GROUP,
     MODEL,
+    SIZING,
     SOURCE_HELP,
     STUDY,
     At,
@@ -71,9 +72,7 @@ class NozzleOptions:
         " it needs; it takes about a minute.",
     )
     gains: GainOptions = GainOptions(DESIGN, ("natural_frequency",))
-    times: Options = Options(
-        "requirement.flight.request.SizingRequest", ("start", "stop", "every"), "sizing"
-    )
+    times: Options = Options(SIZING, ("start", "stop", "every"), "sizing")
     model: Options = MODEL
     planes: PlaneOptions = GROUP
     dead_band: Options = Options(STUDY, ("dead_band",))

@@ -220,6 +220,7 @@ SHAPE = option(f"Shape of the wind: {listed(SHAPES, 'or')}.", shown="triangular"
 STUDY = "studyfile.study_plan.StudyPlan"
 DESIGN = "control.autopilot.design_rules.AutopilotDesign"
 NOZZLE = "case.nozzle.Nozzle"
+SIZING = "requirement.flight.request.SizingRequest"
 CAMPAIGN = "ensembles.campaign.campaign_plan.Campaign"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot", CAMPAIGN: "Answer"}
 """Panels of the help, by the record whose options they group."""
