@@ -276,13 +276,20 @@ def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
     ]
 
 
+def columns(record: Any, *names: str) -> list[Field]:
+    """Return the fields of a record as columns of a table, in the order of their names."""
+    return [chosen(record, name)[0] for name in names]
+
+
 def cells(record: Any, prefix: str, *names: str) -> tuple[lines.Line, ...]:
     """Return the values of fields of a record as cells of a table, without units.
 
     `prefix`: as in `Field.line`. `names`: names of the fields, in the order of the cells.
     """
-    columns = (chosen(record, name)[0] for name in names)
-    return tuple(item.cell(f"{prefix}.{item.document_key}", item.value(record)) for item in columns)
+    return tuple(
+        item.cell(f"{prefix}.{item.document_key}", item.value(record))
+        for item in columns(record, *names)
+    )
 
 
 def record_table(
@@ -298,13 +305,13 @@ def record_table(
     "trial.0.limit". `records`: one or more. `labels`: heading and texts of a first column of labels
     that are no field.
     """
-    head, first = labels or ("", ())
+    head = tuple(item.heading for item in columns(records[0], *names))
     rows = [cells(record, f"{prefix}.{k}", *names) for k, record in enumerate(records)]
     if labels is not None:
-        rows = [((label,), *row) for label, row in zip(first, rows, strict=True)]
-    return lines.Table(
-        caption, (*((head,) if labels else ()), *headings(records[0], *names)), tuple(rows)
-    )
+        heading, texts = labels
+        head = (heading, *head)
+        rows = [((label,), *row) for label, row in zip(texts, rows, strict=True)]
+    return lines.Table(caption, head, tuple(rows))
 
 
 def array_table(
@@ -315,21 +322,20 @@ def array_table(
     `prefix`: first part of the names of the numbers, before the index of the row. `rows`: indices
     of the rows; by default all. A field without values, None, is a column of dashes.
     """
-    columns = {item: item.value(record) for name in names for item in chosen(record, name)[:1]}
-    count = max(len(values) for values in columns.values() if values is not None)
-    cells_of_rows = (
+    specified = columns(record, *names)
+    arrays = [item.value(record) for item in specified]
+    count = max(len(values) for values in arrays if values is not None)
+    return lines.Table(
+        caption,
+        tuple(item.heading for item in specified),
         tuple(
-            item.cell(f"{prefix}.{k}.{item.document_key}", None if values is None else values[k])
-            for item, values in columns.items()
-        )
-        for k in (range(count) if rows is None else rows)
+            tuple(
+                item.cell(f"{prefix}.{k}.{item.document_key}", None if array is None else array[k])
+                for item, array in zip(specified, arrays, strict=True)
+            )
+            for k in (range(count) if rows is None else rows)
+        ),
     )
-    return lines.Table(caption, headings(record, *names), tuple(cells_of_rows))
-
-
-def headings(record: Any, *names: str) -> tuple[str, ...]:
-    """Return the headings of columns of fields of a record: labels with units."""
-    return tuple(chosen(record, name)[0].heading for name in names)
 
 
 def _converted(value: Any, convert: Callable[[Any], Any]) -> Any:

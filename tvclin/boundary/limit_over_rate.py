@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.fields import array_table, cells, derived, headings, record_table, spec
+from tvclin.base.fields import array_table, cells, columns, derived, record_table, spec
 from tvclin.base.lines import NONE_SUFFICIENT, Table
 from tvclin.base.quantities import NO_FORECAST, REQUIRED_RATE, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
@@ -71,9 +71,11 @@ def point_table(caption: str, trade_off: TradeOff, *rows: tuple[str, str, str]) 
 
     `rows`: fields of the lower bound, the available and the remaining quantity of each row.
     """
-    labels = headings(trade_off, *(available for _, available, _ in rows))
-    numbers = (cells(trade_off, "nozzle", *names) for names in rows)
-    shown = tuple(((label,), *row) for label, row in zip(labels, numbers, strict=True))
+    labels = columns(trade_off, *(available for _, available, _ in rows))
+    shown = tuple(
+        ((item.heading,), *cells(trade_off, "nozzle", *names))
+        for item, names in zip(labels, rows, strict=True)
+    )
     return Table(caption, ("", "lower bound", "available", "remaining"), shown)
 
 

@@ -8,9 +8,8 @@ from os import PathLike
 from typing import Any, ClassVar, Self, TypeAlias
 
 from tvclin.base.cards import card, card_rows, lines
-from tvclin.base.errors import InputError, instance, naming, shown, single
-from tvclin.base.errors import text as printable
-from tvclin.base.fields import Field, checked, flag, parameters, specs, text
+from tvclin.base.errors import InputError, flag, instance, naming, shown, single, text
+from tvclin.base.fields import Field, parameters, specs
 from tvclin.base.files import called
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import Coefficients
@@ -74,15 +73,16 @@ class LinearVehicle:
             *map(_coefficient, _PATH_COEFFICIENTS),
         )
     )
-    name: str = text("", card=False, document=False)
-    path_known: bool = flag(False, card=False, document=False)
+    name: str = ""
+    path_known: bool = False
 
     structure: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_beta")
         single("coefficients", self.coefficients.batch)
-        checked(self, "name", "path_known")
+        text("name", self.name)
+        flag("path_known", self.path_known)
 
     @property
     def rigid(self) -> Self:
@@ -98,7 +98,7 @@ class LinearVehicle:
 
     def coefficients_for(self, model: str) -> Coefficients:
         """Return the coefficients for a model; `InputError` if the model has unknown ones."""
-        if printable("model", model) != FIXED_PATH and not self.path_known:
+        if text("model", model) != FIXED_PATH and not self.path_known:
             raise InputError(
                 f'model "{shown(model)[1:-1]}" needs C1, C2, b1, b2 and q beside mu_alpha and'
                 f' mu_delta; give them in {COEFFICIENTS_TABLE.heading}, or take "{FIXED_PATH}"'
