@@ -15,7 +15,6 @@ from tvclin.base.fields import Field, record_table, spec, specs
 from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import check_known
 from tvclin.case.flexible_autopilot import gain_notes, satisfying_rule
-from tvclin.cli.gains import GAINS, with_gains
 from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.margins import (
     JudgedMargins,
@@ -26,6 +25,7 @@ from tvclin.cli.margins import (
     print_bounds,
 )
 from tvclin.cli.options import (
+    GAINS,
     GROUP,
     MOTION,
     TIMING,
@@ -36,6 +36,7 @@ from tvclin.cli.options import (
     Source,
     option,
     switch,
+    with_gains,
 )
 from tvclin.cli.output import answer, draw, note_below, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import WindOptions, wind_words

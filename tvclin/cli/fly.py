@@ -12,9 +12,19 @@ from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_autopilot, fly_linear
 from tvclin.cli.fly_laws import fly_laws
-from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, only_with
-from tvclin.cli.options import GROUP, LIMIT, MOTION, At, More, Options, ShownCurves, Source, option
+from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
+    MOTION,
+    At,
+    FlownLaw,
+    More,
+    Options,
+    ShownCurves,
+    Source,
+    option,
+)
 from tvclin.cli.output import waiting
 from tvclin.cli.wind import FlightOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS

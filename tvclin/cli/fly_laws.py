@@ -9,10 +9,9 @@ from tvclin.base.errors import one_of
 from tvclin.base.lines import plural
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.flexible_autopilot import with_filters
-from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_omissions, only_with
 from tvclin.cli.margins import parts_line
-from tvclin.cli.options import Options, ShownCurves
+from tvclin.cli.options import FlownLaw, Options, ShownCurves
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.law import Law

@@ -15,9 +15,9 @@ from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed, quantities, text
 from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.case.flexible_autopilot import gain_notes
-from tvclin.cli.gains import GAINS
 from tvclin.cli.inputs import FROZEN, case_of, note_omissions, only_with
 from tvclin.cli.options import (
+    GAINS,
     GROUP,
     LIMIT,
     MOTION,

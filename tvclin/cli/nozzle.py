@@ -16,7 +16,6 @@ from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off, requir
 from tvclin.case.load import FlownLoad
 from tvclin.cli.ascent import PlaneOptions, case_over_flight
 from tvclin.cli.fly_autopilot import limited_law
-from tvclin.cli.gains import FlownLaw, GainOptions
 from tvclin.cli.inputs import case_of, note_nominal_pressure, note_omissions, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -27,6 +26,8 @@ from tvclin.cli.options import (
     SOURCE_HELP,
     STUDY,
     At,
+    FlownLaw,
+    GainOptions,
     More,
     Options,
     ShownCurves,

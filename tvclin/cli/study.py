@@ -9,7 +9,6 @@ import numpy as np
 
 from tvclin.base.errors import nonzero, number, positive
 from tvclin.base.lines import text
-from tvclin.cli.gains import GainOptions
 from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -19,6 +18,7 @@ from tvclin.cli.options import (
     STUDY,
     AsJson,
     At,
+    GainOptions,
     More,
     Options,
     Plot,
