@@ -16,7 +16,7 @@ from tests.turns import by_turns, usual
 from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
-from tvclin.flights.sixdof.airframe import Airframe, Engine
+from tvclin.flights.sixdof.airframe import Airframe, Engine, senses, wind_setter
 from tvclin.flights.sixdof.fly_sixdof import SixDof
 from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, nominal_trajectory, planet_xml
 
@@ -180,6 +180,25 @@ def test_a_positive_deflection_turns_the_nose_down_or_left(configuration_i):
     # The thrust that turns the nose down first pushes the path up.
     assert pitch("flight-path/gamma-rad")() > configuration_i.attitude + 1e-6
     assert yaw("velocities/v-east-fps")() > 1e-3
+
+
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+def test_the_path_angle_is_that_of_the_velocity_over_the_ground(configuration_i, plane):
+    """A wind of 5 deg changes the speed through the air."""
+    initial = {"h-sl-ft": 0.0, "u-fps": configuration_i.velocity / FOOT}
+    initial["theta-rad"] = configuration_i.attitude
+    engine = Engine(model_xml(configuration_i), initial, 0.01, planet=planet_xml())
+    sense = senses(engine, plane, 0.0)
+    wind_setter(engine, plane, 0.0)(np.tan(5 * DEGREE) * configuration_i.velocity)
+    engine.writer(DEFLECTIONS[plane])(0.005)
+    for _ in range(200):
+        engine.run()
+    read = engine.reader
+    north, east, down = (read(f"velocities/v-{name}-fps")() for name in ("north", "east", "down"))
+    angles = {"pitch": np.arctan2(-down, north), "yaw": np.arctan2(east, np.hypot(north, down))}
+    assert sense.angles()[1] == pytest.approx(angles[plane], rel=1e-9)
+    over_ground = np.hypot(np.hypot(north, east), down)
+    assert read("velocities/vt-fps")() != pytest.approx(over_ground, rel=3e-3)
 
 
 @pytest.mark.parametrize(("plane", "towards"), [("pitch", "north"), ("yaw", "west")])

@@ -134,21 +134,22 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
     def rates() -> tuple[float, float]:
         return rate(), acceleration()
 
+    def ground_speed() -> float:
+        """Return the speed over the ground [ft/s]."""
+        return hypot(*(component() for component in velocities))
+
     def lateral() -> tuple[float, float]:
-        return FOOT * hypot(*(component() for component in velocities)), upwards * force() / mass()
+        return FOOT * ground_speed(), upwards * force() / mass()
 
     if plane == "pitch":
         gamma = read("flight-path/gamma-rad")
         return Senses(lambda: (theta(), gamma()), rates, read("aero/alpha-rad"), lateral)
-    psi, speed, sideslip = (
-        read(name) for name in ("attitude/psi-rad", "velocities/vt-fps", "aero/beta-rad")
-    )
-    north, east = read("velocities/v-north-fps"), read("velocities/v-east-fps")
-    cosine, right = cos(heading), sin(heading)
+    psi, sideslip = read("attitude/psi-rad"), read("aero/beta-rad")
+    (north, east, _), cosine, right = velocities, cos(heading), sin(heading)
 
     def angles() -> tuple[float, float]:
         across = east() * cosine - north() * right
-        return asin(cos(theta()) * sin(psi() - heading)), asin(across / speed())
+        return asin(cos(theta()) * sin(psi() - heading)), asin(across / ground_speed())
 
     return Senses(angles, rates, lambda: -sideslip(), lateral)
 
