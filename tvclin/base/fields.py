@@ -26,21 +26,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from tvclin.base import lines
-from tvclin.base.errors import (
-    InputError,
-    different,
-    finite,
-    nonnegative,
-    nonzero,
-    one_of,
-    positive,
-    whole_number,
-)
-from tvclin.base.errors import flag as true_or_false
-from tvclin.base.errors import number as one_number
-from tvclin.base.errors import plain as plain_number
-from tvclin.base.errors import text as printable
+from tvclin.base import errors, lines
 from tvclin.base.lines import listed
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, document_unit, optional_unit, si_unit, written
@@ -71,7 +57,7 @@ def plain(value: Any) -> Any:
 def decibels(factor: Any) -> Any:
     """Return a positive factor on an amplitude in dB."""
     with np.errstate(divide="ignore"):
-        return plain_number(20.0 * np.log10(np.asarray(factor)))
+        return errors.plain(20.0 * np.log10(np.asarray(factor)))
 
 
 def degrees(value: Any) -> Any:
@@ -130,7 +116,7 @@ class Field:
     card: bool = True
     document: bool = True
     key: str | None = ""
-    check: Callable[..., Any] = finite
+    check: Callable[..., Any] = errors.finite
     many: bool = False
     option: str | None = ""
     shown: str = ""
@@ -221,15 +207,15 @@ class Field:
             return self._each(name, value)
         if not self.numeric:
             return self.check(name, value)
-        return one_number(name, value, self.check, si_unit(self.kind) if unit is None else unit)
+        return errors.number(name, value, self.check, si_unit(self.kind) if unit is None else unit)
 
     def _each(self, name: str, values: Any) -> tuple[Any, ...]:
         """Return several values that all pass the check."""
         if not self.numeric:
-            return tuple(self.check(name, item) for item in different(name, values))
-        requested = finite(name, values)
+            return tuple(self.check(name, item) for item in errors.different(name, values))
+        requested = errors.finite(name, values)
         if requested.ndim != 1 or not requested.size:
-            raise InputError(f"{name} must hold one number or more")
+            raise errors.InputError(f"{name} must hold one number or more")
         return tuple(self.check(name, requested).tolist())
 
     def from_option(self, name: str, value: Any) -> Any:
@@ -238,8 +224,8 @@ class Field:
             return self._each(name, tuple(value)) if self.many else self.check(name, value)
         _, unit, factor = optional_unit(self.kind)
         if self.many:
-            return tuple(factor * one_number(name, item, self.check, unit) for item in value)
-        return factor * one_number(name, value, self.check, unit)
+            return tuple(factor * errors.number(name, item, self.check, unit) for item in value)
+        return factor * errors.number(name, value, self.check, unit)
 
 
 def chosen(record: Any, *names: str) -> list[Field]:
@@ -346,7 +332,7 @@ def _converted(value: Any, convert: Callable[[Any], Any]) -> Any:
 
 
 def quantity(
-    kind: str, default: Any = MISSING, check: Callable[..., Any] = finite, **more: Any
+    kind: str, default: Any = MISSING, check: Callable[..., Any] = errors.finite, **more: Any
 ) -> Any:
     """Return a dataclass field for a number in SI units, of a kind of `UNITS`.
 
@@ -358,21 +344,23 @@ def quantity(
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
     """Return a dataclass field for a word, one of `choices`; `more` as in `quantity`."""
     allowed = tuple(choices)
-    check = partial(one_of, choices=allowed)
+    check = partial(errors.one_of, choices=allowed)
     return _field(Field(kind="text", check=check, choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
     """Return a dataclass field for a text of printable characters; `more` as in `quantity`."""
-    return _field(Field(kind="text", check=printable, **more), default)
+    return _field(Field(kind="text", check=errors.text, **more), default)
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
     """Return a dataclass field for True or False; `more` as in `quantity`."""
-    return _field(Field(kind="flag", check=true_or_false, **more), default)
+    return _field(Field(kind="flag", check=errors.flag, **more), default)
 
 
-def count(default: Any = MISSING, check: Callable[..., Any] = whole_number, **more: Any) -> Any:
+def count(
+    default: Any = MISSING, check: Callable[..., Any] = errors.whole_number, **more: Any
+) -> Any:
     """Return a dataclass field for an integer, as `check` allows; `more` as in `quantity`."""
     return _field(Field(kind="count", check=check, **more), default)
 
@@ -484,7 +472,9 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
 
 def _in_any_unit(item: Field) -> bool:
     """Return whether the check of a number holds in each unit of its keys."""
-    return item.numeric and (item.kind == "angle" or item.check in (positive, nonnegative, nonzero))
+    return item.numeric and (
+        item.kind == "angle" or item.check in (errors.positive, errors.nonnegative, errors.nonzero)
+    )
 
 
 def _keyed(kind: type) -> list[Field]:

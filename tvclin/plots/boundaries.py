@@ -12,18 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.nominal_flight import load_flight_condition
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    instance,
-    one_of,
-    one_row,
-    positive,
-    shown,
-    single,
-    within,
-)
 from tvclin.boundary.closed_forms import (
     rectangular_limit,
     triangular_limit,
@@ -69,7 +59,7 @@ CONFIGURATIONS = ("configuration-i", "configuration-ii")
 
 ABSCISSA = "wind duration tau*{} [-]"
 ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
-_DURATIONS = between(1e-6, 1e6)
+_DURATIONS = errors.between(1e-6, 1e6)
 """Check of the durations tau beta of an abscissa."""
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
 _POINTS, _FLOWN_POINTS = 200, 40
@@ -94,8 +84,8 @@ def boundary_chart(
         eqs (7) and (12).
     """
     if coefficients is not None:
-        instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
-        single("coefficients", coefficients.batch)
+        errors.instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+        errors.single("coefficients", coefficients.batch)
     what = _FIXED if coefficients is None else _DRIFT
     name = "" if coefficients is None else coefficients.name
     title = called(name, f"Stability boundary {what}")
@@ -135,10 +125,12 @@ def figure_5(
     x = _abscissas(tau_beta)
     dead_bands = _fractions(dead_bands)
     if not isinstance(vehicles, tuple | list):
-        raise InputError(f"vehicles must be a tuple of vehicles or names; got {shown(vehicles)}")
+        raise errors.InputError(
+            f"vehicles must be a tuple of vehicles or names; got {errors.shown(vehicles)}"
+        )
     loaded = [v if isinstance(v, Vehicle) else load_vehicle(v) for v in vehicles]
     for vehicle in loaded:
-        single("vehicle", vehicle.batch)
+        errors.single("vehicle", vehicle.batch)
     symbols = [Coefficients.from_vehicle(vehicle).pole_symbol for vehicle in loaded]
     columns = []
     for letter, K in zip("abcdefghij", dead_bands, strict=False):
@@ -183,13 +175,13 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
     durations : array_like, optional
         Abscissas [s], positive; up to three times the study's duration where not given.
     """
-    instance("study", study, Study, "see Study.from_vehicle")
+    errors.instance("study", study, Study, "see Study.from_vehicle")
     chosen = float(study.wind.duration)
     points = _POINTS if study.gust is None else _FLOWN_POINTS
     x = (
         np.linspace(0.02, 3.0, points) * chosen
         if durations is None
-        else one_row("durations", positive("durations", durations))
+        else errors.one_row("durations", errors.positive("durations", durations))
     )
     curves = _study_curves(study, x)
     axes = new_axes()
@@ -289,13 +281,13 @@ def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:
 def _abscissas(tau_beta: ArrayLike | None) -> FloatArray:
     """Return the abscissas tau*beta; `InputError` unless they are a positive row."""
     abscissas = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
-    return one_row("tau_beta", np.atleast_1d(_DURATIONS("tau_beta", abscissas)))
+    return errors.one_row("tau_beta", np.atleast_1d(_DURATIONS("tau_beta", abscissas)))
 
 
 def _fractions(dead_bands: Sequence[float]) -> list[float]:
     """Return dead bands K as a list; `InputError` for what is no row of numbers from 0 to 1."""
-    fractions = within("dead_bands", dead_bands, 0.0, 1.0)
-    return one_row("dead_bands", np.atleast_1d(fractions)).tolist()
+    fractions = errors.within("dead_bands", dead_bands, 0.0, 1.0)
+    return errors.one_row("dead_bands", np.atleast_1d(fractions)).tolist()
 
 
 def _row(values: Any) -> FloatArray:
@@ -323,7 +315,7 @@ def chosen_engine(engine: str | None) -> str:
     """
     if engine is None:
         return "sixdof" if find_spec("jsbsim") else "planar"
-    return one_of("engine", engine, ENGINES)
+    return errors.one_of("engine", engine, ENGINES)
 
 
 def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
@@ -454,11 +446,15 @@ def _figure(
 ) -> ControlPlot:
     """Return figure 10 or 11."""
     flies = chosen_engine(engine)
-    instance("vehicle", name, str, "what load_vehicle finds it by")
-    fractions = one_row("dead_bands", np.atleast_1d(within("dead_bands", dead_bands, 0.0, 1.0)))
-    durations = [one_row("tau_beta", np.atleast_1d(within("tau_beta", tau_beta, 1e-6, 1e6)))]
-    trajectory = np.atleast_1d(positive("along", along))
-    durations.append(one_row("along", trajectory) if trajectory.size else trajectory.ravel())
+    errors.instance("vehicle", name, str, "what load_vehicle finds it by")
+    fractions = errors.one_row(
+        "dead_bands", np.atleast_1d(errors.within("dead_bands", dead_bands, 0.0, 1.0))
+    )
+    durations = [
+        errors.one_row("tau_beta", np.atleast_1d(errors.within("tau_beta", tau_beta, 1e-6, 1e6)))
+    ]
+    trajectory = np.atleast_1d(errors.positive("along", along))
+    durations.append(errors.one_row("along", trajectory) if trajectory.size else trajectory.ravel())
     x = np.unique(np.concatenate([_CURVES, *durations]))
     vehicle = load_vehicle(name)
     columns = [

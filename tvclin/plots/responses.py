@@ -6,21 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    callable_for,
-    instance,
-    number,
-    one_of,
-    positive,
-    shown,
-    single,
-    small_angle,
-    whole_number,
-    within,
-)
 from tvclin.boundary.limit import boundary_limit
 from tvclin.flights.flown_boundary import ENGINES
 from tvclin.flights.theory_comparison import FlightComparison
@@ -101,13 +88,13 @@ def response_curves(
     limit = None if limit is None else _limit(limit)
     for what, history in (("deflection", deflection), ("wind", wind)):
         if history is not None:
-            instance(what, history, History, "such as TriangularWind")
-            single(what, history.batch)
+            errors.instance(what, history, History, "such as TriangularWind")
+            errors.single(what, history.batch)
     if isinstance(response, Responses):
         rows = dict(zip(response.labels, response.outputs, strict=True))
     elif "TimeResponseData" not in [base.__name__ for base in type(response).__mro__]:
-        raise InputError(
-            f"response must be Responses or control.TimeResponseData; got {shown(response)}"
+        raise errors.InputError(
+            f"response must be Responses or control.TimeResponseData; got {errors.shown(response)}"
         )
     else:
         labels = (*response.output_labels, *response.input_labels)
@@ -130,7 +117,7 @@ def response_curves(
 
 def _limit(value: float) -> float:
     """Return a deflection limit [rad]; `InputError` unless it is positive."""
-    return number("limit", value, small_angle("a deflection", positive), "rad")
+    return errors.number("limit", value, errors.small_angle("a deflection", errors.positive), "rad")
 
 
 def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
@@ -182,7 +169,7 @@ def study_response_chart(response: StudyResponse) -> "ControlPlot":
     response : StudyResponse
         Response of one study to its wind.
     """
-    instance("response", response, StudyResponse, "see study_response")
+    errors.instance("response", response, StudyResponse, "see study_response")
     curves = response_curves(
         response.response,
         limit=response.limit,
@@ -209,8 +196,8 @@ def flight_curves(
     reference : {"linear", "rigid"}
         Name of the flight compared with.
     """
-    instance("flight", flight, FlightComparison, "see compare_flight")
-    limit, reference = _limit(limit), one_of("reference", reference, ("linear", "rigid"))
+    errors.instance("flight", flight, FlightComparison, "see compare_flight")
+    limit, reference = _limit(limit), errors.one_of("reference", reference, ("linear", "rigid"))
     columns = [
         Column(label, np.degrees(rows[row]), "deg", panel)
         for panel, row in _FLOWN.items()
@@ -231,7 +218,7 @@ def flight_chart(curves: Curves, title: str) -> "ControlPlot":
     title : str
         Title of the figure.
     """
-    instance("curves", curves, Curves, "see flight_curves")
+    errors.instance("curves", curves, Curves, "see flight_curves")
     ordinates = {panel: f"{panel} [deg]" for panel in _FLOWN}
     ordinates["wind"] = "wind angle of attack [deg]"
     return draw(curves, Look(title, ordinates, _FLIGHT, limits=_frames(curves)))
@@ -255,7 +242,11 @@ _COLOURS = (COLOURS[3], COLOURS[2], COLOURS[1], COLOURS[0])
 _NEVER = "trim never saturates"
 _STILL = 1e-3
 """Largest attitude over the wind's peak of a flight with trim alone."""
-_DURATIONS, _FACTORS, _UNTIL = between(1e-3, 1e3), between(1e-6, 1e6), between(1e-3, 1e2)
+_DURATIONS, _FACTORS, _UNTIL = (
+    errors.between(1e-3, 1e3),
+    errors.between(1e-6, 1e6),
+    errors.between(1e-3, 1e2),
+)
 """Checks of the durations tau beta, of limits over the boundary limit, and of the end t/tau."""
 _ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$ [-]"
 
@@ -299,17 +290,17 @@ def attitude_chart(
     in the report: a real autopilot would not go back beyond zero. The frame ends near the curve on
     the boundary; diverging curves leave it.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
-    single("plant", plant.batch)
+    errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
+    errors.single("plant", plant.batch)
     dead_band = _fraction(dead_band)
     tau_beta = row_of("tau_beta", np.atleast_1d(_DURATIONS("tau_beta", tau_beta))).tolist()
     factors = row_of("factors", np.atleast_1d(_FACTORS("factors", factors))).tolist()
     if not tau_beta or not factors:
-        raise InputError("tau_beta and factors must hold one number or more")
+        raise errors.InputError("tau_beta and factors must hold one number or more")
     if flights is not None:
-        callable_for("flights", flights, "of wind, limit, dead band and times")
-    within("points", whole_number("points", points), 2, 1e6)
-    x = np.linspace(0.0, number("until", until, _UNTIL), int(points))
+        errors.callable_for("flights", flights, "of wind, limit, dead band and times")
+    errors.within("points", errors.whole_number("points", points), 2, 1e6)
+    x = np.linspace(0.0, errors.number("until", until, _UNTIL), int(points))
     columns = [
         column for b in tau_beta for column in _attitudes(plant, x, b, factors, dead_band, flights)
     ]
@@ -433,7 +424,7 @@ def _with_drift(
     """Draw figure 6, 7, 8 or 9 of the report."""
     dead_band = _fraction(dead_band)
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
-    single("vehicle", loaded.batch)
+    errors.single("vehicle", loaded.batch)
     flies = chosen_engine(engine)
     plant = Plant.from_vehicle(loaded, "drift")
     exact = "exact" if np.any(loaded.pitch_damping) else "eq (B9)"
@@ -448,7 +439,7 @@ def _with_drift(
 
 def _fraction(dead_band: float) -> float:
     """Return a dead band K; `InputError` unless it is from 0 to 1."""
-    return number("dead_band", dead_band, between(0.0, 1.0))
+    return errors.number("dead_band", dead_band, errors.between(0.0, 1.0))
 
 
 def _attitudes(

@@ -7,20 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    each,
-    instance,
-    nonzero,
-    number,
-    one_row,
-    positive,
-    shown,
-    single,
-    small_angle,
-)
 from tvclin.base.lines import plural
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
 from tvclin.boundary.forecast_free import forecast_free_limit
@@ -80,7 +68,7 @@ def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
     """Return the curves of `rate_chart`; NaN where no deflection is sufficient."""
     flown = trade_off.limits if isinstance(trade_off, FlownTradeOff) else {}
     trade_off = trade_off.minimum if isinstance(trade_off, FlownTradeOff) else trade_off
-    instance("trade_off", trade_off, RateTradeOff, "see rate_trade_off")
+    errors.instance("trade_off", trade_off, RateTradeOff, "see rate_trade_off")
     values = {**flown, WIND_KNOWN: trade_off.limits}
     if trade_off.no_forecast_bounds is not None:
         values[NO_FORECAST] = trade_off.no_forecast_bounds
@@ -111,8 +99,8 @@ def rate_chart(
 
 def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Curves:
     """Return the curves of `load_chart`; NaN where no deflection is sufficient."""
-    instance("trade_off", trade_off, LoadTradeOff, "see load_trade_off")
-    flown = each("flown", flown, FlownLoad, "one for each law")
+    errors.instance("trade_off", trade_off, LoadTradeOff, "see load_trade_off")
+    flown = errors.each("flown", flown, FlownLoad, "one for each law")
     points = {}
     if trade_off.limit is not None:
         if trade_off.load is not None:
@@ -172,12 +160,12 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     InputError
         For no curve, and for curves over different disk margins.
     """
-    trade_offs = each("trade_offs", trade_offs, GainTradeOff, "see gain_trade_off")
+    trade_offs = errors.each("trade_offs", trade_offs, GainTradeOff, "see gain_trade_off")
     if not trade_offs:
-        raise InputError("trade_offs must be one or more; got none")
+        raise errors.InputError("trade_offs must be one or more; got none")
     disk = trade_offs[0].disk_margin
     if any(not np.array_equal(trade_off.disk_margin, disk) for trade_off in trade_offs):
-        raise InputError("trade_offs must be over the same disk margins")
+        raise errors.InputError("trade_offs must be over the same disk margins")
     columns, styles = [], dict(_MARGINS)
     for k, trade_off in enumerate(trade_offs):
         label = f"{plural(len(trade_off.gains), 'gain')}, {_MEANS[trade_off.meaning]}"
@@ -244,11 +232,13 @@ def laws_chart(
     cubics (PCHIP).
     """
     check_plant(plant)
-    single("plant", plant.batch)
+    errors.single("plant", plant.batch)
     if not isinstance(laws, Mapping) or not all(isinstance(name, str) for name in laws):
-        raise InputError(f"laws must be a dict of laws by their names; got {shown(laws)}")
-    peak = number("peak", peak, small_angle("a wind", nonzero), "rad")
-    tau_beta = one_row("tau_beta", positive("tau_beta", tau_beta))
+        raise errors.InputError(
+            f"laws must be a dict of laws by their names; got {errors.shown(laws)}"
+        )
+    peak = errors.number("peak", peak, errors.small_angle("a wind", errors.nonzero), "rad")
+    tau_beta = errors.one_row("tau_beta", errors.positive("tau_beta", tau_beta))
     pole, symbol = float(plant.coefficients.pole), plant.coefficients.pole_symbol
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
     trim = abs(float(plant.coefficients.B) * peak)
@@ -323,8 +313,8 @@ def plane_chart(
     shape = limit_shape_of(limit_shape)
     checked_batch(plant, wind, shape, yaw_plant)
     for name, plane_plant in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
-        single(name, plane_plant.batch)
-    dead_band = number("dead_band", dead_band, between(0.0, 1.0))
+        errors.single(name, plane_plant.batch)
+    dead_band = errors.number("dead_band", dead_band, errors.between(0.0, 1.0))
     limit = plane_limit(plant, wind, shape, dead_band, "literal", yaw_plant)
     pair = PlanePair((plant, yaw_plant or plant), wind)
     knots = np.union1d(wind.pitch.knots, wind.yaw.knots)
@@ -370,9 +360,9 @@ def study_planes_chart(study: Study) -> ControlPlot:
     InputError
         For a study of a wind without direction, and in the same cases as `plane_chart`.
     """
-    instance("study", study, Study, "see Study.from_vehicle")
+    errors.instance("study", study, Study, "see Study.from_vehicle")
     if study.slanting is None or study.planes is None:
-        raise InputError("study must be of a wind with a direction: give it a heading")
+        raise errors.InputError("study must be of a wind with a direction: give it a heading")
     pitch, yaw = (Plant.from_vehicle(study.vehicle, study.model, plane) for plane in PLANES)
     return plane_chart(pitch, study.planes.wind, study.planes.limit_shape, study.dead_band, yaw)
 

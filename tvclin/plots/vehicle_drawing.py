@@ -6,18 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    between,
-    instance,
-    number,
-    one_row,
-    positive,
-    single,
-    small_angle,
-    whole_number,
-    within,
-)
 from tvclin.boundary.limit import boundary_limit
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
@@ -59,7 +49,10 @@ def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
     tau_beta : float
         Duration of the wind in units of 1/beta; it decides the height of the control.
     """
-    wind, tau_beta = RectangularWind(peak=1.0, duration=1.0), number("tau_beta", tau_beta, positive)
+    wind, tau_beta = (
+        RectangularWind(peak=1.0, duration=1.0),
+        errors.number("tau_beta", tau_beta, errors.positive),
+    )
     title = (
         f"Sketch (a). Rectangular wind and control on the boundary\neq (7), tau*beta = {tau_beta:g}"
     )
@@ -76,8 +69,11 @@ def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
     dead_band : float
         K, in [0, 1].
     """
-    wind, tau_beta = TriangularWind(peak=1.0, duration=1.0), number("tau_beta", tau_beta, positive)
-    dead_band = number("dead_band", dead_band, between(0.0, 1.0))
+    wind, tau_beta = (
+        TriangularWind(peak=1.0, duration=1.0),
+        errors.number("tau_beta", tau_beta, errors.positive),
+    )
+    dead_band = errors.number("dead_band", dead_band, errors.between(0.0, 1.0))
     title = (
         "Sketch (b). Triangular wind and control on the boundary\n"
         f"eqs (11), (12), tau*beta = {tau_beta:g}, K = {dead_band:g}"
@@ -106,9 +102,11 @@ def sketch_c(
     """
     from tvclin.boundary.optimum.two_poles import early_switch, switch_variable
 
-    highest = number("highest", highest, between(1.0, 1e6))
-    within("points", whole_number("points", points), 2, 1e6)
-    ratios = one_row("ratios", np.atleast_1d(within("ratios", ratios, *_RATIOS))).tolist()
+    highest = errors.number("highest", highest, errors.between(1.0, 1e6))
+    errors.within("points", errors.whole_number("points", points), 2, 1e6)
+    ratios = errors.one_row(
+        "ratios", np.atleast_1d(errors.within("ratios", ratios, *_RATIOS))
+    ).tolist()
     y = np.linspace(0.0, highest, int(points))
     y = np.sort(np.concatenate([y[y != 1.0], [1.0 - _JUMP, 1.0, 1.0 + _JUMP]]))
     columns = []
@@ -251,7 +249,7 @@ def figure_1(
         "deflection_deg": deflection_deg,
     }
     angles = np.radians(
-        [number(*item, between(-360.0, 360.0), "deg") for item in angles_deg.items()]
+        [errors.number(*item, errors.between(-360.0, 360.0), "deg") for item in angles_deg.items()]
     )
     drawn = _body(*angles) | _forces(*angles) | _speeds(*angles) | _arcs(*angles) | _arms(*angles)
     columns = tuple(
@@ -463,10 +461,12 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     """
     import matplotlib.pyplot as plt
 
-    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    single("vehicle", vehicle.batch)
+    errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    errors.single("vehicle", vehicle.batch)
     if limit is not None:
-        limit = number("limit", limit, small_angle("a deflection", positive), "rad")
+        limit = errors.number(
+            "limit", limit, errors.small_angle("a deflection", errors.positive), "rad"
+        )
     curves = _curves(vehicle, limit)
     stations = _stations(vehicle)
     figure, axes = plt.subplots(layout="constrained")
