@@ -3,18 +3,14 @@
 Where the wind of a sounding is not known, two winds are computed: a calm; and a wind against the
 vehicle, as strong as any that a sounding may have, or, in gaps up to `MAX_BOUNDED_DISTANCE`, as the
 stronger one of both edges, or as the 95 % quantile of the archive at that height, if that is
-stronger. The required deflection is at most the larger of both requirements.
-
-The equations of the vehicle are computed once, at even steps of the interval; all winds are marched
-along them at the wind angle and dynamic pressure encountered. In a plane the requirement is the
-largest min(trim, demand), except where flights decide (`time_varying`).
+stronger. The required deflection is at most the larger of both requirements (`marched_winds`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -22,291 +18,18 @@ import numpy as np
 
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.ensembles.availability.marched_winds import Additions, MarchedWinds, PlaneMarch
 from tvclin.ensembles.availability.sounding_winds import (
     MAX_BOUNDED_DISTANCE,
     FlightPath,
     LineWinds,
     SoundingWinds,
     WindGrowth,
-    on_lines,
 )
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.requirement.time_varying import (
-    FLIGHT_SUBSTEPS,
-    LimitedFlights,
-    curves,
-    decided_by_flights,
-    even_steps,
-    peaks_over_modes,
-    with_calm_after,
-)
-from tvclin.requirement.varying_curves import Curves, smaller
-from tvclin.requirement.varying_equations import Equations
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
-
-_MAX_UPPER_RATIO = 1.2
-"""Largest ratio of the requirement of a flight to min(trim, demand), where trim crosses that more
-than once while the path drifts slowly; docs/availability.md has measured ratios."""
-
-
-@dataclass(frozen=True, eq=False)
-class Additions:
-    """Growth and gust that are added to the winds of soundings, and the dynamic pressure.
-
-    Attributes
-    ----------
-    growth : WindGrowth or None
-        Growth of the wind until launch.
-    gust : History or None
-        A gust, by its angle [rad].
-    gust_speed : float or None
-        Wind speed [m/s] at the peak of the gust, in place of its angle.
-    pressure : bool
-        Whether the dynamic pressure encountered counts, or the nominal one.
-    """
-
-    growth: WindGrowth | None
-    gust: History | None
-    gust_speed: float | None
-    pressure: bool
-
-    def grown(self, height: FloatArray) -> FloatArray:
-        """Return the growth of winds at heights [m/s]."""
-        return np.zeros(height.shape) if self.growth is None else self.growth.at(height)
-
-    def strongest(self, height: FloatArray) -> FloatArray:
-        """Return the sum of growth and gust speed [m/s] at heights [m]."""
-        return self.grown(height) + abs(self.gust_speed or 0.0)
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether nothing is added to the winds, so that both signs of them require the same."""
-        return self.growth is None and self.gust is None
-
-
-@dataclass(frozen=True, eq=False)
-class Bounds:
-    """Bounds of the deflections [rad] that winds require, as sizes ``(n,)``.
-
-    Attributes
-    ----------
-    lower : ndarray
-        The largest min(trim, demand), or the minimum peak over several unstable modes if larger.
-    upper : ndarray
-        Largest possible requirement of a flight, at most the largest trim; infinite where a flight
-        on a quick path diverges with a limit that it never reaches.
-    lowest : ndarray
-        Lowest limit with which a flight may survive: less than `lower` where trim reaches `lower`
-        with both signs, or more than once while the path drifts.
-    highest : ndarray
-        A limit that the law never reaches.
-    """
-
-    lower: FloatArray
-    upper: FloatArray
-    lowest: FloatArray
-    highest: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class PlaneMarch:
-    """Equations of an interval of a flight in a plane, along which winds are marched.
-
-    Attributes
-    ----------
-    path : FlightPath
-        The interval of the flight.
-    plane : str
-        Plane of the motion.
-    motion : FlightMode
-        The equations of the vehicle, with an unstable mode.
-    fastest : FlightMode
-        Equations of the plane whose rates set the steps of both planes.
-    """
-
-    path: FlightPath
-    plane: str
-    motion: FlightMode
-    fastest: FlightMode
-
-    @cached_property
-    def _steps(self) -> tuple[FloatArray, Equations]:
-        """Times [s] of even steps, and the equations at these times."""
-        steps = even_steps(self.fastest, self._span)
-        return steps, self.motion.at_steps(steps)
-
-    @cached_property
-    def _flight_steps(self) -> tuple[FloatArray, Equations]:
-        """Times [s] of the steps of flights, and the equations there and in the calm after them."""
-        steps = even_steps(self.fastest, self._span, FLIGHT_SUBSTEPS)
-        nothing = np.zeros(steps.shape)
-        times = with_calm_after(self._steps[1], steps, nothing, nothing)[0]
-        return steps, self.motion.at_steps(times)
-
-    @property
-    def _span(self) -> tuple[float, float]:
-        """First and last time [s] of the interval."""
-        return self.path.time[0], self.path.time[-1]
-
-    def curves(self, winds: LineWinds, pressure: bool) -> Curves:
-        """Return the curves of trim and demand [rad] of winds over time."""
-        steps, equations = self._steps
-        return curves(equations, *self.path.encountered(steps, winds, self.plane, pressure))
-
-    def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return the largest min(trim, demand) [rad] and its time [s], of one sign or either."""
-        paired = np.broadcast_to(self._steps[1].paired, march.trim.shape)
-        return march.limit_of_trim_law(paired, sign)
-
-    def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
-        """Return bounds of the required deflections of winds."""
-        steps, equations = self._steps
-        encountered = self.path.encountered(steps, winds, self.plane, pressure)
-        march = curves(equations, *encountered)
-        limit, highest = self._limit(march)[0], march.highest_limit
-        limit = np.maximum(limit, self._limit_at_levels(winds, pressure, march, encountered))
-        if np.any(equations.paired):
-            return Bounds(limit, limit, limit, highest)
-        minimum = np.zeros(limit.shape)
-        for cases, peaks in peaks_over_modes(equations, encountered, march.path):
-            minimum[cases] = peaks[:, 0]
-        flown, lowest = decided_by_flights(equations, march, limit)
-        limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
-        upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
-        if np.any(equations.quick_path) or self._law_may_diverge:
-            upper = np.maximum(limit, highest)
-        if self._law_may_diverge:
-            never = self.flights(winds, pressure).diverge(highest[:, np.newaxis])[:, 0]
-            return Bounds(limit, np.where(never, np.inf, upper), lowest, highest)
-        return Bounds(limit, np.where(flown, upper, limit), lowest, highest)
-
-    @cached_property
-    def _law_may_diverge(self) -> bool:
-        """Whether flights may diverge with a limit that the law never reaches.
-
-        Of a stable vehicle, and where the path is unstable while trim holds the attitude.
-        """
-        equations = self._steps[1].nominal
-        if not self._steps[1].drifts:
-            return False
-        rate = (
-            equations[..., 2, 2]
-            - equations[..., 2, -2] / equations[..., 1, -2] * equations[..., 1, 2]
-        )
-        return bool(np.any(equations[..., 1, 0] < 0.0) or np.any(rate > 0.0))
-
-    def _limit_at_levels(
-        self,
-        winds: LineWinds,
-        pressure: bool,
-        march: Curves,
-        encountered: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
-    ) -> FloatArray:
-        """Return the largest min(trim, demand) [rad] at the levels of winds, ``(n,)``.
-
-        Trim alone counts where two unstable modes are a pair. Between the ends of steps the part of
-        trim that balances drift is linear; the other part follows from the wind of each level.
-        `encountered`: of the winds over the steps.
-        """
-        steps, equations = self._steps
-        static = -equations.nominal[..., 1, -1] / equations.nominal[..., 1, -2]
-        _, angle, ratio, _ = encountered
-        of_drift, static, paired = (
-            np.concatenate([x[:, :1, 0], x[..., 2]], axis=1)
-            for x in (march.trim - static * ratio * angle, static, equations.paired)
-        )
-        ends, times = np.append(steps[0, 0, 0], steps[0, :, 2]), winds.times
-        along, across = (winds.speeds[plane] for plane in PLANES)
-        angle, ratio = self.path.angle_and_pressure(times, along, across, self.plane, pressure)
-        trim = on_lines(np.broadcast_to(ends, of_drift.shape), of_drift, times)
-        trim += np.interp(times, ends, static[0]) * ratio * angle
-        case = np.broadcast_to(np.arange(len(times))[:, np.newaxis], times.shape)
-        demand = march.demand_at(case, (times - ends[0]) / (ends[1] - ends[0]))
-        is_paired = np.interp(times, ends, paired[0]) > 0.0
-        level = np.where(is_paired, np.abs(trim), smaller(trim, demand, None))
-        return np.asarray(level.max(axis=1))
-
-    def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
-        """Return winds with a gust: at the time of the largest wind, and of the requirement.
-
-        `sign`: sign of wind and gust; a wind that never has this sign is without a gust.
-        """
-        gust, times = additions.gust, winds.times
-        if gust is None:
-            return [winds]
-        angle = sign * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
-        calm, top = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
-        equations = self._steps[1].nominal[0, :, 1, 1]
-        trim_per_wind = -np.sum(equations[:, -1] / equations[:, -2])
-        march = self.curves(winds, additions.pressure)
-        at_limit = self._limit(march, float(np.sign(trim_per_wind)) * sign)[1]
-        speed = partial(self._gust_speed, sign, additions, calm)
-        return [
-            winds.with_gust(gust, self.plane, at, speed)
-            for at in (times[np.arange(top.size), top], at_limit)
-        ]
-
-    def _gust_speed(
-        self, sign: float, additions: Additions, calm: BoolArray, angle: FloatArray, at: FloatArray
-    ) -> FloatArray:
-        """Return speeds [m/s] of a gust of angles [rad] at times [s], zero in a calm."""
-        gust, speed = additions.gust, additions.gust_speed
-        if gust is not None and speed is not None:
-            speeds = sign * speed * angle / float(gust.peak)
-        else:
-            speeds = self.path.speed_of_angle(sign * angle, at, self.plane, additions.pressure)
-        return np.where(calm[:, np.newaxis], 0.0, speeds)
-
-    def flights(self, winds: LineWinds, pressure: bool) -> LimitedFlights:
-        """Return flights of the ideal trim law through winds, and the calm after them."""
-        steps, equations = self._flight_steps
-        *encountered, onset = self.path.encountered(steps, winds, self.plane, pressure)
-        return LimitedFlights(equations, *with_calm_after(self._steps[1], *encountered), onset)
-
-
-@dataclass(frozen=True, eq=False)
-class MarchedWinds:
-    """Winds of soundings in a plane of an interval of a flight, with their bounds.
-
-    Attributes
-    ----------
-    march : PlaneMarch
-        The equations of the flight in the plane.
-    winds : LineWinds
-        One wind of each sounding.
-    bounds : Bounds
-        Bounds of their requirements.
-    pressure : bool
-        Whether the dynamic pressure encountered counts.
-    """
-
-    march: PlaneMarch
-    winds: LineWinds
-    bounds: Bounds
-    pressure: bool
-
-    def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
-        """Return whether limits [rad] must be flown, and whether they are insufficient."""
-        insufficient = limit < self.bounds.lowest
-        return (self.bounds.upper > limit) & ~insufficient, insufficient
-
-    def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
-        """Return whether flights of cases survive with limits [rad] and all above."""
-        flights = self.march.flights(self.winds.select(cases), self.pressure)
-        return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])
-
-    def requirement(self, cases: IndexArray) -> FloatArray:
-        """Return the required deflections of cases [rad], by flights where these decide."""
-        b, required = self.bounds, self.bounds.lower[cases]
-        open_cases = np.flatnonzero((b.upper > b.lowest)[cases])
-        if open_cases.size:
-            flown = cases[open_cases]
-            flights = self.march.flights(self.winds.select(flown), self.pressure)
-            required[open_cases] = flights.requirement(b.lowest[flown], b.highest[flown])
-        return required
-
 
 STOPS = ("round", "square")
 UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT, TOO_FLAT = (
