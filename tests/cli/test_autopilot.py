@@ -217,6 +217,18 @@ def test_plant_and_loop_are_written_as_systems_with_their_bits(ending, tmp_path)
     assert (refused.exit_code, "must end in .mat or .npz" in refused.stderr) == (2, True)
 
 
+def test_gains_with_samples_have_the_peaks_of_the_continuous_loop():
+    """The margins are of the sampled loop; of the peaks "-" stood in the table."""
+    continuous, sampled = (
+        json.loads(run("design", *rate, "--json").stdout) for rate in ((), ("--sample-rate", "50"))
+    )
+    peaks = [[rule["peak_deflection_deg"] for rule in d["rules"]] for d in (continuous, sampled)]
+    assert peaks[0] == peaks[1]
+    assert len([peak for peak in peaks[0] if peak is not None]) > 3
+    assert any("peaks of the continuous one" in note for note in sampled["notes"])
+    assert sampled["rules"][0]["phase_margin_deg"] < continuous["rules"][0]["phase_margin_deg"]
+
+
 def test_the_plant_of_a_flexible_vehicle_is_written_with_its_structure(tmp_path):
     vehicle = tv.load_vehicle("made-up-launcher")
     for given, subject in (((), vehicle), (("--set", "study.rigid=true"), vehicle.rigid)):

@@ -14,6 +14,7 @@ import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.control.autopilot.gain_schedule import flight_autopilot
 from tvclin.show.explorer.choices import Choices, study_text
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 STUDY = """
 [study]
@@ -121,11 +122,38 @@ def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
     assert air["intensity_m_per_s"] == pytest.approx(severe.intensity, rel=1e-9)
 
 
+@pytest.mark.thorough
+def test_an_altitude_is_that_of_the_flight_of_the_vehicle(tmp_path: Path) -> None:
+    """In its own [flight] configuration I is at 11.95 km; without a flight the key is named."""
+    severe = 'severity = "severe"\n'
+    flown, given = (
+        json.loads(run(tmp_path, f"{severe}{altitude}", "--json").stdout)["turbulence"]
+        for altitude in ("", "altitude_m = 11950")
+    )
+    assert flown["deflection_deg"] == pytest.approx(given["deflection_deg"], rel=1e-9)
+    text = read_vehicle_text("configuration-i")[0]
+    (tmp_path / "v.toml").write_text(text.partition("[flight]")[0])
+    without = run(tmp_path, severe, study=STUDY.replace("configuration-i", "v.toml"))
+    assert without.exit_code == 2
+    assert "give altitude_m in [turbulence], or a table [flight]" in " ".join(
+        without.output.split()
+    )
+
+
+def test_the_share_of_turbulence_in_the_budget_is_said() -> None:
+    options = ("--limit-deg", "1", "--from", "66", "--to", "66")
+    keys = ("--set", "turbulence.intensity_m_per_s", "6", "--set", "autopilot.design", "canonical")
+    words = ["ascent", "configuration-i", *options, *keys]
+    said, document = (CliRunner().invoke(app, [*words, *more]) for more in ((), ("--json",)))
+    lines = {line["name"]: line for line in json.loads(document.stdout)["total"]["lines"]}
+    share = lines["turbulence, 3 sigma"]["deflection_deg"]
+    assert f"3 sigma, adds {share:.3f} deg to the budget" in " ".join(said.output.split())
+
+
 @pytest.mark.parametrize(
     ("keys", "sentence"),
     [
         ("", "needs one of intensity, severity, exceedance, file and level"),
-        ('severity = "severe"', "its intensity depends: give altitude_m in [turbulence]"),
         ('severity = "rough"\naltitude_m = 9e3', "must be one of light, moderate, severe"),
         ("intensity_m_per_s = 6\nlenght_m = 500", "did you mean length_m"),
     ],

@@ -170,7 +170,7 @@ class TurbulenceRequest:
             given = "levels over altitude" if given == "table" else given
             raise errors.InputError(
                 f"turbulence needs an altitude with {given}, on which its intensity depends: give"
-                " altitude_m in [turbulence]"
+                " altitude_m in [turbulence], or a table [flight] in the vehicle file"
             )
         return self.over_altitude if height is None else self.over_altitude.at(height)
 

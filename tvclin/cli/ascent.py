@@ -210,8 +210,16 @@ class _Answer:
             notes = [f"flown by the autopilot: {flights.verdict}", *flights.notes]
             unknown = () if flights.use is None else flights.use.reasons
             notes += [f"autopilot requirement NOT KNOWN: {reason}" for reason in unknown]
-        of_turbulence = () if self.turbulence is None else self.turbulence.notes
+        of_turbulence = () if self.turbulence is None else (*self._share, *self.turbulence.notes)
         return [*notes, *of_turbulence, *self.notes_of_request]
+
+    @property
+    def _share(self) -> Iterator[str]:
+        """Note on the share of turbulence in the budget."""
+        for line in self.total.lines:
+            if line.name.startswith("turbulence"):
+                angle = f"{np.degrees(line.deflection):.3f} deg"
+                yield f"{line.name}, adds {angle} to the budget, as a random contribution"
 
     @property
     def satisfied(self) -> bool:

@@ -224,7 +224,7 @@ class MinimumGainOptions:
 class RuleResult(Record):
     """Gains of a rule, the margins of their loop, and the peak deflection [rad] in the wind.
 
-    The peak is of the linear loop without a limit; NaN for an unstable loop.
+    The peak is of the linear, continuous loop without a limit; NaN for an unstable loop.
     """
 
     rule: str = field(metadata=spec(label="gains"))
@@ -248,7 +248,8 @@ class RuleResult(Record):
         margins, peak = JudgedMargins.of(autopilot, case.plant, case.held_to), nan
         if margins.whole.stable:
             with suppress(InputError):  # the approximation of a long delay misleads
-                peak = abs(autopilot.wind_response(case.plant, case.history).peak("deflection")[0])
+                response = autopilot.continuous.wind_response(case.plant, case.history)
+                peak = abs(response.peak("deflection")[0])
         return cls(rule, margins, float(peak))
 
 
@@ -377,7 +378,9 @@ class _Answer:
         sought = () if self.sought is None else self.sought.notes
         satisfied, delay = self.margins.satisfied, self.margins.whole.delay_margin
         notes = gain_notes(self.case, self.case.held_to, satisfied, delay)
-        return (*sought, *notes, *self.margins.whole.notes, *mode_notes(self.margins))
+        sampled = self.margins.autopilot.sample_rate is not None
+        timing = ("margins are of the sampled autopilot, peaks of the continuous one",) * sampled
+        return (*sought, *timing, *notes, *self.margins.whole.notes, *mode_notes(self.margins))
 
     def chart(self) -> "ControlPlot":
         """Return the chart of the disk margin, where gains were sought, or the Nichols chart."""

@@ -438,15 +438,27 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
         at_nominal = nominal.load or 0.0, nominal.load_bound or np.nan
         judged.append((_TURBULENCE_LOAD, at_nominal, (t.load, t.load_bound), "deg"))
     for name, at_nominal, (required, available), unit in judged:
-        line: Line = (beyond or sigmas,)
-        if t is not nominal and not beyond:
-            key = f"answer.nominal_{name.replace(' ', '_')}"
-            line = (*line, *degrees(key, at_nominal[0], unit=unit))
         yes = _also(bool(covers(*at_nominal[::-1])), bool(covers(available, required)))
+        key = f"answer.nominal_{name.replace(' ', '_')}"
+        line = _bound_reason(findings, sigmas, degrees(key, at_nominal[0], unit=unit), yes)
         measure = _of_angles(required, available, unit)
-        yield Question(name, None if beyond else yes, line, whose=whose, measure=measure)
+        answered = (None, (beyond,)) if beyond else (yes, line)
+        yield Question(name, *answered, whose=whose, measure=measure)
     if rate_limit is not None and t.deflection_rate is None:
         yield Question(_TURBULENCE_RATE, None, ("the deflection rate has no variance here",))
+
+
+def _bound_reason(findings: Findings, words: str, nominal: Line, yes: bool | None) -> Line:
+    """Return the reason of an answer by the bound for a head wind, with the nominal number.
+
+    Without a head wind that sets the requirement it is the `words` alone.
+    """
+    if findings.head is None:
+        return (words,)
+    if yes is None:
+        bound = f"not by the bound for a {findings.study.direction} wind"
+        words = f"covered {NOMINAL}, {bound}; {words}"
+    return (words, *nominal)
 
 
 def _at_peak(findings: Findings) -> str:

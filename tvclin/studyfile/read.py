@@ -6,6 +6,7 @@ A plan of a vehicle alone needs no other table of a study file, so that these ar
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from importlib.resources import files
 from os import PathLike
@@ -83,7 +84,25 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
         if time is not None:
             document = _DEFAULT_TABLES | document
             document["study"]["time_s"] = time
-        return parse_study(document, Path(name).parent)
+        return _with_altitude(parse_study(document, Path(name).parent), source)
+
+
+def _with_altitude(plan: StudyPlan, source: str | PathLike[str]) -> StudyPlan:
+    """Return a plan whose turbulence has the altitude of the vehicle in its own flight, if known.
+
+    A plan with a flight has the altitudes of that.
+    """
+    request, time = plan.turbulence, getattr(plan.vehicle, "time", None)
+    if request is None or not request.needs_altitude or plan.sizing is not None or time is None:
+        return plan
+    from tvclin.ascent.schedule_file import load_schedule
+
+    with suppress(InputError):  # a vehicle without a flight
+        flight = load_schedule(vehicle_source(source))
+        if flight.altitude is not None:
+            altitude = float(np.interp(float(np.asarray(time)), flight.times, flight.height))
+            return replace(plan, turbulence=replace(request, altitude=altitude))
+    return plan
 
 
 def load_sizing(
