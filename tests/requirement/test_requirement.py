@@ -426,6 +426,18 @@ def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_
             tv.required_deflection(plant, part, 0.5, two_sided=other)
 
 
+def test_without_a_dead_band_the_trim_law_counts_in_the_wind_with_both_signs(configuration_i):
+    """With K = 1, against the limit of the trim law by flights at 200 Hz."""
+    plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
+    part = triangle(7.5).shift(6.0)
+    whole = part + triangle(6.0, -0.95 * PEAK)
+    alone, both = (tv.required_deflection(plant, part, two_sided=w) for w in (None, whole))
+    flown = tv.closed_loop_boundary(plant, tv.TrimLaw(plant), whole, sample_rate=200)
+    assert both.limit == pytest.approx(flown.limit, abs=2e-5)
+    assert both.governs == Reason.TRIM_LAW
+    assert both.limit > 1.003 * alone.limit
+
+
 def agreement(seed, model, dead_band, count=12):
     """Return requirements by the march and by the closed forms, over static trim, ``(count,)``."""
     rng = np.random.default_rng(seed)
