@@ -382,3 +382,27 @@ def test_stages_between_breakpoints_are_those_of_their_own_times() -> None:
     for name, values in stages._arrays.items():
         largest = np.nanmax(np.abs(exact[name]))
         np.testing.assert_allclose(values[some], exact[name], rtol=0.0, atol=1e-12 * largest)
+
+
+def test_a_pade_approximation_of_another_stability_is_refused_along_a_flight(configuration_i):
+    inertia = configuration_i.moment_of_inertia
+    vehicle = configuration_i.replace(
+        aerodynamic_arm=0.228 * inertia / configuration_i.normal_force_slope,
+        control_arm=1.317 * inertia / configuration_i.thrust,
+    )
+    plant = tv.Plant.from_vehicle(vehicle, "fixed-path")
+    schedule = tv.FlightSchedule(vehicle.replace(time=[60.0, 70.0]))
+    actuator = tv.Actuator(natural_frequency=20.0, damping=0.02)
+    misled = tv.Autopilot(attitude_gain=1.88, rate_gain=1.59, actuator=actuator, delay=0.4)
+    better = replace(misled, pade_order=8)
+    unstable = np.sum(better.close(plant).poles().real > 0.0)
+    assert unstable == misled.margins(plant).unstable_poles
+    options = {"model": "fixed-path", "start": 60.0, "stop": 60.5}
+    air, wind = tv.winds.Turbulence(6.0, 533.4), tv.TriangularWind(peak=0.05, duration=5.0)
+    for fly, around in (
+        (fly_along, (wind.shift(60.0),)),
+        (tv.control.turbulence_along, (air,)),
+    ):
+        with pytest.raises(InputError, match="pade_order = 4 is too low for this delay"):
+            fly(schedule, misled, *around, **options)
+        fly(schedule, better, *around, **options)

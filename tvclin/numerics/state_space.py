@@ -21,7 +21,7 @@ from math import comb, factorial, perm
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 DIRECT: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
@@ -101,12 +101,12 @@ def pade_delay(delay: float, order: int) -> Matrices:
 
 def pade_keeps_stability(
     A: FloatArray, B: FloatArray, C: FloatArray, delay: float, order: int
-) -> bool:
+) -> BoolArray:
     """Return whether a bound proves that the exact delay has the same number of unstable poles.
 
-    `A`, `B`, `C`: closed loop with the Pade approximation of order `order`, from what adds to the
-    command to the command that returns, H(s) = C (s - A)^-1 B; ``(n, n)``, ``(n,)`` and ``(n,)``.
-    `delay`: T [s]. False also where the bound is too coarse.
+    `A`, `B`, `C`: closed loops with the Pade approximation of order `order`, from what adds to the
+    command to the command that returns, H(s) = C (s - A)^-1 B; ``(..., n, n)``, ``(..., n)`` and
+    ``(..., n)``. `delay`: T [s]. False also where the bound is too coarse.
 
     1 + L with the exact delay is (1 + L P) (1 + H (e^(-s T)/P - 1)) up to the sign of H, so that by
     Rouche's theorem both have as many unstable zeros where ``|H| |e^(-j omega T) - P| < 1`` on the
@@ -115,13 +115,15 @@ def pade_keeps_stability(
     """
     poles, vectors = np.linalg.eig(A)
     try:
-        residues = np.abs((C @ vectors) * np.linalg.solve(vectors, B))
+        to_modes = np.linalg.solve(vectors, B[..., np.newaxis])[..., 0]
     except np.linalg.LinAlgError:
-        return False
+        return np.zeros(poles.shape[:-1], dtype=bool)
+    residues = np.abs(np.einsum("...i,...ij->...j", C, vectors) * to_modes)[..., np.newaxis, :]
+    poles = poles[..., np.newaxis, :]
     low, high = _BAND_EDGES[:-1, np.newaxis] / delay, _BAND_EDGES[1:, np.newaxis] / delay
     outside = np.maximum(np.maximum(low - np.abs(poles.imag), np.abs(poles.imag) - high), 0.0)
     error_factor = factorial(order) ** 2 / (factorial(2 * order) * factorial(2 * order + 1))
     errors = np.minimum(error_factor * _BAND_EDGES[1:] ** (2 * order + 1), 2.0)
     with np.errstate(divide="ignore", invalid="ignore"):  # of poles on the axis
         changes = errors * np.sum(residues / np.hypot(poles.real, outside), axis=-1)
-    return bool(np.all(changes < _MAX_RELATIVE_CHANGE))
+    return np.asarray(np.all(changes < _MAX_RELATIVE_CHANGE, axis=-1))

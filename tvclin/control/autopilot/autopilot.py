@@ -121,17 +121,23 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> b
     """Return whether a `closed_loop` with its command has a wrong number of unstable poles.
 
     It has a Pade approximation of the delay. Where a bound proves that it is good enough the poles
-    with the exact delay are not counted.
+    with the exact delay are not counted. Of a batch with one delay: whether any loop has.
     """
     if not (delay := float(autopilot.delay)):
         return False
     returned = loop.select((COMMAND,), (RETURNED,))
-    B, C = returned.B[:, 0], returned.C[0]
-    if pade_keeps_stability(loop.A, B, C, delay, autopilot.pade_order):
+    A, B, C = loop.A, returned.B[..., 0], returned.C[..., 0, :]
+    if np.all(pade_keeps_stability(A, B, C, delay, autopilot.pade_order)):
         return False
     exact = stability(exact_loop(autopilot, plant).form)
-    unstable = int(np.sum(np.real(loop.poles) > 0.0))
-    return not bool(exact.marginal[0]) and unstable != int(exact.unstable_poles[0])
+    unstable = np.sum(np.real(loop.poles) > 0.0, axis=-1)
+    return bool(np.any(~exact.marginal & (unstable != exact.unstable_poles)))
+
+
+def require_pade(autopilot: Feedback, plants: AnyPlant) -> None:
+    """Raise `InputError` where the delay's Pade approximation `pade_misleads` around a plant."""
+    if pade_misleads(autopilot, plants, closed_loop(autopilot, plants, command=True)):
+        raise InputError(PADE_WARNING.format(autopilot.pade_order))
 
 
 PADE_WARNING = (

@@ -27,7 +27,7 @@ from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import spec
-from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.autopilot import Autopilot, require_pade
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
 from tvclin.control.autopilot.sweep import plants_along
 from tvclin.control.turbulence.covariance_march import Moments, VaryingLoop, march, march_times
@@ -360,7 +360,8 @@ def turbulence_along(
     ------
     InputError
         For a delay or a sample rate that varies, a schedule without the altitudes that a table
-        needs, more than 30,000 steps, and numbers out of range.
+        needs, more than 30,000 steps, numbers out of range, and a Pade approximation with another
+        number of unstable poles than the exact delay at a breakpoint of the flight.
 
     Notes
     -----
@@ -390,16 +391,18 @@ def turbulence_along(
     given = LoadSlopes() if loads is None else loads
     own_pressure = given.dynamic_pressure is None and flight.altitude is not None
 
+    def law_and_plant(inside: FloatArray) -> tuple[Autopilot, AnyPlant]:
+        """Return the autopilots and the plants at times within the flight [s]."""
+        law = replace(autopilot_along(autopilot, flight, inside), delay=delay, sample_rate=rate)
+        if frozen is None:
+            return law, plants_along(flight, inside, model, plane)
+        return law, FlexiblePlant.from_vehicle(flight.at(inside).rigid, frozen, model, plane)
+
     def loop_at(times: FloatArray) -> DrivenLoop:
         """Return the loops in turbulence at flight times [s], constant beyond the flight."""
         inside = np.clip(times, *flight.span)
         vehicle = flight.at(inside)
-        plant: AnyPlant
-        if frozen is None:
-            plant = plants_along(flight, inside, model, plane)
-        else:
-            plant = FlexiblePlant.from_vehicle(vehicle.rigid, frozen, model, plane)
-        law = replace(autopilot_along(autopilot, flight, inside), delay=delay, sample_rate=rate)
+        law, plant = law_and_plant(inside)
         height = None if flight.altitude is None else np.interp(inside, flight.times, flight.height)
         V = np.broadcast_to(np.asarray(vehicle.velocity), times.shape)
         a, b, c = turbulence.shaping_filter(V, height)
@@ -410,7 +413,10 @@ def turbulence_along(
             slopes = replace(slopes, dynamic_pressure=pressure)
         return driven_loop(law, plant, shape, V, noise, slopes, drift=True)
 
-    loop = VaryingLoop(loop_at, _breakpoints(flight, autopilot, turbulence))
+    breakpoints = _breakpoints(flight, autopilot, turbulence)
+    if rate is None:
+        require_pade(*law_and_plant(breakpoints))
+    loop = VaryingLoop(loop_at, breakpoints)
     times = march_times(*flight.span, wind, loop)
     moments = march(loop, times, wind)
     return CovarianceHistory(times, loop.labels, loop.signals(times), moments)

@@ -19,7 +19,7 @@ from tvclin.base.cards import Column, Columns, Tabled, table
 from tvclin.base.fields import Field, spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.base.units import si_unit
-from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.autopilot import Autopilot, require_pade
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.control.turbulence.driven_loop import OUTPUT_KINDS
@@ -185,7 +185,8 @@ def fly_along(
     InputError
         For times outside the flight or the sounding, a delay that varies, limits of a continuous
         loop or none of a sampled one, a path on which no horizontal wind has the angle, the sign of
-        a sounding, and in the same cases as `fly_many`.
+        a sounding, a Pade approximation with another number of unstable poles than the exact delay,
+        and in the same cases as `fly_many`.
 
     Notes
     -----
@@ -367,6 +368,8 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     wind = along.wind.history
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
     inner = along.breaks
+    plants, laws = along.loops(np.concatenate([[along.start], inner, [along.stop]]))
+    require_pade(replace(laws, delay=float(np.unique(laws.delay)[0])), plants)
     count = int(np.ceil((along.stop - along.start) / _CONTINUOUS_STEP - 1e-9))
     check_samples(along.stop - along.start, _CONTINUOUS_STEP)
     times = np.unique(np.concatenate([np.linspace(along.start, along.stop, count + 1), inner]))
