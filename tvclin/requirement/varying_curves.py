@@ -18,6 +18,8 @@ from functools import cached_property
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.kernels import dead_band as exits
+from tvclin.kernels.choice import run
 from tvclin.numerics.searches import roots_between
 
 _BOTH_SIGNS_FRACTION = 0.95
@@ -27,8 +29,6 @@ _UNLIMITED_OVER_TRIM = 1.0 + 1e-3
 """Over the largest trim, a limit that the law never meets."""
 _SLOPE_FRACTION = 4.0 / 27.0
 """Largest value in a step of Hermite's cubics of a slope of one, over the length of the step."""
-_HEIGHT_TOLERANCE = 1e-9
-"""Relative distance from the largest trim so far at which trim counts as a new height."""
 _OPPOSITE_FRACTION = 1e-6
 """A wind angle of the opposite sign below this fraction of the largest counts as zero."""
 
@@ -193,28 +193,21 @@ class Curves:
         signed = self.has_two_signs
         if dead_band == 0.0:
             return np.where(signed, np.nan, demand[:, 0]), self.times[:, 0, 0]
-        last, after = exit_samples(trim, demand, dead_band)
-        low, high = (
-            0.5 * (sample % 3) + sample // 3
-            for sample in (last, np.minimum(after, trim.shape[1] - 1))
+        limit, position = np.empty(len(trim)), np.empty(len(trim))
+        arrays = self._lengths, self.trim, self.demand, self.demand_slope, self.sign
+        columns = (np.require(x, float, ["C", "W"]) for x in arrays)
+        work = self._lengths.size
+        run(
+            exits.dead_band_exits,
+            (*columns, dead_band, limit, position),
+            len(trim),
+            exits.PLAIN * work,
+            exits.COMPILED * work,
         )
-        cases = np.arange(len(trim))
-        floor = np.maximum(trim[cases, last], 0.0)
-
-        def rises(position: FloatArray, k: IndexArray) -> FloatArray:
-            of_case = sign[k, 0]
-            height = np.maximum(of_case * self.trim_at(k, position), floor[k])
-            return np.asarray(height - dead_band * of_case * self.demand_at(k, position))
-
-        joint = last % 3 == 2  # the end of a step is the begin of the next
-        before = np.where(high > low, np.nextafter(high, -np.inf), high)
-        position = roots_between(low, np.where(joint & (high == low), high, before), rises)
-        limit = sign[:, 0] * self.demand_at(cases, position)
-        never = self.largest_trim / dead_band
-        stays, largest = after == trim.shape[1], np.argmax(trim, axis=-1)
+        stays, largest = position < 0.0, np.argmax(trim, axis=-1)
         position = np.where(stays, 0.5 * (largest % 3) + largest // 3, position)
-        limit = np.where(stays, never, limit)
-        return np.where(signed, np.nan, limit), self.time_at(cases, position)
+        limit = np.where(stays, self.largest_trim / dead_band, limit)
+        return np.where(signed, np.nan, limit), self.time_at(np.arange(len(trim)), position)
 
     def limit_with_minimum(
         self, minimum: FloatArray, dead_band: float
@@ -295,19 +288,4 @@ def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatA
 def _new_heights(trim: FloatArray) -> BoolArray:
     """Return whether trim ``(n, k)`` is at a new maximum, above zero."""
     highest = np.maximum.accumulate(trim, axis=-1)
-    return np.asarray((trim >= highest * (1.0 - _HEIGHT_TOLERANCE)) & (trim > 0.0))
-
-
-def exit_samples(
-    trim: FloatArray, demand: FloatArray, dead_band: float
-) -> tuple[IndexArray, IndexArray]:
-    """Return the last and the next sample about the exit of the dead band, ``(n,)`` each.
-
-    The last is the last new maximum of trim ``(n, k)`` short of K times the demand, zero without
-    one; the next is the next new maximum, k without one.
-    """
-    new, position = _new_heights(trim), np.arange(trim.shape[-1])
-    short = (new | (position == 0)) & (trim < dead_band * demand)
-    last = np.where(short, position, -1).max(axis=-1, keepdims=True)
-    after = np.where(new & (position > last), position, position.size).min(axis=-1)
-    return np.maximum(last[:, 0], 0), after
+    return np.asarray((trim >= highest * (1.0 - exits.HEIGHT_TOLERANCE)) & (trim > 0.0))

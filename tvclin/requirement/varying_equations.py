@@ -50,6 +50,14 @@ class UnstableModes:
     poles: AnyArray
     costates: AnyArray
 
+    def of(self, cases: IndexArray) -> UnstableModes:
+        """Return the modes of those cases, by position in the batch, that are among these."""
+        row = np.minimum(np.searchsorted(self.cases, cases), len(self.cases) - 1)
+        which = self.cases[row] == cases
+        return UnstableModes(
+            np.flatnonzero(which), self.poles[row[which]], self.costates[row[which]]
+        )
+
     def after(self, end: FloatArray, column: FloatArray) -> tuple[FloatArray, ...]:
         """Return real costates, control reaches, poles, and integrals of p.b over cells.
 
@@ -237,17 +245,14 @@ class Equations:
         def selected(x: Any) -> Any:
             return x if len(x) == 1 else x[cases]
 
-        modes: tuple[UnstableModes, ...] = ()
-        if self.modes:
-            last = selected(self.nominal)[:, -1, 2, :, : self.nominal.shape[-2]]
-            modes = unstable_modes_of(last)
+        modes = (modes if len(self.end) == 1 else modes.of(cases) for modes in self.modes)
         return Equations(
             selected(self.nominal),
             selected(self.slopes),
             selected(self.end),
             selected(self.paired),
             selected(self.quick_path),
-            modes,
+            tuple(mode for mode in modes if mode.cases.size),
         )
 
     @property
