@@ -173,7 +173,7 @@ def test_the_figure_has_the_rigid_vehicle_beside_the_flexible_one(mine, tmp_path
 def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     every = tv.design.standard_laws
     monkeypatch.setattr(
-        "tvclin.cli.fly_laws.standard_laws",
+        "tvclin.cli.fly.standard_laws",
         lambda plant, peak, *_: {"trim": every(plant, peak)["trim"]},
     )
     arguments = (

@@ -1,5 +1,8 @@
-"""Types of arrays in annotations, by their elements."""
+"""Arrays: their types in annotations, by their elements, and memory that is used again."""
 
+from __future__ import annotations
+
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -11,3 +14,20 @@ ComplexArray = NDArray[np.complex128]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 IndexArray = NDArray[np.intp]
+
+
+class Storage:
+    """Arrays by name; a later array of a name has the memory of the earlier one.
+
+    New memory takes as long as filling it.
+    """
+
+    def __init__(self) -> None:
+        self._memory: dict[str, FloatArray] = {}
+
+    def empty(self, name: str, shape: tuple[int, ...]) -> FloatArray:
+        """Return an array of a name without values, in place of the earlier one."""
+        size = prod(shape)
+        if name not in self._memory or self._memory[name].size < size:
+            self._memory[name] = np.empty(size)
+        return self._memory[name][:size].reshape(shape)

@@ -15,8 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts2
 
-from tvclin.base.arrays import FloatArray, IndexArray
-from tvclin.numerics.storage import Storage
+from tvclin.base.arrays import FloatArray, IndexArray, Storage
 
 _FIRST_DEGREE, _MAX_DEGREE = 5, 32
 """Degree of the first and the last interpolant."""

@@ -12,7 +12,7 @@ import numpy as np
 from tvclin.ascent.schedule import FlightSchedule, vehicles_at
 from tvclin.ascent.wind_along import WindAlong
 from tvclin.base import errors
-from tvclin.base.arrays import AnyArray, FloatArray, IntArray
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray, Storage
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along, gains_along
 from tvclin.control.autopilot.sweep import plants_of
@@ -24,7 +24,6 @@ from tvclin.flights.closed_loop.stages import Stages, stages_of
 from tvclin.kernels.choice import repeated
 from tvclin.kernels.flights import Flights
 from tvclin.linear.flexible import AnyPlant
-from tvclin.numerics.storage import Storage
 
 _SIMILAR_RUNS = 4
 """Runs of the kernel for a flight with its continuations in still air."""

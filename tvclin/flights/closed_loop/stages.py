@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tvclin.base.arrays import AnyArray, FloatArray, IntArray
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray, Storage
 from tvclin.control.autopilot.actuator import INPUTS, plant_blocks
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wiring import attitude_integral
@@ -44,7 +44,6 @@ from tvclin.linear.system import LinearSystem, connect, constant_over_steps, pol
 from tvclin.numerics.chebyshev import smooth_values
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
-from tvclin.numerics.storage import Storage
 from tvclin.winds.histories import History
 
 PlantsAt = Callable[[FloatArray, IntArray], AnyPlant]
