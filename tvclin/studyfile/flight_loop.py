@@ -31,7 +31,7 @@ from tvclin.requirement.flight.deflection_use import (
 )
 from tvclin.requirement.flight.flight_winds import PEAK, place
 from tvclin.requirement.flight.request import SizingRequest
-from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.flight.sizing import Sizing, hundredths
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, Requirement
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
@@ -250,7 +250,8 @@ class FlightLoop:
         first, last = _or(self.request.start, first), _or(self.request.stop, last)
         if low <= first and last <= high:
             return ""
-        return f"the wind is known from {low:.4g} to {high:.4g} s alone"
+        begin, end = hundredths(low, up=True), hundredths(high, up=False)
+        return f"the wind is known from {begin} to {end} s alone (--set size.from_s, size.to_s)"
 
 
 def _used(case: _Wind, flown: FlightAlong, times: FloatArray) -> FloatArray:

@@ -167,7 +167,8 @@ def missing_time_message(source: str) -> str:
     """Return the message on a flight schedule without the time of flight."""
     return (
         f"{called(source)} is a flight schedule: give the time of flight of its vehicle, as --at 52"
-        ' of a command, time_s in [study], or load_schedule("flight.csv").at(52) in Python'
+        ' of a command, time_s in [study], or load_schedule("flight.csv").at(52) in Python; tvclin'
+        " margins, fly and ascent take the whole flight"
     )
 
 
