@@ -173,7 +173,9 @@ app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="How much thrust-vector deflection must this booster have to survive this wind?",
+    help="How much thrust-vector deflection must this booster have to survive this wind?\n\n"
+    "Exit codes: 0, the answer is yes, or no limit was given; 1, it is no or not known; 2, bad"
+    " input, with one sentence on what to change. The help of each command says what its yes is.",
     epilog="First: tvclin study configuration-i | tvclin init my.toml | tvclin explore",
 )
 

@@ -138,9 +138,9 @@ def ascent(
 ) -> None:
     """Print the required deflection at each time of a flight, its budget, and the verdict on it.
 
-    A pulse is placed so that its peak meets each flight time; a sounding is flown through. With
-    --winds there is a pulse only if an option or the study file asks for one. Options count more
-    than a study file.
+    tvclin study is of one time, tvclin availability of many days. A pulse is placed so that its
+    peak meets each flight time; a sounding is flown through. With --winds there is a pulse only if
+    an option or the study file asks for one. Options count more than a study file.
 
     A flight with its autopilot, such as a table of gains, and a limit, is flown in these winds too:
     the table and the figure are of required, used and remaining deflection; --more also finds the

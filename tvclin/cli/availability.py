@@ -75,7 +75,7 @@ def availability(
     plot: Plot = None,
     more: More = False,
 ) -> None:
-    """Say on how many days of an archive of soundings the nozzle is sufficient.
+    """Print on how many days of an archive of soundings the nozzle is sufficient.
 
     Each sounding is flown through along the whole flight, with trim up to the limit (K = 1), which
     needs no forecast. What a balloon did not see is unknown, not calm. Years, gust, persistence

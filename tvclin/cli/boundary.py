@@ -65,14 +65,14 @@ def boundary(
     more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:
-    """Print the boundary limit for each dead band, and the minimum of any control (appendix C).
+    """Print the boundary limit for each dead band, and the lower bound of any control: no verdict.
 
     Of a vehicle it is in its wind, and the minimum, of a wind known beforehand, is a lower bound:
     no control needs less. Without a vehicle, or with --tau-beta, it is over the duration of the
     wind, as y_BR in figure 2, a ratio to static trim. All of it is at nominal dynamic pressure, and
     no verdict; tvclin study has that.
 
-    Exit code 0: found; 1: only a lower bound of the minimum was found; 2: bad input.
+    Exit code 0: the minimum is proved; 1: only a lower bound of it is; 2: bad input.
     """
     dead_bands = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
     if vehicle is not None and tau_beta is None:

@@ -272,11 +272,12 @@ def design(
     more: More = False,
     shown: Shown = GROUP,
 ) -> None:
-    """Print the gains of each design rule, with their margins and peak deflection in a wind.
+    """Print gains for an autopilot by each design rule, with their margins and peak deflection.
 
-    The first row has the gains of the case, which are judged: by a rule, by given gains, or those
-    for the minimum deflection (--least). The peak is of the linear loop, without a limit, at
-    nominal dynamic pressure; tvclin fly says what limit the autopilot requires.
+    tvclin margins judges gains in detail, also over a flight. The first row has the gains of the
+    case, which are judged: by a rule, by given gains, or those for the minimum deflection
+    (--least). The peak is of the linear loop, without a limit, at nominal dynamic pressure; tvclin
+    fly says what limit the autopilot requires.
 
     --box lets numbers lie anywhere between two values, and prints the worst margins of the rigid
     vehicle there, and the worst required deflection. The criteria judge the worst margins too.

@@ -144,10 +144,11 @@ def disperse(
 ) -> None:
     """Print the deflection that covers dispersed vehicles and winds, and its confidence.
 
-    A file that names none of them has assumed dispersions. A few thousand cases take
-    seconds; with --folder there may be millions, stopped and continued at will.
-    With along = true in [campaign] each case flies along the whole flight, in one of the
-    soundings of --winds (a file, a station file or a folder) or in a pulse.
+    tvclin study is of the nominal case, tvclin availability of measured winds. A file without
+    dispersions has assumed ones. A few thousand cases take seconds; with --folder there may be
+    millions, stopped and continued at will. With --set campaign.along true each case flies along
+    the whole flight, in one of the soundings of --winds (a file, a station file or a folder) or in
+    a pulse.
 
     Exit code 0: the limit is SUFFICIENT for the probability, or none was given; 1: it is NOT
     SUFFICIENT, or that is NOT KNOWN; 2: bad input.

@@ -22,9 +22,9 @@ def explore(
     time: At = None,
     no_browser: bool = switch("--no-browser", "Start JupyterLab and print its address only."),
 ) -> None:
-    """Write explore-SOURCE.ipynb, unless it is there, and open and run it in JupyterLab.
+    """Open a panel in JupyterLab that moves vehicle, wind, nozzle and autopilot by hand.
 
-    The panel in it moves vehicle, wind, nozzle, law and autopilot by hand. It begins with the case
+    It writes explore-SOURCE.ipynb, unless it is there, and runs it. The panel begins with the case
     of a study file, and writes what is set as one, for all other commands.
 
     JupyterLab ends with "End" in the panel, with Ctrl-C here, and some minutes after its last page

@@ -21,7 +21,7 @@ from tvclin.vehicle.coefficients import Coefficients
 
 import_ = typer.Typer(
     no_args_is_help=True,
-    help="Make a flight schedule of a flight that another tool has simulated.",
+    help="Make a flight schedule, for tvclin ascent, of a flight that another tool has simulated.",
     epilog="Then: tvclin ascent my-flight.csv --peak-deg 5 --limit-deg 3",
 )
 

@@ -139,7 +139,7 @@ def fly(
     more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:
-    """Fly a vehicle through a wind with a control law, beside the prediction of the linear theory.
+    """Fly a vehicle through a wind with a control law and its limits, and compare with the theory.
 
     A flight schedule without --at, or a study of one without time_s, is flown from its begin to its
     end with all that varies: the linear loop of its autopilot, sampled, with the nozzle's limits,

@@ -244,7 +244,10 @@ def margins(
     more: More = False,
     shown: _ShownMargins = GROUP,
 ) -> None:
-    """Print the stability margins of an attitude and rate autopilot, and judge them.
+    """Print the stability margins of an autopilot whose gains are given, and judge them.
+
+    tvclin design finds gains. Without any, these are textbook gains. --more also prints the poles
+    of the closed loop.
 
     Of a flight schedule without --at, or a study of one without time_s, they are those of the
     whole flight, each time as if frozen, with the frequency of each mode 10 percent off too.

@@ -99,7 +99,7 @@ def nozzle(
     more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:
-    """Print the minimum deflection over its rate or over the load, or the duty over a flight.
+    """Print what a nozzle must do: deflection over its rate or over the load, or duty of a flight.
 
     Over rate or load it is at nominal dynamic pressure: a limit below the lower bound is never
     sufficient; of one above it tvclin study is the verdict.

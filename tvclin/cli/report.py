@@ -30,7 +30,9 @@ def report(
         "report.html"
     ),
 ) -> None:
-    """Write the whole answer of a study as one HTML page, which needs no network.
+    """Write all answers of tvclin study, with figures and assumptions, as one HTML page.
+
+    The page needs no network, and its headline is the first line of tvclin study.
 
     Exit code 0: the answer to every question of the file is yes, or no limit was given; 1: the
     answer to one is not yes; 2: bad input.

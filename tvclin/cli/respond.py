@@ -197,9 +197,10 @@ def respond(
     more: More = False,
     files: ShownCurves = GROUP,
 ) -> None:
-    """Print the attitude response to a wind, with trim up to the dead band and then the limit held.
+    """Print the attitude response to a wind, with ideal trim up to the dead band, then the limit.
 
-    It is at nominal dynamic pressure; tvclin study is the verdict on a limit.
+    It is exact, and at nominal dynamic pressure; tvclin study is the verdict on a limit, and tvclin
+    fly has the control laws that can be built.
 
     Exit code 0: answered; 2: bad input.
     """

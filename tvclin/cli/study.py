@@ -86,11 +86,12 @@ def study(
     plot: Plot = None,
     more: More = False,
 ) -> None:
-    """Print the required deflection of a booster in a wind, and the verdict on its limit.
+    """Print the required deflection of a booster in one wind, and the verdict on its limit.
 
-    A study file may also ask about the whole flight, an archive of soundings, dispersed vehicles
-    and an autopilot. Options count more than the file. With gains or a natural frequency the
-    autopilot is judged too; its delay, samples and filters are keys: --set autopilot.delay_ms 20.
+    Of a study file it answers all questions: also of the whole flight, an archive of soundings,
+    dispersed vehicles and an autopilot; tvclin report shows them on a page. Options count more than
+    the file. With gains or a natural frequency the autopilot is judged too; its delay, samples and
+    filters are keys: --set autopilot.delay_ms 20.
 
     Exit code 0: every verdict is SUFFICIENT, every criterion MET and every flight SURVIVED, or no
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
