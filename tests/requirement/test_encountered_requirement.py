@@ -17,6 +17,7 @@ from tvclin.requirement import study_tables
 from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirement
 from tvclin.requirement.varying_equations import at_pressure
+from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import pressure_ratio
 
 SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
@@ -215,6 +216,19 @@ def test_a_limit_is_what_the_peak_that_it_survives_requires(sign: str | None) ->
         request = of_peak(peak, limit=limit, sign=sign)
         assert request.required_deflection == pytest.approx(limit, rel=1e-7)
         assert request.sufficient
+
+
+def test_the_survivable_peak_of_a_wind_by_its_speed_says_at_which_speed(configuration_i) -> None:
+    """The angle encountered is not in proportion to the speed, so that an angle survives less."""
+    wind = ShapedWind("triangular", np.radians(5), 7.5).with_speed(40.0, configuration_i, "pitch")
+    case = tv.Case(vehicle=configuration_i, wind=wind, nozzle=tv.Nozzle(limit=np.radians(0.5)))
+    study = tv.Study.of(case)
+    speed = float(study.peak_of.removeprefix("of the wind at ").removesuffix(" m/s"))
+    faster = replace(case, wind=wind.with_speed(speed, configuration_i, "pitch"))
+    required = case_requirement(faster).required_deflection
+    assert required == pytest.approx(np.radians(0.5), rel=1e-3)
+    by_angle = ShapedWind("triangular", float(study.survivable_peak), 7.5)
+    assert case_requirement(replace(case, wind=by_angle)).required_deflection > np.radians(0.53)
 
 
 def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:

@@ -403,13 +403,21 @@ class Study(CaseRequirement, Shown):
 
     @property
     def peak_of(self) -> str:
-        """Text that names the wind of the survivable peak; empty without direction and gust."""
-        gust = "" if self.wind_in_plane.gust is None else " with its gust"
-        if self.slanting is None:
-            return gust and f"of the wind{gust}"
-        if self.judges_both_planes:
-            return f"of the wind's vector in both planes{gust}"
-        return f"of the wind's part in the {self.plane} plane{gust}"
+        """Text that names the wind of the survivable peak; empty for an angle alone.
+
+        A wind by its speed stays a velocity: its peak is the angle of eq (B1e) times the factor on
+        the speed, with which the angle encountered is not in proportion.
+        """
+        words, speed = "", self.placed.speed
+        if self.slanting is not None:
+            plane = f"part in the {self.plane} plane"
+            words += f"'s {'vector in both planes' if self.judges_both_planes else plane}"
+        if speed is not None and self.survivable_peak is not None:
+            survived = abs(speed * self.survivable_peak / self.judged_peak)
+            words += f" at {survived:.4g} m/s"
+        if self.wind_in_plane.gust is not None:
+            words += " with its gust"
+        return words and f"of the wind{words}"
 
     @property
     def survivable_size(self) -> float | None:
