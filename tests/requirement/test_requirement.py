@@ -421,7 +421,10 @@ def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_
     assert alone.needs[Reason.MINIMUM] == pytest.approx(both[0], rel=1e-9)
     assert requirement.needs[Reason.MINIMUM] == pytest.approx(max(both), rel=1e-9)
     assert both[1] > both[0]
-    for other, says in ((0.05, "two_sided must be a History"), (whole * [1.0, 2.0], "of shape")):
+    for other, says in (
+        (0.05, "must be a History"),
+        (whole * [1.0, 2.0], "two_sided must be the same"),
+    ):
         with pytest.raises(tv.InputError, match=says):
             tv.required_deflection(plant, part, 0.5, two_sided=other)
 

@@ -142,7 +142,7 @@ def required_deflection(
         instance("two_sided", two_sided, History, "the wind with both signs")
         if two_sided.batch != wind.batch:
             raise InputError(
-                f"whole must be the same winds as wind, of shape {wind.batch}; got"
+                f"two_sided must be the same winds as wind, of shape {wind.batch}; got"
                 f" {two_sided.batch}"
             )
         law_wind = two_sided
