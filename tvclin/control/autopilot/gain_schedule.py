@@ -303,9 +303,10 @@ class EqualValues(Tabled):
 
     def table(self) -> Table:
         """Return the table of the pairs whose gains differ most."""
-        caption = f"Times of one {self.variable}, and the ratio of the gains there"
+        caption = "Times of one value, and the ratio of the gains there"
         largest = np.argsort(-self.difference, kind="stable")[:_SHOWN_PAIRS]
-        return array_table(caption, "equal", self, *_PAIR, rows=largest.tolist())
+        table = array_table(caption, "equal", self, *_PAIR, rows=largest.tolist())
+        return replace(table, head=(self.variable, *table.head[1:]))
 
     def _columns(self) -> Columns:
         pairs = Column("pair", np.arange(1, self.value.size + 1), "")
