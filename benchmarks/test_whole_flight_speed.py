@@ -154,6 +154,31 @@ def test_seconds_of_flights_of_different_vehicles_beside_lsoda(benchmark: Any) -
     )
 
 
+def test_seconds_of_flights_in_soundings_beside_lsoda(benchmark: Any) -> None:
+    height = np.linspace(0.0, 4.5e4, 451)
+    jet = -40.0 * np.exp(-(((height - 1.1e4) / 3e3) ** 2))
+    rough = 0.6 * np.cumsum(np.random.default_rng(1).normal(size=(20, height.size)), axis=1)
+    soundings = [
+        tv.fly_through(
+            tv.WindProfile(height=height, east=east, north=5.0 * np.sin(height / 3e3)),
+            flight(),
+            azimuth=np.pi / 2,
+        )
+        for east in jet + rough
+    ]
+    limits = {"deflection_limit": LIMIT, "rate_limit": RATE}
+    ratio(
+        benchmark,
+        lambda: tv.flights.fly_many_along(flight(), autopilot(), soundings, **limits),
+        lambda: solved(0.2),
+        peer_name="solve_ivp LSODA from command to command, no filters",
+        per=120.0 * len(soundings),
+        peer_per=0.2,
+        floor="interpolation of the matrices of each sample in time and dynamic pressure",
+        clock=PROCESSOR,
+    )
+
+
 def test_a_sweep_of_100_times_beside_times_by_themselves(benchmark: Any) -> None:
     times = np.linspace(1.0, 119.0, 100)
     ratio(

@@ -406,3 +406,22 @@ def test_a_pade_approximation_of_another_stability_is_refused_along_a_flight(con
         with pytest.raises(InputError, match="pade_order = 4 is too low for this delay"):
             fly(schedule, misled, *around, **options)
         fly(schedule, better, *around, **options)
+
+
+@pytest.mark.parametrize("flexible", [False, True], ids=["rigid", "bending"])
+def test_stages_in_a_sounding_are_those_of_their_own_times_and_pressures(flexible) -> None:
+    """To 1e-12 of the largest entry of each array."""
+    made, laws = flight(flexible=flexible), autopilot(sample_rate=50.0)
+    height = np.linspace(0.0, 4e4, 801)
+    profile = tv.WindProfile(height=height, east=-40 * np.sin(height / 3e3), north=1e-3 * height)
+    wind = wind_along(made, tv.fly_through(profile, made, azimuth=np.pi / 2), "pitch")
+    along = checked_flight(made, laws, wind, 49.0, 72.0, "drift-exact", "pitch")
+    stages = sampled_stages([along])
+    some = np.arange(3, stages.times.size, 17)
+    exact = stages._arrays_at(stages.times[some], some, middle=True)
+    assert stages._arrays.keys() == exact.keys()
+    assert stages.surfaces
+    assert None not in stages.surfaces.values()
+    for name, values in stages._arrays.items():
+        largest = np.nanmax(np.abs(exact[name]))
+        np.testing.assert_allclose(values[some], exact[name], rtol=0.0, atol=1e-12 * largest)

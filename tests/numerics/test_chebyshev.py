@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tvclin.numerics.chebyshev import smooth_values
+from tvclin.numerics.chebyshev import Surface, smooth_values
 
 TIMES = np.linspace(0.0, 20.0, 1001)
 
@@ -52,3 +52,19 @@ def test_a_function_that_is_not_smooth_is_evaluated_itself() -> None:
     few = smooth_values(counted, TIMES[:9], np.array([-1, -1, 0, 0, 0, 0, 1, 1, 1]))
     assert counted.evaluated == 9
     np.testing.assert_array_equal(few["kink"], function(TIMES[:9])["kink"])
+
+
+def test_a_surface_is_its_function_linear_in_z() -> None:
+    """To 1e-13 of the largest; half of the degrees agrees to 1e-7."""
+
+    def function(x, y, z):
+        bent = np.sin(0.2 * x) * np.exp(0.01 * y) + z * x
+        return {"pair": np.stack([bent, np.cos(0.1 * x + 0.01 * y)], axis=1)}
+
+    surface = Surface.of(function, (0.0, 2.0), (-0.5, 1.0), 1e-3)
+    x, y, z = (np.linspace(*ends, 7) for ends in ((0.0, 2.0), (1.0, -0.5), (-1e-3, 1e-3)))
+    out, exact = np.empty((7, 1)), function(x, y, z)["pair"]
+    for part in range(2):
+        surface.write("pair", slice(part, part + 1), surface.factors(x, y, z), out)
+        np.testing.assert_allclose(out[:, 0], exact[:, part], rtol=0.0, atol=1e-13)
+    assert Surface.of(lambda x, y, z: {"kink": np.abs(y)}, (0.0, 2.0), (-0.5, 1.0), 1e-3) is None

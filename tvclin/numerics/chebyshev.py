@@ -10,7 +10,10 @@ function is evaluated at each time.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts2
@@ -19,6 +22,8 @@ from tvclin.base.arrays import FloatArray, IndexArray, Storage
 
 _FIRST_DEGREE, _MAX_DEGREE = 5, 32
 """Degree of the first and the last interpolant."""
+_X_DEGREES, _Y_DEGREE = (4, 10, 20), 4
+"""Degrees of the interpolant of a surface, of x the first that suffices."""
 _MIN_TIMES_PER_POINT = 2
 """Smallest number of times for each point of an interpolant that is worth it."""
 _HALF_DEGREE_TOLERANCE = 1e-7
@@ -76,7 +81,7 @@ def smooth_values(
         middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
         for run, points in zip(pending, at_nodes, strict=False):
             if _agree(_interpolated(points[::2], middles), points, columns[:-1]):
-                factors = _factors(degree, _angles(times[run]))
+                factors = _factors(degree, _angles(times[run], *times[run][[0, -1]]))
                 for array, low, high in zip(flat, columns[:-1], columns[1:], strict=True):
                     _interpolated(points[:, low:high], factors, array[run])
             elif degree < _MAX_DEGREE and _worth(run, degree):
@@ -90,6 +95,81 @@ def smooth_values(
         for name, array in function(times[which], which).items():
             values[name][which] = array
     return values
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Arrays that are smooth in x and y and linear in z, from Chebyshev points of x and y.
+
+    `x`, `y`: ranges. `degree`: degree in x. `first`: values at the first point, by name. `table`:
+    differences of the values at all points from these, and their slopes by z, ``(2 points, ...)``
+    by name.
+    """
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    degree: int
+    first: dict[str, FloatArray]
+    table: dict[str, FloatArray]
+
+    @classmethod
+    def of(
+        cls,
+        function: Callable[[FloatArray, FloatArray, FloatArray], dict[str, FloatArray]],
+        x: tuple[float, float],
+        y: tuple[float, float],
+        z: float,
+    ) -> Surface | None:
+        """Return the surface of a function, or None where half of its degree does not agree.
+
+        `function`: from x, y and z, ``(m,)`` each, to arrays ``(m, ...)`` by name. `x`, `y`:
+        ranges. `z`: half of the range about zero.
+        """
+        for degree in _X_DEGREES:
+            shape = degree + 1, _Y_DEGREE + 1
+            places = np.meshgrid(
+                _nodes(np.array(x), degree), _nodes(np.array(y), _Y_DEGREE), indexing="ij"
+            )
+            at_x, at_y = (np.tile(place.ravel(), 2) for place in places)
+            count = at_x.size // 2
+            made = function(at_x, at_y, np.repeat([z, -z], count))
+            values = {name: 0.5 * (array[:count] + array[count:]) for name, array in made.items()}
+            if not all(_converged(values, shape, axis) for axis in range(2)):
+                continue
+            table = {
+                name: np.concatenate([value - value[0], (a[:count] - a[count:]) / (2.0 * z)])
+                for (name, value), a in zip(values.items(), made.values(), strict=True)
+            }
+            return cls(x, y, degree, {name: value[0] for name, value in values.items()}, table)
+        return None
+
+    def factors(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Return the factors of the points at x, y and z, ``(m,)`` each, ``(m, 2 points)``."""
+        of_x = _factors(self.degree, _angles(x, *self.x))
+        of_y = _factors(_Y_DEGREE, _angles(y, *self.y))
+        factors = (of_x[:, :, np.newaxis] * of_y[:, np.newaxis]).reshape(len(x), -1)
+        return np.concatenate([factors, z[:, np.newaxis] * factors], axis=1)
+
+    def write(self, name: str, part: Any, factors: FloatArray, out: FloatArray) -> None:
+        """Write the values of a part of an array with `factors`, ``(m, ...)``, into `out`."""
+        table = self.table[name][:, part]
+        values = factors @ table.reshape(len(table), -1)
+        np.add(values.reshape(out.shape), self.first[name][part], out=out)
+
+
+def _converged(values: dict[str, FloatArray], shape: tuple[int, int], axis: int) -> bool:
+    """Return whether half of the degree by an axis agrees with values at Chebyshev points.
+
+    `values`: ``(points, ...)`` by name. `shape`: points by axis.
+    """
+    arrays = [
+        np.moveaxis(array.reshape(*shape, -1), axis, 0).reshape(shape[axis], -1)
+        for array in values.values()
+    ]
+    points, degree = np.concatenate(arrays, axis=1), shape[axis] - 1
+    starts = np.cumsum([0, *(array.shape[1] for array in arrays[:-1])])
+    middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
+    return _agree(_interpolated(points[::2], middles), points, starts)
 
 
 def _refined(
@@ -130,15 +210,21 @@ def _nodes(times: FloatArray, degree: int) -> FloatArray:
     return times[0] + (times[-1] - times[0]) * (0.5 + 0.5 * chebpts2(degree + 1))
 
 
-def _angles(times: FloatArray) -> FloatArray:
+def _angles(times: FloatArray, first: float, last: float) -> FloatArray:
     """Return the angles of times on the half circle, 0 for the first and pi for the last."""
-    middle = 2.0 * (times - times[0]) / (times[-1] - times[0]) - 1.0
+    middle = 2.0 * (times - first) / (last - first) - 1.0
     return np.arccos(np.clip(-middle, -1.0, 1.0))
+
+
+@cache
+def _cosines(degree: int) -> FloatArray:
+    """Return the cosines of equidistant angles on the half circle, ``(d + 1,)``."""
+    return np.cos(np.linspace(0.0, np.pi, degree + 1))
 
 
 def _factors(degree: int, angles: FloatArray) -> FloatArray:
     """Return the factors from equidistant angles on the half circle to others, ``(m, d + 1)``."""
-    return interpolation_factors(np.cos(np.linspace(0.0, np.pi, degree + 1)), np.cos(angles))
+    return interpolation_factors(_cosines(degree), np.cos(angles))
 
 
 def _interpolated(

@@ -16,14 +16,16 @@ from tvclin.base.arrays import AnyArray, FloatArray, IntArray, Storage
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along, gains_along
 from tvclin.control.autopilot.sweep import plants_of
+from tvclin.flights.closed_loop.batch import samples_in
 from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
 from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases, flown_cases, unstable_loops
 from tvclin.flights.closed_loop.outcomes import decidable, outcome_criteria
 from tvclin.flights.closed_loop.sampled import finish
-from tvclin.flights.closed_loop.stages import Stages, stages_of
+from tvclin.flights.closed_loop.stages import Stages
 from tvclin.kernels.choice import repeated
 from tvclin.kernels.flights import Flights
 from tvclin.linear.flexible import AnyPlant
+from tvclin.numerics.chebyshev import Surface
 
 _SIMILAR_RUNS = 4
 """Runs of the kernel for a flight with its continuations in still air."""
@@ -57,23 +59,33 @@ class FlownFlight:
     def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
         """Return plants and autopilots at times [s]."""
         together, which = FlownFlights([self]), np.zeros(times.size, np.int64)
-        return together.plants_at(times, which), together.laws_at(times, which)
+        pressure = together.pressure_at(times, which)
+        return together.plants_at(times, which, pressure), together.laws_at(times, which)
 
     @property
     def breaks(self) -> FloatArray:
-        """Times [s] within the flight between which plants and autopilots are smooth.
+        """Times [s], the ends included, between which plants and autopilots are smooth."""
+        return self._inside([self.vehicle_breaks, self.wind.breaks])
+
+    @property
+    def vehicle_breaks(self) -> FloatArray:
+        """Times [s], the ends included, between which vehicle and autopilot are smooth.
 
         Those of a schedule on another variable than time are not known, and not among them.
         """
-        times = [self.flight.times, self.wind.breaks]
+        times = [self.flight.times]
         for flight in (self.flight, self.scheduled):
             if flight is not None and flight.structure is not None:
                 times.append(flight.structure.times)
         schedule = self.autopilot
         if isinstance(schedule, GainSchedule) and schedule.variable == "time":
             times.append(schedule.breakpoints)
-        inner = np.unique(np.concatenate(times))
-        return inner[(inner > self.start) & (inner < self.stop)]
+        return self._inside(times)
+
+    def _inside(self, times: Sequence[FloatArray]) -> FloatArray:
+        """Return the ends of the flight and those of several times [s] between them, rising."""
+        ends = self.start, self.stop
+        return np.unique(np.clip(np.concatenate([*times, ends]), *ends))
 
     @property
     def gain_flight(self) -> FlightSchedule:
@@ -113,14 +125,21 @@ class FlownFlights:
 
     flights: Sequence[FlownFlight]
 
-    def plants_at(self, times: FloatArray, which: IntArray) -> AnyPlant:
-        """Return the plants at times [s] of the flights with the indices `which`, each ``(n,)``."""
-        first, pressure = self.flights[0], np.empty(times.shape)
-        for flight, inside in self._by_flight(which):
-            pressure[inside] = flight.wind.pressure(times[inside])
-        schedules = [flight.flight for flight in self.flights]
+    def plants_at(self, times: FloatArray, which: IntArray, pressure: FloatArray) -> AnyPlant:
+        """Return the plants at times [s] of the flights with the indices `which`, each ``(n,)``.
+
+        `pressure`: dynamic pressure q/q_n, ``(n,)``.
+        """
+        first, schedules = self.flights[0], [flight.flight for flight in self.flights]
         vehicles = vehicles_at(schedules, self._within(times), which, pressure)
         return plants_of(vehicles, first.model, first.plane)
+
+    def pressure_at(self, times: FloatArray, which: IntArray) -> FloatArray:
+        """Return the dynamic pressure q/q_n encountered at times [s] of flights, ``(n,)``."""
+        pressure = np.empty(times.shape)
+        for flight, inside in self._by_flight(which):
+            pressure[inside] = flight.wind.pressure(times[inside])
+        return pressure
 
     def laws_at(self, times: FloatArray, which: IntArray) -> Autopilot:
         """Return the autopilots at times [s] of the flights with the indices `which`."""
@@ -168,11 +187,15 @@ def checked_flight(
     return along
 
 
-def sampled_stages(flights: Sequence[FlownFlight], storage: Storage | None = None) -> Stages:
+def sampled_stages(
+    flights: Sequence[FlownFlight],
+    storage: Storage | None = None,
+    surfaces: dict[Any, Surface | None] | None = None,
+) -> Stages:
     """Return the stages of sampled flights with one model, structure and autopilot but for gains.
 
-    `storage`: memory of the large arrays, by default new. `InputError` for an autopilot without a
-    sample rate, and as `fly_many`.
+    `storage`, `surfaces`: memory and interpolants of earlier flights, see `Stages`. `InputError`
+    for an autopilot without a sample rate, and as `fly_many`.
     """
     first, together = flights[0], FlownFlights(flights)
     law = first.law
@@ -182,17 +205,24 @@ def sampled_stages(flights: Sequence[FlownFlight], storage: Storage | None = Non
     rate = float(np.asarray(law.sample_rate))
     check_sample_rates(rate, actuator)
     check_delays(np.unique(law.delay)[0], np.array(1.0 / rate))
-    for flight in flights:
-        check_samples(flight.stop - flight.start, 1.0 / rate)
+    starts, stops = np.array([(flight.start, flight.stop) for flight in flights]).T
+    for span in stops - starts:
+        check_samples(float(span), 1.0 / rate)
     winds = [flight.wind.history for flight in flights]
-    return stages_of(
+    return Stages(
         together.plants_at,
         together.laws_at,
+        together.pressure_at,
+        starts,
+        stops,
+        samples_in(stops - starts, np.array(1.0 / rate)),
+        [flight.vehicle_breaks for flight in flights],
         [flight.breaks for flight in flights],
-        [(flight.start, flight.stop) for flight in flights],
-        rate,
+        [id(flight.flight) for flight in flights],
+        1.0 / rate,
         [wind if wind.batch else wind.cases(np.zeros(1, np.int64), ()) for wind in winds],
         storage or Storage(),
+        {} if surfaces is None else surfaces,
     )
 
 
@@ -245,18 +275,17 @@ def fly_together(
 
     Those that are not decided at the end of the schedule go on.
 
-
     `flights`: as in `sampled_stages`; `which`: indices of their winds, counted from the first wind
     of the first flight to the last of the last. `limit`, `rate_limit`: of the deflection [rad,
     rad/s].
     """
     winds = np.cumsum([0, *(int(np.prod(flight.wind.history.batch)) for flight in flights)])
     parts: list[tuple[IntArray, FlownCases]] = []
-    storage = Storage()
+    storage, surfaces = Storage(), dict[Any, Surface | None]()
     for part in _parts(flights):
         first, last = winds[part.start], winds[part.stop]
         cases = np.flatnonzero((which >= first) & (which < last))
-        stages = sampled_stages(flights[part], storage)
+        stages = sampled_stages(flights[part], storage, surfaces)
         made, _ = flown_in_winds(stages, which[cases] - first, limit[cases], rate_limit[cases])
         parts.append((cases, made))
     order = np.argsort(np.concatenate([cases for cases, _ in parts]))

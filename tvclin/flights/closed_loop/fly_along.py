@@ -197,7 +197,8 @@ def fly_along(
 
     Between samples the motion is that of `fly_many`, with the matrices that equal the varying ones
     over each sample to fourth order: exact for bending and actuator, and for a constant vehicle.
-    Between breakpoints of flight and wind they are interpolated from Chebyshev points, to 1e-12.
+    Between breakpoints of flight and wind they are interpolated from Chebyshev points, to 1e-12; in
+    a sounding between those of the flight, in time and in dynamic pressure.
     Knots of the wind within a sample act on the vehicle of its middle. The states of a filter that
     varies are those of `Filter.matrices`, and stay where its coefficients change. The drift is the
     integral of speed times path angle by the trapezoidal rule.

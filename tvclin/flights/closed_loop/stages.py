@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Literal
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -41,36 +42,64 @@ from tvclin.kernels.flights import JUDGED_SAMPLES, Cases, Flights, Laws, Steps, 
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.system import LinearSystem, connect, constant_over_steps, polynomial_input
-from tvclin.numerics.chebyshev import smooth_values
+from tvclin.numerics.chebyshev import Surface, smooth_values
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
 
-PlantsAt = Callable[[FloatArray, IntArray], AnyPlant]
+_SAMPLES_PER_BREAK = 30
+"""Samples for each breakpoint of a wind below which stages are interpolated in its pressure."""
+_MIN_SAMPLES_OF_SURFACE = 50
+"""Smallest number of samples that are interpolated in their pressure."""
+_PRESSURE_RANGE = 0.25
+"""Width of the ranges of q/q_n in which stages are interpolated."""
+_PRESSURE_CHANGE = 1e-3
+"""Change of q/q_n within a part of a sample from which its effect is taken, which is linear."""
+PlantsAt = Callable[[FloatArray, IntArray, FloatArray], AnyPlant]
 LawsAt = Callable[[FloatArray, IntArray], Autopilot]
-"""Functions from times [s] and indices of flights ``(n,)`` to plants, and to autopilots."""
+PressureAt = Callable[[FloatArray, IntArray], FloatArray]
+"""Functions from times [s] and indices of flights ``(n,)`` to plants (at a dynamic pressure q/q_n
+``(n,)``), to autopilots, and to the dynamic pressure encountered."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stages:
     """Sampled loops over flights: plants and autopilots at their samples, and winds.
 
-    `plants_at`, `laws_at`: plants and autopilots at any times. `starts`, `samples`: start [s] and
-    number of samples of each flight, ``(f,)``. `breaks`: times [s] between which plants and
-    actuator of each flight are smooth, rising. `plants`: at both ends of the flights. `period`:
-    length of a sample [s]. `winds`: winds ``(w,)`` of each flight over the time of flight.
-    `storage`: memory of the large arrays.
+    `flown_plants`, `flown_laws`, `pressure_at`: plants, autopilots and dynamic pressure at any
+    times. `starts`, `stops`, `samples`: start and end [s] and number of samples of each flight,
+    ``(f,)``. `vehicle_breaks`, `breaks`: times [s] between which plants and actuator of each flight
+    are smooth at constant pressure, and in its winds, rising, the ends included. `alike`: a number
+    for each flight, the same for flights with the same plants at the same pressure and time.
+    `period`: length of a sample [s]. `winds`: winds ``(w,)`` of each flight over the time of
+    flight. `storage`: memory of the large arrays. `surfaces`: interpolants in time and pressure by
+    number, interval and range, None where they do not converge.
     """
 
-    plants_at: PlantsAt
-    laws_at: LawsAt
+    flown_plants: PlantsAt
+    flown_laws: LawsAt
+    pressure_at: PressureAt
     starts: FloatArray
+    stops: FloatArray
     samples: IntArray
+    vehicle_breaks: Sequence[FloatArray]
     breaks: Sequence[FloatArray]
-    plants: AnyPlant
+    alike: Sequence[int]
     period: float
     winds: Sequence[History]
     storage: Storage
+    surfaces: dict[Any, Surface | None]
+
+    def plants_at(self, times: FloatArray, flight: IntArray) -> AnyPlant:
+        """Return the plants at times [s] of flights, at their ends after them."""
+        inside = np.minimum(times, self.stops[flight])
+        return self.flown_plants(inside, flight, self.pressure_at(inside, flight))
+
+    @cached_property
+    def plants(self) -> AnyPlant:
+        """Plants at the breakpoints of the vehicles of all flights."""
+        flight = np.repeat(np.arange(self.starts.size), [t.size for t in self.vehicle_breaks])
+        return self.plants_at(np.concatenate(self.vehicle_breaks), flight)
 
     @cached_property
     def times(self) -> FloatArray:
@@ -97,7 +126,7 @@ class Stages:
     @cached_property
     def laws(self) -> Autopilot:
         """Autopilots at the samples of all flights, ``(n,)`` or one for all."""
-        return self.laws_at(self.times, self.flight)
+        return self.flown_laws(np.minimum(self.times, self.stops[self.flight]), self.flight)
 
     @cached_property
     def hardware(self) -> Hardware:
@@ -207,43 +236,146 @@ class Stages:
 
         Samples within an interval of smooth plants are interpolated.
         """
-        crossing = self._interval(self.times) != self._interval(
-            (self.times + self.period) * (1.0 - 1e-15), "left"
-        )
-        interval = np.where(crossing, -1, self._interval(self.times))
-        return smooth_values(self._arrays_at, self.times, interval, self.storage)
+        if not self._by_pressure:
+            interval = self._interval(self.breaks)
+            return smooth_values(self._arrays_at, self.times, interval, self.storage)
+        interval = self._interval(self.vehicle_breaks)
+        places = self._places(self.times)
+        inside = np.minimum(places, self.stops[self.flight])
+        pressure = self.pressure_at(inside.ravel(), np.tile(self.flight, len(places)))
+        return self._in_pressure(interval, pressure.reshape(places.shape))
 
-    def _interval(self, times: FloatArray, side: Literal["left", "right"] = "right") -> IntArray:
-        """Return the number of the smooth interval of times [s] of the samples of all flights.
+    @property
+    def _by_pressure(self) -> bool:
+        """Whether winds have so many breakpoints that few samples are smooth in time alone."""
+        added = sum(map(np.size, self.breaks)) - sum(map(np.size, self.vehicle_breaks))
+        return added > self.times.size / _SAMPLES_PER_BREAK
 
-        `side`: that of a breakpoint on which a time at it does not lie.
+    def _in_pressure(self, interval: IntArray, pressure: FloatArray) -> dict[str, FloatArray]:
+        """Return the arrays of all stages, interpolated in time and dynamic pressure.
+
+        `interval`: number of the interval of each sample in which its vehicle is smooth, ``(n,)``;
+        negative for none. `pressure`: q/q_n at the places of the samples, ``(places, n)``.
         """
-        numbers, before = np.empty(times.size, np.int64), 0
-        for k, breaks in enumerate(self.breaks):
-            of_flight = slice(self.first[k], self.first[k] + self.samples[k] + 1)
-            at = np.searchsorted(breaks, times[of_flight], side=side)
-            numbers[of_flight], before = before + at, before + breaks.size + 1
-        return numbers
+        edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), interval.size]
+        exact, pending = np.ones(interval.size, bool), []
+        for run in (slice(*ends) for ends in pairwise(edges)):
+            surface = None
+            if interval[run.start] >= 0 and run.stop - run.start >= _MIN_SAMPLES_OF_SURFACE:
+                surface = self._surface(run.start, pressure[:, run])
+            if surface is not None:
+                exact[run] = False
+                pending.append((run, surface))
+        rows = np.flatnonzero(exact)
+        first = self._arrays_at(self.times[rows], rows, middle=True)
+        arrays = {
+            name: self.storage.empty(name, (self.times.size, *array.shape[1:]))
+            for name, array in first.items()
+        }
+        for name, array in first.items():
+            arrays[name][rows] = array
+        parts = len(pressure) // 2 - 1
+        for run, surface in pending:
+            times, at = self.times[run], pressure[:, run]
+            still = np.zeros(times.size)
+            for p in range(parts):
+                mean, change = 0.5 * (at[p] + at[parts + p]), 0.5 * (at[parts + p] - at[p])
+                factors = surface.factors(times, mean, change)
+                for name in arrays.keys() - {"shown", "A", "gust"}:
+                    surface.write(name, p, factors, arrays[name][run, p])
+            for place, names in ((-2, ("shown",)), (-1, ("A", "gust"))):
+                factors = surface.factors(times, at[place], still)
+                for name in names:
+                    surface.write(name, ..., factors, arrays[name][run])
+        return arrays
 
-    def _arrays_at(self, times: FloatArray, sample: IntArray) -> dict[str, FloatArray]:
+    def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
+        """Return the interpolant of the interval of a sample in the range of a dynamic pressure."""
+        flight = int(self.flight[sample])
+        breaks = self.vehicle_breaks[flight]
+        k = int(np.searchsorted(breaks, self.times[sample], side="right")) - 1
+        low, high = (np.floor(x / _PRESSURE_RANGE) for x in (pressure.min(), pressure.max()))
+        span = float(low * _PRESSURE_RANGE), float((high + 1.0) * _PRESSURE_RANGE)
+        ends = float(breaks[k]), float(breaks[k + 1]) - self.period
+        key = (self.alike[flight], ends, span)
+        if key not in self.surfaces:
+            arrays_in = partial(self._arrays_in, flight)
+            self.surfaces[key] = Surface.of(arrays_in, ends, span, _PRESSURE_CHANGE)
+        return self.surfaces[key]
+
+    def _arrays_in(
+        self, flight: int, times: FloatArray, pressure: FloatArray, change: FloatArray
+    ) -> dict[str, FloatArray]:
         """Return the arrays of stages that begin at times [s], by name.
 
-        `sample`: index of a sample of the same flight for each.
+        `pressure`: q/q_n in the middle of each part, and `change` from there to its second Gauss
+        point.
         """
-        count, terms = times.size, self._pieces[1].shape[2]
+        places = self._places(times)
+        parts = len(places) // 2 - 1
+        sides = np.repeat([-1.0, 1.0, 0.0], [parts, parts, 2])[:, np.newaxis]
+        which = np.full(places.size, flight)
+        return self._assembled(places, which, (pressure + sides * change).ravel(), middle=True)
+
+    def _places(self, times: FloatArray) -> FloatArray:
+        """Return the times [s] at which stages that begin at times are assembled, ``(places, m)``.
+
+        They are the first Gauss point of each part of a sample, the second ones, its begin, and its
+        middle.
+        """
+        lengths = self._timing.lengths[0, 1:, np.newaxis]
+        begins = times + np.stack([self.period - lengths[0], [0.0]])[: len(lengths)]
+        at = [begins + node * lengths for node in GAUSS_NODES]
+        return np.concatenate([*at, [times, times + 0.5 * self.period]])
+
+    def _interval(self, breaks: Sequence[FloatArray], *, crossing: bool = False) -> IntArray:
+        """Return the number of the smooth interval of the samples of all flights, ``(n,)``.
+
+        It is -1 for a sample with a breakpoint inside, unless `crossing`. `breaks`: times [s]
+        between which each flight is smooth.
+        """
+        numbers, before = np.empty(self.times.size, np.int64), 0
+        ends = (self.times + self.period) * (1.0 - 1e-15)
+        for k, times in enumerate(breaks):
+            of_flight = slice(self.first[k], self.first[k] + self.samples[k] + 1)
+            at = np.searchsorted(times, self.times[of_flight], side="right")
+            inside = crossing | (at == np.searchsorted(times, ends[of_flight], side="left"))
+            numbers[of_flight] = np.where(inside, before + at, -1)
+            before += times.size + 1
+        return numbers
+
+    def _arrays_at(
+        self, times: FloatArray, sample: IntArray, *, middle: bool = False
+    ) -> dict[str, FloatArray]:
+        """Return the arrays of stages that begin at times [s], by name.
+
+        `sample`: index of a sample of the same flight for each. `middle`: as in `_assembled`.
+        """
+        places = self._places(times)[: None if middle else -1]
+        flight = np.tile(self.flight[sample], len(places))
+        inside = np.minimum(places.ravel(), self.stops[flight])
+        pressure = self.pressure_at(inside, flight)
+        return self._assembled(inside.reshape(places.shape), flight, pressure, middle=middle)
+
+    def _assembled(
+        self, places: FloatArray, flight: IntArray, pressure: FloatArray, *, middle: bool
+    ) -> dict[str, FloatArray]:
+        """Return the arrays of stages by name, ``(m, ...)``.
+
+        `places`: times [s] as `_places` gives them, ``(places, m)``. `flight`, `pressure`: indices
+        of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places include
+        the middle of samples, and the arrays A and gust input there.
+        """
+        count, terms, shape = places.shape[1], self._pieces[1].shape[2], flight.shape
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
         lengths = np.ascontiguousarray(timing.lengths[:, 1:].T)  # (parts, m)
-        length = timing.lengths[:, 0]
-        begins = times + np.stack([length - lengths[0], np.zeros(count)])[: len(lengths)]
-        at = [begins + node * lengths for node in GAUSS_NODES]
-        flat = np.concatenate([*(a.ravel() for a in at), times])
-        flight, shape = np.tile(self.flight[sample], flat.size // max(count, 1)), flat.shape
-        plants = self.plants_at(flat, flight)
+        plants = self.flown_plants(places.ravel(), flight, pressure)
         system = self.sensors.system(plants)
-        blocks = [
-            *plant_blocks(plants, self.laws_at(flat, flight).actuator, self.sensors),
-            polynomial_input("wind", terms),
-        ]
+        actuator = self.flown_laws(places.ravel(), flight).actuator
+        blocks = [*plant_blocks(plants, actuator, self.sensors), polynomial_input("wind", terms)]
+
+        def at_place(first: int) -> LinearSystem:
+            return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
         def at_nodes(made: LinearSystem) -> LinearSystem:
             """Return the constant systems of the parts of samples, ``(parts, m)``."""
@@ -254,12 +386,15 @@ class Stages:
             )
             return constant_over_steps(first, second, lengths)
 
-        plant = system.cases(np.arange(flat.size - count, flat.size), shape)
+        plant = at_place(2 * len(lengths))
         driven = at_nodes(connect(blocks, INPUTS[:1], ()))
         steps = steps_of(driven, at_nodes(with_ramp(system)), plant, timing, terms)
         arrays = {"joint": steps.joint, "ramp": steps.ramp, "shown": sensed_rows(plant)}
         if steps.fine is not steps.joint:
             arrays["fine"] = steps.fine
+        if middle:
+            moving = at_place(len(places) - 1)
+            arrays |= {"A": moving.A, "gust": np.ascontiguousarray(moving.B[..., 1])}
         return arrays
 
     @cached_property
@@ -280,7 +415,7 @@ class Stages:
             judges = widened(criteria.rows, width, len(self.sensors.states))
             return {"judges": judges, "reach": criteria.reach, "ratio": criteria.ratio}
 
-        interval = self._interval(self.times)[rows]
+        interval = self._interval(self.breaks, crossing=True)[rows]
         arrays = {}
         for name, values in smooth_values(at, self.times[rows], interval).items():
             arrays[name] = self.storage.empty(name, (judged.size, *values.shape[1:]))
@@ -347,6 +482,18 @@ class Stages:
     @cached_property
     def vehicles(self) -> Vehicles:
         """Vehicles of all stages; A and gust input in samples next to a knot of the wind."""
+        arrays = self._arrays
+        if "A" not in arrays:
+            arrays = arrays | self._next_to_knots
+        named = {name: arrays[name] for name in ("shown", "A", "gust")}
+        poles = np.linalg.eigvals(self.sensors.system(self.plants).A)
+        starts = np.cumsum([0, *(times.size for times in self.vehicle_breaks[:-1])])
+        by_flight = np.maximum.reduceat(np.abs(poles).max(axis=-1), starts)
+        return Vehicles(**named, fastest=by_flight[self.flight], **self._criteria)
+
+    @cached_property
+    def _next_to_knots(self) -> dict[str, FloatArray]:
+        """A and gust input in samples next to a knot of the wind, by name, without other values."""
         count, h, flight = self.times.size, self.period, self.flight_of_wind
         inside = np.floor((self._pieces[0] - self.starts[flight, np.newaxis]) / h)
         samples, firsts = (a[flight, np.newaxis, np.newaxis] for a in (self.samples, self.first))
@@ -354,45 +501,11 @@ class Stages:
         flown = (neighbours >= 0) & (neighbours <= samples)
         rows = np.unique((firsts + np.where(flown, neighbours, 0))[flown]).astype(np.int64)
         plants = self.plants_at(self.times[rows] + 0.5 * h, self.flight[rows])
-        moving, fastest = self.sensors.system(plants), np.zeros(count)
-        fastest[rows] = np.abs(np.linalg.eigvals(moving.A)).max(axis=-1)
+        moving = self.sensors.system(plants)
         n = len(moving.states)
         A, gust = self.storage.empty("A", (count, n, n)), self.storage.empty("gust", (count, n))
         A[rows], gust[rows] = moving.A, moving.B[..., 1]
-        shown = self._arrays["shown"]
-        return Vehicles(shown=shown, A=A, gust=gust, fastest=fastest, **self._criteria)
-
-
-def stages_of(
-    plants_at: PlantsAt,
-    laws_at: LawsAt,
-    breaks: Sequence[FloatArray],
-    spans: Sequence[tuple[float, float]],
-    rate: float,
-    winds: Sequence[History],
-    storage: Storage,
-) -> Stages:
-    """Return the stages of loops over spans [s] in winds ``(w,)`` of each flight.
-
-    `rate`: samples [Hz]. Others: see `Stages`.
-    """
-    h, ends = 1.0 / rate, np.array(spans)
-    samples = samples_in(ends[:, 1] - ends[:, 0], np.array(h))
-
-    def inside(times: FloatArray, flight: IntArray) -> tuple[FloatArray, IntArray]:
-        return np.minimum(times, ends[flight, 1]), flight
-
-    return Stages(
-        lambda times, flight: plants_at(*inside(times, flight)),
-        lambda times, flight: laws_at(*inside(times, flight)),
-        ends[:, 0],
-        samples,
-        [np.unique(np.concatenate(both)) for both in zip(breaks, ends, strict=True)],
-        plants_at(ends.ravel(), np.repeat(np.arange(len(ends)), 2)),
-        h,
-        winds,
-        storage,
-    )
+        return {"A": A, "gust": gust}
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
