@@ -200,7 +200,7 @@ def doors(folder: Path) -> dict[str, Door]:
     )
     wind = tv.TriangularWind(peak=0.09, duration=2.5)
     limit = float(tv.boundary_limit(plant, wind).deflection)
-    held = tv.trim_then_hold(plant, wind, limit)
+    constant = tv.trim_then_hold(plant, wind, limit)
     gust = tv.OneMinusCosineGust(peak=0.01, duration=1.0)
     autopilot = tv.control.canonical_gains(coefficients)
     actuator = tv.Actuator()
@@ -244,7 +244,7 @@ def doors(folder: Path) -> dict[str, Door]:
     beside = tv.flights.compare_flight(
         booster, tv.flights.ReportControl(), wind, [0.0, 5.0], deflection_limit=0.01, boundary=0.006
     )
-    responses = tv.attitude_responses(plant, held, wind, [0.0, 5.0])
+    responses = tv.attitude_responses(plant, constant, wind, [0.0, 5.0])
     line = Line("wind tunnel", 0.001)
     times = [0.0, 5.0, 20.0]
     poles = {"natural_frequency": 1.0, "damping": 0.7}
@@ -277,7 +277,7 @@ def doors(folder: Path) -> dict[str, Door]:
     hardware = {"rate_limit": 1.0, "actuator": actuator}
     history = {"plant": plant, "wind": wind}
     hinge = tv.case.NozzleData(engine=tv.vehicle.Engine(mass=2000.0, arm=1.0))
-    both = {"plant": plant, "deflection": held, "wind": wind}
+    both = {"plant": plant, "deflection": constant, "wind": wind}
     study_file, campaign_file = folder / "study.toml", folder / "campaign.toml"
     study_file.write_text(
         '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'

@@ -22,8 +22,8 @@ def figures(folder: Path) -> dict[str, Door]:
     autopilot = tv.control.canonical_gains(coefficients)
     lagging = tv.control.canonical_gains(coefficients, actuator=tv.Actuator())
     limit = float(tv.boundary_limit(plant, wind).deflection)
-    held = tv.trim_then_hold(plant, wind, limit)
-    response = tv.attitude_response(plant, held, wind, np.linspace(0.0, 15.0, 16))
+    constant = tv.trim_then_hold(plant, wind, limit)
+    response = tv.attitude_response(plant, constant, wind, np.linspace(0.0, 15.0, 16))
     study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.09, limit=0.014)
     slanting = tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.09, limit=0.014, heading=1.0)
     schedule = tv.load_schedule("configuration-i", start=60.0, stop=90.0, step=10.0)
@@ -45,7 +45,7 @@ def figures(folder: Path) -> dict[str, Door]:
         plant, law, wind, np.array([0.8, 1.0, 1.25]), np.array([0.0, 0.1]), sample_rate=20.0
     )
     gains = hasty(tv.minimum_deflection_gains)(plant=plant, winds=wind, actuator=tv.Actuator())
-    least = hasty(tv.design.gain_trade_off)(gains=gains, disk_margin=[0.1, 0.2])
+    minimum = hasty(tv.design.gain_trade_off)(gains=gains, disk_margin=[0.1, 0.2])
     load = tv.boundary.load_trade_off(plant, wind, limit=0.014, load=0.05)
     rate = tv.boundary.rate_trade_off(plant, wind, limit=0.014, rate_limit=0.05)
     gusty = tv.control.turbulence_covariance(autopilot, plant, tv.winds.Turbulence(6.0), 540.0)
@@ -150,7 +150,7 @@ def figures(folder: Path) -> dict[str, Door]:
                 "sample_rate": 20.0,
             },
         ),
-        "gain_trade_off_chart": Door(plots.gain_trade_off_chart, {"trade_offs": [least]}),
+        "gain_trade_off_chart": Door(plots.gain_trade_off_chart, {"trade_offs": [minimum]}),
         "load_chart": Door(plots.load_chart, {"trade_off": load, "flown": (), "title": "a"}),
         "load_curves": Door(plots.load_curves, {"trade_off": load, "flown": ()}),
         "nichols_chart": Door(plots.nichols_chart, {**loop, "criteria": tv.CRITERIA["classic"]}),
@@ -180,7 +180,7 @@ def figures(folder: Path) -> dict[str, Door]:
                 "name": "a",
                 "parameters": "b",
                 "limit": 0.01,
-                "deflection": held,
+                "deflection": constant,
                 "wind": wind,
             },
         ),

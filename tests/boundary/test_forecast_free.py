@@ -168,8 +168,8 @@ def test_foresight_is_appendix_c_and_costs_less(seed):
     wind = random_wind(seed)
     plant = plant_of()
     bound = tv.forecast_free_limit(plant, wind)
-    least = tv.optimum_deflection(plant, wind, start=float(wind.onset)).peak
-    assert bound.wind_known == pytest.approx(least / (plant.coefficients.B * wind.peak), rel=1e-9)
+    minimum = tv.optimum_deflection(plant, wind, start=float(wind.onset)).peak
+    assert bound.wind_known == pytest.approx(minimum / (plant.coefficients.B * wind.peak), rel=1e-9)
     assert bound.limit >= bound.wind_known
     assert bound.limit <= 1.0
     assert bound.deflection == pytest.approx(-bound.limit * plant.coefficients.B * wind.peak)
@@ -199,8 +199,8 @@ def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
     later = other.shift(float(wind.onset - other.onset) + rng.exponential(2.0))
     for larger in (more, wind + later):
         whole = [one.shift(-float(wind.onset)) for one in (wind, larger)]
-        least, most = (abs(tv.forecast_free_limit(plant, one).deflection) for one in whole)
-        assert least <= most * (1.0 + 1e-12)
+        minimum, most = (abs(tv.forecast_free_limit(plant, one).deflection) for one in whole)
+        assert minimum <= most * (1.0 + 1e-12)
 
 
 @by_turns("reversal,seed", [0.05, 0.15, 0.3, 1.0], [0, 3, 5, 7, 8], each=4)
@@ -290,9 +290,9 @@ def test_a_batch_gives_what_each_case_gives_alone():
             for k, V in enumerate(slow):
                 one = Plant.from_vehicle(vehicle.replace(velocity=V), model)
                 wind = TriangularWind(peak=peak, duration=durations[k])
-                alone = tv.forecast_free_limit(one, wind)
+                single = tv.forecast_free_limit(one, wind)
                 for name in ("limit", "deflection", "wind_known", "worst_stop_time"):
-                    expected = pytest.approx(getattr(alone, name), rel=1e-12)
+                    expected = pytest.approx(getattr(single, name), rel=1e-12)
                     assert getattr(bound, name)[i, k] == expected, (model, name)
 
 

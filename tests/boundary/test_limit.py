@@ -385,10 +385,13 @@ def test_where_the_demand_jumps_every_limit_above_the_first_pulse_is_sufficient(
         "ok",
     ]
     for part, sign in ((1.0 - 1e-9, -1.0), (1.0 + 1e-9, 1.0)):
-        held = tvclin.trim_then_hold(
+        constant = tvclin.trim_then_hold(
             plant, wind, limit=part * boundary.deflection[0], dead_band=1.0
         )
-        over = tvclin.residues(plant, held, wind)[0] / tvclin.residues(plant, held, 0.0 * wind)[0]
+        over = (
+            tvclin.residues(plant, constant, wind)[0]
+            / tvclin.residues(plant, constant, 0.0 * wind)[0]
+        )
         assert np.sign(over) == sign
 
 
@@ -423,10 +426,10 @@ def test_each_need_is_the_size_of_what_its_own_question_answers(configuration_i,
     boundary = boundary_limit(plant, wind, K, "literal")
     needs = open_loop_requirements(plant, wind, K, boundary)
     bound = abs(tvclin.forecast_free_limit(plant, wind).deflection)
-    least = tvclin.optimum_deflection(plant, wind).peak
+    minimum = tvclin.optimum_deflection(plant, wind).peak
     np.testing.assert_array_equal(needs[Reason.BOUNDARY], np.abs(boundary.deflection))
     np.testing.assert_array_equal(needs[Reason.NO_FORECAST], [0.0, bound])
-    np.testing.assert_allclose(needs[Reason.MINIMUM], [least, least], rtol=1e-9)
+    np.testing.assert_allclose(needs[Reason.MINIMUM], [minimum, minimum], rtol=1e-9)
     assert needs[Reason.AFTER_TRIM][0] > max(
         needs[name][0] for name in (Reason.BOUNDARY, Reason.MINIMUM)
     )

@@ -151,8 +151,8 @@ def test_the_front_ends_at_the_minimum_of_appendix_c_and_its_load():
         for tau_beta, load in ((4.0, 0.781), (8.0, 0.487)):
             wind = triangle(plant, tau_beta)
             front = load_trade_off(plant, wind, limit=0.1)
-            least = tv.optimum_deflection(plant, wind).peak
-            assert front.limits[-1] == pytest.approx(least, rel=1e-12)
+            minimum = tv.optimum_deflection(plant, wind).peak
+            assert front.limits[-1] == pytest.approx(minimum, rel=1e-12)
             if plant is not FIXED:
                 assert front.load_of_minimum / PEAK == pytest.approx(load, abs=5e-4)
             assert np.all(np.diff(front.limits) <= 1e-9)

@@ -73,9 +73,9 @@ def test_a_batch_of_peaks_takes_plants_of_every_kind_together():
     plants = [plant_of_poles(*two) for two in kinds]
     every = Coefficients(**{n: [getattr(p.coefficients, n) for p in plants] for n in NUMBERS})
     result = minimum_peaks(Plant(every, "drift-exact"), WIND)
-    alone = [float(minimum_peaks(p, WIND)) for p in plants]
+    single = [float(minimum_peaks(p, WIND)) for p in plants]
     # Conditions of poles set apart by 2e-6 are known to rounding over that.
-    np.testing.assert_allclose(result, alone, rtol=np.finfo(float).eps / 2e-6 * 4.0)
+    np.testing.assert_allclose(result, single, rtol=np.finfo(float).eps / 2e-6 * 4.0)
 
 
 def test_without_an_unstable_pole_nothing_is_needed():

@@ -156,8 +156,8 @@ def test_where_the_demands_of_both_poles_agree_the_fast_one_decides_the_peak():
         demands = modes.poles * K * wind.laplace(modes.poles)
         assert demands[1] == pytest.approx(demands[0], rel=1e-12)
         best = optimum_deflection(plant, wind)
-        alone = fast * -K[0] * wind.laplace(fast)
-        assert best.peak == pytest.approx(abs(alone), rel=1e-11)
+        single = fast * -K[0] * wind.laplace(fast)
+        assert best.peak == pytest.approx(abs(single), rel=1e-11)
 
 
 @pytest.mark.parametrize("model", ["drift-exact", "drift-and-speed"])
@@ -190,8 +190,8 @@ def test_only_two_real_unstable_poles_have_a_validity():
     numbers = {"mu_alpha": [0.3, 0.3, 0.05], "C1": [0.025, 0.2, 0.0], "C2": [0.004, -0.1, 0.1]}
     common = {"mu_delta": 2.6, "b1": 0.03, "b2": 0.02}
     result = single_pole_validity(Coefficients(**common, **numbers))
-    alone = Coefficients(**common, **{name: values[0] for name, values in numbers.items()})
-    assert result[0] == pytest.approx(single_pole_validity(alone), rel=1e-12)
+    single = Coefficients(**common, **{name: values[0] for name, values in numbers.items()})
+    assert result[0] == pytest.approx(single_pole_validity(single), rel=1e-12)
     assert np.isnan(result[1:]).all()
 
 

@@ -104,11 +104,11 @@ def test_a_west_jet_across_a_slanting_flight():
         "fixed-path": (0.19522, 0.33889, 0.39175, 0.27701),
         "drift-exact": (0.18602, 0.32291, 0.37328, 0.26395),
     }
-    for model, (alone, *shared) in published.items():
+    for model, (single, *shared) in published.items():
         plant = tv.Plant.from_vehicle(BOOSTER, model)
         computed = [tv.plane_limit(plant, wind, stop) for stop in stops]
         assert np.degrees([f.deflection for f in computed]) == pytest.approx(shared, abs=5.1e-6)
-        assert np.degrees(computed[0].pitch_only) == pytest.approx(alone, abs=5.1e-6)
+        assert np.degrees(computed[0].pitch_only) == pytest.approx(single, abs=5.1e-6)
         # sines of small angles stand for angles: some 1e-3 of the square
         ratio = 1.0 / np.sqrt(1.0 + (np.tan(psi) / np.sin(BOOSTER.attitude)) ** 2)
         assert computed[0].pitch_only_ratio == pytest.approx(ratio, abs=1e-3)
@@ -316,8 +316,8 @@ def test_a_batch_is_what_each_is_alone():
     limit = tv.plane_limit(PLANT, winds, dead_band=0.5)
     assert limit.limit.shape == limit.switch_time.shape == (2, 2)
     for case in range(4):
-        alone = tv.plane_limit(PLANT, winds.case(case, (2, 2)), dead_band=0.5)
-        assert limit.deflection.ravel()[case] == alone.deflection
+        single = tv.plane_limit(PLANT, winds.case(case, (2, 2)), dead_band=0.5)
+        assert limit.deflection.ravel()[case] == single.deflection
     assert any("turns" in note for note in limit.notes)
 
 
@@ -395,8 +395,8 @@ def test_along_a_line_the_optimum_is_that_of_one_plane(angle):
     long = triangle(40.0, EXACT.coefficients.beta)
     limit = tv.plane_limit(EXACT, PlaneWind.towards(long, angle), dead_band=0.5)
     assert "minimum over all unstable poles after trim" in limit.notes[-1]
-    alone = tv.required_deflection(EXACT, long, 0.5)
-    assert limit.limit == pytest.approx(alone.limit, rel=1e-9)
+    single = tv.required_deflection(EXACT, long, 0.5)
+    assert limit.limit == pytest.approx(single.limit, rel=1e-9)
     onset = tv.plane_limit(EXACT, PlaneWind.towards(long, angle), dead_band=0.0)
     assert onset.limit == pytest.approx(0.22529, abs=5.1e-6)
     assert onset.limit < 0.98 * limit.limit
@@ -601,13 +601,13 @@ def test_planes_of_other_models_are_served_together():
     wind = veering(12, 60, beta=EXACT.coefficients.beta)
     flat = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
     best = tv.boundary.plane_optimum(EXACT, wind, yaw_plant=flat)
-    alone = (
+    single = (
         tv.optimum_deflection(EXACT, wind.pitch).peak,
         tv.optimum_deflection(flat, wind.yaw).peak,
     )
     assert abs(best.certificate.gap) < 1e-5
-    assert max(alone) <= best.peak * (1.0 + 1e-9)
-    assert best.certificate.dual <= np.hypot(*alone) * (1.0 + 1e-9)
+    assert max(single) <= best.peak * (1.0 + 1e-9)
+    assert best.certificate.dual <= np.hypot(*single) * (1.0 + 1e-9)
 
 
 def test_the_optimum_is_of_one_wind():
@@ -629,9 +629,9 @@ def test_slow_poles_far_below_the_fast_ones_have_no_say_in_the_minimum(time) -> 
     best = tv.boundary.plane_optimum(pitch, wind, yaw_plant=yaw)
     assert best.certificate.gap < 1e-4
     assert best.certificate.residual < 1e-12
-    alone = [tv.optimum_deflection(p, w).peak for p, w in ((pitch, wind.pitch), (yaw, wind.yaw))]
-    assert best.peak <= np.hypot(*alone) * (1.0 + 1e-4)
-    assert best.certificate.dual >= np.hypot(*alone) * (1.0 - 1e-4)
+    single = [tv.optimum_deflection(p, w).peak for p, w in ((pitch, wind.pitch), (yaw, wind.yaw))]
+    assert best.peak <= np.hypot(*single) * (1.0 + 1e-4)
+    assert best.certificate.dual >= np.hypot(*single) * (1.0 - 1e-4)
 
 
 def test_where_trim_grows_a_turning_wind_has_no_dead_band() -> None:

@@ -50,13 +50,13 @@ def test_other_winds_and_an_acceleration_limit():
     pole, unit = BETA, B * PEAK
     length = 4.0 / pole
     jump = tv.RectangularWind(peak=-PEAK, duration=length)
-    least = tv.optimum_deflection(FIXED, jump).peak
-    assert relative(FIXED, jump, pole * least * np.array([1.25, 5.0])) == pytest.approx(
+    minimum = tv.optimum_deflection(FIXED, jump).peak
+    assert relative(FIXED, jump, pole * minimum * np.array([1.25, 5.0])) == pytest.approx(
         [1.97495, 1.09528], abs=6e-6
     )
     gust = tv.OneMinusCosineGust(peak=-PEAK, duration=length)
-    least = tv.optimum_deflection(FIXED, gust).peak
-    result = relative(FIXED, gust, pole * least * np.array([1.25, 5.0]))
+    minimum = tv.optimum_deflection(FIXED, gust).peak
+    result = relative(FIXED, gust, pole * minimum * np.array([1.25, 5.0]))
     assert result == pytest.approx([0.70269, 0.38970], abs=6e-6)
     wind = triangle(FIXED, 4.0)
     result = relative(FIXED, wind, [2.0 * pole * unit], acceleration_limit=4.0 * pole**2 * unit)
@@ -92,8 +92,8 @@ def test_a_linear_program_on_a_fine_grid_needs_the_same(acceleration):
         bounds=(None, None),
     )
     assert program.status == 0
-    least = rate_trade_off(FIXED, wind, [rate], **most).limits[0]
-    assert least == pytest.approx(program.fun, rel=1e-4)
+    minimum = rate_trade_off(FIXED, wind, [rate], **most).limits[0]
+    assert minimum == pytest.approx(program.fun, rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -103,10 +103,10 @@ def test_at_any_rate_it_is_the_minimum_of_appendix_c(model):
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
     for tau_beta in (2.0, 8.0, 20.0):
         wind = triangle(plant, tau_beta)
-        least = tv.optimum_deflection(plant, wind).peak
-        computed = rate_trade_off(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
+        minimum = tv.optimum_deflection(plant, wind).peak
+        computed = rate_trade_off(plant, wind, [1e9 * plant.coefficients.pole * minimum]).limits[0]
         programmed = model == "drift-and-speed" or (model == "drift-exact" and tau_beta == 20.0)
-        assert computed == pytest.approx(least, rel=1e-6 if programmed else 2e-9)
+        assert computed == pytest.approx(minimum, rel=1e-6 if programmed else 2e-9)
     assert ramped_deflection(0.3, 0.5, np.inf) == 0.3
     assert ramped_deflection(0.3, 0.5, np.inf, np.inf) == 0.3
 

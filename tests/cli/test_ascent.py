@@ -95,16 +95,16 @@ def test_json_equals_the_library() -> None:
 def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
     table, picture = tmp_path / "a.csv", tmp_path / "a.png"
     given = ("ascent", "configuration-i", *FAST, "--csv", str(table), "--plot", str(picture))
-    enough = run(*given, "--limit-deg", "0.6", "--set", "size.reserve_percent=10", "--more")
+    sufficient = run(*given, "--limit-deg", "0.6", "--set", "size.reserve_percent=10", "--more")
     short = run(
         "ascent", "configuration-i", *FAST, "--limit-deg", "0.5", "--set", "size.count=trim"
     )
 
-    assert enough.exit_code == 0
+    assert sufficient.exit_code == 0
     assert re.search(
-        r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve; budget", enough.output
+        r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve; budget", sufficient.output
     )
-    assert "budget, with 10 % in reserve" in enough.output
+    assert "budget, with 10 % in reserve" in sufficient.output
     assert short.exit_code == 1
     assert re.search(r"deg: NOT SUFFICIENT, short by 0\.1\d+ deg; budget", short.output)
     rows = table.read_text().splitlines()
@@ -181,15 +181,15 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
 def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tmp_path) -> None:
     """Enough where the wind is known is not enough; a pulse joins only where one is named."""
     given = ("ascent", "configuration-i", *FLOWN, "--dead-band", "1", "--every", "20")
-    enough = run(*given, "--limit-deg", "0.7", "--more")
+    sufficient = run(*given, "--limit-deg", "0.7", "--more")
     lower = run(*given, "--limit-deg", "0.7", "--to", "65", "--json")
     short, unasked = run(*given, "--limit-deg", "0.3", "--json"), run(*given, "--json")
     other = run(*given, "--peak-deg", "2", "--to", "65", "--more")
 
-    assert (enough.exit_code, short.exit_code) == (1, 1)
+    assert (sufficient.exit_code, short.exit_code) == (1, 1)
     assert (lower.exit_code, unasked.exit_code) == (0, 0)
-    assert "deg: NOT KNOWN; where the winds are known 0.2" in enough.output
-    assert "; required deflection NOT KNOWN above 12.0 km (66.19 s); budget" in enough.output
+    assert "deg: NOT KNOWN; where the winds are known 0.2" in sufficient.output
+    assert "; required deflection NOT KNOWN above 12.0 km (66.19 s); budget" in sufficient.output
     document, below = json.loads(short.stdout), json.loads(lower.stdout)
     assert document["winds"] == ["wyoming.txt"]
     assert document["times_s"] == [41.0, 60.0, 80.0, 100.0, 116.0]
@@ -200,7 +200,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     assert (below["verdict"]["sufficient"], below["verdict"]["not_sized"]) == (True, [])
     assert below["known_times_s"][0][1] == pytest.approx(66.19, abs=0.01)
     assert "by wind" in other.output
-    assert "by wind" not in enough.output
+    assert "by wind" not in sufficient.output
     rows = [line.split() for line in other.output.splitlines() if line.startswith("  wyoming.txt")]
     worst = below["worst_by_wind"]["wyoming.txt"]["K = 1, varying"]
     assert float(rows[0][2]) == pytest.approx(worst["deflection_deg"], abs=0.01)
@@ -323,8 +323,8 @@ def test_the_figure_holds_the_worst_of_all_winds() -> None:
 
     assert curves.abscissa.tolist() == [60.0, 80.0]
     assert curves.column("K = 1").tolist() == np.degrees(sizing.required["K = 1"][::-1, 1]).tolist()
-    least = np.degrees(sizing.required["minimum"][::-1, 1]).tolist()
-    assert curves.column("lower bound, wind known").tolist() == least
+    minimum = np.degrees(sizing.required["minimum"][::-1, 1]).tolist()
+    assert curves.column("lower bound, wind known").tolist() == minimum
     assert curves.column("available limit") == pytest.approx([0.5, 0.5])
 
 
@@ -377,15 +377,15 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
     noon, midnight = "2024-02-15 12", "2024-02-16 00"
     given = ("--azimuth-deg", "90", "--from", "41", "--to", "42", "--dead-band", "1", "--json")
     request = [("--winds", OTHER, "--set", f"sounding.time={time}") for time in (noon, midnight)]
-    alone = [json.loads(run("ascent", *one, *given).stdout) for one in request]
+    single = [json.loads(run("ascent", *one, *given).stdout) for one in request]
     schedule = tv.load_schedule("configuration-i")
     for k, time in enumerate((noon, midnight)):
         wind = tv.read_sounding(OTHER, time=time)
         encountered = tv.fly_through(wind, schedule, azimuth=np.pi / 2)
         computed = np.degrees(tv.size(schedule, encountered, times=[41.0, 42.0]).required["K = 1"])
-        assert alone[k]["required_deg"]["K = 1"] == computed.tolist()
-        assert not any("choose another by its time" in note for note in alone[k]["notes"])
-    assert alone[0]["required_deg"] != alone[1]["required_deg"]
+        assert single[k]["required_deg"]["K = 1"] == computed.tolist()
+        assert not any("choose another by its time" in note for note in single[k]["notes"])
+    assert single[0]["required_deg"] != single[1]["required_deg"]
     for wrong, said in {
         ("--winds", OTHER, "--winds", OTHER): "twice",
         ("--winds", OTHER, "--set", "sounding.time=noon"): "has no sounding of time 'noon'",
@@ -416,9 +416,9 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
     for i, time in enumerate(by_speed["times_s"]):
         vehicle = schedule.at(time)
         peak = np.degrees(tv.angle_from_speed(9.0, vehicle.velocity, vehicle.attitude))
-        alone = ("--from", str(time), "--to", str(time), "--dead-band", "1")
+        single = ("--from", str(time), "--to", str(time), "--dead-band", "1")
         given = gust_of(repr(float(peak)), plateau_s=0.5)
-        by_angle = json.loads(run("ascent", *alone, *given, "--json").stdout)
+        by_angle = json.loads(run("ascent", *single, *given, "--json").stdout)
         for name, values in by_angle["required_deg"].items():
             if name.endswith("wind"):  # a speed is another angle in a head or a tail wind
                 continue
@@ -478,12 +478,12 @@ def test_both_planes_stand_beside_each_plane_alone() -> None:
         ).stdout
     )
     needed = np.array(document["required_deg"]["K = 1"])
-    alone = {k: np.array(one["K = 1"]) for k, one in document["separate_deg"].items()}
+    single = {k: np.array(one["K = 1"]) for k, one in document["separate_deg"].items()}
     pitch = json.loads(run("ascent", "configuration-i", *given, "--json").stdout)
-    assert alone["pitch"].tolist() == pitch["required_deg"]["K = 1"]
-    assert np.all(needed >= np.maximum(alone["pitch"], alone["yaw"]) * (1.0 - 1e-12))
+    assert single["pitch"].tolist() == pitch["required_deg"]["K = 1"]
+    assert np.all(needed >= np.maximum(single["pitch"], single["yaw"]) * (1.0 - 1e-12))
     misses = np.array(document["pitch_omitted_fraction"]["K = 1"])
-    assert misses == pytest.approx(1.0 - alone["pitch"] / needed)
+    assert misses == pytest.approx(1.0 - single["pitch"] / needed)
 
 
 def test_both_planes_need_a_direction() -> None:

@@ -52,8 +52,8 @@ def test_a_gain_margin_may_be_asked_for_in_decibels():
     plant = booster()
     rule = {"natural_frequency": 1.0, "damping": 0.7, "actuator": tv.Actuator()}
     margins = tv.design_gains(plant.coefficients, **rule).margins(plant)
-    least = min(margins.aero_margin_dB, 20.0 * np.log10(margins.gain_increase))
-    for request, code in ((least - 1e-6, 0), (least + 1e-6, 1)):
+    minimum = min(margins.aero_margin_dB, 20.0 * np.log10(margins.gain_increase))
+    for request, code in ((minimum - 1e-6, 0), (minimum + 1e-6, 1)):
         both = [("--set", f"criteria.{name}={float(request)!r}") for name in GAIN_MARGINS]
         result = run("margins", "--natural-frequency", "1", *both[0], *both[1])
         assert result.exit_code == code

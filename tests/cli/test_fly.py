@@ -37,16 +37,16 @@ def linear():
 def test_the_report_control_is_flown_beside_the_linear_theory():
     answer = document()
     plant, vehicle = linear(), tv.load_vehicle("configuration-i")
-    least = tv.boundary_limit(plant, WIND, switch="literal").deflection
+    minimum = tv.boundary_limit(plant, WIND, switch="literal").deflection
     times, limit = np.linspace(0.0, 7.5, 201), answer["limit_deg"]
     flown = tv.fly_planar(
         vehicle, tv.flights.ReportControl(), WIND, times, deflection_limit=np.radians(limit)
     )
-    held = tv.trim_then_hold(plant, WIND, -np.radians(limit), 1.0, "literal")
-    exact = tv.attitude_response(plant, held, WIND, times)
+    constant = tv.trim_then_hold(plant, WIND, -np.radians(limit), 1.0, "literal")
+    exact = tv.attitude_response(plant, constant, WIND, times)
 
-    assert limit == pytest.approx(1.1 * abs(np.degrees(least)), rel=1e-12)
-    assert answer["boundary_deg"]["linear"] == pytest.approx(abs(np.degrees(least)), rel=1e-12)
+    assert limit == pytest.approx(1.1 * abs(np.degrees(minimum)), rel=1e-12)
+    assert answer["boundary_deg"]["linear"] == pytest.approx(abs(np.degrees(minimum)), rel=1e-12)
     assert answer["boundary_deg"]["flown"] is None
     assert (answer["survived"], answer["predicted"]) == (True, True)
     for name in ("attitude", "angle_of_attack"):
@@ -87,8 +87,10 @@ def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_e
 def test_peaks_of_a_lost_flight_are_until_its_end_and_the_linear_ones_over_the_whole_wind():
     options = ("--limit-deg", 0.1)
     computed, plant, times = document(*options, code=1), linear(), np.linspace(0.0, 7.5, 2001)
-    held = tv.trim_then_hold(plant, WIND, -np.radians(0.1), 1.0, "literal")
-    exact = np.degrees(np.abs(tv.attitude_response(plant, held, WIND, times).outputs["attitude"]))
+    constant = tv.trim_then_hold(plant, WIND, -np.radians(0.1), 1.0, "literal")
+    exact = np.degrees(
+        np.abs(tv.attitude_response(plant, constant, WIND, times).outputs["attitude"])
+    )
 
     attitude = computed["peaks_over_the_wind_deg"]["attitude"]
     assert attitude["flown"] == pytest.approx(25.0, rel=1e-12)
@@ -131,8 +133,8 @@ def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
 def test_every_law_survives_in_one_plane_with_a_tenth_more_than_it_needs(law, needs):
     answer = document("--law", law, "--engine", "planar")
 
-    least = np.degrees(needs * linear().coefficients.B * PEAK)
-    assert answer["boundary_deg"]["linear"] == pytest.approx(least, rel=2e-3)
+    minimum = np.degrees(needs * linear().coefficients.B * PEAK)
+    assert answer["boundary_deg"]["linear"] == pytest.approx(minimum, rel=2e-3)
     assert answer["limit_deg"] == pytest.approx(1.1 * answer["boundary_deg"]["linear"], rel=1e-12)
     assert (answer["survived"], answer["predicted"]) == (True, True)
     assert answer["dead_band"] == (0.5 if law == "dead-band" else None)
@@ -249,13 +251,13 @@ def test_bad_input_is_exit_code_two_in_one_sentence(arguments, words):
 def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
     arguments = ("--duration", 60, "--dead-band", 0.5)
     wind = tv.TriangularWind(peak=PEAK, duration=60.0)
-    least = np.degrees(tv.optimum_deflection(linear(), wind).peak)
-    note = f"Note: {least:.3f} deg is the minimum of any control by linear theory"
+    minimum = np.degrees(tv.optimum_deflection(linear(), wind).peak)
+    note = f"Note: {minimum:.3f} deg is the minimum of any control by linear theory"
 
     assert run(*arguments).output.startswith("SURVIVED with")
     assert note in " ".join(run(*arguments).output.split())
-    assert "minimum" not in run(*arguments, "--limit-deg", 1.05 * least).output
-    assert document(*arguments)["minimum_deg"] == pytest.approx(least, rel=1e-12)
+    assert "minimum" not in run(*arguments, "--limit-deg", 1.05 * minimum).output
+    assert document(*arguments)["minimum_deg"] == pytest.approx(minimum, rel=1e-12)
 
 
 def test_no_attitude_is_written_once_the_linear_one_is_over_90_degrees(tmp_path):

@@ -82,8 +82,8 @@ def test_without_a_limit_the_flight_has_a_tenth_more_than_the_boundary_of_the_la
     law = law_of(plant, tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5))
     for name, one in (("flown", plant), ("rigid", plant.rigid)):
         boundary = tv.closed_loop_boundary(one, law, WIND, highest=4.0, **NOZZLE)
-        least = abs(np.degrees(boundary.deflection))
-        assert document["boundary_deg"][name] == pytest.approx(least, rel=1e-12)
+        minimum = abs(np.degrees(boundary.deflection))
+        assert document["boundary_deg"][name] == pytest.approx(minimum, rel=1e-12)
     assert document["limit_deg"] == pytest.approx(1.1 * document["boundary_deg"]["flown"])
 
 
@@ -118,10 +118,10 @@ def test_margins_that_are_flown_are_those_of_the_flexible_vehicle(mine):
 def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
     beside = json.loads(run(mine, *GAINS, *NOTCH, "--limit-deg", 0.45, "--json").stdout)
     more = ("--engine", "linear", *RIGID, "--limit-deg", 0.45, "--json")
-    alone = json.loads(run(mine, *GAINS, *NOTCH, *more).stdout)
-    assert not alone["flexible"]
+    single = json.loads(run(mine, *GAINS, *NOTCH, *more).stdout)
+    assert not single["flexible"]
     peaks = beside["peaks_over_the_wind_deg"]["attitude"]
-    assert alone["peaks_over_the_wind_deg"]["attitude"]["flown"] == peaks["rigid"]
+    assert single["peaks_over_the_wind_deg"]["attitude"]["flown"] == peaks["rigid"]
     planar = run(mine, "--engine", "planar")
     assert planar.exit_code == 0
     assert re.search(r"of the rigid vehicle, without the structure .* fast pole by", planar.stderr)

@@ -32,11 +32,11 @@ def test_gains_are_sought_and_their_winds_listed():
     result = run("design", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
     assert result.exit_code == 0
     document = json.loads(result.stdout)
-    least = document["least"]
-    assert least["meaning"] == "peak"
-    assert len(least["deflections_deg"]) == 3
-    assert least["deflection_deg"] >= document["rules"][0]["peak_deflection_deg"] * (1.0 - 1e-9)
-    assert "crossover" in least["active"]
+    minimum = document["least"]
+    assert minimum["meaning"] == "peak"
+    assert len(minimum["deflections_deg"]) == 3
+    assert minimum["deflection_deg"] >= document["rules"][0]["peak_deflection_deg"] * (1.0 - 1e-9)
+    assert "crossover" in minimum["active"]
 
 
 @pytest.mark.thorough

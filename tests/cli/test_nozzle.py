@@ -58,8 +58,8 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
         plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
         wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
         rate = np.radians(stated["required_rate_deg_per_s"])
-        least = tv.boundary.optimum_with_rate_limit(plant, wind, rate, 0.0).peak
-        assert np.degrees(least) == pytest.approx(limit, rel=1e-4)
+        minimum = tv.boundary.optimum_with_rate_limit(plant, wind, rate, 0.0).peak
+        assert np.degrees(minimum) == pytest.approx(limit, rel=1e-4)
         first = run(*options).output.partition("Lower bounds of the limit over")[0]
         assert f"{stated['required_rate_deg_per_s']:.3f}" in first
 

@@ -221,7 +221,7 @@ def test_the_figure_is_written_and_closed(tmp_path, kind):
 
 
 def test_the_table_says_it_in_words():
-    enough, short = (run("--capability", part).output for part in (1.1, 0.9))
+    sufficient, short = (run("--capability", part).output for part in (1.1, 0.9))
 
     for words in (
         "-0.829",
@@ -229,9 +229,9 @@ def test_the_table_says_it_in_words():
         "1.1 times that",
         "not stable by condition (4b)",
     ):
-        assert words in enough
-    assert enough.startswith("SURVIVED: ")
-    assert "lets go" in enough
+        assert words in sufficient
+    assert sufficient.startswith("SURVIVED: ")
+    assert "lets go" in sufficient
     assert short.startswith("NOT SURVIVED: ")
     assert "0.9 times that" in short
     assert "lets go" not in short
@@ -291,11 +291,11 @@ def test_bad_input_is_exit_code_two_without_a_traceback(arguments):
 def test_a_limit_that_survives_and_turns_the_vehicle_over_is_explained():
     arguments = ("--duration", 60, "--dead-band", 0.5, "--model", "drift-exact")
     words = "survived with a control that lets go of it"
-    enough, short = (run(*arguments, "--capability", part).output for part in (1.1, 0.9))
+    sufficient, short = (run(*arguments, "--capability", part).output for part in (1.1, 0.9))
 
-    assert enough.startswith("SURVIVED: ")
-    assert "exceeds 90 deg" in enough
-    assert words in enough
+    assert sufficient.startswith("SURVIVED: ")
+    assert "exceeds 90 deg" in sufficient
+    assert words in sufficient
     assert "exceeds 90 deg" in short
     assert words not in short
 

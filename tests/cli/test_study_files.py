@@ -132,8 +132,8 @@ def test_every_command_answers_for_the_case_of_the_study(file):
     assert (responded["nominal_deflection_deg"], responded["limit_deg"]) == pytest.approx(
         (nominal, 2.0), rel=1e-13
     )
-    least = np.degrees(study.minima["drift"])
-    assert document("boundary", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
+    minimum = np.degrees(study.minima["drift"])
+    assert document("boundary", file)["peak_deg"] == pytest.approx(minimum, rel=1e-9)
     controlled = document("fly", file, "--law", "autopilot")["comparison"]
     comparison = computed.comparison
     assert controlled["peak_deflection_deg"] == np.degrees(comparison.peak_deflection)

@@ -380,8 +380,8 @@ def test_ascent_is_not_satisfied_where_the_autopilot_is_not_known(folder) -> Non
 
 def test_the_autopilot_is_flown_at_a_single_flight_time(folder) -> None:
     words = (*PULSE, "--from", "60", "--to", "60", "--json")
-    alone = json.loads(run("ascent", folder / "study.toml", *words).stdout)
-    assert alone["verdict"]["autopilot"] == "SURVIVED in 1 wind"
+    single = json.loads(run("ascent", folder / "study.toml", *words).stdout)
+    assert single["verdict"]["autopilot"] == "SURVIVED in 1 wind"
 
 
 def test_a_pulse_at_the_end_of_the_flight_settles_on_the_vehicle_of_its_end(folder) -> None:

@@ -29,11 +29,11 @@ def test_it_is_actuator_times_plant(plant, actuator, s):
     result = plant_with_actuator(plant, actuator)
     assert result.outputs == (*plant.outputs, "deflection")
     system = transfer(result.matrices(), s)
-    alone = transfer(plant.matrices(), s)
+    single = transfer(plant.matrices(), s)
     lag = 1.0 if actuator is None else actuator.tf()(s)
     # What the command does, with the inertia of the engine; the disturbance turns the thrust alone.
-    inertia = s**2 * alone[:, 2] if alone.shape[1] > 2 else 0.0
-    outputs = [lag * (alone[:, 0] + inertia), alone[:, 0], alone[:, 1]]
+    inertia = s**2 * single[:, 2] if single.shape[1] > 2 else 0.0
+    outputs = [lag * (single[:, 0] + inertia), single[:, 0], single[:, 1]]
     for k, (expected, deflection) in enumerate(zip(outputs, (lag, 1.0, 0.0), strict=True)):
         scale = np.abs(expected).max()
         np.testing.assert_allclose(system[:-1, k], expected, rtol=1e-9, atol=1e-12 * scale)

@@ -368,14 +368,14 @@ def test_a_batch_of_plants_is_each_of_them():
     result = AUTOPILOT.band_margins(many)
     for k, factor in enumerate(factors):
         one = booster(bending=(replace(first, frequency=factor * 13.58), *STRUCTURE.bending[1:]))
-        alone = AUTOPILOT.band_margins(one)
+        single = AUTOPILOT.band_margins(one)
         assert result.margins.gain_increase[k] == pytest.approx(
-            alone.margins.gain_increase, rel=1e-9
+            single.margins.gain_increase, rel=1e-9
         )
         for name in ("peak", "lag_margin", "closed_pole", "distance"):
-            pair = [getattr(b.mode("bending 1"), name) for b in (result, alone)]
+            pair = [getattr(b.mode("bending 1"), name) for b in (result, single)]
             assert pair[0][k] == pytest.approx(pair[1], rel=1e-8)
-        assert result.mode("slosh 2").stabilised[k] == alone.mode("slosh 2").stabilised
+        assert result.mode("slosh 2").stabilised[k] == single.mode("slosh 2").stabilised
 
 
 def test_what_does_not_go_together_is_refused():

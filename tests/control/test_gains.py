@@ -120,12 +120,12 @@ def test_drift_minimum_keeps_the_flight_path_in_a_steady_wind(name):
     c = Coefficients.from_vehicle(tv.load_vehicle(name))
     plant = Plant.from_coefficients(c, "drift-exact")
     for options in ({}, {"actuator": Actuator(), "delay": 0.02}):
-        least = tv.control.drift_minimum_gains(c, **FAST, **options)
-        assert least.close(plant).poles().real.max() < 0
-        assert abs(steady(least, plant, "flight_path_angle")) < 1e-12
+        minimum = tv.control.drift_minimum_gains(c, **FAST, **options)
+        assert minimum.close(plant).poles().real.max() < 0
+        assert abs(steady(minimum, plant, "flight_path_angle")) < 1e-12
         w = 9.80665 * np.sin(tv.load_vehicle(name).attitude) / tv.load_vehicle(name).velocity
         ratio = (c.b2 + w) / (c.b1 + w)
-        assert steady(least, plant, "angle_of_attack") == pytest.approx(-ratio, rel=1e-10)
+        assert steady(minimum, plant, "angle_of_attack") == pytest.approx(-ratio, rel=1e-10)
         assert 0 < ratio < 1
 
 
@@ -133,8 +133,8 @@ def test_drift_minimum_keeps_the_flight_path_in_a_steady_wind(name):
 def test_drift_minimum_without_drag_and_weight_has_the_textbook_ratio(name):
     v = tv.load_vehicle(name).replace(axial_force=0.0, attitude=0.0)
     c = Coefficients.from_vehicle(v)
-    least = tv.control.drift_minimum_gains(c, **FAST)
-    angle = steady(least, Plant.from_coefficients(c, "drift-exact"), "angle_of_attack")
+    minimum = tv.control.drift_minimum_gains(c, **FAST)
+    angle = steady(minimum, Plant.from_coefficients(c, "drift-exact"), "angle_of_attack")
     lift = v.normal_force_slope / v.thrust
     expected = 1 / (1 + lift * (1 + v.aerodynamic_arm / v.control_arm))
     assert -angle == pytest.approx(expected, rel=1e-10)
@@ -143,14 +143,14 @@ def test_drift_minimum_without_drag_and_weight_has_the_textbook_ratio(name):
 @BOTH
 def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
     c = Coefficients.from_vehicle(tv.load_vehicle(name))
-    least = tv.control.load_minimum_gains(c, **FAST)
-    assert least.attitude_gain == 0.0
+    minimum = tv.control.load_minimum_gains(c, **FAST)
+    assert minimum.attitude_gain == 0.0
     plant = Plant.from_coefficients(c, "drift-exact")
-    assert abs(steady(least, plant, "angle_of_attack")) < 1e-12
-    assert slow_pole(least, plant) == pytest.approx(c.C2 / c.mu_alpha, rel=0.05)
-    m = least.margins(plant)
+    assert abs(steady(minimum, plant, "angle_of_attack")) < 1e-12
+    assert slow_pole(minimum, plant) == pytest.approx(c.C2 / c.mu_alpha, rel=0.05)
+    m = minimum.margins(plant)
     assert (m.status, m.unstable_poles) == ("unstable", 1)
-    assert least.margins(Plant(c, "fixed-path")).stable
+    assert minimum.margins(Plant(c, "fixed-path")).stable
 
 
 @pytest.mark.parametrize(
@@ -245,11 +245,11 @@ def test_lqr_gains_are_those_of_the_riccati_equation_and_no_others_cost_less(mod
         return np.trace(solve_continuous_lyapunov(closed.T, -(Q + K.T @ R @ K)))
 
     gains = np.array([made.attitude_gain, made.rate_gain, made.alpha_gain])
-    least = cost(*gains)
-    assert least == pytest.approx(np.trace(P), rel=1e-9)
+    minimum = cost(*gains)
+    assert minimum == pytest.approx(np.trace(P), rel=1e-9)
     for step in np.vstack([np.eye(3), [1, 1, 0], [1, 0, -0.5]])[: 2 if len(A) == 2 else 5]:
         for size in (0.02, -0.02):
-            assert cost(*(gains + size * step)) > least * (1 + 1e-6)
+            assert cost(*(gains + size * step)) > minimum * (1 + 1e-6)
 
 
 def test_lqr_passes_the_other_arguments_on_and_only_ratios_of_weights_count():

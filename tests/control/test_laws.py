@@ -237,8 +237,8 @@ def test_many_flights_at_once_are_as_one_by_one(model, options):
         assert result.shape == (3, 4)
         for i, j in np.ndindex(3, 4):
             one = Measurement(*(m[i, j].item() for m in seen))
-            alone = law.demand(one, states[:, i, j], limit[i, j].item())
-            assert alone == pytest.approx(result[i, j], rel=1e-12, abs=1e-15)
+            single = law.demand(one, states[:, i, j], limit[i, j].item())
+            assert single == pytest.approx(result[i, j], rel=1e-12, abs=1e-15)
 
 
 @EACH_MODEL

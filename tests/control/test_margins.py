@@ -102,7 +102,7 @@ def greatest(loop, function, values, ends):
     return result
 
 
-def least(count, case, values):
+def minimum(count, case, values):
     result = np.full(count, np.inf)
     np.minimum.at(result, case, values)
     return result
@@ -142,15 +142,15 @@ def brute_force(loop):
     computed = {"unstable_poles": unstable_by_argument(loop)}
     case, omega, L = zeros_between(loop, ratio, ratio(above, below))
     phase = np.angle(-L)
-    computed["phase_margin"] = least(count, case, np.abs(phase))
-    computed["delay_margin"] = least(count, case, phase % (2 * np.pi) / omega)
+    computed["phase_margin"] = minimum(count, case, np.abs(phase))
+    computed["delay_margin"] = minimum(count, case, phase % (2 * np.pi) / omega)
     case, omega, L = zeros_between(loop, imaginary, imaginary(above, below))
     real = (L.real < 0) & (np.abs(L.imag) < 1e-4 * np.abs(L))  # not where L passes a pole or zero
     at_zero = np.flatnonzero(n0 * d0 < 0)
     case = np.append(case[real], at_zero)
     size = np.append(np.abs(L[real]), np.abs(n0[at_zero] / d0[at_zero]))
-    computed["aero_margin"] = least(count, case[size > 1], size[size > 1])
-    computed["gain_increase"] = least(count, case[size < 1], 1 / size[size < 1])
+    computed["aero_margin"] = minimum(count, case[size > 1], size[size > 1])
+    computed["gain_increase"] = minimum(count, case[size < 1], 1 / size[size < 1])
     for name, function, limit in (
         ("peak_sensitivity", lambda n, d: np.abs(d / (n + d)), 1.0),
         ("peak_complementary_sensitivity", lambda n, d: np.abs(n / (n + d)), 0.0),

@@ -120,7 +120,7 @@ def test_a_flight_with_the_structure_of_its_vehicle_has_the_modes_of_that() -> N
     for k, time in enumerate(times):
         vehicle = flight.at(time)
         plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
-        alone = law.band_margins(plant)
-        expected = alone.margins.phase_margin_deg
+        single = law.band_margins(plant)
+        expected = single.margins.phase_margin_deg
         assert margin_sweep.margins.phase_margin_deg[k] == pytest.approx(expected, rel=1e-9)
-        assert [mode.name for mode in margin_sweep.modes] == [mode.name for mode in alone.modes]
+        assert [mode.name for mode in margin_sweep.modes] == [mode.name for mode in single.modes]

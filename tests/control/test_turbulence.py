@@ -107,8 +107,8 @@ def test_noise_of_the_sensors_adds_its_integral():
     assert np.isclose(result.rms(), np.sqrt(variance), rtol=1e-7)
     assert "deflection_acceleration" not in result.outputs
     both = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED, noise=noise)
-    alone = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
-    assert np.isclose(both.rms() ** 2, result.rms() ** 2 + alone.rms() ** 2, rtol=1e-9)
+    single = turbulence_covariance(AUTOPILOT, EXACT, AIR, SPEED)
+    assert np.isclose(both.rms() ** 2, result.rms() ** 2 + single.rms() ** 2, rtol=1e-9)
     sampled = replace(AUTOPILOT, sample_rate=5000.0)
     fast = turbulence_covariance(sampled, EXACT, calm, SPEED, noise=noise)
     assert np.isclose(fast.rms(), result.rms(), rtol=1e-3)
@@ -357,11 +357,11 @@ def test_along_a_flight_a_constant_vehicle_is_a_history():
     vehicle = BOOSTER.replace(time=[60.0, 70.0])
     schedule = tv.FlightSchedule(vehicle)
     along = turbulence_along(schedule, AUTOPILOT, AIR, wind=WIND.shift(61.0))
-    alone = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 10.0, wind=WIND.shift(1.0))
+    single = turbulence_history(AUTOPILOT, EXACT, AIR, SPEED, 10.0, wind=WIND.shift(1.0))
     for output in ("deflection", "angle_of_attack", "drift"):
-        assert np.isclose(along.deviation(output)[-1], alone.deviation(output)[-1], rtol=1e-9)
-        assert np.isclose(along.mean(output)[-1], alone.mean(output)[-1], rtol=1e-5)
-    assert np.isclose(along.travel(), alone.travel(), rtol=1e-3)
+        assert np.isclose(along.deviation(output)[-1], single.deviation(output)[-1], rtol=1e-9)
+        assert np.isclose(along.mean(output)[-1], single.mean(output)[-1], rtol=1e-5)
+    assert np.isclose(along.travel(), single.travel(), rtol=1e-3)
 
 
 def test_turbulence_below_a_cutoff_is_the_part_of_the_spectrum_below_it():
@@ -377,10 +377,10 @@ def test_turbulence_below_a_cutoff_is_the_part_of_the_spectrum_below_it():
     assert np.isclose(result.rms(), np.sqrt(variance), rtol=1e-6)
     schedule = tv.FlightSchedule(BOOSTER.replace(time=[60.0, 70.0]))
     along = turbulence_along(schedule, AUTOPILOT, air)
-    alone = turbulence_history(AUTOPILOT, EXACT, air, SPEED, 10.0)
+    single = turbulence_history(AUTOPILOT, EXACT, air, SPEED, 10.0)
     for output in ("deflection", "angle_of_attack"):
-        assert np.isclose(along.deviation(output)[-1], alone.deviation(output)[-1], rtol=1e-9)
-    assert np.isclose(alone.deviation()[-1], result.rms(), rtol=1e-2)
+        assert np.isclose(along.deviation(output)[-1], single.deviation(output)[-1], rtol=1e-9)
+    assert np.isclose(single.deviation()[-1], result.rms(), rtol=1e-2)
 
 
 def test_along_a_flight_a_structure_and_drift_count():
@@ -455,13 +455,15 @@ def test_along_a_flight_a_constant_sampled_loop_is_a_history():
     )
     noise, wind = SensorNoise(rate=1e-4), WIND.shift(61.0)
     along = turbulence_along(schedule, autopilot, AIR, wind=wind, noise=noise)
-    alone = turbulence_history(autopilot, EXACT, AIR, SPEED, 4.0, wind=WIND.shift(1.0), noise=noise)
-    assert np.allclose(along.times - 60.0, alone.times, atol=1e-9)
+    single = turbulence_history(
+        autopilot, EXACT, AIR, SPEED, 4.0, wind=WIND.shift(1.0), noise=noise
+    )
+    assert np.allclose(along.times - 60.0, single.times, atol=1e-9)
     for output in ("deflection", "angle_of_attack", "drift"):
-        assert np.allclose(along.deviation(output), alone.deviation(output), rtol=1e-9)
-        assert np.allclose(along.mean(output), alone.mean(output), rtol=1e-9, atol=1e-13)
-    assert np.isclose(along.travel(), alone.travel(), rtol=1e-9)
-    assert np.isclose(along.travel_deviation(), alone.travel_deviation(), rtol=1e-9)
+        assert np.allclose(along.deviation(output), single.deviation(output), rtol=1e-9)
+        assert np.allclose(along.mean(output), single.mean(output), rtol=1e-9, atol=1e-13)
+    assert np.isclose(along.travel(), single.travel(), rtol=1e-9)
+    assert np.isclose(along.travel_deviation(), single.travel_deviation(), rtol=1e-9)
 
 
 @cache

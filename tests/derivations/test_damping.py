@@ -116,8 +116,8 @@ def test_the_growing_coordinate_has_p_plus_d_below_the_rate():
     acceleration = p * (p + d) * (theta - w - u) - d * rate
     z = theta + rate / (p + d)
     assert equal(rate + acceleration / (p + d), p * (z - u - w))
-    alone = theta + rate / p
-    assert not equal(rate + acceleration / p, p * (alone - u - w))
+    single = theta + rate / p
+    assert not equal(rate + acceleration / p, p * (single - u - w))
     assert sp.expand((s - p) * (s + p + d) - (s**2 + d * s - p * (p + d))) == 0
 
 

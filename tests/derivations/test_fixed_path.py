@@ -204,9 +204,9 @@ def test_a_constant_deflection_that_starts_late_costs_exponentially_more():
     wind = sp.Symbol("wind")
     balance = transform({start: held}).subs(s, beta) + B * wind
     assert equal(solved(balance, held), -B * beta * sp.exp(beta * start) * wind)
-    least = (solved(balance, held) / (-B * peak)).subs({start: 0, wind: transform(TRIANGLE)})
-    least = least.subs(s, beta)
-    assert equal(least, (1 - sp.exp(-p)) ** 2 / p)  # eq (12) for K = 0
+    minimum = (solved(balance, held) / (-B * peak)).subs({start: 0, wind: transform(TRIANGLE)})
+    minimum = minimum.subs(s, beta)
+    assert equal(minimum, (1 - sp.exp(-p)) ** 2 / p)  # eq (12) for K = 0
     plant = tvclin.Plant.from_coefficients(tvclin.Coefficients.from_beta(beta=0.53, B=0.107))
     gust = tvclin.TriangularWind(peak=-0.1, duration=7.5)
     for begin in (-2.0, 0.0, 1.5):

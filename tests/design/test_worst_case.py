@@ -84,9 +84,9 @@ def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
     result = tv.worst_case(VEHICLE, LOOP, box, model="fixed-path", wind=WIND)
     worst = result.deflection
     assert (worst.method, worst.corner) == ("corners (proved)", True)
-    least, most = (dict(zip(box, ends, strict=True)) for ends in zip(*box.values(), strict=True))
+    minimum, most = (dict(zip(box, ends, strict=True)) for ends in zip(*box.values(), strict=True))
     rises = {"normal_force_slope", "wind_duration", "wind_peak"}
-    assert worst.at == {name: (most if name in rises else least)[name] for name in box}
+    assert worst.at == {name: (most if name in rises else minimum)[name] for name in box}
     random = np.random.default_rng(1)
     draws = {name: random.uniform(*ends, size=2000) for name, ends in box.items()}
     plants = tv.Plant.from_vehicle(

@@ -465,11 +465,11 @@ def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
     azimuths = np.radians([40.0, 90.0, 100.0])
     result = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuths)
     for a, azimuth in enumerate(azimuths):
-        alone = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuth)
-        assert np.array_equal(result.required[a], alone.required)
-        assert result.fraction()[a] == alone.fraction()
-        assert result.by_month()[2][a] == alone.by_month()[2]
-        assert np.array_equal(result.placard()[a], alone.placard())
+        single = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuth)
+        assert np.array_equal(result.required[a], single.required)
+        assert result.fraction()[a] == single.fraction()
+        assert result.by_month()[2][a] == single.by_month()[2]
+        assert np.array_equal(result.placard()[a], single.placard())
 
 
 @pytest.mark.thorough
@@ -717,7 +717,7 @@ def test_the_interval_holds_the_truth_where_days_are_alike() -> None:
     times = np.concatenate([days(f"{year}-02-01T00", 56) for year in range(2001, 2011)])
     times = times.astype("datetime64[m]")
     season = np.repeat(np.arange(10), 56)
-    held = alone = 0
+    held = single = 0
     for _ in range(200):
         x = np.empty((10, 56))
         x[:, 0] = rng.normal(size=10)
@@ -728,9 +728,9 @@ def test_the_interval_holds_the_truth_where_days_are_alike() -> None:
         part = survival_fraction(flies, x.ravel(), times, season, 0.95)
         held += part.lower <= truth <= part.upper
         apart = survival_fraction(flies, x.ravel(), times, np.arange(560), 0.95)
-        alone += apart.lower <= truth <= apart.upper
+        single += apart.lower <= truth <= apart.upper
     assert held >= 170
-    assert alone < held  # counted as independent
+    assert single < held  # counted as independent
 
 
 def test_no_flight_lost_and_none_flown_still_have_an_interval() -> None:

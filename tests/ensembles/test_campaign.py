@@ -147,10 +147,10 @@ def test_dispersed_cases_are_those_of_single_studies(nominal):
         values = {name: float(column[case]) for name, column in result.values.items()}
         duration = values.pop("wind_duration")
         vehicle = nominal.vehicle.replace(**values)
-        alone = tv.Study.from_vehicle(
+        single = tv.Study.from_vehicle(
             vehicle, duration=duration, peak=np.radians(5), model="fixed-path", sign="frozen"
         )
-        assert result.deflection[case] == pytest.approx(alone.required_deflection, rel=1e-12)
+        assert result.deflection[case] == pytest.approx(single.required_deflection, rel=1e-12)
     assert set(result.status.tolist()) == {"ok"}
 
 
@@ -166,8 +166,8 @@ def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):
 
 
 def _counts(campaign, limit):
-    enough = int(np.sum(campaign.deflection <= limit))
-    return enough, campaign.deflection.size - enough + 1
+    sufficient = int(np.sum(campaign.deflection <= limit))
+    return sufficient, campaign.deflection.size - sufficient + 1
 
 
 def test_one_bad_case_has_its_own_status(nominal):

@@ -92,9 +92,9 @@ def test_cases_have_the_same_bits_in_any_chunk_and_from_a_manifest(columns) -> N
     plan = read(json.loads(json.dumps(written(campaign()))))
     assert written(plan) == written(campaign())
     for k in (1, 3):
-        alone = evaluate(plan, k, 1)
+        single = evaluate(plan, k, 1)
         for name, values in columns.items():
-            assert alone[name][0] == values[k]
+            assert single[name][0] == values[k]
 
 
 def test_a_campaign_along_a_flight_is_resumed_and_replayed(tmp_path, columns) -> None:

@@ -88,8 +88,8 @@ def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
 def test_a_case_has_the_same_bits_alone_and_among_others():
     plan = campaign()
     together = evaluate(plan, 0, 12)
-    alone = evaluate(plan, 7, 1)
-    for name, values in alone.items():
+    single = evaluate(plan, 7, 1)
+    for name, values in single.items():
         assert values[0] == together[name][7] or np.isnan(values[0])
 
 

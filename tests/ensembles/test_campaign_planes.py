@@ -72,8 +72,8 @@ def test_cases_are_those_of_single_studies(model, stop, direction, gust) -> None
             study = tv.Study.of(of_case(plan, result, case), K)
             name = f"required_K{K:g}"
             assert result[name][case] == pytest.approx(study.required_deflection, rel=1e-9)
-            (alone,) = encountered_requirements(study.case, study.placed, K).values()
-            for plane, required in alone.items():
+            (single,) = encountered_requirements(study.case, study.placed, K).values()
+            for plane, required in single.items():
                 each = result[f"{name}_{plane}"][case]
                 assert each == pytest.approx(required, rel=1e-9)
                 assert each <= result[name][case]
@@ -100,12 +100,12 @@ def test_what_nothing_undercuts_is_that_of_the_vectors() -> None:
         drawn = of_case(plan, result, case)
         plant = tv.Plant.from_vehicle(drawn.vehicle, "fixed-path")
         along = replace(drawn.wind, heading=None).history({})
-        least = tv.optimum_deflection(plant, along).peak
+        minimum = tv.optimum_deflection(plant, along).peak
         free = abs(tv.forecast_free_limit(plant, along).deflection)
-        assert result["minimum"][case] == pytest.approx(least, rel=1e-9)
+        assert result["minimum"][case] == pytest.approx(minimum, rel=1e-9)
         assert result["forecast_free"][case] == pytest.approx(free, rel=1e-9)
         parts = [result[f"minimum_{plane}"][case] for plane in ("pitch", "yaw")]
-        assert np.hypot(*parts) == pytest.approx(least, rel=1e-9)
+        assert np.hypot(*parts) == pytest.approx(minimum, rel=1e-9)
 
 
 FLOWN = TABLES | {
@@ -147,8 +147,8 @@ def test_a_case_that_cannot_be_has_its_own_status_and_the_others_go_on() -> None
     assert 0 < bad.sum() < 12
     np.testing.assert_array_equal(~np.isfinite(result["required_K1"]), bad)
     some = int(np.flatnonzero(~bad)[0])
-    alone = evaluate(plan, some, 1)
-    assert alone["required_K1"][0] == result["required_K1"][some]
+    single = evaluate(plan, some, 1)
+    assert single["required_K1"][0] == result["required_K1"][some]
 
 
 @pytest.mark.thorough

@@ -127,16 +127,16 @@ def test_a_sudden_stop_is_the_wind_cut_dead():
     plant = plant_of()
     wind = SampledWind(time=[0.0, 3.0, 6.0, 9.0], angle=PEAK * np.array([0.0, 1.0, 1.0, 0.1]))
     law = RecoverableAttitudeLaw(plant, reach=1.0, gain=6.0)
-    alone = [limit_of(plant, law, one) for one in (wind, wind.before(4.5))]
-    assert abs(alone[0] - alone[1]) > 0.01
-    assert limit_of(plant, law, wind, cuts=1) == pytest.approx(max(alone), abs=1e-4)
+    single = [limit_of(plant, law, one) for one in (wind, wind.before(4.5))]
+    assert abs(single[0] - single[1]) > 0.01
+    assert limit_of(plant, law, wind, cuts=1) == pytest.approx(max(single), abs=1e-4)
 
 
 @pytest.mark.parametrize(("model", "tau_beta"), [("fixed-path", 4.0), ("drift-exact", 8.0)])
 def test_configuration_ii_needs_little_more_than_the_least_too(model, tau_beta):
     plant = plant_of(model, "configuration-ii")
-    least = tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
-    assert least <= limit_of(plant, lean(plant), tau_beta) <= least + 0.03
+    minimum = tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
+    assert minimum <= limit_of(plant, lean(plant), tau_beta) <= minimum + 0.03
 
 
 TWO_HUMPS = SampledWind(
@@ -147,12 +147,12 @@ TWO_HUMPS = SampledWind(
 def test_no_law_needs_less_than_the_two_minima():
     plant, wind = plant_of(), TWO_HUMPS
     c = plant.coefficients
-    least = tv.forecast_free_limit(plant, wind).limit
-    assert tv.optimum_deflection(plant, wind).peak / (c.B * PEAK) <= least * (1.0 + 1e-9)
+    minimum = tv.forecast_free_limit(plant, wind).limit
+    assert tv.optimum_deflection(plant, wind).peak / (c.B * PEAK) <= minimum * (1.0 + 1e-9)
     stiff = tv.design_gains(c, natural_frequency=4.0 * c.beta, damping=0.7)
     laws = [TrimLaw(plant), tv.control.DeadBandLaw(plant), tv.SaturatedLaw(stiff), lean(plant)]
     limits = [limit_of(plant, law, wind) for law in laws]
-    assert least <= limits[-1] == min(limits) <= least + 0.03
+    assert minimum <= limits[-1] == min(limits) <= minimum + 0.03
     drifting = plant_of("drift-exact")
     bound = tv.forecast_free_limit(drifting, wind).limit
     known = tv.optimum_deflection(drifting, wind).peak / (c.B * PEAK)
@@ -183,8 +183,8 @@ def test_a_nozzle_or_a_wind_taken_for_better_than_it_is_costs_little(tau_beta, B
 def test_the_least_is_below_the_table_and_not_far_below(model, tau_beta):
     """What the table says, against the minimum that is computed without any flight."""
     plant = plant_of(model)
-    least = tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
-    assert least <= TABLE["lean", model][TAUS.index(tau_beta)] <= least + 0.03
+    minimum = tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
+    assert minimum <= TABLE["lean", model][TAUS.index(tau_beta)] <= minimum + 0.03
 
 
 def test_signs_and_peaks_do_not_matter():

@@ -242,12 +242,12 @@ def test_the_reports_control_is_met_to_the_instant_until_the_law_lets_go(model, 
     law = tv.control.DeadBandLaw(plant_of(), dead_band=dead_band)
     law = tv.TrimLaw(plant_of(), gain=1.0) if dead_band == 1.0 else law
     limit = 1.05 * tv.boundary_limit(plant, wind, dead_band, "literal").deflection
-    held = tv.trim_then_hold(plant, wind, limit, dead_band, "literal")
+    constant = tv.trim_then_hold(plant, wind, limit, dead_band, "literal")
     trim, top = tv.trim_deflection(plant, wind), wind.duration / 2.0
     switch = brentq(lambda t: float(trim(t)) - dead_band * limit, 0.1, top, xtol=1e-13)
 
     def excess(t):
-        shown = tv.attitude_responses(plant, held, wind, [t])
+        shown = tv.attitude_responses(plant, constant, wind, [t])
         attitude, rate = shown["attitude"], shown["attitude_rate"]
         demand = B * (shown["angle_of_attack"] + attitude + rate / BETA)
         return demand.item() - release * limit
@@ -257,10 +257,10 @@ def test_the_reports_control_is_met_to_the_instant_until_the_law_lets_go(model, 
     done = brentq(excess, done - 0.2, done, xtol=1e-12)
     times = [*np.linspace(0.1, done - 1e-6, 40), switch - 1e-7, switch + 1e-7]
     flown = tv.fly(plant, law, wind, times, deflection_limit=limit)
-    expected = tv.attitude_responses(plant, held, wind, times)
+    expected = tv.attitude_responses(plant, constant, wind, times)
     for row, output in zip(flown.outputs, plant.outputs, strict=False):
         np.testing.assert_allclose(row, expected[output], rtol=0, atol=1e-8 * PEAK)
-    np.testing.assert_allclose(flown.outputs[-1], held(times), rtol=0, atol=1e-7 * limit)
+    np.testing.assert_allclose(flown.outputs[-1], constant(times), rtol=0, atol=1e-7 * limit)
     after = tv.fly(plant, law, wind, [done - 1e-6, done + 1e-6], deflection_limit=limit)
     assert after.outputs[-1, 0] == limit
     assert after.outputs[-1, 1] == pytest.approx(release * limit, rel=1e-4)
@@ -328,8 +328,8 @@ def test_a_limit_that_is_only_touched_is_not_exceeded(excess):
     assert np.abs(flown.outputs[-1]).max() <= limit
     loop = Loop(LinearEquations(plant_of()), LAWS["gains"](None), limit, np.inf, actuator=None)
     arcs = continuous.ContinuousFlight(loop, wind).arcs(0.0, 20.0)
-    (held,) = [(a.start, b.start) for a, b in pairwise(arcs) if a.mode]
-    times = [held[0], np.mean(held), held[1]]
+    (constant,) = [(a.start, b.start) for a, b in pairwise(arcs) if a.mode]
+    times = [constant[0], np.mean(constant), constant[1]]
     linear = np.abs(Autopilot(**GAINS).respond(plant_of(), wind, times).outputs[-1])
     assert linear[0] == pytest.approx(limit, rel=1e-9)
     assert linear[1] >= limit
@@ -419,9 +419,9 @@ def test_times_may_stand_in_any_order_before_the_wind_and_on_its_knots(sample_ra
     angle = rising.outputs[0] - rising.outputs[2] - WIND(times)  # after the jump at a knot
     np.testing.assert_allclose(rising.outputs[3], angle, atol=1e-15)
     for t in (-3.0, 7.577, 10.99):
-        alone = tv.fly(plant, law, WIND, [0.0, t] if t > 0 else [t], **options)
+        single = tv.fly(plant, law, WIND, [0.0, t] if t > 0 else [t], **options)
         expected = tv.fly(plant, law, WIND, [0.0, t, 16.0], **options)
-        np.testing.assert_allclose(alone.outputs[:, -1], expected.outputs[:, 1], atol=1e-10 * PEAK)
+        np.testing.assert_allclose(single.outputs[:, -1], expected.outputs[:, 1], atol=1e-10 * PEAK)
 
 
 @pytest.mark.parametrize("hardware", usual([{}, {"actuator": SERVO}, {"actuator": LAG}], 1))

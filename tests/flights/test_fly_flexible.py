@@ -151,11 +151,11 @@ def test_each_of_a_batch_of_structures_flies_as_by_itself():
     together = tv.fly_many(plant, LAW, WIND, **nozzle)
     for k, frequency in enumerate(frequencies):
         one = replace(STRUCTURE, bending=(replace(MODE, frequency=frequency),))
-        alone = tv.fly_many(
+        single = tv.fly_many(
             tv.FlexiblePlant.from_vehicle(VEHICLE, one, "drift-exact"), LAW, WIND, **nozzle
         )
-        assert together.status[k] == str(alone.status)
-        assert together.peak_attitude[k] == pytest.approx(float(alone.peak_attitude), rel=1e-12)
+        assert together.status[k] == str(single.status)
+        assert together.peak_attitude[k] == pytest.approx(float(single.peak_attitude), rel=1e-12)
 
 
 def test_the_boundary_moves_about_as_the_price_of_trim():

@@ -273,7 +273,7 @@ def test_every_case_has_its_own_plant_wind_gains_and_limit(compiled):
                     tv.load_vehicle("configuration-i").replace(thrust=2.495e6 * factors[0][place])
                 ),
             )
-            alone = tv.fly_many(
+            single = tv.fly_many(
                 one,
                 tv.SaturatedLaw(
                     Autopilot(attitude_gain=3 * B * factors[2][place], rate_gain=3 * B / BETA)
@@ -284,9 +284,9 @@ def test_every_case_has_its_own_plant_wind_gains_and_limit(compiled):
                 until=12.0,
             )
             np.testing.assert_allclose(
-                numbers(flown)[(slice(None), *place)], numbers(alone), rtol=1e-12
+                numbers(flown)[(slice(None), *place)], numbers(single), rtol=1e-12
             )
-            assert flown.status[place] == alone.status
+            assert flown.status[place] == single.status
 
 
 def test_laws_may_be_an_array():
@@ -295,9 +295,9 @@ def test_laws_may_be_an_array():
     limit = 0.8 * B * PEAK
     every = tv.fly_many(plant, laws, wind, deflection_limit=limit, sample_rate=50.0)
     for k, law in enumerate(laws):
-        alone = tv.fly_many(plant, law, wind, deflection_limit=limit, sample_rate=50.0)
-        np.testing.assert_array_equal(numbers(every)[:, k], numbers(alone))
-        assert every.status[k] == alone.status
+        single = tv.fly_many(plant, law, wind, deflection_limit=limit, sample_rate=50.0)
+        np.testing.assert_array_equal(numbers(every)[:, k], numbers(single))
+        assert every.status[k] == single.status
 
 
 @EACH_WAY
@@ -307,13 +307,13 @@ def test_a_bad_case_has_its_status_and_the_others_go_on(compiled):
     limits = B * PEAK * np.array([0.9, 0.9, np.nan, -1.0, 0.3])
     with pinned(compiled):
         flown = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=50.0)
-        alone = tv.fly_many(
+        single = tv.fly_many(
             plant, law, wind * np.ones(5), deflection_limit=limits[0], sample_rate=50.0
         )
     expected = ["survived", "no flight", "no flight", "no flight", "lost"]
     assert flown.status.tolist() == expected
     assert np.isnan(numbers(flown)[:, 1:4]).all()
-    np.testing.assert_array_equal(numbers(flown)[:, 0], numbers(alone)[:, 0])
+    np.testing.assert_array_equal(numbers(flown)[:, 0], numbers(single)[:, 0])
 
 
 @EACH_WAY

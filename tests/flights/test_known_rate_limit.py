@@ -94,11 +94,11 @@ def program(tau_beta, rho, count=300, tangents=40):
 def test_the_law_is_near_a_convex_program_of_all_laws_that_a_stop_may_meet(tau_beta, rho, expected):
     """The program is good for 2e-3. A part of the set is the set of a part of limit and rate."""
     reach, rate, wind = 0.98, turning(FIXED, rho), triangle(FIXED, tau_beta)
-    least = program(tau_beta, rho)
-    assert least == pytest.approx(expected, abs=2e-3)
+    minimum = program(tau_beta, rho)
+    assert minimum == pytest.approx(expected, abs=2e-3)
     law = recoverable(FIXED, rate, reach=reach)
     flown = tv.closed_loop_boundary(FIXED, law, wind, rate_limit=rate, sample_rate=100, cuts=5)
-    assert least - 2e-3 < flown.limit < 1.02 * program(tau_beta, reach * rho) / reach
+    assert minimum - 2e-3 < flown.limit < 1.02 * program(tau_beta, reach * rho) / reach
     assert flown.monotone
 
 
@@ -168,12 +168,12 @@ def test_trim_with_the_gain_that_suits_needs_the_known_minimum_of_a_nozzle_as_sl
     flown = {"rate_limit": rate, "sample_rate": 100}
     law = design_law("trim", FIXED, PEAK, rate_limit=rate)
     assert law.gain == pytest.approx(rho)
-    least = tv.boundary_limit(FIXED, wind).limit
+    minimum = tv.boundary_limit(FIXED, wind).limit
     boundary = tv.closed_loop_boundary(FIXED, law, wind, **flown)
-    assert least - 2e-3 < boundary.limit < 1.02 * least
+    assert minimum - 2e-3 < boundary.limit < 1.02 * minimum
     assert boundary.monotone
     usual = tv.closed_loop_boundary(FIXED, tv.TrimLaw(FIXED), wind, **flown)
-    assert usual.limit > 1.05 * least
+    assert usual.limit > 1.05 * minimum
 
 
 @pytest.mark.thorough

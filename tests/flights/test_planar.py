@@ -86,10 +86,10 @@ def test_a_small_deflection_history_gives_the_exact_linear_response(name, plane)
     vehicle, wind = case(name, peak=1e-5)
     plant = tv.Plant.from_vehicle(vehicle, "drift-and-speed", plane)
     limit = 1.05 * tv.boundary_limit(plant, wind, 0.5).deflection
-    held = tv.trim_then_hold(plant, wind, limit, 0.5)
+    constant = tv.trim_then_hold(plant, wind, limit, 0.5)
     times = np.linspace(0.0, 1.5 * wind.duration, 40)
-    flown = fly_planar(vehicle, held, wind, times, plane=plane)
-    linear = tv.attitude_response(plant, held, wind, times)
+    flown = fly_planar(vehicle, constant, wind, times, plane=plane)
+    linear = tv.attitude_response(plant, constant, wind, times)
     for output in ("attitude", "flight_path_angle", "angle_of_attack"):
         error = np.abs(flown.outputs[output] - linear.outputs[output]).max()
         assert error < 1e-4 * 1e-5  # of the wind: what is left is of the second order
@@ -173,9 +173,9 @@ def test_varying_parameters_are_those_of_another_integration():
     vehicle, wind = case(NAMES[0], peak=np.radians(3.0))
     condition = load_flight_condition(NAMES[0])
     later = wind.shift(vehicle.time - wind.duration / 2)
-    held = tv.linear.ConstantDeflection(limit=-2e-3, start=float(later.onset) + 1.0)
+    constant = tv.linear.ConstantDeflection(limit=-2e-3, start=float(later.onset) + 1.0)
     times = np.linspace(float(later.onset), float(later.end), 9)
-    flown = fly_planar(vehicle, held, later, times, condition=condition)
+    flown = fly_planar(vehicle, constant, later, times, condition=condition)
     nominal = nominal_flight(vehicle, condition, start=float(times[0]), stop=float(times[-1]))
     density = standard_atmosphere(condition.altitude).density
     v, g = vehicle, 9.80665
@@ -189,7 +189,7 @@ def test_varying_parameters_are_those_of_another_integration():
         alpha = theta - np.arctan2(w, u)
         air = standard_atmosphere(h).density
         q = air / density * (u**2 + w**2) / v.velocity**2
-        m, delta = nominal.mass(t), float(held(t))
+        m, delta = nominal.mass(t), float(constant(t))
         normal, lean = v.normal_force_slope * q * alpha, theta - gamma
         T, axial = v.thrust, v.axial_force * q
         moment = normal * v.aerodynamic_arm - T * v.control_arm * np.sin(delta)
@@ -212,7 +212,7 @@ def test_varying_parameters_are_those_of_another_integration():
 
     speed, path, height = nominal.states(times[0])
     spin = (nominal.states(times[0] + 1e-3)[1] - path) / 1e-3
-    knots = [times[0], float(held.knots[0]), vehicle.time, times[-1]]
+    knots = [times[0], float(constant.knots[0]), vehicle.time, times[-1]]
     state, attitude = np.array([path, spin, path, speed, height]), np.zeros(times.size)
     for first, last in pairwise(knots):
         part = solve_ivp(rates, (first, last), state, dense_output=True, rtol=1e-9, atol=1e-10)

@@ -364,7 +364,7 @@ def test_the_nominal_flight_of_the_engine_is_the_gravity_turn(configuration_i):
 def test_over_the_earth_a_flight_is_measured_against_the_one_without_wind(configuration_i, plane):
     """Left alone it is that flight bit for bit; in a wind it is nearly that over a flat planet."""
     wind, times = triangle(configuration_i), np.linspace(0.0, 8.0, 41)
-    alone = tv.fly_sixdof(configuration_i, 0.0 * wind, 0.0 * wind, times, plane=plane, earth=EARTH)
+    single = tv.fly_sixdof(configuration_i, 0.0 * wind, 0.0 * wind, times, plane=plane, earth=EARTH)
     control = tv.flights.ReportControl(0.5)
     blown, flat = (
         tv.fly_sixdof(
@@ -373,7 +373,7 @@ def test_over_the_earth_a_flight_is_measured_against_the_one_without_wind(config
         for earth in (EARTH, None)
     )
 
-    assert not np.any(alone.outputs)
+    assert not np.any(single.outputs)
     for label in flat.output_labels:
         size = np.abs(flat.outputs[label]).max()
         np.testing.assert_allclose(

@@ -151,11 +151,11 @@ def test_whatever_drives_it_the_attitude_is_its_integral(model: str, name: str, 
 @pytest.mark.parametrize("model", MODELS)
 def test_beyond_all_numbers_a_lost_attitude_is_infinite(model: str, run: None) -> None:
     plant = dispersed(model, 1)
-    held, wind = (
+    constant, wind = (
         tv.linear.ConstantDeflection(limit=-1e-4),
         tv.TriangularWind(peak=0.1, duration=7.0),
     )
-    computed = tv.attitude_responses(plant, held, wind, [100.0, 5e3, 1e4])["attitude"]
+    computed = tv.attitude_responses(plant, constant, wind, [100.0, 5e3, 1e4])["attitude"]
 
     assert np.isfinite(computed[0])
     assert np.all(computed[1:] == np.copysign(np.inf, computed[0]))
@@ -187,9 +187,9 @@ def test_all_digits_stay_on_the_boundary_at_any_time(K: float, run: None) -> Non
     plant = tv.Plant(tv.Coefficients.from_beta(beta=0.5, B=0.1), "fixed-path")
     wind = tv.TriangularWind(peak=0.1, duration=20.0)
     limit = tv.boundary_limit(plant, wind, K).deflection
-    held = tv.trim_then_hold(plant, wind, limit, K)
+    constant = tv.trim_then_hold(plant, wind, limit, K)
     for times in (np.linspace(0.0, 2000.0, 401), np.array([100.0, 333.0, 5000.0])):
-        computed = tv.attitude_responses(plant, held, wind, times)["attitude"]
+        computed = tv.attitude_responses(plant, constant, wind, times)["attitude"]
 
         np.testing.assert_allclose(computed[times >= 100.0], limit / 0.1, rtol=AGREE)
 
@@ -200,25 +200,25 @@ def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
     plants = tv.Plant(
         tv.Coefficients(mu_alpha=np.array([mu_alpha, 0.3]), mu_delta=1.0), "fixed-path"
     )
-    held, wind = (
+    constant, wind = (
         tv.linear.ConstantDeflection(limit=-0.005),
         tv.RectangularWind(peak=0.1, duration=5.0),
     )
     times = np.array([0.5, 3.0, 10.0])
-    computed = tv.attitude_responses(plants, held, wind, times)["attitude"]
-    alone = tv.attitude_responses(
-        tv.Plant(tv.Coefficients(mu_alpha=0.3, mu_delta=1.0), "fixed-path"), held, wind, times
+    computed = tv.attitude_responses(plants, constant, wind, times)["attitude"]
+    single = tv.attitude_responses(
+        tv.Plant(tv.Coefficients(mu_alpha=0.3, mu_delta=1.0), "fixed-path"), constant, wind, times
     )
 
     np.testing.assert_allclose(computed[0], 0.0025 * times**2, rtol=1e3 * mu_alpha + 1e-13)
-    np.testing.assert_allclose(computed[1], alone["attitude"], rtol=AGREE)
+    np.testing.assert_allclose(computed[1], single["attitude"], rtol=AGREE)
 
 
 def test_a_jump_is_seen_at_its_knot_and_nothing_before_the_first(run: None) -> None:
     plant, wind = dispersed("drift-exact", 2), jumping_wind()
-    held = tv.linear.ConstantDeflection(limit=-0.01, start=0.5)
+    constant = tv.linear.ConstantDeflection(limit=-0.01, start=0.5)
     times = np.array([-3.0, 0.499, np.nextafter(2.5, 0.0), 2.5])
-    result = tv.attitude_responses(plant, held, wind, times)
+    result = tv.attitude_responses(plant, constant, wind, times)
 
     assert not np.any(result.outputs[:, :2])
     step = result["angle_of_attack"][3] - result["angle_of_attack"][2]
@@ -241,20 +241,20 @@ def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch)
     pytest.importorskip("numba")
     plants = dispersed("fixed-path", 4, (150, 1))
     winds = tv.TriangularWind(peak=0.1, duration=np.linspace(2.0, 9.0, 20))
-    held, times = tv.linear.ConstantDeflection(limit=-0.01), np.linspace(0.0, 20.0, 499)
+    constant, times = tv.linear.ConstantDeflection(limit=-0.01), np.linspace(0.0, 20.0, 499)
     with pinned(True):
-        together = tv.attitude_responses(plants, held, winds, times).outputs
+        together = tv.attitude_responses(plants, constant, winds, times).outputs
         monkeypatch.setenv(VARIABLE, "1")
-        in_one_thread = tv.attitude_responses(plants, held, winds, times).outputs
+        in_one_thread = tv.attitude_responses(plants, constant, winds, times).outputs
         c = plants.coefficients
         one = tv.Plant(
             tv.Coefficients.from_beta(beta=float(c.beta[77, 0]), B=float(c.B[77, 0])), "fixed-path"
         )
         wind = tv.TriangularWind(peak=0.1, duration=float(winds.duration[13]))
-        alone = tv.attitude_responses(one, held, wind, times).outputs
+        single = tv.attitude_responses(one, constant, wind, times).outputs
 
     np.testing.assert_array_equal(in_one_thread, together)
-    np.testing.assert_allclose(together[77, 13], alone, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(together[77, 13], single, rtol=1e-12, atol=1e-15)
 
 
 def triangles(plants: tv.Plant, durations: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -289,8 +289,8 @@ def test_each_vehicle_has_the_bits_it_has_alone_with_the_control_of_the_report(
     for k in (11, 4, 0):
         few = np.array([k])
         one = plants.cases(few, (12,)), control.cases(few, (12,))
-        alone = tv.attitude_responses(*one, wind, times).outputs
-        np.testing.assert_array_equal(alone[0], computed[k])
+        single = tv.attitude_responses(*one, wind, times).outputs
+        np.testing.assert_array_equal(single[0], computed[k])
 
 
 def test_a_case_has_the_same_bits_wherever_it_stands() -> None:
@@ -309,9 +309,9 @@ def test_a_batch_on_the_boundary_keeps_its_digits(K: float, run: None) -> None:
     plants = tv.Plant(tv.Coefficients.from_beta(beta=beta, B=B), "fixed-path")
     wind = tv.TriangularWind(peak=0.1, duration=20.0)
     limit = tv.boundary_limit(plants, wind, K).deflection
-    held = tv.trim_then_hold(plants, wind, limit, K)
+    constant = tv.trim_then_hold(plants, wind, limit, K)
     times = np.linspace(0.0, 600.0, 1201)
-    computed = tv.attitude_responses(plants, held, wind, times)["attitude"]
+    computed = tv.attitude_responses(plants, constant, wind, times)["attitude"]
 
     expected = np.broadcast_to((limit / B)[:, np.newaxis], (40, np.sum(times >= 150.0)))
     np.testing.assert_allclose(computed[:, times >= 150.0], expected, rtol=AGREE)
@@ -336,16 +336,22 @@ def test_some_outputs_are_those_of_all(model: str, names: tuple[str, ...], run: 
 
 def test_some_outputs_of_poles_nearly_alike() -> None:
     plant = tv.Plant(tv.Coefficients(mu_alpha=1e-12, mu_delta=1.0), "fixed-path")
-    held, wind = tv.linear.ConstantDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
-    every = tv.attitude_responses(plant, held, wind, [1.0, 9.0])
-    some = tv.attitude_responses(plant, held, wind, [1.0, 9.0], ["attitude_rate"])
+    constant, wind = (
+        tv.linear.ConstantDeflection(limit=0.01),
+        tv.TriangularWind(peak=0.1, duration=7.0),
+    )
+    every = tv.attitude_responses(plant, constant, wind, [1.0, 9.0])
+    some = tv.attitude_responses(plant, constant, wind, [1.0, 9.0], ["attitude_rate"])
 
     assert np.array_equal(some["attitude_rate"], every["attitude_rate"])
 
 
 @pytest.mark.parametrize("names", ["attitude", (), ("attitude", "speed")])
 def test_outputs_that_are_not_there_are_refused(names: object) -> None:
-    held, wind = tv.linear.ConstantDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
+    constant, wind = (
+        tv.linear.ConstantDeflection(limit=0.01),
+        tv.TriangularWind(peak=0.1, duration=7.0),
+    )
 
     with pytest.raises(tv.InputError, match="outputs must be"):
-        tv.attitude_responses(dispersed("fixed-path", 0), held, wind, [1.0], names)
+        tv.attitude_responses(dispersed("fixed-path", 0), constant, wind, [1.0], names)

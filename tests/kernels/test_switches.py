@@ -50,8 +50,8 @@ def largest_root(plant, wind, dead_band, switch):
     full = -plant.coefficients.B * float(wind.peak)
 
     def residue(y):
-        held = tv.trim_then_hold(plant, wind, y * full, dead_band, switch)
-        return np.real(tv.residues(plant, held, wind)[..., 0]) * np.sign(full)
+        constant = tv.trim_then_hold(plant, wind, y * full, dead_band, switch)
+        return np.real(tv.residues(plant, constant, wind)[..., 0]) * np.sign(full)
 
     tried = np.geomspace(1e-3, 1.0, 400)
     left = residue(tried)
@@ -115,9 +115,9 @@ def test_a_case_has_the_same_bits_wherever_it_stands_and_in_any_number_of_thread
         monkeypatch.setattr(choice, "thread_count", lambda: 1)
         for case in (0, 1, 77, 299):
             one = plant.case(case, (300,)), wind.case(case, (300,)), K[case]
-            alone = tv.boundary_limit(*one)
+            single = tv.boundary_limit(*one)
             for name in FIELDS:
-                assert getattr(alone, name) == getattr(whole, name)[case], name
+                assert getattr(single, name) == getattr(whole, name)[case], name
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -168,10 +168,10 @@ def test_where_a_pair_needs_trim_for_ever_its_largest_may_come_after_the_wind():
 def test_what_is_proved_to_be_enough_for_three_poles_is_no_less_than_the_least_peak():
     rng = np.random.default_rng(2)
     plant, wind = plants(rng, "drift-and-speed", 12), winds_of(rng, "triangle", 12)
-    least = minimum_peaks(plant, wind)
+    minimum = minimum_peaks(plant, wind)
     for part in (0.9, 0.999, 1.001, 1.1, 2.0):
-        given = part * least
+        given = part * minimum
         taken = minimum_peaks(plant, wind, given)
         proved = taken == given
-        np.testing.assert_allclose(taken[~proved], least[~proved], rtol=1e-12)
+        np.testing.assert_allclose(taken[~proved], minimum[~proved], rtol=1e-12)
         assert not np.any(proved) if part < 1.0 else np.mean(proved) > 0.5 * (part > 1.05)

@@ -169,9 +169,9 @@ def _against_exact_roots(factor: float, K: float) -> tuple[Value, Value]:
     def exact(c: Coefficients) -> float:
         wind = gust(c, 4.0)
         limit = -factor * with_drift(c, 4.0, K) * float(c.B) * PEAK
-        held = trim_then_hold(Plant(c, "drift"), wind, limit, K)
+        constant = trim_then_hold(Plant(c, "drift"), wind, limit, K)
         times = [AFTER * float(wind.duration)]
-        computed = attitude_responses(Plant(c, "drift-exact"), held, wind, times)["attitude"]
+        computed = attitude_responses(Plant(c, "drift-exact"), constant, wind, times)["attitude"]
         return float(computed[0]) / -PEAK
 
     case = f"{factor:g} times the boundary, {band(K)}, tau beta = 4, t/tau = {AFTER:g}"

@@ -118,12 +118,12 @@ def test_the_growing_coordinate_has_the_other_pole_below_the_rate():
         computed.left_eigenvectors, [[1.0, 1.0 / (c.pole + c.damping)]], rtol=1e-12
     )
     motion, start = expm(plant.matrices()[0] * 2.0), np.array([0.01, -0.003])
-    for row, alone in (
+    for row, single in (
         (computed.left_eigenvectors[0], True),
         (np.array([1.0, 1.0 / c.pole]), False),
     ):
         grown = row @ motion @ start / (row @ start) / np.exp(2.0 * c.pole)
-        assert (abs(grown - 1.0) < 1e-12) == alone
+        assert (abs(grown - 1.0) < 1e-12) == single
 
 
 def test_without_a_moment_nothing_grows():
@@ -158,8 +158,8 @@ def test_a_batch_holds_vehicles_with_damping_and_without():
     )
     assert plant.coefficients.pole[0] == np.sqrt(0.28)
     wind = tv.TriangularWind(peak=PEAK, duration=9.0)
-    alone = [tv.boundary_limit(plant_of(damping=d), wind, 0.5).limit for d in (0.0, 0.25, 0.6)]
-    np.testing.assert_allclose(tv.boundary_limit(plant, wind, 0.5).limit, alone, rtol=1e-14)
+    single = [tv.boundary_limit(plant_of(damping=d), wind, 0.5).limit for d in (0.0, 0.25, 0.6)]
+    np.testing.assert_allclose(tv.boundary_limit(plant, wind, 0.5).limit, single, rtol=1e-14)
 
 
 def test_gains_place_the_poles_that_they_promise():

@@ -24,16 +24,16 @@ def test_ideal_trim_keeps_the_attitude_and_meets_the_whole_wind() -> None:
 @pytest.mark.parametrize("K", [1.0, 0.5, 0.0])
 def test_the_peak_is_that_of_the_exact_response(K: float) -> None:
     wind = tv.TriangularWind(peak=0.1, duration=8.0)
-    held = tv.trim_then_hold(plant(), wind, tv.boundary_limit(plant(), wind, K).deflection, K)
+    constant = tv.trim_then_hold(plant(), wind, tv.boundary_limit(plant(), wind, K).deflection, K)
 
     def angle(t: float) -> float:
-        return -abs(tv.attitude_responses(plant(), held, wind, [t])["angle_of_attack"][0])
+        return -abs(tv.attitude_responses(plant(), constant, wind, [t])["angle_of_attack"][0])
 
     times = np.linspace(0.0, 7.99, 800)
-    grid = tv.attitude_responses(plant(), held, wind, times)["angle_of_attack"]
+    grid = tv.attitude_responses(plant(), constant, wind, times)["angle_of_attack"]
     near = times[np.argmax(np.abs(grid))]
     best = minimize_scalar(angle, bounds=(near - 0.02, near + 0.02), options={"xatol": 1e-9})
-    loads = tv.linear.wind_loads(plant(), held, wind)
+    loads = tv.linear.wind_loads(plant(), constant, wind)
 
     assert abs(loads.peak_angle_of_attack) == pytest.approx(-best.fun, rel=1e-7)
 

@@ -107,8 +107,8 @@ def test_a_batch_is_each_of_it():
     assert every.batch == (2, 3)
     z = np.exp(0.4j)
     for place in np.ndindex(2, 3):
-        alone = one.to_steps(periods[place[0], 0], delays[place[1]])
+        single = one.to_steps(periods[place[0], 0], delays[place[1]])
         computed = transfer(every.matrices(), z)[place]
-        assert computed == pytest.approx(transfer(alone.matrices(), z), rel=1e-9)
+        assert computed == pytest.approx(transfer(single.matrices(), z), rel=1e-9)
     few = every.cases(np.array([4, 1]), (2, 3))
     np.testing.assert_array_equal(few.A, every.A.reshape(6, *every.A.shape[-2:])[[4, 1]])

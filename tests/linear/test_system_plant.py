@@ -35,16 +35,16 @@ def test_a_plant_handed_over_as_its_state_space_gives_the_same_digits(model):
     for name in ("deflection_residues", "wind_residues"):
         one, other = (getattr(tv.unstable_modes(p), name) for p in (plant, handed))
         np.testing.assert_allclose(other, one, rtol=1e-12)
-    least = [tv.optimum_deflection(p, WIND) for p in (plant, handed)]
-    assert least[1].peak == pytest.approx(least[0].peak, rel=1e-12)
-    assert least[1].status == "ok"
+    minimum = [tv.optimum_deflection(p, WIND) for p in (plant, handed)]
+    assert minimum[1].peak == pytest.approx(minimum[0].peak, rel=1e-12)
+    assert minimum[1].status == "ok"
     for bound in (tv.boundary_limit, tv.required_deflection):
         limits = [np.asarray(bound(p, WIND).deflection) for p in (plant, handed)]
         np.testing.assert_allclose(limits[1], limits[0], rtol=1e-12)
     times = np.array([0.0, 1.0, 3.0, 6.5, *np.linspace(25.0, 200.0, 8)])  # in the wind, and after
     responses = [
         tv.attitude_responses(p, o.deflection, WIND, times).outputs
-        for p, o in zip((plant, handed), least, strict=True)
+        for p, o in zip((plant, handed), minimum, strict=True)
     ]
     size = np.abs(responses[0]).max(axis=-1, keepdims=True)
     # the switching time of the optimum is known to 1e-12 of the span of the wind
@@ -55,8 +55,8 @@ def test_a_plant_handed_over_as_its_state_space_gives_the_same_digits(model):
 def test_the_verdict_of_a_plant_handed_over_is_the_same(model):
     plant, handed = _pair(model, "configuration-ii")
     trims = tv.trim_deflection(plant, WIND)
-    held = tv.linear.ConstantDeflection(limit=-0.004)
-    for deflection in (trims, held, tv.optimum_deflection(handed, WIND).deflection):
+    constant = tv.linear.ConstantDeflection(limit=-0.004)
+    for deflection in (trims, constant, tv.optimum_deflection(handed, WIND).deflection):
         one, other = (tv.linear.judge(p, deflection, WIND) for p in (plant, handed))
         assert one.stable == other.stable
         np.testing.assert_allclose(other.residues, one.residues, rtol=1e-10, atol=1e-12)
@@ -136,14 +136,14 @@ def test_a_plant_with_two_integrators_responds_as_its_steps():
     D = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, -1.0]])
     plant = tv.linear.SystemPlant(control.StateSpace(A, B, C, D, **NAMES))
     times = np.array([0.0, 1.0, 4.0])
-    held = tv.linear.ConstantDeflection(limit=0.01)
+    constant = tv.linear.ConstantDeflection(limit=0.01)
     bending = np.array([[0.0, 1.0], [-400.0, -0.4]])
     states = [
         np.linalg.solve(bending, (_exponential(bending * t) - np.eye(2)) @ [0.0, 0.05])
         for t in times
     ]
     calm = tv.TriangularWind(peak=1e-12, duration=1.0)
-    computed = tv.attitude_responses(plant, held, calm, times)["attitude"]
+    computed = tv.attitude_responses(plant, constant, calm, times)["attitude"]
     expected = -0.5 * 1.3 * 0.01 * times**2 + 0.01 * np.array([state[0] for state in states])
     np.testing.assert_allclose(computed, expected, rtol=1e-12, atol=1e-12)
 

@@ -50,16 +50,16 @@ def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
     for point in card.points:
         case = tv.Case(vehicle=SCHEDULE.at(point.time), nozzle=NOZZLE)
         law = tv.control.design_law("trim", case.plant, float(case.history.peak))
-        alone = FlownDuty.of(case, "trim", law).duty
-        least = tv.optimum_deflection(case.plant, case.history, 0.0).peak
+        single = FlownDuty.of(case, "trim", law).duty
+        minimum = tv.optimum_deflection(case.plant, case.history, 0.0).peak
         pole = float(np.real(tv.unstable_modes(case.plant).poles[0]))
-        assert point.minimum == pytest.approx(least, rel=1e-9)
-        assert point.minimum_rate == pytest.approx(pole * least, rel=1e-9)
-        assert point.minimum_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
+        assert point.minimum == pytest.approx(minimum, rel=1e-9)
+        assert point.minimum_rate == pytest.approx(pole * minimum, rel=1e-9)
+        assert point.minimum_acceleration == pytest.approx(pole**2 * minimum, rel=1e-9)
         # the same flight but for its time, and the time of rest before it
-        assert point.duty.travel == pytest.approx(alone.travel, rel=1e-6)
-        assert point.duty.work.energy == pytest.approx(alone.work.energy, rel=1e-4)
-        assert abs(point.duty.rate.value) == pytest.approx(abs(alone.rate.value), rel=1e-6)
+        assert point.duty.travel == pytest.approx(single.travel, rel=1e-6)
+        assert point.duty.work.energy == pytest.approx(single.work.energy, rel=1e-4)
+        assert abs(point.duty.rate.value) == pytest.approx(abs(single.rate.value), rel=1e-6)
     assert card.duties[0].travel == max(point.duty.travel for point in card.points)
 
 

@@ -42,7 +42,7 @@ def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(flown):
         peak = float(case.history.peak)
         for law in LAWS:
             designed = tv.control.design_law(law, case.plant, peak, rate_limit=rates[1])
-            alone = tv.closed_loop_boundary(
+            single = tv.closed_loop_boundary(
                 case.plant,
                 designed,
                 case.history,
@@ -51,7 +51,7 @@ def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(flown):
                 cuts=1,
                 highest=3.0,
             )
-            assert trade_off.limits[law][1] == abs(alone.deflection) == trade_off.required[law]
+            assert trade_off.limits[law][1] == abs(single.deflection) == trade_off.required[law]
             assert trade_off.survives[law] == bool(NOZZLE.limit >= trade_off.required[law])
 
 

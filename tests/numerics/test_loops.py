@@ -208,12 +208,12 @@ def test_a_loop_has_the_same_margins_alone_and_anywhere_in_a_batch(family, round
     loop = family(600, seed=8)
     whole = loop_margins(loop)
     for case in (0, 1, 63, 64, 149, 511, 512, 598, 599):
-        alone = loop_margins(loop.take(case))
+        single = loop_margins(loop.take(case))
         for name in [*NUMBERS, *FREQUENCIES]:
-            np.testing.assert_array_equal(getattr(alone, name), getattr(whole, name)[case])
+            np.testing.assert_array_equal(getattr(single, name), getattr(whole, name)[case])
         for name in Crossings.__dataclass_fields__:
             listed = getattr(whole.crossings, name)[case]
-            result = getattr(alone.crossings, name)
+            result = getattr(single.crossings, name)
             np.testing.assert_array_equal(result, listed[np.isfinite(listed)])
 
 

@@ -49,8 +49,8 @@ def test_marks_of_figures_6_to_9_are_flights_at_the_same_limits(draw, name, K, e
     x = computed.abscissa
 
     for factor in (0.9, 1.1):
-        held = tv.trim_then_hold(exact, wind, -factor * y * c.B, K, switch="literal")
-        expected = -attitude_responses(exact, held, wind, x * wind.duration)["attitude"]
+        constant = tv.trim_then_hold(exact, wind, -factor * y * c.B, K, switch="literal")
+        expected = -attitude_responses(exact, constant, wind, x * wind.duration)["attitude"]
         row = computed.column(f"{factor:g} y_BR, flown", "tau*beta = 4")
         small = np.abs(expected) < 3.0  # of a wind of 1 degree
         assert small.sum() > 25

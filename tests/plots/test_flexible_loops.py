@@ -145,10 +145,10 @@ def test_criteria_of_modes_are_judged_in_the_title():
 )
 def test_a_loop_is_drawn_without_its_plant(chart):
     loop = HELD.exact_loop(RIGID)
-    alone, beside = chart(loop).curves, chart(HELD, RIGID).curves
+    single, beside = chart(loop).curves, chart(HELD, RIGID).curves
 
-    np.testing.assert_allclose(alone.abscissa[[0, -1]], beside.abscissa[[0, -1]], rtol=1e-6)
-    assert alone.parameters.startswith("loop of order ")
+    np.testing.assert_allclose(single.abscissa[[0, -1]], beside.abscissa[[0, -1]], rtol=1e-6)
+    assert single.parameters.startswith("loop of order ")
     with pytest.raises(tv.InputError, match="plant must be left out"):
         chart(loop, RIGID)
     with pytest.raises(tv.InputError, match=r"draws one loop; got a batch of shape \(2,\)"):

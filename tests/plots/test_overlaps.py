@@ -65,8 +65,8 @@ def study(vehicle, **options):
 def response(vehicle, factor):
     plant, K = rigid(vehicle), 0.5
     limit = factor * tv.boundary_limit(plant, WIND, K).deflection
-    held = tv.trim_then_hold(plant, WIND, limit, K)
-    result = tv.attitude_response(plant, held, WIND, np.linspace(0.0, 15.0, 301))
+    constant = tv.trim_then_hold(plant, WIND, limit, K)
+    result = tv.attitude_response(plant, constant, WIND, np.linspace(0.0, 15.0, 301))
     return plots.response_chart(result, f"{vehicle.name}: response", limit=abs(limit))
 
 
@@ -199,8 +199,8 @@ def legible(plot, size):
     computed, beyond = overlaps(plot.figure)
     assert not computed
     assert not beyond
-    least = min(text.get_fontsize() for text in plot.figure.findobj(Text) if text.get_text())
-    assert least / 72.0 * WIDE / plot.figure.get_figwidth() >= HIGH
+    minimum = min(text.get_fontsize() for text in plot.figure.findobj(Text) if text.get_text())
+    assert minimum / 72.0 * WIDE / plot.figure.get_figwidth() >= HIGH
 
 
 CASES = [(name, vehicle, WHOLE) for vehicle in VEHICLES for name in CHARTS]

@@ -106,8 +106,8 @@ def test_a_batch_requires_what_each_of_its_cases_does(configuration_i, shape, de
                 peak=turn * values["wind_peak"][i], duration=values["wind_duration"][i]
             )
             vehicle = configuration_i.replace(weight=weight)
-            alone = required(vehicle, wind, "drift-exact", dead_band)
-            assert result[i] == pytest.approx(alone, rel=2e-6)
+            single = required(vehicle, wind, "drift-exact", dead_band)
+            assert result[i] == pytest.approx(single, rel=2e-6)
 
 
 def test_the_dynamic_pressure_is_that_of_the_air_met(configuration_i) -> None:
@@ -143,10 +143,10 @@ def test_the_requirement_of_a_dispersed_case_is_not_known_where_its_study_is_not
     known = []
     cases = result.values["attitude"].tolist(), result.deflection.tolist(), result.status
     for attitude, required, status in zip(*cases, strict=True):
-        alone = case_requirement(replace(case, vehicle=vehicle.replace(attitude=attitude)))
-        known.append(not alone.unknown)
-        assert (status == ENCOUNTERED_UNKNOWN) is bool(alone.unknown)
-        expected = np.inf if alone.unknown else alone.required_deflection
+        single = case_requirement(replace(case, vehicle=vehicle.replace(attitude=attitude)))
+        known.append(not single.unknown)
+        assert (status == ENCOUNTERED_UNKNOWN) is bool(single.unknown)
+        expected = np.inf if single.unknown else single.required_deflection
         assert required == pytest.approx(expected, rel=1e-5)
     assert 0 < sum(known) < len(known)
     assert not result.sufficient
@@ -394,8 +394,8 @@ def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
         )
         at = 3.0 + 0.5 * (duration - 7.5)
         blows = replace(wind, peak=peak, duration=duration, gust_at=at)
-        alone = tv.Study.of(replace(case, vehicle=vehicle.replace(thrust=thrust), wind=blows))
-        assert needed == pytest.approx(alone.required_deflection, rel=1e-5)
+        single = tv.Study.of(replace(case, vehicle=vehicle.replace(thrust=thrust), wind=blows))
+        assert needed == pytest.approx(single.required_deflection, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -422,9 +422,9 @@ def test_a_slow_mode_in_the_air_met_needs_the_least_of_all_control(
     result = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind), 0.0)
     needs = {"calm": result.nominal_deflection} | result.encountered
     assert np.degrees([needs["calm"], needs["head"]]) == pytest.approx([calm, head], abs=5e-5)
-    least = {"calm": 0.0, "head": -1.0, "tail": 1.0}
-    least = {name: least_peak(configuration_i, wind, turn) for name, turn in least.items()}
-    assert needs == pytest.approx(least, rel=2e-4)
+    minimum = {"calm": 0.0, "head": -1.0, "tail": 1.0}
+    minimum = {name: least_peak(configuration_i, wind, turn) for name, turn in minimum.items()}
+    assert needs == pytest.approx(minimum, rel=2e-4)
 
 
 @pytest.mark.thorough
@@ -434,11 +434,11 @@ def test_three_modes_in_the_air_met_need_the_least_of_all_control(configuration_
     wind = tv.ShapedWind("triangular", np.radians(5.0), duration)
     case = tv.Case(vehicle=configuration_i, wind=wind, model="drift-and-speed")
     needs = case_requirement(case, 0.0).encountered
-    least = {"head": -1.0, "tail": 1.0}
-    least = {
-        name: least_peak(configuration_i, wind, turn, case.model) for name, turn in least.items()
+    minimum = {"head": -1.0, "tail": 1.0}
+    minimum = {
+        name: least_peak(configuration_i, wind, turn, case.model) for name, turn in minimum.items()
     }
-    assert needs == pytest.approx(least, rel=5e-4)
+    assert needs == pytest.approx(minimum, rel=5e-4)
 
 
 @pytest.mark.parametrize("dead_band", usual([0.5, 0.25, 0.4], 0))
@@ -460,9 +460,9 @@ def test_batches_follow_winds_that_last(name: str, duration: float) -> None:
     """In steps that do not let what fades grow."""
     vehicle, wind = tv.load_vehicle(name), tv.ShapedWind("triangular", np.radians(5.0), duration)
     case = tv.Case(vehicle=vehicle, wind=wind, model="drift-exact", sign="head")
-    alone = case_requirement(case, 0.0).required_deflection
+    single = case_requirement(case, 0.0).required_deflection
     result = encountered_batch(case, {}, vehicle.rigid, 0.0, "pitch", np.ones(1))
-    assert result == pytest.approx([alone], rel=1e-6)
+    assert result == pytest.approx([single], rel=1e-6)
 
 
 @pytest.mark.parametrize("dead_band", [0.5, 0.25, 0.0])
@@ -476,9 +476,9 @@ def test_slow_modes_of_many_at_once_are_those_of_each(configuration_i, dead_band
         vehicle = configuration_i.replace(weight=configuration_i.weight * weight)
         peak, duration = (float(values[k][i]) for k in ("wind_peak", "wind_duration"))
         case = tv.Case(vehicle=vehicle, wind=tv.ShapedWind("triangular", peak, duration))
-        alone = case_requirement(replace(case, sign="head"), dead_band)
-        assert "minimum over all" in alone.requirement.governs
-        assert result[i] == pytest.approx(alone.required_deflection, rel=1e-4)
+        single = case_requirement(replace(case, sign="head"), dead_band)
+        assert "minimum over all" in single.requirement.governs
+        assert result[i] == pytest.approx(single.required_deflection, rel=1e-4)
 
 
 def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float:

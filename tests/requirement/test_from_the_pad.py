@@ -140,10 +140,10 @@ def test_each_sounding_is_judged_from_where_its_wind_is_not_too_steep(flight) ->
     assert encountered.known[0] == pytest.approx(
         result.judged[0, 0], abs=0.51
     )  # a row of the schedule
-    alone = tv.size(flight, encountered, times=[60.0], varying=True).required["K = 1, varying"][
+    single = tv.size(flight, encountered, times=[60.0], varying=True).required["K = 1, varying"][
         0, 0
     ]
-    assert result.required[0] == pytest.approx(alone, rel=1e-3)
+    assert result.required[0] == pytest.approx(single, rel=1e-3)
 
 
 ARMS = {
@@ -185,8 +185,8 @@ def test_a_flight_in_which_nothing_grows_needs_nothing(flight) -> None:
 def test_a_flight_without_any_moment_for_a_while_is_followed(flight) -> None:
     """As with a hundredth of a millimetre in its place."""
     needs = []
-    for least in (0.0, 1e-5):
-        arm = np.where(flight.times < 30.0, least, 3.0)
+    for minimum in (0.0, 1e-5):
+        arm = np.where(flight.times < 30.0, minimum, 3.0)
         some = tv.FlightSchedule(
             flight.vehicle.replace(aerodynamic_arm=arm), altitude=flight.height
         )

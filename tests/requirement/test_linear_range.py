@@ -79,8 +79,8 @@ def test_a_pulse_beyond_the_linear_range_is_not_sized(deg) -> None:
 def test_a_gust_counts_in_the_angle() -> None:
     """25 deg of wind and 10 of gust at its peak are 35."""
     gust = tv.winds.OneMinusCosineGust(peak=np.radians(10.0), duration=2.0)
-    alone, both = (study(25.0, limit=0.2, gust=one, gust_at=3.75) for one in (None, gust))
-    assert (alone.beyond_linear, both.sufficient) == ("", None)
+    single, both = (study(25.0, limit=0.2, gust=one, gust_at=3.75) for one in (None, gust))
+    assert (single.beyond_linear, both.sufficient) == ("", None)
     assert "at 35 deg" in both.beyond_linear
 
 

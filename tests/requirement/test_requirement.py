@@ -58,9 +58,9 @@ def test_on_a_fixed_path_it_is_the_report_s_boundary_to_the_last_bit(configurati
 
 def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(configuration_i):
     plant, wind = tv.Plant.from_vehicle(configuration_i, "drift-exact"), triangle(60.0)
-    least = tv.optimum_deflection(plant, wind).peak
+    minimum = tv.optimum_deflection(plant, wind).peak
     boundary = tv.boundary_limit(plant, wind, [0.5, 0.0])
-    assert np.all(np.abs(boundary.deflection) < 0.7 * least)
+    assert np.all(np.abs(boundary.deflection) < 0.7 * minimum)
     assert boundary.status.tolist() == ["ok", "ok"]  # it is y(K), and says no more than that
     compared = with_larger_requirements(plant, wind, [0.5, 0.0], boundary)
     assert compared.status.tolist() == [
@@ -71,8 +71,8 @@ def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(confi
     requirement = tv.required_deflection(plant, wind, [0.5, 0.0])
     assert requirement.governs.tolist() == [Reason.AFTER_TRIM, Reason.MINIMUM]
     after, onset = np.abs(requirement.deflection)
-    assert onset == pytest.approx(least, rel=1e-9)
-    assert 1.01 * least < after < 1.05 * least
+    assert onset == pytest.approx(minimum, rel=1e-9)
+    assert 1.01 * minimum < after < 1.05 * minimum
     for need, dead_band in ((after, 0.5), (onset, 0.0)):
         assert not tv.is_sufficient(plant, wind, 0.999 * need, dead_band)
         assert tv.is_sufficient(plant, wind, 1.001 * need, dead_band)
@@ -133,9 +133,9 @@ def test_a_band_of_losses_above_a_limit_that_survives_is_not_stepped_over():
     options = {"deflection_limit": limits, "sample_rate": 100.0}
     flown = tv.fly_many(plant, trim_law(plant), wind, **options)
     assert "lost" in flown.status[:4]
-    enough = limits > abs(needs[0].deflection)
-    assert enough.sum() > 1
-    assert np.all(flown.status[enough] == "survived")
+    sufficient = limits > abs(needs[0].deflection)
+    assert sufficient.sum() > 1
+    assert np.all(flown.status[sufficient] == "survived")
 
 
 def diverges(plant: tv.Plant, wind: tv.SampledWind, limit: float) -> bool:
@@ -373,9 +373,9 @@ def test_no_verdict_is_too_good(seed, model, dead_band):
     assert np.all(tv.is_sufficient(plant, wind, 1.0001 * given, dead_band) == finite)
     assert not np.any(tv.is_sufficient(plant, wind, 0.9999 * given, dead_band))
     for case in rng.choice(count, 3, replace=False).tolist():
-        alone = plant.case(case, (count,)), wind.case(case, (count,))
-        least = tv.optimum_deflection(*alone, float(alone[1].onset))
-        assert needed[case] >= least.certificate.dual * (1.0 - 1e-9)
+        single = plant.case(case, (count,)), wind.case(case, (count,))
+        minimum = tv.optimum_deflection(*single, float(single[1].onset))
+        assert needed[case] >= minimum.certificate.dual * (1.0 - 1e-9)
     if dead_band < 1.0:
         return
     bound = np.abs(tv.forecast_free_limit(plant, wind).deflection)
@@ -415,10 +415,10 @@ def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_
         tv.SampledWind(time=time, angle=angle)
         for angle in ([0.0, -0.05, 0.0, 0.05, 0.0], [0.0, 0.0, 0.0, 0.05, 0.0])
     )
-    alone = tv.required_deflection(plant, part, 0.5)
+    single = tv.required_deflection(plant, part, 0.5)
     requirement = tv.required_deflection(plant, part, 0.5, two_sided=whole)
     both = [tv.optimum_deflection(plant, w, float(w.onset)).peak for w in (part, whole)]
-    assert alone.needs[Reason.MINIMUM] == pytest.approx(both[0], rel=1e-9)
+    assert single.needs[Reason.MINIMUM] == pytest.approx(both[0], rel=1e-9)
     assert requirement.needs[Reason.MINIMUM] == pytest.approx(max(both), rel=1e-9)
     assert both[1] > both[0]
     for other, says in (
@@ -434,11 +434,11 @@ def test_without_a_dead_band_the_trim_law_counts_in_the_wind_with_both_signs(con
     plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
     part = triangle(7.5).shift(6.0)
     whole = part + triangle(6.0, -0.95 * PEAK)
-    alone, both = (tv.required_deflection(plant, part, two_sided=w) for w in (None, whole))
+    single, both = (tv.required_deflection(plant, part, two_sided=w) for w in (None, whole))
     flown = tv.closed_loop_boundary(plant, tv.TrimLaw(plant), whole, sample_rate=200)
     assert both.limit == pytest.approx(flown.limit, abs=2e-5)
     assert both.governs == Reason.TRIM_LAW
-    assert both.limit > 1.003 * alone.limit
+    assert both.limit > 1.003 * single.limit
 
 
 def agreement(seed, model, dead_band, count=12):

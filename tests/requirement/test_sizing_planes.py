@@ -44,10 +44,10 @@ def test_a_wind_along_one_plane_asks_for_the_same_to_the_last_bit(flight, model,
     options = {"times": [66.0], "model": model, "varying": varying}
     for stop in ("round", "square"):
         for plane, angle in (("pitch", 0.0), ("yaw", np.pi / 2)):
-            alone = tv.size(flight, GUST, plane=plane, **options)
+            single = tv.size(flight, GUST, plane=plane, **options)
             wind = tv.winds.PlaneWind.towards(GUST, angle)
             sizing = tv.size(flight, wind, plane="both", limit_shape=stop, **options)
-            for name, values in alone.required.items():
+            for name, values in single.required.items():
                 assert sizing.required[name].tolist() == values.tolist(), (stop, plane, name)
 
 
@@ -108,9 +108,9 @@ def test_the_rectangle_is_the_least_that_holds_its_corners() -> None:
             reached = np.real(np.conj(around)[:, np.newaxis] * corners)
             return float((reached - limit * stop.support(around)[:, np.newaxis]).max())
 
-        least = brentq(outside, 1e-3, 10.0, xtol=1e-10)
+        minimum = brentq(outside, 1e-3, 10.0, xtol=1e-10)
         missed = 0.5 * abs(corners[0]) * (around[1] - around[0]).imag  # beside the best direction
-        assert -1e-9 < rectangle(stop, 0.3, 0.2) - least < missed
+        assert -1e-9 < rectangle(stop, 0.3, 0.2) - minimum < missed
 
 
 @pytest.mark.parametrize("heading", np.radians([1.0, 40.0, 130.0, 200.0, 310.0]))

@@ -242,11 +242,11 @@ def test_where_a_moment_turns_each_part_of_the_flight_is_judged(configuration_i)
     assert later.span[0] == pytest.approx(60.0 + 4.0 * 2.0 / 11.45, rel=1e-12)
     rest = wind.shift(63.0 - 4.0)
     rest = rest - rest.before(later.span[0])
-    alone = tv.size(later, rest, times=[63.0], placing="flight", model="fixed-path", varying=True)
+    single = tv.size(later, rest, times=[63.0], placing="flight", model="fixed-path", varying=True)
     for K in ("K = 1, varying", "K = 0.5, varying"):
         needed = sizing.required[K][0, 0]
         assert needed > 0.0
-        assert needed == pytest.approx(alone.required[K][0, 0], rel=1e-6)
+        assert needed == pytest.approx(single.required[K][0, 0], rel=1e-6)
 
 
 def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_i) -> None:

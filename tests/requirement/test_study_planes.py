@@ -57,13 +57,16 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
         )
         needed = np.radians(answer["verdict"]["required_deflection_deg"])
         assert needed == pytest.approx(exact.deflection, rel=1e-8)
-        alone = np.radians(answer["planes"]["separate_deg"]["pitch"])
-        assert alone == pytest.approx(exact.pitch_only, rel=1e-8)
+        single = np.radians(answer["planes"]["separate_deg"]["pitch"])
+        assert single == pytest.approx(exact.pitch_only, rel=1e-8)
 
 
 def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
-    enough = ("--limit-deg", "0.3")
-    one, both = run("study", *JET, *enough), run("study", *JET, *enough, "--limit-shape", "round")
+    sufficient = ("--limit-deg", "0.3")
+    one, both = (
+        run("study", *JET, *sufficient),
+        run("study", *JET, *sufficient, "--limit-shape", "round"),
+    )
     assert "with a round stop they need 0.339 deg" in " ".join(one.output.split())
     assert "42 % of which the pitch plane alone does not see" in " ".join(one.output.split())
     assert (one.exit_code, both.exit_code) == (0, 1)

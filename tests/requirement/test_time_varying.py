@@ -311,7 +311,7 @@ def test_a_wind_along_a_flight_requires_the_same_among_others_as_alone(quick, de
     winds = [NominalWind(tv.TriangularWind(peak=0.05, duration=7.5).shift(t - 3.75)) for t in times]
     winds.append(NominalWind(tv.RectangularWind(peak=-0.03, duration=15.0).shift(first)))
     together = requirements_along(mode, winds, dead_band)
-    alone = np.concatenate([requirements_along(mode, [wind], dead_band) for wind in winds])
+    single = np.concatenate([requirements_along(mode, [wind], dead_band) for wind in winds])
     assert mode.quick_path == quick
     assert np.all(together[:, 0] > 0.0)
-    assert together.tolist() == alone.tolist()
+    assert together.tolist() == single.tolist()

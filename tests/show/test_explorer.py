@@ -79,11 +79,11 @@ def test_the_report_s_control_has_its_exact_response() -> None:
     c = moved(law=REPORT, limit=0.35, dead_band=0.7)
     result, wind, plant = answer(c, 2).motion, c.plan.history, c.plan.plant
     assert result is not None
-    held = tv.trim_then_hold(plant, wind, -c.limit, 0.7)
-    exact = tv.attitude_response(plant, held, wind, result.time)
+    constant = tv.trim_then_hold(plant, wind, -c.limit, 0.7)
+    exact = tv.attitude_response(plant, constant, wind, result.time)
 
     np.testing.assert_array_equal(result.attitude, exact.outputs["attitude"])
-    np.testing.assert_array_equal(result.deflection, held(result.time))
+    np.testing.assert_array_equal(result.deflection, constant(result.time))
 
 
 def test_what_did_not_change_is_not_computed_again(few: None) -> None:

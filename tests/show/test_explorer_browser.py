@@ -174,9 +174,9 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
     assert first["greyed"] == ["gust length [s]", "wind from [deg]", *gains]
     assert first["buttons"] == ["write study file", "End"]
 
-    for width, height, least in ((1024, 768, 450), (1440, 900, 700)):
+    for width, height, minimum in ((1024, 768, 450), (1440, 900, 700)):
         wide(browser, width, height)
-        until(lambda _, least=least: seen()["width"] > least)
+        until(lambda _, minimum=minimum: seen()["width"] > minimum)
         page = seen()
         assert (page["clipped"], page["outside"], page["sideways"]) == ([], [], [])
 

@@ -74,8 +74,8 @@ def expected_boundaries(study: tv.Study) -> dict[str, float]:
             computed[f"boundary.{name}.{i}_deg"] = abs(np.degrees(one.deflection))
         trim = abs(study.coefficients.B * study.wind.peak)
         free = abs(tv.forecast_free_limit(plant, study.wind).deflection)
-        least = tv.optimum_deflection(plant, study.wind).peak
-        for key, value in (("trim", trim), ("forecast_free", free), ("minimum", least)):
+        minimum = tv.optimum_deflection(plant, study.wind).peak
+        for key, value in (("trim", trim), ("forecast_free", free), ("minimum", minimum)):
             computed[f"{key}.{name}.part"] = value / trim
             computed[f"{key}.{name}_deg"] = np.degrees(value)
     name = study.model
@@ -659,7 +659,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     )
     short = find(fixed)
     wide = np.radians(0.9)
-    enough = find(replace(fixed, nozzle=tv.Nozzle(limit=wide), sizing=once))
+    sufficient = find(replace(fixed, nozzle=tv.Nozzle(limit=wide), sizing=once))
     heading = [one for one in verdict.sentence(short) if isinstance(one, Number)]
     headline = {one.name: one.text for one in heading}
     shown = {name: said for name, (_, said) in section(short, "flight").numbers.items()}
@@ -670,9 +670,9 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     assert tiles["answer.wind.required_deg"] == "0.368"
     assert verdict.sentence(short)[0] == "NOT SUFFICIENT: the limit of "
     assert "the whole flight of configuration-i requires" in text(verdict.sentence(short))
-    total = enough.flight[1]
+    total = sufficient.flight[1]
     left = np.degrees(0.9 * total.limit - total.total)
-    page = section(enough, "flight")
+    page = section(sufficient, "flight")
     assert page.values["total.remaining_deg"] == pytest.approx(left, rel=1e-12)
     assert "remaining after the reserve" in page.text
 
@@ -865,8 +865,8 @@ def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives(
     wind = tv.TriangularWind(peak=-angle, duration=calm.wind.duration)
     law = tv.SaturatedLaw(replace(result.comparison.autopilot, actuator=None, delay=0.0))
     plant = tv.Plant.from_vehicle(denser, calm.model)
-    least = tv.closed_loop_boundary(plant, law, wind, **calm.hardware).deflection
-    assert abs(least) == pytest.approx(limit, rel=1e-4)
+    minimum = tv.closed_loop_boundary(plant, law, wind, **calm.hardware).deflection
+    assert abs(minimum) == pytest.approx(limit, rel=1e-4)
     assert peaks[None] < 0.95 * peaks["frozen"]
 
 
@@ -936,7 +936,7 @@ def test_a_folder_that_is_not_there_is_told() -> None:
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.studyfile.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)
-    enough, computed = page_of(replace(short, nozzle=tv.Nozzle(limit=np.radians(0.9))))
+    sufficient, computed = page_of(replace(short, nozzle=tv.Nozzle(limit=np.radians(0.9))))
     loop = computed.comparison
     assert loop is not None
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
@@ -949,7 +949,7 @@ def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.studyfile.S
         delay=float(loop.autopilot.delay),
         sample_rate=100.0,
     )
-    part = enough[enough.index("Margins with the limit in this wind") :]
+    part = sufficient[sufficient.index("Margins with the limit in this wind") :]
     shown = " ".join(re.sub(r"<[^>]*>", " ", part[:6000]).split())
     assert f"{flown.gain_fall.dB:.2f} dB" in shown
     assert f"{1000 * flown.delay.value:.1f} ms" in shown

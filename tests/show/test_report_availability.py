@@ -134,12 +134,12 @@ def run(*arguments: object) -> Result:
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
-def written(folder, name: str, least: str, limit: str = f"limit_deg = {LIMIT}") -> str:
+def written(folder, name: str, minimum: str, limit: str = f"limit_deg = {LIMIT}") -> str:
     file = folder / name
     file.write_text(
         f"""[study]\nvehicle = "configuration-i"\n[nozzle]\n{limit}\n[wind]
 peak_deg = 5\nduration_s = 7.5\n[availability]
-archive = ["s-data.txt"]\nazimuth_deg = 90\nplane = "pitch"\npersistence_deg = 0.02\n{least}"""
+archive = ["s-data.txt"]\nazimuth_deg = 90\nplane = "pitch"\npersistence_deg = 0.02\n{minimum}"""
     )
     return str(file)
 
@@ -245,8 +245,8 @@ def test_a_gust_by_its_speed_is_that_of_the_study(folder) -> None:
     assert plan.availability is not None
     result = plan.availability.availability(plan)
     gust = tv.OneMinusCosineGust(peak=0.02, duration=2.0)
-    alone = the_library(folder, gust=gust, gust_speed=9.0)
-    assert result.required == pytest.approx(alone.required, rel=1e-12, nan_ok=True)
+    single = the_library(folder, gust=gust, gust_speed=9.0)
+    assert result.required == pytest.approx(single.required, rel=1e-12, nan_ok=True)
 
 
 def test_the_table_of_the_page_is_read(folder) -> None:

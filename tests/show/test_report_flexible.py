@@ -127,8 +127,8 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(findi
     nozzle = {"actuator": tv.Actuator(), "sample_rate": 100.0, "delay": 0.01}
     law = tv.SaturatedLaw(gains)
     for k, one in enumerate((plant, plant.rigid)):
-        least = tv.closed_loop_boundary(one, law, wind, **nozzle).deflection
-        assert shown[f"flown.0.{k}_deg"] == pytest.approx(abs(np.degrees(least)))
+        minimum = tv.closed_loop_boundary(one, law, wind, **nozzle).deflection
+        assert shown[f"flown.0.{k}_deg"] == pytest.approx(abs(np.degrees(minimum)))
         many = tv.fly_many(one, law, wind, deflection_limit=plan.nozzle.limit, **nozzle)
         rate = np.degrees(many.peak_deflection_rate)
         assert shown[f"flown.4.{k}_deg"] == pytest.approx(float(rate))

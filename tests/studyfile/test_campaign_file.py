@@ -116,8 +116,8 @@ def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
         np.testing.assert_allclose(result["required_K0.5"][rows], limit, rtol=1e-11)
         free = abs(tv.forecast_free_limit(plant, wind).deflection)
         np.testing.assert_allclose(result["forecast_free"][rows], free, rtol=1e-11)
-        least = tv.optimum_deflection(plant, wind).peak
-        np.testing.assert_allclose(result["minimum"][rows], least, rtol=1e-11)
+        minimum = tv.optimum_deflection(plant, wind).peak
+        np.testing.assert_allclose(result["minimum"][rows], minimum, rtol=1e-11)
 
 
 def test_an_output_that_the_nominal_vehicle_does_not_have_is_named(tmp_path):
@@ -308,9 +308,12 @@ def test_a_campaign_file_is_named_in_what_is_wrong_with_it(tmp_path, text, messa
 
 def test_what_has_no_bound_without_forecast_is_refused_as_one_case_is(configuration_i):
     fixed = tv.Plant.from_vehicle(configuration_i, "fixed-path")
-    gust, held = tv.TriangularWind(peak=0.08, duration=7.5), tv.linear.ConstantDeflection(limit=0.1)
+    gust, constant = (
+        tv.TriangularWind(peak=0.08, duration=7.5),
+        tv.linear.ConstantDeflection(limit=0.1),
+    )
     for plant, wind, said in (
-        (fixed, held, "wind must end"),
+        (fixed, constant, "wind must end"),
         (fixed, gust - gust.shift(9.0), "not defined for a wind that changes its sign"),
     ):
         with pytest.raises(tv.InputError, match=said):

@@ -68,8 +68,8 @@ def test_the_future_seen_from_the_first_knot_is_the_transform():
 
 
 def test_the_future_stays_exact_late_and_is_zero_after_the_end():
-    held = tv.linear.ConstantDeflection(limit=0.1)
-    np.testing.assert_allclose(held.remaining_integral(0.5, [0.0, 1e4]), [0.2, 0.2], rtol=4e-16)
+    constant = tv.linear.ConstantDeflection(limit=0.1)
+    np.testing.assert_allclose(constant.remaining_integral(0.5, [0.0, 1e4]), [0.2, 0.2], rtol=4e-16)
     np.testing.assert_array_equal(tri().remaining_integral(0.5, [8.0, 1e4]), [0.0, 0.0])
 
 
@@ -144,8 +144,8 @@ def test_cutting_at_infinity_changes_nothing_and_cutting_early_leaves_nothing():
 
 
 def test_onset_and_end_skip_what_is_zero():
-    held = tv.linear.ConstantDeflection(limit=0.1, start=-2.0)
-    assert (held.onset, held.end) == (-2.0, np.inf)
+    constant = tv.linear.ConstantDeflection(limit=0.1, start=-2.0)
+    assert (constant.onset, constant.end) == (-2.0, np.inf)
     wind = tv.SampledWind(time=[0.0, 1.0, 2.0, 3.0, 4.0], angle=[0.0, 0.0, 0.1, 0.0, 0.0])
     assert (wind.onset, wind.end) == (1.0, 3.0)
     assert ((0.0 * wind).onset, (0.0 * wind).end) == (np.inf, -np.inf)
@@ -156,11 +156,11 @@ def test_the_final_value_is_what_stays():
     assert tri().filter([1.0], [1.0, 0.5]).final_value == 0.0
     assert tv.linear.ConstantDeflection(limit=-0.2).final_value == -0.2
     assert tri().filter([1.0], [1.0, 0.0]).final_value == pytest.approx(0.4, rel=4e-16)
-    held = tv.linear.ConstantDeflection(limit=0.1)
-    assert held.filter([1.0], [1.0, 0.5]).final_value == pytest.approx(0.2, rel=4e-16)
-    assert np.isnan(held.filter([1.0], [1.0, 0.0]).final_value)
-    assert np.isnan(held.filter([1.0], [1.0, -0.5]).final_value)
-    assert np.isnan(held.filter([1.0], [1.0, 0.0, 4.0]).final_value)
+    constant = tv.linear.ConstantDeflection(limit=0.1)
+    assert constant.filter([1.0], [1.0, 0.5]).final_value == pytest.approx(0.2, rel=4e-16)
+    assert np.isnan(constant.filter([1.0], [1.0, 0.0]).final_value)
+    assert np.isnan(constant.filter([1.0], [1.0, -0.5]).final_value)
+    assert np.isnan(constant.filter([1.0], [1.0, 0.0, 4.0]).final_value)
 
 
 def test_the_peak_is_signed_and_sees_the_left_side_of_a_jump():

@@ -95,11 +95,11 @@ def test_a_batch_is_what_each_is_alone():
     for i in range(2):
         for k in range(3):
             gust = tv.TriangularWind(peak=gusts.peak[i, k], duration=gusts.duration[i, k])
-            alone = PlaneWind.veering(gust, angles[k], rates[k])
+            single = PlaneWind.veering(gust, angles[k], rates[k])
             # angles of some radians, and so their vectors, are known to some EPS
-            assert np.abs(both(t)[i, k] - alone(t)).max() <= 20 * EPS * 0.08
-            assert both.peak[i, k] == pytest.approx(float(alone.peak), rel=1e-9)
-            assert both.unidirectional[i, k] == alone.unidirectional == (rates[k] == 0.0)
+            assert np.abs(both(t)[i, k] - single(t)).max() <= 20 * EPS * 0.08
+            assert both.peak[i, k] == pytest.approx(float(single.peak), rel=1e-9)
+            assert both.unidirectional[i, k] == single.unidirectional == (rates[k] == 0.0)
             assert np.array_equal(both.case(3 * i + k, (2, 3))(t), both(t)[i, k])
 
 
@@ -112,10 +112,10 @@ def test_a_west_jet_meets_a_slanting_flight_in_both_planes():
     climb = tv.winds.steady_climb(booster, height=11e3, start=60.0, stop=70.0)
     wind = jet.to_winds(climb, azimuth=np.radians(45))
     for plane, sine in (("pitch", np.sin(booster.attitude)), ("yaw", 1.0)):
-        alone = jet.to_wind(climb, azimuth=np.radians(45), plane=plane)
-        assert np.array_equal(getattr(wind, plane).pieces.knots, alone.pieces.knots)
+        single = jet.to_wind(climb, azimuth=np.radians(45), plane=plane)
+        assert np.array_equal(getattr(wind, plane).pieces.knots, single.pieces.knots)
         expected = np.arcsin(50.0 * np.sqrt(0.5) * sine / booster.velocity)
-        assert abs(alone(65.0)) == pytest.approx(expected, rel=1e-12)
+        assert abs(single(65.0)) == pytest.approx(expected, rel=1e-12)
     assert np.real(wind(65.0)) > 0.0 > np.imag(wind(65.0))  # from behind, and from the left
     assert np.degrees(wind.peak) == pytest.approx(4.6028, abs=5e-5)
     along = jet.to_winds(climb, azimuth=np.radians(90))

@@ -23,10 +23,12 @@ def test_an_archive_is_the_single_soundings_of_the_file(tmp_path) -> None:
 
     assert len(result) == 20
     for i, balloon in enumerate(balloons):
-        alone = tv.read_sounding(tmp_path / "station-data.txt", time=balloon.time.replace("T", " "))
-        assert np.array_equal(result[i].height, alone.height)
-        assert np.array_equal(result[i].east, alone.east)
-        assert np.array_equal(result[i].north, alone.north)
+        single = tv.read_sounding(
+            tmp_path / "station-data.txt", time=balloon.time.replace("T", " ")
+        )
+        assert np.array_equal(result[i].height, single.height)
+        assert np.array_equal(result[i].east, single.east)
+        assert np.array_equal(result[i].north, single.north)
         assert result.times[i] == np.datetime64(balloon.time)
 
 
