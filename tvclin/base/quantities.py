@@ -18,7 +18,8 @@ QUANTITIES = {
     "available": "the deflection limit of the nozzle",
     "remaining": "the available deflection minus what is required",
     "survivable peak": "the largest peak of a wind of this shape and duration that the limit"
-    " survives, up to a wind angle of 30 deg",
+    " survives, up to a wind angle of 30 deg; of a wind by its speed the nominal angle, with that"
+    " speed",
     "required rate": "the smallest rate limit with which a control that knows the wind survives"
     " with the deflection limit; along a flight, that of a ramp for the required deflection",
     "controllability ratio": "the available deflection over static trim with all that adds up; it"
