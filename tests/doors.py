@@ -1399,6 +1399,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "WindProfile.between": Door(west.between, {"low": 1e3, "high": 2e4}),
         "WindProfile.cross_plane": Door(west.cross_plane, {"azimuth": 1.0}),
         "WindProfile.in_plane": Door(west.in_plane, {"azimuth": 1.0}),
+        "WindProfile.notes_along": Door(west.notes_along, {"flight": climb}),
         "WindProfile.smoothed": Door(west.smoothed, {"thickness": 500.0}),
         "WindProfile.to_wind": Door(
             west.to_wind, {"flight": climb, "azimuth": 1.0, "plane": "pitch"}

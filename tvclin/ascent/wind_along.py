@@ -270,7 +270,8 @@ class SoundingWind(VehicleWind):
 
     def notes(self, vehicle: Any, plane: str) -> Iterator[str]:
         """Yield notes on the sounding, and that it ends within its window."""
-        yield from (f"{self.name}: {note}" for note in self.profile.notes)
+        notes = self.profile.notes_along(self.schedule)
+        yield from (f"{self.name}: {note}" for note in notes)
         first, last = self._along(plane).known
         time, half = self._time(vehicle), self.window / 2
         if time - half < first or last < time + half:

@@ -220,7 +220,8 @@ class FlightLoop:
                 " study.sign head, tail, or frozen: at nominal dynamic pressure)"
             )
         for name, sounding in self.request.soundings.items():
-            yield from (f"{name}: {note}" for note in sounding.profile.notes)
+            notes = sounding.profile.notes_along(self.flight)
+            yield from (f"{name}: {note}" for note in notes)
 
     def _cases(self) -> Iterator[_Wind]:
         """Yield the winds in flight time."""

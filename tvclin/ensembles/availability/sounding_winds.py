@@ -32,7 +32,7 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings, gather
 from tvclin.winds.soundings.levels import MAX_WIND_SPEED
-from tvclin.winds.soundings.profile import checked_flight, longest_interval
+from tvclin.winds.soundings.profile import MAX_LEVEL_DISTANCE, checked_flight, longest_interval
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, along_from_angle, pressure_in_winds
 
 HALF_DAY = 12.0
@@ -146,8 +146,6 @@ def grown_by(
     return scale * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]
 
 
-MAX_LEVEL_DISTANCE = 2000.0
-"""Largest distance of two levels [m] between which the wind is known."""
 MAX_BOUNDED_DISTANCE = 3000.0
 """Largest distance of two levels [m] between which an unknown wind is bounded by both and by the
 archive: above that of the mandatory pressure levels up to 50 hPa."""

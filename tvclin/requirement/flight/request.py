@@ -570,7 +570,7 @@ class SizingRequest:
             *(
                 f"{k}: {note}"
                 for k, sounding in self.soundings.items()
-                for note in sounding.profile.notes
+                for note in sounding.profile.notes_along(self.schedule)
             ),
         ]
 

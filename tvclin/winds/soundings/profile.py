@@ -22,6 +22,7 @@ from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.fields import derived, spec
+from tvclin.base.lines import plural
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import Piecewise
 from tvclin.winds.plane_wind import PlaneWind
@@ -32,6 +33,8 @@ _FLIGHT_ARRAYS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle
 _MAX_FLIGHT_NUMBER = 1e9
 RANGES = {"height": (-1e4, 1e6, "m"), "east": (-1e3, 1e3, "m/s"), "north": (-1e3, 1e3, "m/s")}
 """Smallest and largest value, with its unit, of each array of a profile."""
+MAX_LEVEL_DISTANCE = 2000.0
+"""Largest distance of two levels [m] between which the wind of an archive is known."""
 _MIN_THICKNESS, _MAX_THICKNESS = 1e-3, 1e6
 """Smallest and largest thickness [m] of a running mean."""
 
@@ -203,6 +206,28 @@ class WindProfile(Record):
     def resolved_wavelength(self) -> float:
         """Vertical wavelength [m] that all levels resolve: twice their widest gap."""
         return 2.0 * float(np.diff(self.height).max())
+
+    def notes_along(self, flight: FlightPath) -> list[str]:
+        """Return the notes, and one on wide gaps between levels along a flight.
+
+        Raises
+        ------
+        InputError
+            For a flight that is malformed or does not ascend.
+        """
+        path = checked_flight(flight)[1]
+        gaps = np.stack([self.height[:-1], self.height[1:]], axis=-1)
+        wide = np.diff(gaps)[:, 0] > MAX_LEVEL_DISTANCE
+        wide &= (gaps[:, 0] < path[-1]) & (gaps[:, 1] > path[0])
+        if not np.any(wide):
+            return [*self.notes]
+        low, high = gaps[wide][np.argmax(np.diff(gaps[wide]))] / 1e3
+        return [
+            *self.notes,
+            f"no level from {low:.3g} to {high:.3g} km"
+            + (f" and in {plural(int(wide.sum()) - 1, 'other gap')}" if wide.sum() > 1 else "")
+            + ": straight lines there, where availability takes the wind for unknown",
+        ]
 
     def in_plane(self, azimuth: float) -> FloatArray:
         """Return the wind component along a direction of flight [m/s], positive a tail wind.
