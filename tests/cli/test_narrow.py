@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import warnings
@@ -14,7 +15,7 @@ from tests.turns import usual
 from tvclin.base.lines import QUANTITIES, Table
 from tvclin.cli.app import app
 from tvclin.cli.output import print_answer, say
-from tvclin.vehicle.vehicle_file import template
+from tvclin.vehicle.vehicle_file import read_vehicle_text, template
 
 COMMANDS = {
     "study": ["study", "configuration-i", "--model", "fixed-path", "--sign", "frozen"],
@@ -140,3 +141,16 @@ def test_an_answer_has_its_verdict_first_and_three_notes(more, capsys) -> None:
     notes = [f"Note: {note}." for note in ("wxyz" if more else "wxy")]
     end = "details" if more else "--more prints all tables and notes."
     assert said == ["Enough.", "A", "weight  3", *notes, end]
+
+
+def test_numbers_beyond_all_nozzles_are_no_wider_than_others(tmp_path: Path) -> None:
+    """A thrust in kN where N was meant requires 1e47 deg, which was printed with all its digits."""
+    text = read_vehicle_text("configuration-i")[0]
+    thrust = re.search(r"(?m)^thrust_N = (\S+)", text)
+    assert thrust is not None
+    file = tmp_path / "kn.toml"
+    file.write_text(text.replace(thrust[0], f"thrust_N = {float(thrust[1]) / 1e3!r}"))
+    said = CliRunner(env={"COLUMNS": "80"}).invoke(app, ["study", str(file)]).output
+    assert said.startswith("This wind requires more than 90 deg of deflection, which no nozzle has")
+    assert "a power of ten may be missing" in " ".join(said.split())
+    assert max(len(line.rstrip()) for line in said.splitlines()) <= 80

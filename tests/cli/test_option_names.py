@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from tvclin.base.lines import plural, significant, text
 from tvclin.cli.app import app
 from tvclin.cli.settings import in_options
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 V = "configuration-i"
 OPENROCKET = "tests/schedules/openrocket.csv"
@@ -110,6 +111,7 @@ def test_a_count_of_one_is_singular_and_zero_has_no_minus():
             "study --set nozzle.limit_deg -0.45",
             "limit_deg in [nozzle] must be positive; got -0.45 deg",
         ),
+        ("study {loose}", "key 'name' stands in no table; write the table above it"),
         ("study --damping 0 --natural-frequency 1", "--damping must be positive; got 0"),
     ],
 )
@@ -122,7 +124,10 @@ def test_a_command_line_that_cannot_be_read_is_one_sentence(
         '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
         "[nozzle]\nlimit_deg = -0.45\n"
     )
-    result = CliRunner().invoke(app, words.format(file=file, folder=folder).split())
+    loose = tmp_path / "v.toml"
+    loose.write_text(read_vehicle_text(V)[0].replace("[vehicle]", ""))
+    given = {"file": file, "folder": folder, "loose": loose}
+    result = CliRunner().invoke(app, words.format(**given).split())
     assert result.exit_code == 2
     message = " ".join(result.stderr.split())
     assert message.startswith("Error: ")

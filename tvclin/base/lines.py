@@ -109,8 +109,17 @@ def as_sentence(note: str) -> str:
     return f"{begins}{note[1:].rstrip('.')}."
 
 
+_MAX_FIXED = 1e6
+"""Size from which a number with decimals would be too wide for a column."""
+
+
 def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
-    """Return a number with some decimals; a dash for NaN and "unlimited" for infinity."""
+    """Return a number with some decimals; a dash for NaN and "unlimited" for infinity.
+
+    From `_MAX_FIXED` on it has four significant digits and a power of ten.
+    """
+    if _MAX_FIXED <= abs(float(value)) < np.inf:
+        return significant(name, value, unit=unit)
     rounded = round(float(value), digits) or 0.0  # no minus before a zero
     return _shown(name, value, f"{rounded:.{digits}f}", unit)
 

@@ -277,6 +277,12 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     faults = Faults()
     with faults.kept():
         vehicle = () if {"study", "campaign"} & document.keys() else HEADINGS
+        loose = [key for key, value in document.items() if not isinstance(value, dict | list)]
+        if loose and loose[0] not in {*HEADINGS, *(table.name for table in TABLES)}:
+            raise InputError(
+                f"key {shown(loose[0])} stands in no table; write the table above it, such as"
+                " [vehicle] or [study]"
+            )
         check_known("table", document, [*vehicle, *(table.name for table in TABLES)])
     for table in _SINGLE_TABLES:
         with faults.kept():

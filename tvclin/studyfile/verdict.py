@@ -91,6 +91,8 @@ def _required(study: Study) -> Line:
         return (_NOTHING,)
     if np.isinf(need):
         return (_NONE,)
+    if need >= np.pi / 2:
+        return ("This wind requires more than 90 deg of deflection, which no nozzle has",)
     return (
         "This wind requires ",
         *degrees("verdict.required", need, unit="deg"),

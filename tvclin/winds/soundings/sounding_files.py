@@ -264,6 +264,7 @@ def read_soundings(
             progress(i + 1, len(files))
     if not collection.pieces and not collection.stations and collection.counted:
         remark, (count, where) = next(iter(collection.counted.items()))
+        remark = remark.replace("files", "file", 1) if count == 1 else remark
         raise errors.InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
     return collection.soundings(sounding_filter.utc_offset)
 
