@@ -416,8 +416,18 @@ def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archi
         )
         result = tv.availability(flight, one(gappy), limit=1.0, **PITCH)
         assert (result.lower[0] == pytest.approx(result.upper[0], rel=1e-3)) == known
+        assert not any("have gaps of at most" in note for note in result.notes)
         result = result.with_limit(0.5 * (result.lower[0] + result.upper[0]) + 1e-6 * known)
         assert known == (result.fraction().unknown == 0)
+
+
+def test_a_gap_in_which_not_every_wind_is_counted_is_noted(flight, archive) -> None:
+    wind = archive[11]
+    keep = (wind.height <= 9e3) | (wind.height >= 11.5e3)
+    gappy = tv.WindProfile(height=wind.height[keep], east=wind.east[keep], north=wind.north[keep])
+    result = tv.availability(flight, one(gappy), limit=1.0, **PITCH)
+    (note,) = [note for note in result.notes if "have gaps of at most 3 km" in note]
+    assert note.startswith("1 soundings")
 
 
 def test_a_calm_flies_with_no_limit_at_all(flight) -> None:

@@ -20,7 +20,9 @@ from tvclin.ensembles.availability.availability_record import Availability, scal
 from tvclin.ensembles.availability.judge import STOPS, Judge
 from tvclin.ensembles.availability.sounding_winds import (
     HALF_DAY,
+    MAX_BOUNDED_DISTANCE,
     PairGrowth,
+    SoundingWinds,
     WindGrowth,
     grown_by,
     growth_of,
@@ -179,6 +181,7 @@ def availability(
         notes=(
             *(*soundings.notes, *growth_notes, *flight_notes),
             *_judged(judge, required.judged),
+            *_gaps(judge, soundings),
             *_seasons(soundings, required.reasons),
         ),
         reasons=tuple(required.reasons),
@@ -222,6 +225,18 @@ def _added(
         ]
     notes = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
     return np.full(lower.shape[0], growth), notes
+
+
+def _gaps(judge: Judge, soundings: Soundings) -> list[str]:
+    """Return a note on gaps in which a wind may be stronger than the upper bound assumes."""
+    winds = SoundingWinds.of(soundings[soundings.usable], judge.path)
+    count, gap = int(np.sum(winds.has_bounded_gaps)), 1e-3 * MAX_BOUNDED_DISTANCE
+    if not count:
+        return []
+    return [
+        f"{count} soundings have gaps of at most {gap:g} km: a wind there that is stronger than at"
+        " both edges, and than 95 % of the archive, is not counted"
+    ]
 
 
 def _judged(judge: Judge, times: FloatArray) -> list[str]:

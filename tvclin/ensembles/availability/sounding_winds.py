@@ -311,9 +311,20 @@ class SoundingWinds:
 
     def incomplete(self, path: FlightPath) -> BoolArray:
         """Return whether a sounding lacks the wind anywhere along a flight, ``(n,)``."""
-        gap = np.zeros(self.offsets.size - 1, dtype=bool)
-        gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
+        gap = self._with_gaps(self.gaps)
         return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
+
+    @property
+    def has_bounded_gaps(self) -> BoolArray:
+        """Whether a sounding has a gap of at most `MAX_BOUNDED_DISTANCE`, ``(n,)``."""
+        distance = self.height[self.gaps + 2] - self.height[self.gaps - 1]
+        return self._with_gaps(self.gaps[distance <= MAX_BOUNDED_DISTANCE])
+
+    def _with_gaps(self, gaps: IntArray) -> BoolArray:
+        """Return whether soundings have one of the gaps, ``(n,)``."""
+        has_gap = np.zeros(self.offsets.size - 1, dtype=bool)
+        has_gap[np.searchsorted(self.offsets, gaps, side="right") - 1] = True
+        return has_gap
 
     def wind(self, azimuth: float, plane: str, strong: bool) -> FloatArray:
         """Return the wind in a plane [m/s] at the levels, with the sign of `WindProfile`.
