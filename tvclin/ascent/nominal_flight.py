@@ -230,7 +230,7 @@ class NominalFlight:
 
     @cached_property
     def _solutions(self) -> tuple[Any, Any]:
-        """Dense solutions before and after the vehicle's own time."""
+        """Solutions of the flight before and after the time of the vehicle, for any time."""
         v = self.vehicle
         begin = np.array([v.velocity, v.attitude, self.condition.altitude], dtype=float)
         return self._integrated(begin, self.start), self._integrated(begin, self.stop)

@@ -200,7 +200,7 @@ def _forwards(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, r
 
 @inlined
 def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None:
-    """Write the slopes of the path under ideal trim, behind two places of attitude and rate."""
+    """Write the derivatives of the path states under ideal trim to `rates`, from index 2 on."""
     m = matrix.shape[1]
     deflection = _trim(matrix, q, path, wind)
     for i in range(2, m):

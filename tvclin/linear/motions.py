@@ -157,7 +157,7 @@ def _tank_value(values: tuple[Any, ...], k: int) -> Any:
 
 
 def _frequency(tank: SloshTank, a: Any) -> Any:
-    """Return the natural frequency of a tank [rad/s], of a pendulum sqrt(a/L)."""
+    """Return the natural frequency of a tank [rad/s]: specified, or of a pendulum sqrt(a/L)."""
     if tank.pendulum_length is None:
         return tank.frequency
     if np.any(np.asarray(a) <= 0.0):

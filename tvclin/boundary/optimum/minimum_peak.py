@@ -387,7 +387,10 @@ def _proved(
     spans: tuple[float, ...],
     pair_peaks: Callable[[AnyArray, AnyArray], FloatArray],
 ) -> BoolArray:
-    """Return whether a time T = span/p proves the peak, ``(n,)``; `pair_peaks` bounds a pair's."""
+    """Return whether the proof of `_is_sufficient` succeeds with one of T = span/p, ``(n,)``.
+
+    `pair_peaks`: function of poles and demands of complex pairs to bounds of their minimum peaks.
+    """
     p, others = np.real(poles[:, 0]), poles[:, 1:]
     rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0
     proved = np.zeros(p.shape, dtype=bool)

@@ -397,7 +397,7 @@ def _above_previous(
 
 
 def _interpolated_levels(rows: Rows, index: IndexArray) -> tuple[IndexArray, FloatArray]:
-    """Return the levels without a height between two with a height, and their heights [m]."""
+    """Return indices and interpolated heights [m] of levels without a height of their own."""
     with np.errstate(invalid="ignore", divide="ignore"):
         log_pressure = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))
     base = np.flatnonzero(~np.isnan(log_pressure + rows.height))
