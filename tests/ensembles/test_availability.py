@@ -423,7 +423,7 @@ def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archi
 
 def test_a_gap_in_which_not_every_wind_is_counted_is_noted(flight, archive) -> None:
     wind = archive[11]
-    keep = (wind.height <= 9e3) | (wind.height >= 11.5e3)
+    keep = (wind.height <= 9.1e3) | (wind.height >= 11.4e3)
     gappy = tv.WindProfile(height=wind.height[keep], east=wind.east[keep], north=wind.north[keep])
     result = tv.availability(flight, one(gappy), limit=1.0, **PITCH)
     (note,) = [note for note in result.notes if "have gaps of at most 3 km" in note]
