@@ -449,8 +449,8 @@ def test_the_head_of_the_page_is_that_of_the_study_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("revision = 3", "revision in .document. must be a text; got 3"),
-        ("date = true", "date in .document. must be a text; got True"),
+        ("revision = 3", ".document.: revision must be a text of printable characters; got 3"),
+        ("date = true", ".document.: date must be a text of printable characters; got True"),
         ('auther = "A"', "unknown key in .document.: 'auther'; did you mean author"),
     ],
 )

@@ -7,9 +7,8 @@ from dataclasses import dataclass, fields
 from datetime import date
 from typing import TYPE_CHECKING, Any, Self
 
-from tvclin.base.errors import InputError, between, fraction, instance, shown
-from tvclin.base.fields import count, file_table, quantity, word
-from tvclin.base.tables import FileTable
+from tvclin.base.errors import InputError, between, fraction, instance
+from tvclin.base.fields import checked, count, file_table, quantity, text, word
 from tvclin.case.case import DEFAULT_WIND, Case
 from tvclin.ensembles.dispersions import METHODS
 from tvclin.linear.deflections import SWITCHES
@@ -29,9 +28,6 @@ if TYPE_CHECKING:
     from tvclin.requirement.flight.request import SizingRequest
 
 
-DOCUMENT_TABLE = FileTable("[document]", words=("project", "author", "date", "revision"))
-
-
 @dataclass(frozen=True, kw_only=True)
 class Document:
     """The head of a page: project, author, date and revision. No number depends on it.
@@ -42,16 +38,13 @@ class Document:
         Text at the head of the page; empty where nothing is given.
     """
 
-    project: str = ""
-    author: str = ""
-    date: str = ""
-    revision: str = ""
+    project: str = text("")
+    author: str = text("")
+    date: str = text("")
+    revision: str = text("")
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if not isinstance(value, str):
-                raise InputError(f"{item.name} in [document] must be a text; got {shown(value)}")
+        checked(self)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Self:
@@ -66,6 +59,9 @@ class Document:
         if isinstance(values.get("date"), date):
             values["date"] = values["date"].isoformat()
         return cls(**values)
+
+
+DOCUMENT_TABLE = file_table("[document]", Document)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ from itertools import compress, repeat
 import numpy as np
 
 from tvclin.base.arrays import BoolArray
+from tvclin.base.fields import record_table
 from tvclin.base.lines import Line, Table, degrees, number, significant, text
 from tvclin.base.quantities import NO_FORECAST, QUANTITIES, WIND_KNOWN
 from tvclin.requirement.flight.sizing import STEADY, Sizing
@@ -124,14 +125,15 @@ def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> lis
 
 def fixed_wind_table(s: Sizing, wind: int) -> Table:
     """Return the requirements of a wind that is fixed in the flight, and when they arise [s]."""
-    name, rows = s.winds[wind], []
-    for requirement, worst in s.worst_in(name).items():
-        if not np.isnan(s.arising(requirement)[wind]):
-            key = f"flight.whole.{wind}.{requirement}"
-            size, when = degrees(key, worst.deflection), significant(f"{key}.time", worst.time, 4)
-            rows.append(((_short(requirement),), size, when))
-    head = ("requirement", "[deg]", "arises at [s]")
-    return Table(f"Required deflection over the whole flight: {name}", head, tuple(rows))
+    name = s.winds[wind]
+    arising = {k: x for k, x in s.worst_in(name).items() if not np.isnan(s.arising(k)[wind])}
+    return record_table(
+        f"Required deflection over the whole flight: {name}",
+        f"flight.whole.{wind}",
+        list(arising.values()),
+        *("deflection", "time"),
+        labels=("requirement", map(_short, arising)),
+    )
 
 
 def _is_fixed(s: Sizing, names: Sequence[Requirement]) -> BoolArray:
