@@ -154,3 +154,10 @@ def test_numbers_beyond_all_nozzles_are_no_wider_than_others(tmp_path: Path) -> 
     assert said.startswith("This wind requires more than 90 deg of deflection, which no nozzle has")
     assert "a power of ten may be missing" in " ".join(said.split())
     assert max(len(line.rstrip()) for line in said.splitlines()) <= 80
+
+
+def test_a_heading_is_broken_before_a_cell() -> None:
+    said = CliRunner(env={"COLUMNS": "80"}).invoke(app, ["margins", "configuration-i"]).output
+    (aero,) = (line for line in said.splitlines() if line.startswith("  aero: gain may fall"))
+    assert aero.rstrip().endswith("NOT MET")
+    assert "dB (1.79x)" in aero

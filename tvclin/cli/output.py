@@ -131,8 +131,8 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     Words stay in one piece where the terminal is wide enough for all of them. rich alone takes room
     from the widest columns first and breaks their words: of 17 tables of the commands it breaks a
     number or a word of three at 80 columns (of one with `min_width`, whose last column may be cut),
-    and of six at 70; these widths break none and four. A last column of sentences that has too
-    little room is set below the table, each with its label.
+    and of six at 70; these widths break none and four. A heading is broken before a cell. A last
+    column of sentences that has too little room is set below the table, each with its label.
     """
     from rich.console import Console
 
@@ -145,11 +145,17 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     wanted = [max(map(len, cells)) - width for cells, width in zip(columns, minima, strict=True)]
     spare = console.width - sum(minima) - _MAX_COLUMN_PADDING * len(columns) - 1
     fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)
-    labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
-    for n, k in enumerate(labels_first):
-        shared = 1 if not k and not prose[k] else len(columns) - n
-        wider[k] = min(wanted[k], max(spare, 0) // shared)
-        spare -= wider[k]
+    of_cells = [
+        max(max(map(len, cells[1:]), default=0) - width, 0)
+        for cells, width in zip(columns, minima, strict=True)
+    ]
+    for lengths in (of_cells, wanted):  # a heading is broken before a cell
+        labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], lengths[k]))
+        for n, k in enumerate(labels_first):
+            shared = 1 if not k and not prose[k] else len(columns) - n
+            more = min(lengths[k] - wider[k], max(spare, 0) // shared)
+            wider[k] += more
+            spare -= more
     *_, last = wider
     narrow = not fits or minima[last] + wider[last] < _MIN_PROSE_WIDTH
     if last and prose[last] and wanted[last] > wider[last] and narrow:
