@@ -991,6 +991,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "steady_drift": Door(tv.control.steady_drift, {"autopilot": steered, "plant": rising}),
+        "GainSchedule.to_csv": Door(two.to_csv, {"path": None}),
         "GainSchedule.margins": Door(two.margins, {"plants": plant}),
         "AutopilotDesign": Door(
             tv.AutopilotDesign,

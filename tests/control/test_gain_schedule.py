@@ -8,6 +8,7 @@ import pytest
 import tvclin as tv
 from tests.whole_flight import TIMES, autopilot, flight
 from tvclin import InputError
+from tvclin.control.autopilot.gain_table import load_gains
 from tvclin.vehicle import Filter
 
 
@@ -67,6 +68,21 @@ def test_a_notch_follows_its_mode_and_the_actuator_the_flight() -> None:
         notch.at(flight(flexible=False), 50.0)
     with pytest.raises(InputError, match=r"see along\(flight, time\)"):
         replace(autopilot(), notches=(notch,)).at(50.0)
+
+
+@pytest.mark.parametrize("variable", ["time", "speed", "altitude", "mach", "dynamic_pressure"])
+def test_the_table_of_a_schedule_reads_back_as_its_gains(variable, tmp_path) -> None:
+    gains = {"attitude_gain": [0.6, 0.4], "rate_gain": [0.7, 0.5], "alpha_gain": 0.1}
+    drift = {"drift_rate_gain": [1e-3, 2e-3], "drift_gain": [1e-4, 1e-5]}
+    law = tv.Autopilot(**gains, **drift, acceleration_gain=[1e-3, 2e-3])
+    points = np.array([1.1, 3.3])
+    tv.control.GainSchedule(points, law, variable).to_csv(tmp_path / "gains.csv")
+    table, of_filters = load_gains(tmp_path / "gains.csv")
+    assert (table.variable, table.breakpoints.tolist(), of_filters) == (variable, [1.1, 3.3], {})
+    assert "integral_gain" not in table.gains
+    for name, values in table.gains.items():
+        expected = np.broadcast_to(getattr(law, name), (2,))
+        np.testing.assert_allclose(values, expected, rtol=1e-15)
 
 
 def test_the_numbers_of_a_notch_at_a_mode_are_interpolated_in_the_variable() -> None:

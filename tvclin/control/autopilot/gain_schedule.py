@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -23,7 +24,7 @@ from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
 from tvclin.control.autopilot.filter_table import NOTCH_NUMBERS, ModeNotch
-from tvclin.control.autopilot.gain_table import GainTable
+from tvclin.control.autopilot.gain_table import GainTable, gain_columns
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -179,6 +180,20 @@ class GainSchedule:
         return with_actuator_of(
             replace(autopilot, filters=(*autopilot.filters, *notches)), flight, time
         )
+
+    def to_csv(self, path: Path | None = None) -> str:
+        """Return the gains as the CSV table of a study file, and write it where a path is given.
+
+        It is what `schedule` in [autopilot] reads; delay, filters, notches and sample rate stand in
+        the study file itself.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        gains = {name: getattr(self.autopilot, name) for name in GAINS}
+        return gain_columns(self.variable, self.breakpoints, gains).csv(path)
 
     def margins(self, plants: Plant) -> Margins:
         """Return the margins at every breakpoint.

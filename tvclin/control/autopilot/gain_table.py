@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Column, Columns
 from tvclin.base.errors import InputError, naming, shown
 from tvclin.base.sheet import Headings, cell_number, read_sheet
 from tvclin.base.tables import FileTable
+from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.filter_table import COLUMN_PREFIX, ModeNotch
 from tvclin.vehicle.filters import Filter
@@ -25,6 +28,10 @@ _VARIABLES = {
 """Variables of the flight with their kinds of units."""
 GAIN_COLUMNS = FileTable("a table of gains", _VARIABLES | GAINS)
 """Columns of a table of gains: one variable of the flight, and gains."""
+_REQUIRED_GAINS = {"attitude_gain", "rate_gain"}
+"""Gains that a table must have."""
+_KEYS = "keys such as mach,attitude_gain,rate_gain_s (tvclin init --keys lists them)"
+"""Expected line of names, for a message."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +51,22 @@ class GainTable:
     notches: tuple[ModeNotch, ...] = ()
 
 
+def gain_columns(
+    variable: str, breakpoints: FloatArray, gains: Mapping[str, FloatArray | float]
+) -> Columns:
+    """Return the columns of a table of gains, as `load_gains` reads them; zero gains are omitted.
+
+    `breakpoints`: values ``(n,)`` of the variable in SI units. `gains`: gains by name, ``(n,)`` or
+    constant.
+    """
+    columns = [
+        Column(name, np.asarray(gain), si_unit(GAINS[name]), () if np.ndim(gain) == 0 else None)
+        for name, gain in gains.items()
+        if name in _REQUIRED_GAINS or np.any(gain)
+    ]
+    return Columns((Column(variable, breakpoints, si_unit(_VARIABLES[variable])),), tuple(columns))
+
+
 def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatArray]]:
     """Return the gains over a variable of the flight in a CSV table, and its columns of filters.
 
@@ -60,7 +83,7 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
         For a cell that is no number, an unknown column, no or several columns of variables, values
         that do not rise, and a table without both attitude_gain and rate_gain.
     """
-    sheet = read_sheet(source, "a table of gains", _known_keys, "keys such as mach,attitude_gain")
+    sheet = read_sheet(source, "a table of gains", _known_keys, _KEYS)
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
         if not _is_known(key):
@@ -87,7 +110,7 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
         points = columns.pop(variables[0])
         if points.size < 2 or np.any(np.diff(points) <= 0.0):
             raise InputError(f"{variables[0]} must have two or more values, which rise")
-        if not {"attitude_gain", "rate_gain"} <= columns.keys():
+        if not _REQUIRED_GAINS <= columns.keys():
             raise InputError("a table of gains needs attitude_gain and rate_gain_s, both")
     gains = {name: columns.pop(name) for name in GAINS if name in columns}
     return GainTable(variables[0], points, gains), columns
