@@ -1,13 +1,21 @@
 """Which cases of a claim a usual run takes, and which only a thorough one."""
 
+import os
 from collections.abc import Callable, Iterable
 from itertools import product
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, seed, settings
 
 _THOROUGH = pytest.mark.thorough
+_SEED = int(os.environ.get("TVCLIN_SEED", "0"))
+"""Seed of fresh random cases; zero for the cases that are always the same."""
+
+
+def seeds(*numbers: int) -> list[int]:
+    """Return the seeds of a random case for numpy, with `TVCLIN_SEED` if that is set."""
+    return [*numbers, _SEED] if _SEED else list(numbers)
 
 
 def usual(cases: Iterable[Any], *places: int) -> list[Any]:
@@ -32,13 +40,17 @@ def by_turns(names: str, *values: Iterable[Any], each: int) -> pytest.MarkDecora
 
 
 def drawn(few: int, many: int, *strategies: Any, **options: Any) -> Callable[..., Any]:
-    """Draw so many examples in a usual run, and so many in a thorough one, always the same."""
+    """Draw so many examples in a usual run, and so many in a thorough one.
+
+    They are always the same, unless `TVCLIN_SEED` is set.
+    """
 
     def draw(claim: Callable[..., None]) -> Callable[..., None]:
         @pytest.mark.parametrize("examples", usual([few, many], 0))
         def test(examples: int) -> None:
             request = {"max_examples": examples, "deadline": None, "derandomize": True} | options
-            settings(**request)(given(*strategies)(claim))()
+            search = given(*strategies)(claim)
+            settings(**request)(seed(_SEED)(search) if _SEED else search)()
 
         return test
 

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.pages import Page
-from tests.turns import usual
+from tests.turns import seeds, usual
 from tvclin.base.lines import text
 from tvclin.boundary.open_loop import Reason
 from tvclin.cli.app import app
@@ -51,7 +51,7 @@ _AFTER_TRIM, _AFTER_TRIM_OF_VECTOR = 3e-4, 1e-3
 
 def drawn(seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return a random vehicle and the other tables of its study file."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(seeds(seed))
     numbers = np.array(VEHICLES[rng.integers(2)]) * np.exp(rng.normal(0.0, 0.25, len(KEYS)))
     kind = rng.random()
     if kind < 0.25:  # nearly neutral, or stable
@@ -224,7 +224,7 @@ def test_a_case_requires_the_same_at_every_entry_point(seed: int, tmp_path: Path
 
 def ascent_and_sounding(seed: int, folder: Path) -> tuple[tv.FlightSchedule, tv.WindProfile]:
     """Return the ascent of a random vehicle in one minute, and a rough sounding along it."""
-    rng, vehicle = np.random.default_rng([seed, 1]), drawn(seed)[0]
+    rng, vehicle = np.random.default_rng(seeds(seed, 1)), drawn(seed)[0]
     climb = vehicle["velocity_m_per_s"] * np.sin(np.radians(vehicle["attitude_deg"]))
     top = 2e3 + 60.0 * climb
     schedule = {"time_s": [0.0, 60.0], **vehicle, "altitude_m": [2e3, top]}
@@ -244,7 +244,7 @@ def test_a_sounding_flies_with_what_the_ascent_through_it_requires(
     seed: int, tmp_path: Path
 ) -> None:
     flight, wind = ascent_and_sounding(seed, tmp_path)
-    rng, study = np.random.default_rng([seed, 2]), drawn(seed)[1]["study"]
+    rng, study = np.random.default_rng(seeds(seed, 2)), drawn(seed)[1]["study"]
     plane, model, azimuth = study["plane"], study["model"], float(rng.uniform(0.0, 2.0 * np.pi))
     through = tv.fly_through(wind, flight, azimuth=azimuth, plane=plane)
     options = {"model": model, "plane": plane}
