@@ -150,7 +150,10 @@ def test_every_law_flies_a_flexible_vehicle_with_filters(mine, law):
         (("--engine", "planar", "--sample-rate", "50"), "--sample-rate needs --engine linear"),
         (("--law", "trim", "--natural-frequency", "2"), "--natural-frequency needs --law auto"),
         (("--sample-rate", "0"), "--sample-rate must be"),
-        (("--set", "nozzle.rate_limit_deg_per_s", "-1"), "rate_limit must be"),
+        (
+            ("--set", "nozzle.rate_limit_deg_per_s", "-1"),
+            "rate_limit_deg_per_s in [nozzle] must be positive; got -1",
+        ),
         (("--set", "nozzle.actuator_frequency_rad_per_s=0"), "second order"),
         (("--engine", "euler"), "--engine"),
     ],

@@ -156,7 +156,7 @@ class FlightComparison:
         """
         angles = dict(self.largest)
         if boundaries is not None and boundaries[0] is not None:
-            angles = {"least limit that survives [deg]": (boundaries[0], boundaries[1])} | angles
+            angles = {"smallest limit that survives [deg]": (boundaries[0], boundaries[1])} | angles
         outcomes = ((outcome,) for outcome in self.outcomes)
         rows: list[tuple[Line, ...]] = [(("with this limit the vehicle",), *outcomes)]
         for k, (label, pair) in enumerate(angles.items()):

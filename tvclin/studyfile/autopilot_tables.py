@@ -97,7 +97,7 @@ def flexible_flight(findings: Findings) -> Table:
         for k, boundary in enumerate((flexible, rigid))
     )
     head = ("quantity", "flexible", "rigid")
-    return Table(caption, head, ((("least limit that survives [deg]",), *cells),))
+    return Table(caption, head, ((("smallest limit that survives [deg]",), *cells),))
 
 
 def law_tables(findings: Findings) -> tuple[Table, ...]:
