@@ -97,9 +97,15 @@ class Stages:
 
     @cached_property
     def plants(self) -> AnyPlant:
-        """Plants at the breakpoints of the vehicles of all flights."""
-        flight = np.repeat(np.arange(self.starts.size), [t.size for t in self.vehicle_breaks])
-        return self.plants_at(np.concatenate(self.vehicle_breaks), flight)
+        """Plants of all flights at breakpoints of vehicles, ends of winds and flights, and knots.
+
+        They are at the middle of samples next to a knot of the wind.
+        """
+        ends, knots = self._ends.ravel(), self._next_to_knots
+        times = [*self.vehicle_breaks, self.times[ends], self.times[knots] + 0.5 * self.period]
+        at_breaks = np.repeat(np.arange(self.starts.size), [t.size for t in self.vehicle_breaks])
+        flight = np.concatenate([at_breaks, self.flight[ends], self.flight[knots]])
+        return self.plants_at(np.concatenate(times), flight)
 
     @cached_property
     def times(self) -> FloatArray:
@@ -445,17 +451,24 @@ class Stages:
         time before the end.
         """
         h, flight = self.period, self.flight_of_wind
-        wind_end = np.concatenate([wind.end.ravel() for wind in self.winds])
-        samples = self.samples[flight]
-        ends = np.minimum(samples_in(wind_end - self.starts[flight], np.array(h)), samples)
-        rows = self.first[flight] + np.stack([ends, samples])
-        plants = self.plants_at(self.times[rows].ravel(), np.tile(flight, 2))
-        criteria = outcome_criteria(plants)
+        samples, ends = self.samples[flight], self._ends[0] - self.first[flight]
+        criteria, begin = outcome_criteria(self.plants), sum(map(np.size, self.vehicle_breaks))
         settling = np.ceil(np.where(np.isnan(criteria.reach), 0.0, criteria.settling) / h)
-        after_wind, at_end = settling.astype(np.int64).reshape(2, -1)
+        after_wind, at_end = (
+            settling[begin : begin + self._ends.size].astype(np.int64).reshape(2, -1)
+        )
         late = ends >= samples
         before = np.maximum(samples - at_end - 2 * JUDGED_SAMPLES, 1)
         return np.where(late, before, ends), np.where(late, at_end, after_wind)
+
+    @cached_property
+    def _ends(self) -> IntArray:
+        """Indices of the samples at the end of each wind, and of its flight, ``(2, w)``."""
+        flight = self.flight_of_wind
+        wind_end = np.concatenate([wind.end.ravel() for wind in self.winds])
+        samples = self.samples[flight]
+        ends = samples_in(wind_end - self.starts[flight], np.array(self.period))
+        return self.first[flight] + np.stack([np.minimum(ends, samples), samples])
 
     def _cases(self, batch: Batch) -> Cases:
         """Return the numbers of each flight; outcomes are judged after its wind."""
@@ -482,30 +495,29 @@ class Stages:
     @cached_property
     def vehicles(self) -> Vehicles:
         """Vehicles of all stages; A and gust input in samples next to a knot of the wind."""
-        arrays = self._arrays
+        arrays, moving = self._arrays, self.sensors.system(self.plants)
+        starts = np.cumsum([0, *(times.size for times in self.vehicle_breaks)])
+        poles = np.abs(np.linalg.eigvals(moving.A[: starts[-1]])).max(axis=-1)
+        fastest = np.maximum.reduceat(poles, starts[:-1])[self.flight]
         if "A" not in arrays:
-            arrays = arrays | self._next_to_knots
+            count, n, rows = self.times.size, len(moving.states), self._next_to_knots
+            A, gust = self.storage.empty("A", (count, n, n)), self.storage.empty("gust", (count, n))
+            A[rows], gust[rows] = (x[len(x) - rows.size :] for x in (moving.A, moving.B[..., 1]))
+            arrays = arrays | {"A": A, "gust": gust}
         named = {name: arrays[name] for name in ("shown", "A", "gust")}
-        poles = np.linalg.eigvals(self.sensors.system(self.plants).A)
-        starts = np.cumsum([0, *(times.size for times in self.vehicle_breaks[:-1])])
-        by_flight = np.maximum.reduceat(np.abs(poles).max(axis=-1), starts)
-        return Vehicles(**named, fastest=by_flight[self.flight], **self._criteria)
+        return Vehicles(**named, fastest=fastest, **self._criteria)
 
     @cached_property
-    def _next_to_knots(self) -> dict[str, FloatArray]:
-        """A and gust input in samples next to a knot of the wind, by name, without other values."""
-        count, h, flight = self.times.size, self.period, self.flight_of_wind
-        inside = np.floor((self._pieces[0] - self.starts[flight, np.newaxis]) / h)
+    def _next_to_knots(self) -> IntArray:
+        """Indices of the samples next to a knot of the wind; none where all are interpolated."""
+        if self._by_pressure:
+            return np.zeros(0, np.int64)
+        flight = self.flight_of_wind
+        inside = np.floor((self._pieces[0] - self.starts[flight, np.newaxis]) / self.period)
         samples, firsts = (a[flight, np.newaxis, np.newaxis] for a in (self.samples, self.first))
         neighbours = inside[..., np.newaxis] + np.arange(-1, 2)
         flown = (neighbours >= 0) & (neighbours <= samples)
-        rows = np.unique((firsts + np.where(flown, neighbours, 0))[flown]).astype(np.int64)
-        plants = self.plants_at(self.times[rows] + 0.5 * h, self.flight[rows])
-        moving = self.sensors.system(plants)
-        n = len(moving.states)
-        A, gust = self.storage.empty("A", (count, n, n)), self.storage.empty("gust", (count, n))
-        A[rows], gust[rows] = moving.A, moving.B[..., 1]
-        return {"A": A, "gust": gust}
+        return np.unique((firsts + np.where(flown, neighbours, 0))[flown]).astype(np.int64)
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
