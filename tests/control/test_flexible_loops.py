@@ -336,7 +336,7 @@ def test_criteria_know_bands():
     for spare, satisfied in ((0.1, True), (0.0, True), (-0.1, False)):
         every = tv.control.Criteria.custom(mode_gain_margin_dB=just - spare).judge(result)
         assert [one.satisfied for one in every if one.band == "bending 2"] == [satisfied]
-    with pytest.raises(tv.InputError, match="is asked of modes"):
+    with pytest.raises(tv.InputError, match="is a criterion of modes"):
         criteria.judge(result.margins)
     turned = replace(STRUCTURE.bending[0], attitude_slope=-0.2724, rate_slope=-0.2548)
     lost = AUTOPILOT.band_margins(booster(bending=(turned, *STRUCTURE.bending[1:])))

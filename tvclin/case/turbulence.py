@@ -254,7 +254,7 @@ class LoopInTurbulence(Shown):
     duration: float = field(metadata=spec("time"))
     limit: float | None = field(metadata=spec("angle"))
     probability_of_none: float | None = field(
-        metadata=spec(label="probability that the limit is not met", significant=5)
+        metadata=spec(label="probability that the limit is not reached", significant=5)
     )
     covariance: LoopCovariance
     history: CovarianceHistory

@@ -223,7 +223,7 @@ def _sentence(error: Exception) -> str | None:
     if isinstance(error, OSError) and error.errno != EPIPE:
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):
-        return f"there is not enough memory for what was asked: {error}"
+        return f"there is not enough memory for this question: {error}"
     if isinstance(error, ArithmeticError) or type(error).__name__ == "LinAlgError":
         return (
             f"floating-point arithmetic fails on these numbers ({error}); bring vehicle and options"

@@ -158,7 +158,7 @@ def log(
     ],
     output: Output,
     wind_output: Path | None = option(
-        "Also write the wind that the flight met, over height, as CSV.", callback=to_write
+        "Also write the wind that the flight encountered, over height, as CSV.", callback=to_write
     ),
     columns: Path | None = option(
         "TOML file with a table named columns, as of tvclin import table.",
@@ -167,7 +167,7 @@ def log(
     rows: Rows = GROUP,
     more: More = False,
 ) -> None:
-    """Read the log of a simulation in wind: a schedule, and the wind that it met.
+    """Read the log of a simulation in wind: a schedule, and the wind that it encountered.
 
     The wind is the column wind_angle_deg, wind_speed_m_per_s, or angle_of_attack_deg.
 

@@ -44,7 +44,7 @@ _STEP_OVER_TIME_SCALE, _MIN_STEP_S, _MAX_STEP_S = 0.01, 0.002, 0.05
 _RUNS_AT_ONCE, _MAX_RUNS = 200, 100_000
 """Flights in memory at one time, and of one call."""
 _AT_LIMIT = 1.0 - 1e-9
-"""Deflection over its limit from which the limit counts as met."""
+"""Deflection over its limit from which the limit counts as reached."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +114,9 @@ class TurbulenceFlights(Shown):
             none = significant(
                 f"{key}.linear_probability_of_none", 100.0 * self.linear_probability_of_none, 4, "%"
             )
-            rows.append(("linear, limit not met", none))
+            rows.append(("linear, limit not reached", none))
         rows += [
-            ("flights, limit not met", self.unlimited.line(f"{key}.unlimited")),
+            ("flights, limit not reached", self.unlimited.line(f"{key}.unlimited")),
             ("flights, survived", self.survived.line(f"{key}.survived")),
         ]
         return [quantities("Flights with limits in sampled turbulence", rows)]

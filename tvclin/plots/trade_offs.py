@@ -176,8 +176,8 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     ]
     curves = Curves(
         "least-gains",
-        "minimum deflection over the disk margin that is asked for",
-        "disk margin asked for [-]",
+        "minimum deflection over the required disk margin",
+        "required disk margin [-]",
         disk,
         tuple(columns),
     )

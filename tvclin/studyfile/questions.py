@@ -410,7 +410,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
 def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
     """Yield whether limit, rate limit and load limit cover the wind and k sigma of turbulence.
 
-    It is a criterion on the linear loop: where it is not satisfied, limits are met more often.
+    It is a criterion on the linear loop: where it is not satisfied, limits are reached more often.
     Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
     bound.
     """
@@ -645,5 +645,5 @@ def _modes(margins: BandMargins) -> Iterator[Question]:
         has = margin("answer.mode.phase", worst.phase_margin_deg, "deg")
         line += (", " * bool(line) + f"{worst.name} has ", *has, " of phase")
     if line:
-        words = "; nothing is asked of modes without mode_gain_margin_dB in [criteria]"
+        words = "; no criterion of modes without mode_gain_margin_dB in [criteria]"
         yield Question("modes", None, (*line, words))

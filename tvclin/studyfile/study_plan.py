@@ -170,7 +170,7 @@ class StudyPlan(Case):
                 instance(name, getattr(self, name), type_, hint)
         if self.criteria is not None and self.criteria.has_mode_limits and not self._modes:
             raise InputError(
-                "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"
+                "mode_gain_margin_dB and mode_phase_margin_deg are criteria of modes: the vehicle"
                 " needs [[bending]] or [[slosh]] in its file"
             )
 

@@ -242,8 +242,8 @@ class Criteria:
                 judgements.append(_judge(criterion, loop))
             elif isinstance(margins, Margins):
                 raise InputError(
-                    f"{criterion.margin} is asked of modes; give Autopilot.band_margins in place"
-                    " of margins"
+                    f"{criterion.margin} is a criterion of modes; give Autopilot.band_margins in"
+                    " place of margins"
                 )
             judgements += [
                 _judge_mode(criterion, loop, mode)
