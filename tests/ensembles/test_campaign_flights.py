@@ -257,7 +257,7 @@ def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflect
         ({"outputs": {"names": ["required"], "law": "trim"}}, 'flown by the output "flight"'),
         ({"nozzle": {}}, "needs the limit of the nozzle: limit_deg"),
         ({"nozzle": {"limit_deg": 1, "rate": 2}}, "unknown key in .nozzle.: 'rate'"),
-        ({"nozzle": {"limit_deg": -1}}, "limit must be positive"),
+        ({"nozzle": {"limit_deg": -1}}, "limit_deg in .nozzle. must be positive"),
         (
             {
                 "outputs": {"names": ["flight"], "law": "autopilot"},
