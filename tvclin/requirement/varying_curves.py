@@ -12,7 +12,7 @@ values, the demand Hermite's cubic of two values and slopes. From them follow
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -78,14 +78,14 @@ class Curves:
         step = np.clip(np.floor(position).astype(int), 0, self.trim.shape[1] - 1)
         return step, position - step
 
-    @property
+    @cached_property
     def sign(self) -> FloatArray:
         """Sign of the trim deflection of largest size, of each wind, ``(n,)``."""
         flat = self.trim.reshape(len(self.trim), -1)
         largest = np.argmax(np.abs(flat), axis=-1)[:, np.newaxis]
         return np.asarray(np.sign(np.take_along_axis(flat, largest, axis=-1))[:, 0])
 
-    @property
+    @cached_property
     def has_two_signs(self) -> BoolArray:
         """Whether the winds change sign, ``(n,)``."""
         low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))
@@ -122,7 +122,9 @@ class Curves:
         return np.asarray(largest)
 
     def of(self, cases: IndexArray) -> Curves:
-        """Return the curves of the cases with these indices."""
+        """Return the curves of the cases with these indices, rising."""
+        if len(cases) == len(self.trim):
+            return self
         return Curves(*(getattr(self, item.name)[cases] for item in fields(self)))
 
     def limit_of_trim_law(
@@ -188,26 +190,10 @@ class Curves:
 
         The exit is at a new maximum of trim; of several solutions the last has the largest limit.
         """
-        sign = self.sign[:, np.newaxis]
-        trim, demand = ((sign * x.reshape(len(x), -1)) for x in (self.trim, self.demand))
-        signed = self.has_two_signs
         if dead_band == 0.0:
-            return np.where(signed, np.nan, demand[:, 0]), self.times[:, 0, 0]
-        limit, position = np.empty(len(trim)), np.empty(len(trim))
-        arrays = self._lengths, self.trim, self.demand, self.demand_slope, self.sign
-        columns = (np.require(x, float, ["C", "W"]) for x in arrays)
-        work = self._lengths.size
-        run(
-            exits.dead_band_exits,
-            (*columns, dead_band, limit, position),
-            len(trim),
-            exits.PLAIN * work,
-            exits.COMPILED * work,
-        )
-        stays, largest = position < 0.0, np.argmax(trim, axis=-1)
-        position = np.where(stays, 0.5 * (largest % 3) + largest // 3, position)
-        limit = np.where(stays, self.largest_trim / dead_band, limit)
-        return np.where(signed, np.nan, limit), self.time_at(np.arange(len(trim)), position)
+            limit = self.sign * self.demand[:, 0, 0]
+            return np.where(self.has_two_signs, np.nan, limit), self.times[:, 0, 0]
+        return self._exit_from(self.demand, self.demand_slope, dead_band)
 
     def limit_with_minimum(
         self, minimum: FloatArray, dead_band: float
@@ -223,9 +209,28 @@ class Curves:
         rise = np.diff(minimum, axis=-1)
         line = np.divide(rise, width, out=np.zeros_like(rise), where=width > 0.0)
         slopes = np.broadcast_to(line, minimum.shape)
-        return replace(self, demand=sign * values, demand_slope=sign * slopes).limit_of_dead_band(
-            dead_band
+        return self._exit_from(sign * values, sign * slopes, dead_band)
+
+    def _exit_from(
+        self, demand: FloatArray, slope: FloatArray, dead_band: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the limit [rad] and the time [s] of the exit of a dead band, with any demand."""
+        limit, position = np.empty(len(demand)), np.empty(len(demand))
+        arrays = self._lengths, self.trim, demand, slope, self.sign
+        work = self._lengths.size
+        run(
+            exits.dead_band_exits,
+            (*(np.require(x, float, ["C", "W"]) for x in arrays), dead_band, limit, position),
+            len(demand),
+            exits.PLAIN * work,
+            exits.COMPILED * work,
         )
+        stays = position < 0.0
+        largest = np.argmax(self.sign[:, np.newaxis] * self.trim.reshape(len(demand), -1), axis=-1)
+        position = np.where(stays, 0.5 * (largest % 3) + largest // 3, position)
+        limit = np.where(stays, self.largest_trim / dead_band, limit)
+        time = self.time_at(np.arange(len(demand)), position)
+        return np.where(self.has_two_signs, np.nan, limit), time
 
     def trim_ratios(self, dead_band: float) -> FloatArray:
         """Return trim over K [rad] at begins of steps and the end of the last, ``(n, S + 1)``.
