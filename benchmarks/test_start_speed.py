@@ -52,7 +52,7 @@ FLOORS = {
     "report configuration-ii": f"{_TRIMS}; pyplot, two figures",
     "report": "flights of five laws, 2,000 cases, five figures",
     "study --gust 2 2": "numba, for 84 times of the gust",
-    "ascent": "numba, scipy.integrate for the nominal flight, 16 frozen requirements",
+    "ascent": "numba, 48 winds along the flight and 16 frozen ones",
     "fly": "scipy.integrate",
     "fly --law all": "numba, 180 flights with a scan of limits each",
 }
