@@ -397,7 +397,7 @@ class Campaign(Case):
                         f" flight; it is known from {wind.known[0]:.6g} to {wind.known[1]:.6g} s"
                     )
 
-    @property
+    @cached_property
     def nominal(self) -> dict[str, Any]:
         """Nominal values [SI] of all parameters that can be dispersed, by name."""
         values: dict[str, Any] = {name: getattr(self.vehicle, name) for name in NUMBERS}
