@@ -32,7 +32,7 @@ _SIMILAR_RUNS = 4
 _SETTLINGS = 6.0
 """Time that a flight goes on after its wind, over the settling time at the end of the schedule."""
 _MAX_FURTHER_SAMPLES = 20_000
-"""Largest number of samples after the end of the schedule; a flight that needs more ends there."""
+"""Largest number of samples after the end of the schedule."""
 _MAX_STAGES = 60_000
 """Largest number of samples of flights whose stages are in memory at one time, some 200 MB."""
 
@@ -113,9 +113,9 @@ class FlownFlight:
         if not self.goes_on or not end < self.wind.known[1]:
             return None
         last, _ = self.loops(np.array([self.flight.span[1]]))
-        stop = end + _SETTLINGS * float(outcome_criteria(last).settling[0])
-        samples = (stop - self.stop) * float(np.asarray(self.law.sample_rate))
-        settles = decidable(last)[0] and 0.0 < samples <= _MAX_FURTHER_SAMPLES
+        latest = self.stop + _MAX_FURTHER_SAMPLES / float(np.asarray(self.law.sample_rate))
+        stop = min(end + _SETTLINGS * float(outcome_criteria(last).settling[0]), latest)
+        settles = decidable(last)[0] and stop > self.stop
         return replace(self, stop=stop, goes_on=False) if settles else None
 
 
