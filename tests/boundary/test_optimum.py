@@ -1,6 +1,7 @@
 """The minimum-peak control against the tables, a linear program and mpmath of our own."""
 
 from dataclasses import astuple
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -73,11 +74,24 @@ def test_a_residual_is_that_of_the_condition_that_is_missed_most(missed):
 def test_the_lower_bound_holds_however_early_the_window_is_cut(monkeypatch):
     poles, demands = [0.1 + 0.2j], [1.0, 0.5]
     best, proof = solved(poles, demands)
+    functions = (
+        lambda u: np.exp(-0.1 * u) * np.cos(0.2 * u),
+        lambda u: np.exp(-0.1 * u) * np.sin(0.2 * u),
+    )
     for cut in (1.0, 6.0):
         monkeypatch.setattr("tvclin.boundary.optimum.moments.TRUNCATED", cut)
         window = Window(Constraints(np.asarray(poles), np.asarray(demands)))
-        bound = certify(window, best.multipliers, best.zeros[best.zeros < window.end], 1.0)
+        zeros = best.zeros[best.zeros < window.end]
+        bound, scaled = (
+            certify(window, scale * best.multipliers, zeros, 1.0) for scale in (1.0, 3.0)
+        )
         assert bound.dual < proof.primal
+        sizes = [
+            abs(best.multipliers @ [quad(f, *piece)[0] for f in functions])
+            for piece in pairwise([0.0, *zeros, window.end])
+        ]
+        omitted = np.abs(best.multipliers).sum() * np.exp(-0.1 * window.end) / 0.1
+        assert [bound.tail, scaled.tail] == pytest.approx(2 * [omitted / sum(sizes)], rel=1e-9)
         assert bound.tail > 1e-5
 
 
