@@ -408,15 +408,19 @@ def test_a_pade_approximation_of_another_stability_is_refused_along_a_flight(con
         fly(schedule, better, *around, **options)
 
 
-@pytest.mark.parametrize("flexible", [False, True], ids=["rigid", "bending"])
-def test_stages_in_a_sounding_are_those_of_their_own_times_and_pressures(flexible) -> None:
-    """To 1e-12 of the largest entry of each array."""
+def stages_in_a_sounding(*, flexible: bool):
+    """Return the stages of a flight at 50 Hz in a sounding with a level each 50 m."""
     made, laws = flight(flexible=flexible), autopilot(sample_rate=50.0)
     height = np.linspace(0.0, 4e4, 801)
     profile = tv.WindProfile(height=height, east=-40 * np.sin(height / 3e3), north=1e-3 * height)
     wind = wind_along(made, tv.fly_through(profile, made, azimuth=np.pi / 2), "pitch")
-    along = checked_flight(made, laws, wind, 49.0, 72.0, "drift-exact", "pitch")
-    stages = sampled_stages([along])
+    return sampled_stages([checked_flight(made, laws, wind, 49.0, 72.0, "drift-exact", "pitch")])
+
+
+@pytest.mark.parametrize("flexible", [False, True], ids=["rigid", "bending"])
+def test_stages_in_a_sounding_are_those_of_their_own_times_and_pressures(flexible) -> None:
+    """To 1e-12 of the largest entry of each array."""
+    stages = stages_in_a_sounding(flexible=flexible)
     some = np.arange(3, stages.times.size, 17)
     exact = stages._arrays_at(stages.times[some], some, middle=True)
     assert stages._arrays.keys() == exact.keys()
@@ -425,3 +429,21 @@ def test_stages_in_a_sounding_are_those_of_their_own_times_and_pressures(flexibl
     for name, values in stages._arrays.items():
         largest = np.nanmax(np.abs(exact[name]))
         np.testing.assert_allclose(values[some], exact[name], rtol=0.0, atol=1e-12 * largest)
+
+
+def test_stages_near_a_pressure_of_no_possible_vehicle_are_evaluated_themselves() -> None:
+    stages = stages_in_a_sounding(flexible=False)
+    highest = stages.pressure_at(stages.times, stages.flight).max() + 1e-3
+
+    def plants(times, which, pressure):
+        if np.any(pressure > highest):
+            raise InputError("no vehicle at this pressure")
+        return stages.flown_plants(times, which, pressure)
+
+    careful = replace(stages, flown_plants=plants, surfaces={})
+    some = np.arange(3, stages.times.size, 17)
+    exact = careful._arrays_at(careful.times[some], some, middle=True)
+    for name, values in careful._arrays.items():
+        largest = np.abs(exact[name]).max()
+        np.testing.assert_allclose(values[some], exact[name], rtol=0.0, atol=1e-12 * largest)
+    assert None in careful.surfaces.values()

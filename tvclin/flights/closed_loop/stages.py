@@ -8,6 +8,7 @@ matrices of `fly_many`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IntArray, Storage
+from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import INPUTS, plant_blocks
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wiring import attitude_integral
@@ -296,7 +298,10 @@ class Stages:
         return arrays
 
     def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
-        """Return the interpolant of the interval of a sample in the range of a dynamic pressure."""
+        """Return the interpolant of the interval of a sample in the range of a dynamic pressure.
+
+        None where it does not converge, and for a range in which a vehicle is impossible.
+        """
         flight = int(self.flight[sample])
         breaks = self.vehicle_breaks[flight]
         k = int(np.searchsorted(breaks, self.times[sample], side="right")) - 1
@@ -306,7 +311,9 @@ class Stages:
         key = (self.alike[flight], ends, span)
         if key not in self.surfaces:
             arrays_in = partial(self._arrays_in, flight)
-            self.surfaces[key] = Surface.of(arrays_in, ends, span, _PRESSURE_CHANGE)
+            self.surfaces[key] = None
+            with suppress(InputError, ArithmeticError):
+                self.surfaces[key] = Surface.of(arrays_in, ends, span, _PRESSURE_CHANGE)
         return self.surfaces[key]
 
     def _arrays_in(
