@@ -179,6 +179,7 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
         (("disperse", "--seed", "4"), "tvclin disperse takes no --seed: --set campaign.seed VALUE"),
         (("fly", "--duration", "7.5s"), "Error: --duration must be a number"),
         (("study", "--winds", "x.csv"), "a study file gives it the measured wind"),
+        (("ascent", "--limit-shape", "round"), "--set nozzle.limit_shape VALUE gives it"),
     ],
 )
 def test_an_option_that_is_wrong_is_answered_with_what_is_right(arguments, said):

@@ -228,11 +228,11 @@ def similar_key(option: str) -> str | None:
 
 
 def field_key(option: str) -> str | None:
-    """Return the key of the declared field of an option, with its unit; None for other options."""
+    """Return the key that gives the same as an option, with its unit; None without such a key."""
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name
 
-    quantities = _field_keys().get(option, ("",))
+    quantities = (_OTHER_KEYS | _field_keys()).get(option, ("",))
     return next((k.name for k in all_keys() if quantity_name(k.name) == quantities[0]), None)
 
 
