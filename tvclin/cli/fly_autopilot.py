@@ -424,8 +424,8 @@ class AutopilotFlight:
         """The verdict on the limit, and the outcome of its flight."""
         word, worst, limit = sufficiency(self.sufficient), self.worst, self.limit or 0.0
         if self.sufficient is None:
-            nominal = "above the nominal requirement alone"
-            reason = nominal if self.requirement is not None else self.reason
+            bound = f"sufficient {NOMINAL}, and below the bound for a head wind"
+            reason = bound if self.requirement is not None else self.reason
             word += f", {self.unknown_reason or reason}"
         elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):
             uses = f"{degrees(worst.peak_deflection):.3f} deg in one of {worst.duration:.3g} s"
