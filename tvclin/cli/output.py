@@ -145,17 +145,9 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     wanted = [max(map(len, cells)) - width for cells, width in zip(columns, minima, strict=True)]
     spare = console.width - sum(minima) - _MAX_COLUMN_PADDING * len(columns) - 1
     fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)
-    of_cells = [
-        max(max(map(len, cells[1:]), default=0) - width, 0)
-        for cells, width in zip(columns, minima, strict=True)
-    ]
-    for lengths in (of_cells, wanted):  # a heading is broken before a cell
-        labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], lengths[k]))
-        for n, k in enumerate(labels_first):
-            shared = 1 if not k and not prose[k] else len(columns) - n
-            more = min(lengths[k] - wider[k], max(spare, 0) // shared)
-            wider[k] += more
-            spare -= more
+    of_cells = [max(map(len, cells[1:]), default=0) for cells in columns]
+    for lengths in ([n - low for n, low in zip(of_cells, minima, strict=True)], wanted):
+        spare = _widen(wider, lengths, spare, prose)  # a heading is broken before a cell
     *_, last = wider
     narrow = not fits or minima[last] + wider[last] < _MIN_PROSE_WIDTH
     if last and prose[last] and wanted[last] > wider[last] and narrow:
@@ -166,6 +158,20 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
         return
     widths = [width + wider[k] for k, width in enumerate(minima)]
     _print_grid(console, title, headings, rows, widths, prose, fits)
+
+
+def _widen(wider: dict[int, int], wanted: Sequence[int], spare: int, prose: Sequence[bool]) -> int:
+    """Widen columns to what they want, labels first, and return the remaining spare width.
+
+    `wider`: additional width of each column, which is changed.
+    """
+    labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
+    for n, k in enumerate(labels_first):
+        shared = 1 if not k and not prose[k] else len(wider) - n
+        more = max(min(wanted[k] - wider[k], max(spare, 0) // shared), 0)
+        wider[k] += more
+        spare -= more
+    return spare
 
 
 def _print_grid(
