@@ -29,7 +29,7 @@ def place(tmp_path_factory):
     (folder / "my.toml").write_text(small)
     result = run(folder / "my.toml", "-o", folder / "results")
     assert result.exit_code == 1  # it is sufficient in far fewer than 99.865 percent
-    assert result.output.startswith(
+    assert result.stdout.startswith(
         "Limit 0.420 deg: NOT SUFFICIENT; required deflection of 600 cases: "
     )
     return folder
