@@ -195,9 +195,10 @@ class Dispersions:
 
     @property
     def _factor(self) -> FloatArray:
-        """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
-        """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
-        """Cholesky factor of the correlation matrix; `InputError` if it is no correlation."""
+        """Cholesky factor of the correlation matrix, ``(k, k)`` for k distributions.
+
+        `InputError` if the matrix is no correlation matrix.
+        """
         matrix = errors.finite("correlation", () if self.correlation is None else self.correlation)
         size = len(self.distributions)
         if matrix.shape != (size, size) or not np.allclose(matrix, matrix.T):

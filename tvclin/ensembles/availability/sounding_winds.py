@@ -449,9 +449,7 @@ class LineWinds:
         return self._samples_by_steps[ends.size]
 
     def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the result of `at_steps`, computed."""
-        """Return the result of `at_steps`, computed."""
-        """Return the result of `at_steps`, computed."""
+        """Return the times [s], winds [m/s] and onsets of `at_steps`, without its cache."""
         knots, (n, k) = self.times, self.times.shape
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
         position = (knots - ends[0]) / length
