@@ -246,7 +246,10 @@ class Columns:
 
 
 def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) -> tuple[Column, ...]:
-    """Return fields of a record, by their names, as columns."""
+    """Return fields of a record as columns in SI units.
+
+    `names`: names of the fields. `axes`: names of the axes of their values, as in `Column`.
+    """
     return tuple(
         Column(item.name, np.asarray(item.si_value(record)), item.si_unit or "1", axes)
         for item in chosen(record, *names)

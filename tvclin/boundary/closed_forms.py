@@ -91,12 +91,16 @@ def psi(x: FloatArray) -> FloatArray:
 
 
 def _residual(z: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
+    """Return the left side of the equation in z of `solve_with_drift`."""
     x = K * z
     return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
 
 
 def _upper_bracket(p: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
-    """Return an upper bracket of z, where the left side is not positive; beyond p/K for b2 > b1."""
+    """Return an upper bracket of z, where `_residual` is not positive.
+
+    It is the smaller of p/K and 1/(1 - K); for b2 > b1 it may have to be larger.
+    """
     with np.errstate(divide="ignore", over="ignore"):
         high = np.minimum(p / K, 1.0 / (1.0 - K))
     for _ in range(60):

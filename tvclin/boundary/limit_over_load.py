@@ -332,7 +332,10 @@ class LoadLimits:
         return max(half_jump, self.load_floor)
 
     def points_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
-        """Return limit, proof [rad] and slope at each load, the ends first and then in between."""
+        """Return limit [rad], lower bound [rad] and slope at each load, as in `at`.
+
+        The smallest and largest load are computed first, then those in between.
+        """
         results: dict[int, tuple[float, float, float]] = {}
         order = np.argsort(loads, kind="stable")
         pending = [(0, loads.size - 1)]
@@ -348,7 +351,11 @@ class LoadLimits:
         return [results[k] for k in range(loads.size)]
 
     def at(self, load: float) -> tuple[float, float, float]:
-        """Return limit, proof [rad] and slope at a load [rad], with programs as required."""
+        """Return limit [rad], its lower bound [rad] and slope at a bound of the load [rad].
+
+        The slope is the decrease of the lower bound per load. Linear programs on finer nodes are
+        solved until the gap is small; without a control the limit is infinite.
+        """
         if load < self.load_floor:
             return np.inf, np.inf, np.nan
         for program in (self.program, self.dense_program):
@@ -451,7 +458,11 @@ class LoadLimits:
         return free, np.where(size > 0.0, size, np.inf)
 
     def no_forecast_limits(self, loads: FloatArray, lower_bounds: FloatArray) -> FloatArray:
-        """Return lower bounds [rad] of every law that does not know when the wind will stop."""
+        """Return lower bounds [rad] of the limit of laws without a forecast, ``(n,)``.
+
+        `loads`: bounds of the load [rad], ``(n,)``. `lower_bounds`: lower bounds [rad] of the limit
+        with the wind known, ``(n,)``. Infinite below `no_forecast_load`.
+        """
         assert self.no_forecast is not None
         return np.where(
             loads < self.no_forecast_load, np.inf, np.maximum(lower_bounds, self.no_forecast)

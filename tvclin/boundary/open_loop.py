@@ -103,7 +103,11 @@ class _AfterTrim:
 def _iterated(
     after: _AfterTrim, cases: IndexArray, lower: FloatArray, highest: FloatArray
 ) -> FloatArray:
-    """Return the largest limits L that diverge, at least `lower`, by L <- max(K L, m(L))."""
+    """Return the largest limits L [rad] that diverge, ``(n,)``, by L <- max(K L, m(L)).
+
+    `cases`: indices of the cases. `lower`: smallest results [rad]. `highest`: limits [rad] from
+    which the iteration starts.
+    """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)
     for _ in range(_MAX_STEPS):

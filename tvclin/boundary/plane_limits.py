@@ -159,9 +159,9 @@ def _turning_requirement(
         requirements[Reason.AFTER_TRIM] = _requirement_after_trim(
             pair, limit_shape.inside, K, literal, max(requirements.values())
         )
-    limit, more = _governing_requirement(requirements)
+    limit, reasons = _governing_requirement(requirements)
     notes += [warning] if warning and limit == requirements[Reason.MINIMUM] else []
-    return PlaneRequirement(limit, deflection, time, bound, minimum, (*notes, *more))
+    return PlaneRequirement(limit, deflection, time, bound, minimum, (*notes, *reasons))
 
 
 def _requirement_after_trim(
@@ -217,12 +217,16 @@ def _requirement_after_trim(
 
 
 def _governing_requirement(requirements: dict[Reason, float]) -> tuple[float, list[str]]:
-    """Return the largest requirement [rad], and the note if the control requires another."""
-    governs = max(requirements, key=lambda name: requirements[name])
-    more = requirements[governs] > requirements[Reason.BOUNDARY] * (1.0 + ROUNDING)
-    return (
-        (requirements[governs], [governs.larger]) if more else (requirements[Reason.BOUNDARY], [])
-    )
+    """Return the largest requirement [rad], and a note on its reason unless it is the boundary.
+
+    `requirements`: requirements [rad] by reason. The boundary governs those that exceed it by
+    rounding alone.
+    """
+    governs = max(requirements, key=requirements.__getitem__)
+    boundary = requirements[Reason.BOUNDARY]
+    if requirements[governs] > boundary * (1.0 + ROUNDING):
+        return requirements[governs], [governs.larger]
+    return boundary, []
 
 
 def _scalar_case(pair: PlanePair) -> tuple[Plant, History] | None:
@@ -255,7 +259,7 @@ def _unidirectional_requirement(
     if 0.0 < K < 1.0:
         flown = boundary if literal else boundary_limit(plant, wind, K, "literal")
         after = float(open_loop_requirements(plant, wind, K, flown)[Reason.AFTER_TRIM])
-    limit, more = _governing_requirement(
+    limit, reasons = _governing_requirement(
         {
             Reason.BOUNDARY: requirements[Reason.BOUNDARY] * gauge,
             Reason.MINIMUM: requirements[Reason.MINIMUM] * largest_gauge,
@@ -264,10 +268,10 @@ def _unidirectional_requirement(
         }
     )
     notes = [] if boundary.status == OK else [str(boundary.status)]
-    y = None if more or not pair.equal else boundary.limit * gauge
+    y = None if reasons or not pair.equal else boundary.limit * gauge
     minimum = requirements[Reason.MINIMUM] * largest_gauge
     return PlaneRequirement(
-        limit, deflection, float(boundary.switch_time), bound, minimum, (*notes, *more), y
+        limit, deflection, float(boundary.switch_time), bound, minimum, (*notes, *reasons), y
     )
 
 

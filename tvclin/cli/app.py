@@ -62,10 +62,10 @@ class _Late(Mapping[str, Any]):
         if not isinstance(command, typer.Typer):
             command = settable(grouped(command), name)
             command = command if name in _WITHOUT_ARITHMETIC else _strict(command)
-        return _named(_made(name, command))
+        return _named(_registered(name, command))
 
 
-def _made(name: str, command: Any) -> Any:
+def _registered(name: str, command: Any) -> Any:
     """Return the command of a function, or the group of an app, in the panel of its name."""
     app = typer.Typer()
     if isinstance(command, typer.Typer):
@@ -109,7 +109,7 @@ def _listed(name: str) -> Any:
     pattern = rf'(?s)^(?:def {name}\(.*?"""|{name}_ = .*?help=")(.+?)"'
     said = re.search(pattern, text.decode(), re.M)
     command.__doc__ = said[1] if said else None
-    return _made(name, command)
+    return _registered(name, command)
 
 
 def _unwrapped(command: Any) -> Any:

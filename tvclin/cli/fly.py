@@ -309,7 +309,10 @@ class _Answer:
 
 
 def _without_actuator(plan: StudyPlan) -> StudyPlan:
-    """Return the case of laws compared with boundaries: a rigid vehicle has no actuator."""
+    """Return a plan whose autopilot has no actuator, filters and delay if its vehicle is rigid.
+
+    The boundaries, with which the laws are compared, have none either.
+    """
     if plan.vehicle.structure is not None:
         return plan
     note_omissions(plan, "laws of a rigid vehicle")

@@ -301,7 +301,7 @@ def _expanded(
             shown += [_in_panel(option, getattr(kind, "panel", None)) for option in options]
         else:
             shown.append(parameter)
-            takers[name] = partial(_taken, name)
+            takers[name] = partial(_pop_value, name)
 
     def call(values: dict[str, Any]) -> Any:
         return made(**{name: taker(values) for name, taker in takers.items()})
@@ -309,7 +309,8 @@ def _expanded(
     return shown, call
 
 
-def _taken(name: str, values: dict[str, Any]) -> Any:
+def _pop_value(name: str, values: dict[str, Any]) -> Any:
+    """Return the value of an option, and remove it from `values`."""
     return values.pop(name)
 
 

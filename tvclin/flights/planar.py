@@ -148,7 +148,10 @@ class PlanarMotion:
         return self._air(self._now(t), x, gust)[0]
 
     def _air(self, now: _Now, x: Any, gust: Any) -> tuple[Any, Any]:
-        """Return the angle of attack [rad] and the air speed [m/s]."""
+        """Return the angle of attack [rad] and the air speed [m/s].
+
+        `x`: states, ``(states, ...)``. `gust`: wind angle of attack [rad] on the nominal path.
+        """
         if self.nominal is None:
             return x[0] - x[2] - gust, now.speed
         speed = now.speed * (1.0 + x[3])
@@ -171,7 +174,11 @@ class PlanarMotion:
     def _path(
         self, now: _Now, theta: Any, gamma: Any, speed: Any, alpha: Any, ratio: Any, delta: Any
     ) -> tuple[Any, Any]:
-        """Return the total rates of the path [rad/s] and of the speed [m/s^2]."""
+        """Return the rates of flight path angle [rad/s] and speed [m/s^2], nominal rates included.
+
+        `theta`, `gamma`: deviations of attitude and flight path from nominal [rad]. `speed`: [m/s].
+        `alpha`: angle of attack [rad]. `ratio`: q/q_n. `delta`: deflection [rad].
+        """
         v, lean = self.vehicle, theta - gamma
         weight = now.mass * STANDARD_GRAVITY
         normal, axial = v.normal_force_slope * ratio * alpha, v.axial_force * ratio

@@ -354,7 +354,11 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def _accelerations(self) -> tuple[FloatArray, FloatArray]:
-        """Accelerations of all amplitudes per state and per input, without sensors."""
+        """Accelerations of drift, attitude, modes and tanks per state and per input.
+
+        Shapes ``(..., bodies + 2, states)`` and ``(..., bodies + 2, inputs)``; the states are those
+        of plant, modes and tanks, without sensors.
+        """
         accelerations, positions = self._motions, self._positions
         rigid, bodies = len(self.rigid.states), positions.size - 1
         drive = np.zeros((*self.batch, bodies + 2, rigid + 2 * bodies))

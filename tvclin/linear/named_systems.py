@@ -80,7 +80,11 @@ def checked_system(
     states: tuple[str, ...],
     period: Any = None,
 ) -> LinearSystem:
-    """Return the system of four matrices; `InputError` for sizes and names that do not fit."""
+    """Return the system of matrices A, B, C and D; `InputError` for sizes or names that do not fit.
+
+    `name`: name of the system in messages. `inputs`, `outputs`, `states`: names of the signals.
+    `period`: sample time [s]; None in continuous time.
+    """
     A, B, C, D = (finite(f"{m} of {name}", a) for m, a in zip("ABCD", matrices, strict=True))
     n, m, p = A.shape[-1] if A.ndim > 1 else 0, len(inputs), len(outputs)
     sizes = {"A": (A, (n, n)), "B": (B, (n, m)), "C": (C, (p, n)), "D": (D, (p, m))}

@@ -212,7 +212,11 @@ def _by_lags(
     times: FloatArray,
     shape: tuple[int, ...],
 ) -> FloatArray:
-    """Return the response by a chain of lags, which admits repeated poles (as without moment)."""
+    """Return the responses ``(..., outputs, n)`` [rad, rad/s] by a chain of lags.
+
+    It admits repeated poles, such as those of a vehicle without aerodynamic moment. `outputs`:
+    names. `times`: [s], ``(n,)``. `shape`: shape of the batch.
+    """
     rows, lagged = [], _lagged if shape else _latest
     for output in outputs:
         components = [
@@ -231,7 +235,10 @@ def _by_matrices(
     times: FloatArray,
     shape: tuple[int, ...],
 ) -> FloatArray:
-    """Return the response without direct terms by matrix exponentials, which admit any poles."""
+    """Return the responses without direct terms by matrix exponentials, which admit any poles.
+
+    Parameters and shape as in `_by_lags`.
+    """
     values = np.empty((prod(shape), len(outputs), times.size))
     rows = [plant.outputs.index(output) for output in outputs]
     for k in range(len(values)):

@@ -42,7 +42,11 @@ class Motion:
     def of_samples(
         cls, t: FloatArray, delta: FloatArray, alpha: FloatArray, attitude: FloatArray
     ) -> Self:
-        """Return a motion whose derivatives are differences, in the middle of each step."""
+        """Return a motion from samples, with differences as derivatives, between samples.
+
+        `t`: times [s], ``(n,)``. `delta`, `alpha`, `attitude`: deflection, angle of attack and
+        attitude [rad], ``(n,)``.
+        """
         acceleration = _second_derivative(t, delta)
         return cls(
             times=t,

@@ -134,7 +134,7 @@ class Surface:
             count = at_x.size // 2
             made = function(at_x, at_y, np.repeat([z, -z], count))
             values = {name: 0.5 * (array[:count] + array[count:]) for name, array in made.items()}
-            if not all(_converged(values, shape, axis) for axis in range(2)):
+            if not all(_converges(values, shape, axis) for axis in range(2)):
                 continue
             table = {
                 name: np.concatenate([value - value[0], (a[:count] - a[count:]) / (2.0 * z)])
@@ -157,10 +157,11 @@ class Surface:
         np.add(values.reshape(out.shape), self.first[name][part], out=out)
 
 
-def _converged(values: dict[str, FloatArray], shape: tuple[int, int], axis: int) -> bool:
-    """Return whether half of the degree by an axis agrees with values at Chebyshev points.
+def _converges(values: dict[str, FloatArray], shape: tuple[int, int], axis: int) -> bool:
+    """Return whether the interpolant of half the degree in x or y agrees with all values.
 
-    `values`: ``(points, ...)`` by name. `shape`: points by axis.
+    `values`: arrays by name, ``(points, ...)``, at the Chebyshev points of a surface. `shape`:
+    number of points in x and in y, whose product is `points`. `axis`: 0 for x, 1 for y.
     """
     arrays = [
         np.moveaxis(array.reshape(*shape, -1), axis, 0).reshape(shape[axis], -1)

@@ -326,7 +326,13 @@ def _highest_samples(
     samples: FloatArray,
     bound: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the highest sample or summit of each piece, and its time in the piece [s]."""
+    """Return the largest sample or summit of each piece, and its time in the piece [s], ``(m,)``.
+
+    `rows`: rows of value, slope and curvature, ``(3, n)``. `powers`: e^(matrix t) from the start of
+    the block to each step, ``(k, n, n)``. `states`: states at this start, ``(m, n)``. `steps`:
+    times of the samples in their piece [s], ``(k, m)``. `samples`: values, slopes and curvatures,
+    ``(k, 3, m)``. `bound`: size below which a summit is of no interest.
+    """
     sizes = np.abs(samples[:, 0])
     pieces = np.arange(sizes.shape[1])
     highest = np.argmax(sizes, axis=0)
@@ -380,7 +386,12 @@ def _refined_summits(
     steps: FloatArray,
     widths: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the values where the slope is zero, and the steps [s] there, by bracketed Newton."""
+    """Return values at s summits, and the time [s] from sample to summit, by bracketed Newton.
+
+    `rows`: rows of value, slope and curvature, ``(3, n)``. `starts`: states at the samples before
+    the summits, ``(s, n)``. `sign`: signs of the values. `steps`: first estimates [s]. `widths`:
+    times to the next sample [s], ``(s,)``.
+    """
     low, high = np.zeros_like(steps), widths
     for _ in range(_SUMMIT_ITERATIONS):
         _, slopes, curvatures = np.real(

@@ -173,7 +173,7 @@ def _frame_nichols(
         first, last = min(first, point - half_width), max(last, point + half_width)
     axes.set_xlim(30.0 * np.floor(first / 30.0 - 0.2), 30.0 * np.ceil(last / 30.0 + 0.2))
     axes.set_ylim(3.0 * np.floor(bottom / 3.0), 3.0 * np.ceil(top / 3.0))
-    axes.xaxis.set_major_locator(_degrees(axes.get_xlim()))
+    axes.xaxis.set_major_locator(_degree_locator(axes.get_xlim()))
     _draw_contours(axes)
     axes.axhline(0.0, **_LINE)
     axes.axvline(-180.0, **_LINE)
@@ -276,7 +276,7 @@ def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
     """Draw labels, grid, the levels 0 dB and -180 deg, and each margin as a line to its level."""
     low, high = axes[1].get_ylim()
     axes[1].set_ylim(min(low, -195.0), max(high, -165.0))
-    axes[1].yaxis.set_major_locator(_degrees(axes[1].get_ylim()))
+    axes[1].yaxis.set_major_locator(_degree_locator(axes[1].get_ylim()))
     axes[0].set(ylabel="magnitude of L [dB]", xlabel="")
     axes[1].set(ylabel="phase of L [deg]", xlabel="frequency [rad/s]")
     for panel, level in ((axes[0], 0.0), (axes[1], -180.0)):
@@ -289,8 +289,8 @@ def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
             panel.plot([mark.x] * 2, [level, mark.y], color=mark.colour, lw=2.2, zorder=3)
 
 
-def _degrees(frame: tuple[float, float]) -> Any:
-    """Return the locator of about ten ticks at integer fractions of a turn."""
+def _degree_locator(frame: tuple[float, float]) -> Any:
+    """Return the tick locator of an axis of phase [deg], with about ten ticks in its limits."""
     from matplotlib.ticker import MultipleLocator
 
     span = abs(frame[1] - frame[0])
@@ -351,7 +351,9 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     for axes in panels:
         fine_grid(axes)
         lines += draw_marks(axes, [*marks, Mark(-1.0, 0.0, shape="X", name="L = -1")])
-    figure.suptitle(literal(f"Nyquist diagram: {_counted(response, samples)}\n{samples.words}"))
+    figure.suptitle(
+        literal(f"Nyquist diagram: {_encirclements_text(response, samples)}\n{samples.words}")
+    )
     handles, labels = panels[1].get_legend_handles_labels()
     figure.legend(handles[1:], labels[1:], loc="outside lower center", ncols=2)
     distant = [numbered(mark, not mark.inside(panels[1])) for mark in marks]
@@ -385,8 +387,8 @@ def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
     )
 
 
-def _counted(response: Any, samples: LoopSamples) -> str:
-    """Return encirclements, unstable open-loop poles and the Nyquist verdict in words."""
+def _encirclements_text(response: Any, samples: LoopSamples) -> str:
+    """Return a sentence on encirclements, unstable open-loop poles and the Nyquist verdict."""
     turns, open_loop = -response.count, unstable_poles(samples.loop)
     direction = "counterclockwise" if turns >= 0 else "clockwise"
     times = f"{abs(turns)} {direction} encirclement{'s' * (abs(turns) != 1)} of -1"

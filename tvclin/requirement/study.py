@@ -357,7 +357,7 @@ class Study(CaseRequirement, Shown):
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant.from_vehicle(case.vehicle, model, case.plane)
         modes = {name: unstable_modes(plant_of_model) for name, plant_of_model in plants.items()}
-        required = _needed(shown, history, dead_bands, switch)
+        required = _bounds_by_model(shown, history, dead_bands, switch)
         plant_wind_requirement = plant, history, need.requirement, need.dead_band
         judged = need.judged
         survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
@@ -475,10 +475,13 @@ class Study(CaseRequirement, Shown):
         }
 
 
-def _needed(
+def _bounds_by_model(
     plants: dict[str, Plant], wind: History, dead_bands: FloatArray, switch: str
 ) -> dict[str, Any]:
-    """Return boundaries with dead bands and lower bounds without and with a forecast, by model."""
+    """Return boundary limits, bounds without a forecast and minimum peaks [rad], each by model.
+
+    Models for which a bound is not defined are omitted from it.
+    """
     optima = _where_defined(_optimum, plants, wind)
     return {
         "boundaries": {

@@ -488,18 +488,20 @@ def curves(
     ratio: FloatArray,
     onset: FloatArray | None = None,
 ) -> Curves:
-    """Return trim and demand of winds over their steps.
+    """Return trim and demand [rad] of n winds over their S steps, ``(n, S, 3)`` each.
+
+    The demand is the deflection limit that is sufficient when it is held from then on.
 
     Parameters
     ----------
     equations : Equations
-        Of one vehicle or of each.
+        Equations of one vehicle for all winds, or of one for each wind.
     times, wind, ratio : ndarray
         Times [s], wind angles of attack [rad], and dynamic pressure encountered over the nominal
         one, at begin, middle and end of each step, ``(n, S, 3)``.
     onset : ndarray, optional
-        Position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third, whose times are
-        those from there on. Zero without it.
+        Position at which each wind begins, in steps, ``(n,)``: with 2.3 it begins in the third
+        step, whose times begin there. Zero by default.
     """
     shape, order = wind.shape, equations.nominal.shape[-2]
     columns = _columns(equations, times, wind, ratio, onset)
@@ -525,7 +527,11 @@ def _columns(
     ratio: FloatArray,
     onset: FloatArray | None,
 ) -> list[FloatArray]:
-    """Return the arrays that the kernels of the limited and the unlimited trim both take."""
+    """Return the arrays that the kernels of the limited and the unlimited trim both take.
+
+    They are lengths of the steps [s], nominal matrices and their slopes, ratios of the dynamic
+    pressure, winds [rad], costates at the end, and onsets in steps; parameters as in `curves`.
+    """
     shape = wind.shape
     end = np.broadcast_to(equations.end, (shape[0], equations.end.shape[-1]))
     lengths = np.broadcast_to(times[..., 2] - times[..., 0], shape[:2])

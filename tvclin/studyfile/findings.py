@@ -435,7 +435,10 @@ def _altitude(plan: StudyPlan) -> float | None:
 def _flight(
     plan: StudyPlan, request: SizingRequest, progress: Progress
 ) -> tuple[Sizing, DeflectionTotal, FlightTurbulence | str | None]:
-    """Return the sizing of the flight, its worst total, and its turbulence."""
+    """Return the sizing of the flight, its worst total, and its turbulence.
+
+    The turbulence is a text with the reason if it is not known, and None without turbulence.
+    """
     sizing = request.sizing(plan, progress)
     turbulence = request.turbulence(plan, plan.turbulence)
     return sizing, request.total(plan, sizing, turbulence), turbulence

@@ -86,19 +86,20 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         with faults.kept():
             values[name] = read()
     faults.tell()
-    values |= _at_its_time(document, folder, subject, values)
+    values |= _scheduled_autopilot(document, folder, subject, values)
     return StudyPlan(**subject, **values, **question_of(document), **options)
 
 
-def _at_its_time(
+def _scheduled_autopilot(
     document: Mapping[str, Any],
     folder: Path,
     subject: Mapping[str, Any],
     values: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return the autopilot at the time of the vehicle, and the sizing with the flight's autopilot.
+    """Return fields of a plan for an autopilot that varies over the flight; empty for others.
 
-    Empty where the autopilot does not vary over the flight.
+    They are the autopilot at the time of the vehicle, and the sizing with the autopilot along the
+    flight. `subject`, `values`: fields of the plan so far.
     """
     design, sizing = values["design"], values["sizing"]
     if design is None or design.schedule is None:

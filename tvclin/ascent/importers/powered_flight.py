@@ -275,7 +275,11 @@ def _check_numbers(flight: Flight, name: str, column: Column) -> None:
 def _omitted(
     flight: Flight, twice: BoolArray, index: IndexArray, first: int, last: int
 ) -> list[str]:
-    """Return notes on the rows that are omitted."""
+    """Return notes on the powered flight, and on the rows of a file that are omitted.
+
+    `twice`: whether the row after each row of the file has the same time. `index`: rows of distinct
+    times, ``(n,)``. `first`, `last`: range of the powered flight within `index`.
+    """
     time = flight["time"][index]
     taken = plural(last - first, "row")
     notes = [f"powered flight from {time[first]:g} to {time[last - 1]:g} s: {taken}"]

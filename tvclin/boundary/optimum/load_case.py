@@ -214,7 +214,7 @@ class LoadWeights:
             first += (h * x).sum(axis=1) * self.widths
         area, size, used = areas.sum(axis=0), np.abs(areas).sum(axis=0), 0.0
         if rate_prices is not None:
-            used = self._ramps(area, first, size, rate_prices != 0.0)
+            used = self._apply_ramps(area, first, size, rate_prices != 0.0)
         rest = (self._before[-1] * -self.case.step_states)[
             self.case.unstable
         ]  # of h after the last node
@@ -275,13 +275,16 @@ class LoadWeights:
             density = density + sign * c.sizes[i] * weight.real
         return density
 
-    def _ramps(
+    def _apply_ramps(
         self, area: FloatArray, first: FloatArray, size: FloatArray, ramp: BoolArray
     ) -> float:
-        """Return the rate times INT |K|; the integral of |h - K'| is put into `size`.
+        """Return the rate limit times INT |K| dt, and write INT |h - K'| dt on ramps into `size`.
 
-        K' = h minus a constant on a ramp, so that K is zero at both its ends; at the onset, where
-        the deflection is zero, it need not be.
+        On a ramp, successive cells in which the rate limit binds, K' is h minus a constant, so that
+        K is zero at both its ends; at the onset, where the deflection is zero, it need not be.
+
+        `area`, `first`, `size`: integrals over each cell of h, of h times the time [s] from its
+        start, and of |h|, ``(n,)``. `ramp`: whether the rate limit binds in each cell, ``(n,)``.
         """
         used = 0.0
         edges = np.flatnonzero(np.diff(np.concatenate([[0], ramp, [0]])))

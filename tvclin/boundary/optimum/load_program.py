@@ -278,7 +278,11 @@ class LoadProgram:
     def _proof(
         self, weights: FloatArray, prices: FloatArray, rate_prices: FloatArray | None
     ) -> tuple[float, float]:
-        """Return the lower bound [rad] of the peak at zero load, and its decrease per load."""
+        """Return the lower bound [rad] of the peak at zero load, and its decrease per load.
+
+        `weights`: weights of the load at its points. `prices`: prices of the unstable modes.
+        `rate_prices`: prices of the rate limit in each cell, or None.
+        """
         case, n = self.case, self.widths.size
         if case.ratio == 0.0:
             _, high, low = self._loads
@@ -302,7 +306,11 @@ class LoadProgram:
         return (weighted_load - used) / norm, float(np.abs(weights).sum()) / norm
 
     def _finer(self, ends: FloatArray, inside: FloatArray, bound: float) -> FloatArray:
-        """Return the nodes [s], with more where a limit begins or ceases to bind."""
+        """Return the nodes [s], with additional ones where a limit begins or ceases to bind.
+
+        `ends`: deflection at start and end of each of n cells, minus the reference [rad],
+        ``(2, n)``. `inside`: load within them [rad], ``(n, q)``. `bound`: bound of the load [rad].
+        """
         peak, rate, largest = np.abs(ends).max(), self.case.rate, np.abs(inside).max(axis=1)
         marks = [
             np.where(np.abs(end) > peak * (1.0 - _ACTIVE_DISTANCE), np.sign(end), 0.0)

@@ -61,13 +61,13 @@ class VaryingLoop:
         """Return the loops at times [s], a batch ``(n,)``, without their jumps."""
         position, weights = self._weights(times)
         smooth = replace(self._nodes, jumps=())
-        return smooth.mapped(lambda values: _combined(values, position, weights))
+        return smooth.mapped(lambda values: _values_at(values, position, weights))
 
     def jump_at(self, index: int, times: FloatArray) -> Jump:
         """Return a jump at times [s], a batch ``(n,)``."""
         position, weights = self._weights(times)
         jump = self.jumps[index]
-        return Jump(jump.length, *(_combined(values, position, weights) for values in jump[1:]))
+        return Jump(jump.length, *(_values_at(values, position, weights) for values in jump[1:]))
 
     def signals(self, times: FloatArray) -> dict[str, Signal]:
         """Return the outputs at times [s], rows ``(n, states)`` or constant ones ``(states,)``."""
@@ -75,7 +75,7 @@ class VaryingLoop:
 
         def varying(values: FloatArray) -> FloatArray:
             first = values[0]
-            return first if np.all(values == first) else _combined(values, position, weights)
+            return first if np.all(values == first) else _values_at(values, position, weights)
 
         def signal(output: str) -> Signal:
             """Return the row, direct term and rate of an output at the times."""
@@ -113,8 +113,12 @@ _DERIVATIVE = _derivative()
 """Differentiation matrix: derivatives at the points of a unit interval, from values at them."""
 
 
-def _combined(values: FloatArray, first: IndexArray, weights: FloatArray) -> FloatArray:
-    """Return values interpolated from the nodes ``(nodes, ...)``; constant entries are exact."""
+def _values_at(values: FloatArray, first: IndexArray, weights: FloatArray) -> FloatArray:
+    """Return values ``(m, ...)`` at m times, interpolated from nodes; constant entries are exact.
+
+    `values`: at the nodes, ``(nodes, ...)``. `first`: index of the first of five nodes of each
+    time, ``(m,)``. `weights`: weights of these nodes, ``(m, 5)``.
+    """
     flat = values.reshape(len(values), -1)
     result = np.broadcast_to(flat[0], (len(first), flat.shape[1])).copy()
     varies = np.flatnonzero(np.any(flat != flat[0], axis=0))

@@ -234,7 +234,7 @@ class LoopCovariance(Shown):
         return self._loop.signal(name).smooth_rate(name)[0]
 
     def _variances(self, row: FloatArray) -> FloatArray:
-        """Return the variance of a row of the states at each phase, ``(phases,)``."""
+        """Return the variance of a row of the states at each time within a sample, ``(k,)``."""
         return np.maximum(np.einsum("i,kij,j->k", row, self._covariances, row), 0.0)
 
 
@@ -310,9 +310,10 @@ def turbulence_covariance(
 
 
 def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
-    """Return the covariance of the states ``(phases, n, n)`` and the weight of each phase.
+    """Return the stationary covariance of n states at k times within a sample, and their weights.
 
-    `InputError` for an unstable loop.
+    Shapes ``(k, n, n)`` and ``(k,)``: the mean over a sample is the sum of weights times values, by
+    Simpson's rule. In continuous time k is 1. `InputError` for an unstable loop.
     """
     if not loop.jumps:
         poles = np.linalg.eigvals(loop.A)

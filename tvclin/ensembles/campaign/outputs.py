@@ -212,7 +212,10 @@ def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[
 
 
 def _fates(flown: FlownCases) -> dict[str, Any]:
-    """Return `COLUMNS` of flights; peaks of lost flights are infinite."""
+    """Return `COLUMNS` of m flights, ``(m,)`` each; peaks of diverged flights are infinite.
+
+    `flight_survived` is 1 or 0, and NaN where the flight is undecided.
+    """
     diverged = (flown.status == "lost") | (flown.status == "rings")
     fate = np.select([flown.status == "survived", diverged], [1.0, 0.0], np.nan)
     return {"flight_survived": fate} | {
@@ -222,9 +225,10 @@ def _fates(flown: FlownCases) -> dict[str, Any]:
 
 
 def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return `COLUMNS` of cases along their whole flights, of the worse direction of the wind.
+    """Return `COLUMNS` of n cases along their whole flights, ``(n,)`` each.
 
-    A flight in a sounding that is not known throughout is survived in no case.
+    They are those of the worse direction of the wind. A flight through a sounding that does not
+    reach over its whole time is never survived: `flight_survived` is 0 if it diverges, else NaN.
     """
     assert campaign.along is not None
     first, last = campaign.along.span

@@ -97,9 +97,11 @@ def with_ramp(plant: LinearSystem) -> LinearSystem:
 
 
 def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
-    """Return J of `Flights` for a vehicle with its nozzle, see `with_wind`.
+    """Return J of `Steps`, ``(p, parts, N, N + 1 + terms)``: the transition over each part.
 
-    The wind is the polynomial of its present piece.
+    It acts on the N states, the command, and the `terms` coefficients of the wind's polynomial.
+    `driven`: result of `with_wind`. `vehicle`: number of states without the nozzle. `parts`:
+    lengths of the parts of a sample [s], ``(p, parts)``.
     """
     steps = driven.to_steps(parts.T)
     order = len(driven.states) - terms
@@ -112,9 +114,10 @@ def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: in
 
 
 def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> FloatArray:
-    """Return the ramp of `Flights`: the step of a plant with the deflection a + (b - a) t/h.
+    """Return the ramp of `Steps`, ``(p, parts, n, 2)`` or ``(p, parts, n, 4)``.
 
-    `ramp`: the plant as `with_ramp`. `parts`: lengths h of the parts of a sample [s], ``(p,
+    It is the step of a plant with the deflection a + (b - a) t/h. `ramp`: result of `with_ramp`.
+    `parts`: lengths h of the parts of a sample [s], ``(p,
     parts)``.
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
@@ -240,7 +243,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     if isinstance(law, SystemAutopilot):
         law = SystemLaw(law)
     if isinstance(law, Autopilot):
-        return _gains(law, shape)
+        return _batch_of_gains(law, shape)
     laws = _array(law)
     different = {id(element): element for element in laws.flat}
     position = {key: k for k, key in enumerate(different)}
@@ -264,8 +267,11 @@ def _array(law: Any) -> AnyArray:
     return laws
 
 
-def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
-    """Return the laws of an autopilot with a batch of gains."""
+def _batch_of_gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
+    """Return the laws of an autopilot with a batch of gains, for flights of a batch `shape`.
+
+    `InputError` for an actuator, a delay, a sample rate, and a batch of filters.
+    """
     has_hardware = gains.actuator is not None or np.any(np.asarray(gains.delay))
     if has_hardware or gains.sample_rate is not None:
         raise InputError(
@@ -517,10 +523,11 @@ class Timing(NamedTuple):
 def steps_of(
     driven: LinearSystem, ramp: LinearSystem, plant: LinearSystem, timing: Timing, terms: int
 ) -> Steps:
-    """Return the steps of vehicles in winds of `terms` polynomial coefficients.
+    """Return the transition matrices of p vehicles in winds of `terms` polynomial coefficients.
 
-    `driven`, `ramp`: as `with_wind` and `with_ramp` make them, ``(p,)``, or ``(parts, p)`` where
-    each part has systems of its own. `plant`: the plants, ``(p,)``.
+    `driven`, `ramp`: results of `with_wind` and `with_ramp`, ``(p,)``; ``(parts, p)`` if the
+    matrices differ between the parts of a sample, see `Steps`. `plant`: the
+    plants, ``(p,)``. `timing`: samples and parts of the same vehicles.
     """
     lengths, n = timing.lengths, len(plant.states)
     short = lengths[:, 1:] / timing.substeps

@@ -348,7 +348,7 @@ class ContinuousFlight:
         stop = max(float(np.nextafter(stop, np.inf)), start + 1e-9)
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
-        loop, rates = self.loop, _counted(self.loop.rates)
+        loop, rates = self.loop, _with_evaluation_limit(self.loop.rates)
         state, regime = np.zeros(loop.size), Regime()
         self._check_law(start, state)
         arcs: list[Arc] = []
@@ -453,7 +453,7 @@ class ContinuousFlight:
             )
 
 
-def _counted(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+def _with_evaluation_limit(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
     """Return the equations of one flight; they raise `InputError` after too many evaluations."""
     evaluations = count(1)
 

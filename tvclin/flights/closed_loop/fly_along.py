@@ -256,7 +256,7 @@ def _with_outputs(
     status: str,
     slopes: Mapping[str, FloatArray],
 ) -> FlightAlong:
-    """Return a flight with its outputs; see `_outputs`."""
+    """Return a flight with its outputs; parameters as in `_outputs`, and its status."""
     outputs = _outputs(along, times, rows, rates, slopes)
     return FlightAlong(times, outputs, status)
 

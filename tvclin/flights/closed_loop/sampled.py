@@ -168,7 +168,10 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
 
 
 def outputs_of(plant: LinearSystem, rows: FloatArray, gusts: FloatArray) -> FloatArray:
-    """Return the outputs ``(outputs, m)`` of a plant, from states, deflection and wind [rad]."""
+    """Return the outputs of a plant at m times, ``(outputs, m)``.
+
+    `rows`: states and deflection [rad], ``(n + 1, m)``. `gusts`: wind [rad], ``(m,)``.
+    """
     direct = plant.D[:, : len(VEHICLE_INPUTS)] @ np.stack([rows[-1], gusts])
     return np.asarray(plant.C @ rows[:-1] + direct)
 
@@ -288,7 +291,11 @@ def _written(f: Flights) -> FloatArray:
 
 
 def _wind_response(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps) -> FloatArray:
-    """Return the response of the states to the wind since the start of the substep, ``(n, m)``."""
+    """Return the response of n states to the wind since the start of the substep, ``(n, m)``.
+
+    `A`: matrix of the plant, ``(n, n)``. `gust`: its column for the wind, ``(n,)``. `at`: substeps
+    of m times.
+    """
     n, pieces = len(A), wind.pieces
     matrix, begins = piece_matrix(A, gust, pieces), at.begins
     steps = matrix_exponentials(matrix, at.distinct)[:, :n, n:]

@@ -99,9 +99,10 @@ class Stages:
 
     @cached_property
     def plants(self) -> AnyPlant:
-        """Plants of all flights at breakpoints of vehicles, ends of winds and flights, and knots.
+        """Plants of all flights at times of three kinds, in one batch axis.
 
-        They are at the middle of samples next to a knot of the wind.
+        These are first the `vehicle_breaks` of each flight in turn, then the ends of winds and of
+        flights, then the middles of the samples next to a knot of the wind.
         """
         ends, knots = self._ends.ravel(), self._next_to_knots
         times = [*self.vehicle_breaks, self.times[ends], self.times[knots] + 0.5 * self.period]

@@ -338,7 +338,7 @@ def flight_turbulence(
     winds: Mapping[str, WindOf],
     signed: tuple[bool, ...],
 ) -> FlightTurbulence:
-    """Return the autopilot of a case in turbulence along a flight, and in each wind.
+    """Return spread, travel and largest deflections of an autopilot in turbulence along a flight.
 
     Parameters
     ----------
@@ -353,7 +353,7 @@ def flight_turbulence(
     winds : dict of str to wind
         Winds by name, see `SizingRequest.winds`.
     signed : tuple of bool
-        Whether each of the first winds may be a head or a tail wind.
+        Whether each of the first winds may be a head or a tail wind; False for the others.
 
     Raises
     ------
@@ -387,9 +387,11 @@ def flight_turbulence(
 
 
 class _Responses(NamedTuple):
-    """Spread along the flight, and responses to a wind, each from a flight time [s] on.
+    """Spread along the flight, and responses to a wind.
 
-    `whole`: function that returns mean and spread of the whole flight with the wind.
+    `spread`: standard deviations along the flight, without the wind for a pulse. `means`: pairs of
+    the flight time [s] at which a response begins, and the response from there on. `whole`:
+    function that returns mean and spread of the whole flight with the wind.
     """
 
     spread: CovarianceHistory
@@ -419,7 +421,11 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
 
 
 def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _Responses]:
-    """Return the spread along the flight and the responses to a pulse, by its direction."""
+    """Return the spread along the flight and the responses to a pulse, by its direction.
+
+    `wind`: a pulse, see `SizingRequest.winds`. `signed`: whether it may be a head or a tail wind.
+    Flight times at which the pulse is not known or zero are omitted.
+    """
     case, schedule = loop.case, loop.schedule
     rows: dict[str, list[tuple[float, float, History, CovarianceHistory]]] = {}
     for time in loop.times.tolist():

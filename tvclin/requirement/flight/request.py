@@ -448,9 +448,9 @@ class SizingRequest:
     def turbulence(
         self, case: Case, turbulence: TurbulenceRequest | None
     ) -> FlightTurbulence | str | None:
-        """Return the autopilot of a case in turbulence along the flight, and in each wind.
+        """Return the result of `flight_turbulence` for a case in the winds of the request.
 
-        In its place the reason for which it is not known, in words; None without turbulence.
+        If it is not known, the reason in words instead; None if `turbulence` is None.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         if turbulence is None:

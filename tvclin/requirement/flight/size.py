@@ -284,7 +284,7 @@ def size(
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
     rounds = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
-    count_need = _counted(progress, len(placed) * len(named) * rounds)
+    count_need = _progress_counter(progress, len(placed) * len(named) * rounds)
     always = -np.inf, np.inf
     known_times = np.array([getattr(wind, "known", always) for wind in named.values()])
     sizings = {}
@@ -331,7 +331,12 @@ def _plane_sizing(
     varying: bool | None,
     count_need: Callable[[Any], Any],
 ) -> Sizing:
-    """Return the sizing in one plane, without its notes."""
+    """Return the sizing in one plane, without its notes.
+
+    `vehicles`: vehicle at each of n flight times. `placed`: m winds at each of these times.
+    `varying`: whether the vehicle varies over a wind; None for both, as far as possible.
+    `count_need`: function that returns a requirement unchanged and reports progress.
+    """
     schedule, bands, model, plane = inputs.schedule, inputs.dead_bands, inputs.model, inputs.plane
     frozen = _frozen(inputs, placed)
     needs = [[count_need(next(frozen)) for _ in row] for row in placed]
@@ -484,7 +489,11 @@ def _calm_requirement(wind: PlacedWind, bands: FloatArray) -> FlightRequirement:
 def _arising_times(
     placed: list[list[PlacedWind]], along: list[list[FlightRequirement]], bands: FloatArray
 ) -> dict[Requirement, FloatArray]:
-    """Return the flight times [s] at which requirements of fixed winds arise, ``(m,)`` each."""
+    """Return the flight times [s] at which requirements of m fixed winds arise, ``(m,)`` each.
+
+    NaN for winds that are not fixed in flight time. `placed`, `along`: winds, and requirements
+    along the flight, by flight time and wind. `bands`: dead bands.
+    """
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():
         return {}
@@ -496,8 +505,10 @@ def _arising_times(
     return _varying({key: np.where(is_fixed, value, np.nan) for key, value in times.items()})
 
 
-def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callable[[Any], Any]:
-    """Return a function that passes a requirement on and reports the number so far."""
+def _progress_counter(
+    progress: Callable[[int, int], None] | None, total: int
+) -> Callable[[Any], Any]:
+    """Return a function that returns its argument, and reports how many it was called with."""
     done = count(1)
 
     def count_requirement(requirement: Any) -> Any:

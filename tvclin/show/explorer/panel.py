@@ -203,9 +203,11 @@ def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
 
 
 def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple[Ends, Ends]]:
-    """Return the frames, rounded so that they seldom change while a slider moves.
+    """Return the limits of abscissa and ordinate of each panel, by its name.
 
-    A curve that leaves its frame after the wind, as of a diverging vehicle, is cut.
+    Abscissas are in seconds, ordinates in degrees, both rounded so that they seldom change while a
+    slider moves. A curve that exceeds them after the wind, such as that of a diverging vehicle, is
+    cut. `data`: result of `curves`.
     """
     c = answer.choices
     limit, calm = float(np.degrees(c.limit)), c.wind.duration

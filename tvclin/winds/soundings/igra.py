@@ -389,7 +389,12 @@ def collect_levels(
 def _above_previous(
     sounding: IntArray, height: FloatArray, index: IndexArray
 ) -> tuple[IndexArray, int, IntArray]:
-    """Return the levels above all before them, repeats, and descents' soundings."""
+    """Return indices of ascending levels, the number of repeats, and soundings of sunk levels.
+
+    A level ascends if it is above all levels before it in its sounding. `sounding`, `height`,
+    `index`: number of the sounding, height [m] and index of each level, ``(n,)``. A repeat has the
+    height of the highest level before it, and a sunk level is below it.
+    """
     stacked = height + _SOUNDING_SPACING * sounding
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], stacked]))[:-1]
     repeated, sunk = stacked == highest, stacked < highest
@@ -397,7 +402,11 @@ def _above_previous(
 
 
 def _interpolated_levels(rows: Rows, index: IndexArray) -> tuple[IndexArray, FloatArray]:
-    """Return indices and interpolated heights [m] of levels without a height of their own."""
+    """Return indices of levels without a height, and heights [m] interpolated from the pressure.
+
+    `index`: indices of these levels in `rows`. A level is omitted if it has no pressure, or no
+    neighbours in its sounding with pressure and height, one below and one above it.
+    """
     with np.errstate(invalid="ignore", divide="ignore"):
         log_pressure = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))
     base = np.flatnonzero(~np.isnan(log_pressure + rows.height))

@@ -23,7 +23,10 @@ def soundings_in(text: Text) -> list[SoundingEntry]:
 
 
 def _read(text: Text) -> Levels:
-    """Return the levels at the heights of both lists, in their common range."""
+    """Return levels with the winds of wind_u and wind_v, at the heights of both.
+
+    Each wind is interpolated linearly; heights that only one list reaches are omitted.
+    """
     lists = _lists(text)
     (line, z_u, u), (_, z_v, v) = (_pairs(text, name, *lists[name]) for name in _LISTS)
     height = np.unique(np.concatenate([z_u, z_v]))

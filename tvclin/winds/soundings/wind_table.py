@@ -77,7 +77,12 @@ class TableOptions:
 
     @classmethod
     def of(cls, units: str | None, above_ground: float | None, *, assumed: bool) -> TableOptions:
-        """Return the options for units as "ft,mph" and an elevation [m]; None for the default."""
+        """Return the options from texts and numbers of the user; `InputError` if invalid.
+
+        `units`: units of columns whose names have none, such as "ft,mph"; None for no such units.
+        `above_ground`: elevation [m] of the site for heights above the ground; None for heights
+        above the sea. `assumed`: same as the field.
+        """
         factors: dict[str, float] = {}
         for word in () if units is None else a_text("units", units).split(","):
             fits = [
