@@ -1711,7 +1711,8 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.ascent.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
         ),
         "LoadBound.trade_off": Door(
-            tv.case.LoadBound(load=0.05).trade_off, {"case": carded, "fraction": 0.9}
+            tv.case.LoadBound(load=0.05).trade_off,
+            {"case": carded, "fraction": 0.9, "only_bound": False},
         ),
         "FlownLoad.of": Door(
             tv.case.FlownLoad.of,

@@ -180,7 +180,10 @@ def test_times_outside_the_span_are_refused(flight):
         ("[flight]\naltitude = 1e4", "altitude has no known unit .*; write altitude_m or"),
         ("[flight]\naltitud_m = 1e4", "did you mean altitude_m"),
         ("[flight]\naltitude_m = 1e9\nspecific_impulse_s = 260", "altitude must be between"),
-        ("[flight]\naltitude_m = 1e4\nspecific_impulse_s = -1", "specific_impulse must be pos"),
+        (
+            "[flight]\naltitude_m = 1e4\nspecific_impulse_s = -1",
+            "specific_impulse_s in .flight. must be pos",
+        ),
     ],
 )
 def test_a_condition_that_cannot_be_read_is_refused(tmp_path, table, words):

@@ -113,7 +113,7 @@ def test_only_where_every_vehicle_is_unstable_are_a_beta_and_a_pole_shown(mu_alp
     assert (document["beta_per_s"], document["pole_per_s"]) == ((0.5, 0.5) if has else (None, None))
     np.testing.assert_array_equal(document["B"], np.divide(mu_alpha, 2.0))
     shown = c._repr_html_()
-    assert [f">{name}<" in shown for name in ("beta", "pole", "K1", "B")] == [has] * 3 + [True]
+    assert [f">{name}<" in shown for name in ("beta", "pole p", "K1", "B")] == [has] * 3 + [True]
     assert "Coefficients: booster" in shown
 
 

@@ -248,7 +248,7 @@ def test_a_zip_of_something_else_is_refused(tmp_path) -> None:
     for name, text in (("a.zip", "height_m,speed_kt\n1,2\n"), ("b.zip", "")):
         with zipfile.ZipFile(tmp_path / name, "w") as packed:
             packed.writestr("a.txt", text)
-        with pytest.raises(tv.InputError, match="1 station files without a header"):
+        with pytest.raises(tv.InputError, match="1 station file without a header"):
             tv.read_soundings(tmp_path / name)
     (tmp_path / "c.zip").write_bytes(b"PK no zip")
     with pytest.raises(tv.InputError, match="is no zip that can be read"):

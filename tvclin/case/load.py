@@ -8,7 +8,16 @@ from typing import Self
 import numpy as np
 
 from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, between, instance, nonzero, number, positive, small_angle
+from tvclin.base.errors import (
+    InputError,
+    between,
+    flag,
+    instance,
+    nonzero,
+    number,
+    positive,
+    small_angle,
+)
 from tvclin.base.fields import checked, derived, file_table, quantity, spec
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.case.case import Case
@@ -105,6 +114,7 @@ class LoadBound:
         """
         instance("case", case, Case, "of a wind and a nozzle")
         fraction = number("fraction", fraction, between(1e-9, 1.0))
+        only_bound = flag("only_bound", only_bound)
         limit = case.nozzle.limit
         return load_trade_off(
             case.plant.rigid,
