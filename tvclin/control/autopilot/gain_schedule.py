@@ -216,7 +216,7 @@ class GainSchedule:
         """Return the autopilot at values of the variable, constant outside the breakpoints."""
         autopilot = self.autopilot
         changes: dict[str, Any] = {
-            name: self._interpolated(getattr(autopilot, name), values)
+            name: self._at_values(getattr(autopilot, name), values)
             for name in (*GAINS, "delay", "sample_rate")
         }
         for name in CHAINS:
@@ -226,17 +226,17 @@ class GainSchedule:
         if servo is not None and servo.batch:
             frequency, damping = servo.natural_frequency, servo.damping
             changes["actuator"] = Actuator(
-                natural_frequency=self._interpolated(frequency, values),
-                damping=self._interpolated(damping, values),
+                natural_frequency=self._at_values(frequency, values),
+                damping=self._at_values(damping, values),
             )
         return replace(autopilot, **changes)
 
     def _notch(self, notch: ModeNotch, values: FloatArray) -> ModeNotch:
         """Return a notch whose numbers are interpolated."""
-        numbers = {name: self._interpolated(getattr(notch, name), values) for name in NOTCH_NUMBERS}
+        numbers = {name: self._at_values(getattr(notch, name), values) for name in NOTCH_NUMBERS}
         return replace(notch, **numbers)
 
-    def _interpolated(self, numbers: Any, values: FloatArray) -> Any:
+    def _at_values(self, numbers: Any, values: FloatArray) -> Any:
         """Return numbers ``(n,)`` interpolated; a single number is the same everywhere."""
         return numbers if np.ndim(numbers) == 0 else np.interp(values, self.breakpoints, numbers)
 
@@ -246,7 +246,7 @@ class GainSchedule:
             return filter_
         rows = (
             np.stack(
-                [self._interpolated(column, values) for column in np.moveaxis(rows, -1, 0)], axis=-1
+                [self._at_values(column, values) for column in np.moveaxis(rows, -1, 0)], axis=-1
             )
             for rows in (filter_.numerator, filter_.denominator)
         )
@@ -272,7 +272,7 @@ def gains_along(
     values = flight_variable(flight, autopilot.variable, time)
     law = autopilot.autopilot
     return {
-        name: np.broadcast_to(autopilot.line(getattr(law, name), values), time.shape)
+        name: np.broadcast_to(autopilot._at_values(getattr(law, name), values), time.shape)
         for name in GAINS
     }
 
