@@ -97,8 +97,8 @@ def _originals(pytestconfig):
     """Write figures with few pixels, of which no test reads one; and in a usual run save more.
 
     Figures are not laid out, which is half of their time, and machine code is loaded for shorter
-    calls, and in commands for all of these, of which tests make thousands. Return what that
-    replaces, for `as_users_have_it`.
+    calls, and in commands for all of these, of which tests make thousands, and not compiled for
+    their sum. Return what that replaces, for `as_users_have_it`.
     """
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -108,6 +108,7 @@ def _originals(pytestconfig):
         (ConstrainedLayoutEngine, "execute", lambda engine, figure: {}),
         (choice, "_MIN_LOADING_SECONDS", 0.0001),
         (choice, "_MIN_IMPORTING_SECONDS", 0.0),
+        (choice, "_repays", lambda *_: False),
     ]
     originals = [(owner, name, getattr(owner, name)) for owner, name, _ in changes]
     with pytest.MonkeyPatch.context() as patch:

@@ -218,6 +218,29 @@ def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatc
     assert choice.fastest(small_roots, 0.13) == "compiled"
 
 
+def test_commands_compile_a_kernel_once_their_calls_come_to_two_seconds(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(choice, "_cached", set())
+    monkeypatch.setattr(choice, "available", lambda: True)
+    monkeypatch.setattr(choice, "machine_code", lambda function: "compiled")
+
+    def command():
+        with choice.in_a_command():
+            return [choice.fastest(small_roots, 0.45) for _ in range(2)]
+
+    plain = [small_roots, small_roots]
+    with choice.compiling_nothing():  # work that must not wait counts nothing
+        assert [command() for _ in range(3)] == [plain] * 3
+    assert [command() for _ in range(3)] == [plain, plain, ["compiled", "compiled"]]
+    assert choice.fastest(small_roots, 0.45) is small_roots  # no command, and nothing cached
+    (sums,) = tmp_path.rglob("*.seconds")
+    sums.write_text("damaged")
+    assert command() == plain
+    with choice.in_a_command():  # too little work of the command for the import
+        assert choice.fastest(small_roots, 0.3) is small_roots
+    assert float(sums.read_text()) == 0.9
+
+
 def test_little_work_does_not_load_the_compiler():
     code = (
         "import sys, numpy as np\n"

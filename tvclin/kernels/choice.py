@@ -3,7 +3,8 @@
 Machine code needs numba (extra `fast`), some ten seconds per kernel to compile for the first time
 on a computer, and half a second to load from then on. It is chosen where the work of the call, or
 of all similar calls, is worth that, independently of earlier calls; in a command also where an
-earlier call has loaded it. The callers of kernels do not depend on the choice.
+earlier call has loaded it, and where the calls of all commands together are worth compiling. The
+callers of kernels do not depend on the choice.
 
 Machine code runs in threads, each with slices of the cases.
 """
@@ -12,7 +13,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cache
@@ -70,7 +71,7 @@ def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> N
 
 _MIN_LOADING_SECONDS, _MIN_COMPILING_SECONDS = 0.02, 2.0
 """Time of a call in plain Python [s] above which cached machine code is loaded, and above which
-it is compiled."""
+it is compiled; the latter also of all such calls in commands."""
 _MIN_IMPORTING_SECONDS = 0.4
 """Time of a command in plain Python [s] from which numba is imported, which takes as long."""
 _LONG = 5.0
@@ -122,6 +123,8 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
 
     Same parameters as `fastest`.
     """
+    if not available():
+        return function
     compiled = _pinned.get()
     if compiled is None:
         total, command = seconds * _similar_calls.get(), _command.get()
@@ -131,11 +134,18 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
             or bool(command.loaded)
             or command.seconds + total > _MIN_IMPORTING_SECONDS
         )
-        compiled = compile_now or (loads and total > _MIN_LOADING_SECONDS and _is_cached(function))
+        compiled = compile_now or (
+            loads
+            and total > _MIN_LOADING_SECONDS
+            and (
+                _is_cached(function)
+                or (command is not None and _may_wait.get() and _repays(function, seconds))
+            )
+        )
         if command is not None:
-            command.loaded |= {function} if compiled and available() else set()
+            command.loaded |= {function} if compiled else set()
             compiled = function in command.loaded
-    return machine_code(function) if compiled and available() else function
+    return machine_code(function) if compiled else function
 
 
 def _count(seconds: float) -> None:
@@ -176,12 +186,32 @@ def run(
 def _is_cached(function: Callable[..., Any]) -> bool:
     """Return whether machine code of a kernel is, or was in this process, cached on disk."""
     if function not in _cached:
-        file = Path(function.__code__.co_filename)
-        pattern = f"{file.stem}.{function.__name__}_{digest(function)}*.nbc"
-        if next(cache_folder(file.parent).glob(pattern), None) is None:
+        cached = _cache_file(function)
+        if next(cached.parent.glob(f"{cached.name}*.nbc"), None) is None:
             return False
         _cached.add(function)
     return True
+
+
+def _repays(function: Callable[..., Any], seconds: float) -> bool:
+    """Return whether the calls of a kernel in commands are together worth compiling.
+
+    Adds `seconds`, the time of a call in plain Python, to the sum, a file beside the machine code.
+    """
+    cached = _cache_file(function)
+    sum_file = cached.with_name(f"{cached.name}.seconds")
+    with suppress(OSError, ValueError):
+        seconds += float(sum_file.read_text("ascii"))
+    with suppress(OSError):  # no place for it
+        sum_file.parent.mkdir(parents=True, exist_ok=True)
+        sum_file.write_text(f"{seconds:.3g}", "ascii")
+    return seconds > _MIN_COMPILING_SECONDS
+
+
+def _cache_file(function: Callable[..., Any]) -> Path:
+    """Return the path at which the names of the cached files of a kernel begin."""
+    file = Path(function.__code__.co_filename)
+    return cache_folder(file.parent) / f"{file.stem}.{function.__name__}_{digest(function)}"
 
 
 def cache_folder(sources: Path) -> Path:
@@ -248,7 +278,10 @@ def repeated(calls: int) -> AbstractContextManager[None]:
 
 
 def in_a_command() -> AbstractContextManager[None]:
-    """Import numba only once the calls of a command together are worth it."""
+    """Import numba only once the calls of a command together are worth it.
+
+    Compile a kernel once its calls in all commands are, each too short by itself.
+    """
     return _within(_command, _PlainWork())
 
 
