@@ -120,7 +120,7 @@ def test_a_brute_scan_finds_nothing_less(two):
     request, computed = problem(crossover=2.0), two
     axes = np.meshgrid(*2 * [np.linspace(0.0, 1.0, 50)], indexing="ij")
     points = np.stack([axis.ravel() for axis in axes], axis=-1)
-    good = points[request.missing_fractions(points) <= 0.0]
+    good = points[request.shortfalls(points) <= 0.0]
     peaks = deflection_peaks(request.autopilot(good), request.plant, request.winds[0], 8.0 / BETA)
     assert good.shape[0] > 60
     best = (
@@ -297,7 +297,7 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     request = problem(plant=flexible, criteria=criteria)
     whole = problem(plant=flexible, criteria=replace(criteria, limits=criteria.limits[:2]))
     points = np.array([[x, y] for x in (0.1, 0.3, 0.5) for y in (0.4, 0.5, 0.6)])
-    lacks, rigid = request.missing_fractions(points), whole.missing_fractions(points)
+    lacks, rigid = request.shortfalls(points), whole.shortfalls(points)
     assert np.all(lacks >= rigid)
     for point, lack in zip(points, lacks, strict=True):
         satisfied = criteria.are_satisfied(request.autopilot(point).band_margins(flexible))

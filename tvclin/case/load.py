@@ -110,7 +110,7 @@ class LoadBound:
     ) -> LoadTradeOff:
         """Return the trade-off curve of limit over load, or its point at the bound alone.
 
-        `fraction`: of the limit that counts.
+        `fraction`: fraction of the deflection limit that is available in the plane.
         """
         instance("case", case, Case, "of a wind and a nozzle")
         fraction = number("fraction", fraction, between(1e-9, 1.0))

@@ -143,7 +143,11 @@ def _subject(
 
 
 def _notes(axis: str, x: FloatArray, K: FloatArray, status: Any) -> list[str]:
-    """Return notes on irregular entries of the table, with their K and range of duration."""
+    """Return notes on irregular entries of a table, with their K and range of the abscissa.
+
+    `axis`: name of the abscissa. `x`: abscissas, ``(n,)``. `K`: dead bands, ``(k,)``. `status`:
+    statuses, ``(n, k)``.
+    """
     where: dict[tuple[str, str], list[str]] = {}
     for k, column in zip(K, status.T, strict=True):
         for said in dict.fromkeys(column[column != OK].tolist()):

@@ -34,9 +34,9 @@ FREE_GAINS = (("attitude", "rate"), ("attitude", "rate", "alpha"))
 CROSSOVER = "crossover"
 """Name of the upper limit of the gain crossover."""
 UNSATISFIED_COST = 10.0
-"""Cost of gains that miss a criterion, to which the missing fraction is added."""
+"""Cost of gains that miss a criterion, to which the relative shortfall is added."""
 _UNSTABLE = 100.0
-"""Missing fraction of an unstable loop, larger than of any stable loop."""
+"""Relative shortfall of an unstable loop, larger than of any stable loop."""
 _FLOWN_RATE = 100.0
 """Sample rate of flights [Hz] of an autopilot without one."""
 _MIN_STIFFNESS, _MIN_RATE = 1.01, 0.05
@@ -189,17 +189,18 @@ class GainProblem:
         pace = max(self.fastest / beta, 2.0)
         return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
 
-    def missing_fractions(self, points: FloatArray) -> FloatArray:
-        """Return the largest missing fraction of a required margin by row of gains, ``(n,)``.
+    def shortfalls(self, points: FloatArray) -> FloatArray:
+        """Return the largest relative shortfall of a required margin, by row of gains, ``(n,)``.
 
-        The fraction is zero or negative where all criteria are satisfied.
+        Zero or negative where all criteria are satisfied. `points`: gains in the unit box,
+        ``(n, axes)``.
         """
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
         margins = margins_of(loop.analysis(delays=self._has_delay_margin), loop.batch)
         fractions = [np.full(len(points), -np.inf)]
         fractions += [
-            missing_fraction(r, getattr(margins, r.margin))
+            shortfall(r, getattr(margins, r.margin))
             for r in self.criteria.limits
             if r.margin in MARGINS
         ]
@@ -207,13 +208,11 @@ class GainProblem:
             with np.errstate(over="ignore"):  # with a denormal crossover
                 fractions.append(highest_crossover(margins) / self.crossover - 1.0)
         worst = np.max(np.nan_to_num(fractions, nan=_UNSTABLE), axis=0)
-        missing_fractions = np.where(margins.stable, worst, _UNSTABLE)
-        good = np.flatnonzero(missing_fractions <= 0.0)
+        shortfalls = np.where(margins.stable, worst, _UNSTABLE)
+        good = np.flatnonzero(shortfalls <= 0.0)
         if self.plant.structure is not None and good.size and self._mode_limits:
-            missing_fractions[good] = np.maximum(
-                missing_fractions[good], self._mode_missing_fractions(points[good])
-            )
-        return np.asarray(missing_fractions)
+            shortfalls[good] = np.maximum(shortfalls[good], self._mode_shortfalls(points[good]))
+        return np.asarray(shortfalls)
 
     @property
     def _has_delay_margin(self) -> bool:
@@ -225,8 +224,12 @@ class GainProblem:
         """The required margins of modes."""
         return tuple(r for r in self.criteria.limits if r.margin not in MARGINS)
 
-    def _mode_missing_fractions(self, points: FloatArray) -> FloatArray:
-        """Return the largest missing fraction of margins of modes by row of gains, ``(n,)``."""
+    def _mode_shortfalls(self, points: FloatArray) -> FloatArray:
+        """Return the largest relative shortfall of the margins of modes, by row of gains, ``(n,)``.
+
+        Negative where all criteria of modes are satisfied. `points`: gains in the unit box,
+        ``(n, axes)``.
+        """
         assert isinstance(self.plant, FlexiblePlant)
         loop = self.autopilot(points).exact_loop(self.plant)
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
@@ -249,8 +252,8 @@ def _checked_winds(winds: Any) -> tuple[History, ...]:
     return checked
 
 
-def missing_fraction(criterion: Criterion, value: Any) -> FloatArray:
-    """Return the missing fraction of a required margin, ``(n,)``; negative where satisfied."""
+def shortfall(criterion: Criterion, value: Any) -> FloatArray:
+    """Return the relative shortfall of a margin, ``(n,)``; negative where it is satisfied."""
     fraction = (criterion.limit - np.asarray(value)) / max(criterion.limit, 1e-9)
     return np.asarray(-fraction if criterion.is_upper_limit else fraction)
 

@@ -26,8 +26,8 @@ from tvclin.design.gain_problem import (
     UNSATISFIED_COST,
     GainProblem,
     highest_crossover,
-    missing_fraction,
     required_limits,
+    shortfall,
 )
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
@@ -282,9 +282,9 @@ def _cost(
     Rows that miss a criterion cost at least `UNSATISFIED_COST`. `requirement`: function for the
     deflection of rows that satisfy all criteria, exact below the largest cost of the pool.
     """
-    missing_fractions = problem.missing_fractions(points)
-    values = UNSATISFIED_COST + np.maximum(missing_fractions, 0.0)
-    good = np.flatnonzero(missing_fractions <= 0.0)
+    shortfalls = problem.shortfalls(points)
+    values = UNSATISFIED_COST + np.maximum(shortfalls, 0.0)
+    good = np.flatnonzero(shortfalls <= 0.0)
     if good.size:
         values[good] = np.minimum(
             requirement(points[good], float(pool[-1])), 0.9 * UNSATISFIED_COST
@@ -356,7 +356,7 @@ def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> 
         r.margin
         for r in problem.criteria.limits
         if r.margin in MARGINS
-        and abs(missing_fraction(r, getattr(margins, r.margin))) < _RELATIVE_TOLERANCE
+        and abs(shortfall(r, getattr(margins, r.margin))) < _RELATIVE_TOLERANCE
     ]
     limit = problem.crossover
     if limit is not None and highest_crossover(margins) > (1.0 - _RELATIVE_TOLERANCE) * limit:
@@ -416,12 +416,12 @@ def _refusal(problem: GainProblem, point: FloatArray) -> str:
         f"; the nearest, a0 = {float(autopilot.attitude_gain):.4g} and"
         f" a1 = {float(autopilot.rate_gain):.4g} s,"
     )
-    missing_fractions = [
-        (float(missing_fraction(r, getattr(margins, r.margin))), r)
+    shortfalls = [
+        (float(shortfall(r, getattr(margins, r.margin))), r)
         for r in problem.criteria.limits
         if r.margin in MARGINS
     ]
-    fraction, worst = max(missing_fractions, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
+    fraction, worst = max(shortfalls, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
     if not margins.stable:
         text += " are unstable"
     elif fraction > 0.0:

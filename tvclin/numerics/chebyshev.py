@@ -144,7 +144,10 @@ class Surface:
         return None
 
     def factors(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Return the factors of the points at x, y and z, ``(m,)`` each, ``(m, 2 points)``."""
+        """Return the factors from the rows of `table` to values at m points, ``(m, 2 points)``.
+
+        `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each.
+        """
         of_x = _factors(self.degree, _angles(x, *self.x))
         of_y = _factors(_Y_DEGREE, _angles(y, *self.y))
         factors = (of_x[:, :, np.newaxis] * of_y[:, np.newaxis]).reshape(len(x), -1)

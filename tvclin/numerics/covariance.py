@@ -152,7 +152,9 @@ def absolute_covariance(
     deviation: tuple[FloatArray, FloatArray],
     correlation: FloatArray,
 ) -> FloatArray:
-    """Return the covariance of |x| and |y| of Gaussian pairs; all arrays broadcast.
+    """Return the covariance of |x| and |y| for Gaussian pairs (x, y); all arrays broadcast.
+
+    `mean`, `deviation`: means and standard deviations of x and of y. `correlation`: r of the pair.
 
     Without means it is (2/pi) d_x d_y (sqrt(1 - r^2) + r asin r - 1).
     """
@@ -192,7 +194,9 @@ def crossing_rate(
 ) -> FloatArray:
     """Return the expected crossings of +limit upwards and of -limit downwards [1/s].
 
-    `limit`: positive, in the unit of the values. The arrays broadcast; where a deviation is zero
+    `limit`: positive, in the unit of the values. `mean`, `deviation`: mean and standard deviation
+    of Gaussian values; `mean_rate`, `rate_deviation`: of their rates. `correlation`: between value
+    and rate. The arrays broadcast; where a deviation is zero
     nothing is random, and the rate counts as zero.
     """
     from scipy.special import ndtr  # late, as above

@@ -446,7 +446,10 @@ def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
 
 
 def _knot_states(pieces: Pieces, pole: AnyArray) -> AnyArray:
-    """Return the state y of the lag at each knot, ``(..., n)``, propagated exactly."""
+    """Return y of the lag y' = pole y + input at each of n knots, ``(..., n)``, exactly.
+
+    `pieces`: the input. `pole`: pole [1/s], ``(...)``. The state at the first knot is zero.
+    """
     shape = np.broadcast_shapes(pieces.batch, pole.shape)
     width = np.diff(pieces.knots, axis=-1)
     forced = _forced_states(pieces.coefficients[..., :-1, :, :], pieces.rates, width, pole)

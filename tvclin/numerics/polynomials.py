@@ -17,7 +17,7 @@ _MAX_DIRECT_DEGREE = 4
 
 
 def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
-    """Return the values at ``s (..., m)``; the leading axes broadcast."""
+    """Return the values of a polynomial at ``s (..., m)``; the leading axes broadcast."""
     if not polynomial.shape[-1]:
         return np.zeros_like(s)
     result = polynomial[..., 0, np.newaxis] + 0.0 * s
@@ -28,7 +28,7 @@ def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
 
 
 def on_axis(polynomial: FloatArray, omega: FloatArray) -> AnyArray:
-    """Return the values at j omega ``(..., m)``; the leading axes broadcast."""
+    """Return the values of a polynomial at j omega ``(..., m)``; the leading axes broadcast."""
     even, odd = _halves(polynomial)
     square = -(omega**2)
     values = value(even, square).astype(complex)

@@ -33,9 +33,9 @@ class AutopilotRequirement:
     Attributes
     ----------
     nominal : ClosedLoopBoundary
-        At nominal dynamic pressure.
+        Boundary of the autopilot at nominal dynamic pressure.
     head : ClosedLoopBoundary or None
-        At the dynamic pressure at the peak of a head wind; None where that does not count.
+        Boundary at the dynamic pressure at the peak of a head wind; None where that does not count.
     head_counts : bool
         Whether a head wind sets the required deflection; without `head` no limit is known then.
     plane_ratio : float
@@ -60,7 +60,11 @@ class AutopilotRequirement:
         return abs(float(self.head.deflection)) * self.plane_ratio
 
     def sufficient(self, limit: float) -> bool | None:
-        """Return whether a limit [rad] is sufficient; None above that at nominal pressure alone."""
+        """Return whether a limit [rad] is sufficient; None if that is not known.
+
+        It is not known for a limit that covers the nominal requirement, but not that in a head wind
+        which sets the required deflection.
+        """
         nominal = bool(covers(limit, self.nominal_deflection))
         if nominal and self.head_counts:
             return True if self.head is not None and covers(limit, self.deflection) else None

@@ -83,7 +83,10 @@ def wind_triangle(
 
 
 def pressure_in_winds(path: ArrayLike, along: ArrayLike, across: ArrayLike = 0.0) -> FloatArray:
-    """Return q/q_n of horizontal winds; parameters as in `wind_triangle`."""
+    """Return q/q_n, the dynamic pressure in horizontal winds over the nominal one.
+
+    Parameters as in `wind_triangle`.
+    """
     return np.asarray((np.cos(path) - along) ** 2 + np.sin(path) ** 2 + np.square(across))
 
 

@@ -103,7 +103,11 @@ def schedule_from_rocketpy(
 def _of_vehicle(
     flight: Flight, rocket: Any, gimbal: float, slope: FloatArray, centre: FloatArray
 ) -> dict[str, Column]:
-    """Return inertia, arms, area and slope at each row of a flight."""
+    """Return columns of inertia, area, slope and arms of a rocket at each row of a flight, by name.
+
+    `gimbal`: position of the gimbal [m]. `slope`, `centre`: slope of the normal force [1/rad] and
+    centre of pressure [m], ``(n,)``. Positions are in the rocket's coordinates.
+    """
     area = number("rocket.area", _attribute(rocket, "area"), finite, "m^2")
     forward = number("rocket._csys", _attribute(rocket, "_csys"), finite)
     if abs(forward) != 1.0:
@@ -134,7 +138,10 @@ def _of_vehicle(
 def _aerodynamics(
     rocket: Any, mach: FloatArray, without: tuple[str, ...]
 ) -> tuple[FloatArray, FloatArray, list[str]]:
-    """Return slope [1/rad], centre of pressure [m], ``(n,)`` each, and notes, without surfaces."""
+    """Return slope of the normal force [1/rad], centre of pressure [m], ``(n,)`` each, and notes.
+
+    `mach`: Mach numbers, ``(n,)``. `without`: names of surfaces that are omitted.
+    """
     slope = _sampled(rocket, "total_lift_coeff_der", mach, "rocket").values
     moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values
     surfaces = list(_attribute(rocket, "aerodynamic_surfaces")) if without else []
@@ -184,7 +191,10 @@ def _attribute(record: Any, name: str) -> Any:
 
 
 def _sampled(surface: Any, name: str, at: FloatArray, called: str) -> Column:
-    """Return the values of a function of time or Mach number, ``(n,)``."""
+    """Return the values of a function `name` of a surface or rocket, ``(n,)``, and their origin.
+
+    `at`: times [s] or Mach numbers, ``(n,)``. `called`: name of the object in messages.
+    """
     function: Callable[[float], Any] = _attribute(surface, name)
     try:
         values = np.array([float(function(float(x))) for x in at])

@@ -275,7 +275,10 @@ class DrivenLoop:
         return self.rows[..., k, :], self.direct[..., k]
 
     def is_smooth(self, row: FloatArray, direct: FloatArray) -> bool:
-        """Return whether an output has a rate of finite variance: it jumps with no noise."""
+        """Return whether an output has a rate of finite variance: no noise makes it jump.
+
+        `row`, `direct`: row of C and direct term of the output.
+        """
         return (
             not np.any(_times(row, self.noise))
             and not np.any(direct)
@@ -384,7 +387,11 @@ def _continuous(
 def _behind_filter(
     loop: LinearSystem, shape: FilterMatrices
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return A, B_w, C, D_w and N of a system and its shaping filter; its input is "wind"."""
+    """Return A, B_w, C, D_w and N of `DrivenLoop` for a system with n states behind a filter.
+
+    The states are those of the system and the m states of the shaping filter, whose output is the
+    system's input "wind". `shape`: matrices a, b and c of the filter.
+    """
     system = loop.select(("wind",), loop.outputs)
     a, b, c = shape
     n, m = system.A.shape[-1], a.shape[-1]

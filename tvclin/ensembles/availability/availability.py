@@ -209,7 +209,11 @@ def _added(
     upper: FloatArray,
     soundings: Soundings,
 ) -> tuple[FloatArray, list[str]]:
-    """Return the increase of requirements by persistence [rad], ``(a,)``, and its notes."""
+    """Return the increase [rad] of requirements from balloon to launch, ``(a,)``, and its notes.
+
+    `growth`: model of persistence, or the increase itself [rad]. `lower`, `upper`: bounds of the
+    required deflection [rad] by azimuth and sounding, ``(a, n)``.
+    """
     if isinstance(growth, WindGrowth):
         note = "each required deflection includes the growth of the wind until launch"
         return np.zeros(lower.shape[0]), [note]

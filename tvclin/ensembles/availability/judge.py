@@ -304,7 +304,11 @@ class Judge:
     def _in_planes(
         self, in_planes: list[tuple[int, FloatArray]], shape: tuple[int, ...] = ()
     ) -> FloatArray:
-        """Return required deflections of all planes [rad], from pairs of plane and deflections."""
+        """Return the required deflections [rad] of the limit shape, from those of single planes.
+
+        `in_planes`: pairs of the index of a plane and its required deflections [rad], each of one
+        shape; of several in a plane the largest counts. `shape`: this shape if there are none.
+        """
         planes = np.zeros((len(self.planes), *(in_planes[0][1].shape if in_planes else shape)))
         for p, required in in_planes:
             np.maximum(planes[p], required, out=planes[p])

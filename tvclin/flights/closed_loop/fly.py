@@ -195,7 +195,11 @@ def _continuous(
     actuator: Actuator | None,
     gain: float,
 ) -> FloatArray:
-    """Return states and deflection ``(n + 1, m)`` of a flight without sampling."""
+    """Return n states and deflection [rad] at m times of a flight without sampling, ``(n + 1, m)``.
+
+    `times`: [s], ``(m,)``. `limits`: limits of deflection [rad] and rate [rad/s]. `gain`: factor on
+    the demand of the law.
+    """
     if law.rate_noise[0]:
         raise InputError("noise belongs to samples; give a sample_rate")
     if any(law.chains):
