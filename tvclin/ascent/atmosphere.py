@@ -97,7 +97,10 @@ def density_at(altitude: float) -> float:
 
 
 def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
-    """Return ln(p_bottom/p) within a layer: the integral of g/(R T) over height."""
+    """Return ln(p_bottom/p) within a layer: the integral of g/(R T) over height.
+
+    `base`: temperature [K] at the bottom. `lapse`: its slope [K/m]. `above`: height above it [m].
+    """
     ratio = lapse * above / base
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(ratio == 0.0, 1.0, np.log1p(ratio) / ratio)

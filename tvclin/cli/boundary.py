@@ -94,7 +94,7 @@ def _print_over_duration(
     more: bool,
     shown: ShownCurves,
 ) -> None:
-    """Print boundary limits y_BR over tau*beta and the dead band."""
+    """Print boundary limits y_BR over the duration tau beta, `x`, and the dead band K."""
     from tvclin import plots
 
     name, plant, plane, file_shape = subject

@@ -195,7 +195,10 @@ class PlanarMotion:
         return across / (now.mass * speed), along / now.mass
 
     def _ratio(self, speed: Any, altitude: Any) -> Any:
-        """Return the dynamic pressure relative to the vehicle's coefficients."""
+        """Return the dynamic pressure over that of the vehicle's coefficients.
+
+        `speed`: air speed [m/s]. `altitude`: [m].
+        """
         return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
 
     def _now(self, t: Any) -> _Now:

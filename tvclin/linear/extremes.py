@@ -202,7 +202,10 @@ def refined_maximum(
 
 
 def _last_zero(function: Function, times: FloatArray, towards: FloatArray) -> Point | None:
-    """Return the last point at which the values fall through zero; None if they do not."""
+    """Return the last point at which a function falls through zero; None if it does not.
+
+    `times`: [s], ``(n,)``. `towards`: values of the function at these times; zeros are omitted.
+    """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
     times, towards = times[towards != 0.0], towards[towards != 0.0]

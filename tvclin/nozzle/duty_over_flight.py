@@ -449,6 +449,8 @@ def _add_turbulence(
 ) -> None:
     """Add k standard deviations of turbulence to the requirements of flights, in place.
 
+    `required`: requirements by the key of their limit, SI and radians. `points`: flights.
+
     Torque and power in turbulence are not known where those of the wind are within their limits.
     """
     flown = [(point.time, point.duty) for point in points if point.duty is not None]

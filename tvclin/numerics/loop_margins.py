@@ -346,7 +346,10 @@ def _polished_phase_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
 
 
 def _imaginary(above: ComplexArray, below: ComplexArray) -> FloatArray:
-    """Return Im(-N conj(D)), in real products, which round alike in a batch of any shape."""
+    """Return Im(-N conj(D)) of numerator N and denominator D, `above` and `below`.
+
+    In real products, which round alike in a batch of any shape.
+    """
     return above.real * below.imag - above.imag * below.real
 
 

@@ -444,7 +444,10 @@ def _figure(
     along: ArrayLike = 4.0,
     engine: str | None = None,
 ) -> ControlPlot:
-    """Return figure 10 or 11."""
+    """Return figure 10 or 11 of the report: boundary limits y_BR over tau beta, by dead band.
+
+    `tau_beta`: durations of winds with a frozen vehicle. `along`: durations along the flight.
+    """
     flies = chosen_engine(engine)
     errors.instance("vehicle", name, str, "what load_vehicle finds it by")
     fractions = errors.one_row(
@@ -481,7 +484,11 @@ def _figure(
 def _panel(
     panel: str, name: str, K: float, x: FloatArray, durations: Sequence[FloatArray], engine: str
 ) -> list[Column]:
-    """Return the curves of one dead band."""
+    """Return the curves of boundary limits y_BR for one dead band, by equations and by flights.
+
+    `x`: durations tau beta, ``(n,)``. `durations`: those of flights with a frozen vehicle, and
+    along the flight.
+    """
     c = Coefficients.from_vehicle(load_vehicle(name))
     limits_of = {
         _EQUATION_12: np.asarray(triangular_limit(x, K)),

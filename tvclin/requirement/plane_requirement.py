@@ -172,7 +172,10 @@ def _vector(
     case: int,
     shape: tuple[int, ...],
 ) -> float:
-    """Return the required limit [rad] of one wind vector of a batch, at least `by_planes`."""
+    """Return the required limit [rad] of one wind vector of a batch, at least `by_planes` [rad].
+
+    `plants`: plants by plane. `case`: flat position of the vector in the batch of this `shape`.
+    """
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
     from tvclin.boundary.plane_limits import vector_requirement
 

@@ -351,7 +351,9 @@ def _of_flights(
     limit: FloatArray,
     minimum: FloatArray,
 ) -> FloatArray:
-    """Return the required deflection [rad] with K = 1, by flights of the law where these decide.
+    """Return the required deflections [rad] with K = 1, ``(n,)``, by flights where these decide.
+
+    `limit`: limits [rad] of the curves `trim_and_demand`. `minimum`: minimum peaks [rad].
 
     For an aerodynamically stable vehicle with an unstable path the law may not return the path to
     equilibrium with any limit: flights then end with the wind, where the limit must reduce the

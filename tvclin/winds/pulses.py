@@ -382,7 +382,10 @@ class LayeredGust(History):
 def _half_waves(
     peak: FloatArray, half_wave: FloatArray, knots: FloatArray, shape: list[list[float]]
 ) -> Pieces:
-    """Return pieces (c0 + c1 cos(omega u)) peak, by the coefficients of each in `shape`."""
+    """Return pieces (c0 + c1 cos(omega u)) peak, omega being pi over the `half_wave` [s].
+
+    `shape`: coefficients of the rates 0, j omega and -j omega, of each piece.
+    """
     coefficients = peak[..., np.newaxis, np.newaxis] * np.array(shape)
     omega = np.pi / np.where(half_wave > 0.0, half_wave, 1.0)
     rates = 1j * omega[..., np.newaxis] * np.array([0.0, 1.0, -1.0])

@@ -424,9 +424,10 @@ def _outputs(
     rates: FloatArray,
     slopes: Mapping[str, FloatArray],
 ) -> dict[str, FloatArray]:
-    """Return the outputs of a flight by name, ``(n,)``.
+    """Return the outputs of a flight at n times by name, ``(n,)`` each, in SI units and radians.
 
-    `rows`: states of the plant and deflection. `rates`: deflection rates [rad/s].
+    `times`: flight times [s]. `rows`: states of the plant and deflection [rad], ``(n, m + 1)``.
+    `rates`: deflection rates [rad/s]. `slopes`: see `sampled_outputs`.
     """
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
     plants, ratio = along.loops(inside)[0], along.wind.pressure(inside)

@@ -130,7 +130,7 @@ def _decide(
     k: int,
     last: bool,
 ) -> None:
-    """End the flights of which one plane is lost, or both have settled, in place."""
+    """End the flights of which one plane has diverged, or both have settled, in place."""
     pitch, yaw = (f.now.outcome for f in pair)
     lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
     survived = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))

@@ -380,7 +380,10 @@ class Airframe:
         trajectory: FloatArray | None,
         sensors: LateralSensors,
     ) -> FloatArray:
-        """Return the rows of a flight, minus given nominal ones, ``(m, 7)``."""
+        """Return the rows of a flight at m samples, minus the `nominal` rows, ``(m, 7)``.
+
+        Parameters as in `fly`.
+        """
         self._begin()
         h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
         hold_other_plane = self._attitude_hold(trajectory)

@@ -486,7 +486,11 @@ def _with_bounds(
     limits: FloatArray | float,
     statuses: list[str],
 ) -> FrozenRequirement:
-    """Return requirements [rad] ``(k,)`` with the lower bounds; errors and statuses as messages."""
+    """Return required deflections [rad] ``(k,)`` of a wind, with lower bounds and messages.
+
+    `limits`: required deflections [rad], ``(k,)``. `statuses`: their statuses. A bound that is not
+    defined is NaN; the messages hold its error, and statuses.
+    """
     said: list[str] = []
 
     def value_or_nan(function: Callable[[], float]) -> float:

@@ -385,7 +385,10 @@ def _circumstances(
     vehicles: list[Vehicle],
     placed: list[list[PlacedWind]],
 ) -> dict[str, Any]:
-    """Return fields of `Sizing`: begin, end, change and coverage of winds, ``(n, m)``."""
+    """Return fields of `Sizing`: begin and end [s], change and coverage of winds, ``(n, m)``.
+
+    `vehicles`: vehicle at each of n flight times. `placed`: m winds at each of these times.
+    """
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [
         [_change(schedule, plane, v, w) for w in row]
@@ -451,7 +454,10 @@ def _along(
     bands: FloatArray,
     count_need: Callable[[FlightRequirement], FlightRequirement],
 ) -> list[list[FlightRequirement]]:
-    """Return the requirements with varying parameters, by flight times and winds."""
+    """Return the requirements with varying parameters, by flight times and winds.
+
+    `placed`: winds by flight time. `bands`: dead bands. `count_need`: see `_plane_sizing`.
+    """
     winds: dict[bytes, list[NominalWind]] = {}  # without a window one wind meets every flight time
 
     def key_of(wind: PlacedWind) -> bytes:

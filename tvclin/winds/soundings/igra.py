@@ -286,7 +286,11 @@ class _StationStream:
 
 
 def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
-    """Return the levels of soundings from their lines."""
+    """Return the levels of soundings from their lines.
+
+    `numbers`: line numbers in the file, one for each line. `counts`: number of lines of each
+    sounding.
+    """
     characters = np.array(lines or [b""], dtype=f"S{_MAX_LINE_WIDTH}")[: len(lines)]
     letters = characters.view(np.uint8).reshape(len(lines), _MAX_LINE_WIDTH)
     valid = np.all(letters[:, _BLANK_COLUMNS] == ord(" "), axis=1)

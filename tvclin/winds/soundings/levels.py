@@ -172,7 +172,10 @@ def _ascending_levels(levels: Levels, index: IndexArray) -> tuple[IndexArray, li
 
 
 def _gap_notes(height: FloatArray, windless: FloatArray) -> list[str]:
-    """Return notes on levels without a wind: gaps that are bridged, and levels outside."""
+    """Return notes on levels without a wind: gaps that are interpolated, and levels outside.
+
+    `height`, `windless`: heights [m] of the levels with a wind, rising, and of those without.
+    """
     upper = np.searchsorted(height, windless)
     bridged = np.unique(upper[(upper > 0) & (upper < height.size)])
     outside = int(np.sum((upper == 0) | (upper == height.size)))
