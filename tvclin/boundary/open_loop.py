@@ -94,7 +94,11 @@ class _AfterTrim:
     modes: AnyArray
 
     def peaks(self, cases: IndexArray, limits: FloatArray, sufficient: FloatArray) -> FloatArray:
-        """Return m(L) of cases ``(n,)``, or `sufficient` where that is proved to be no less."""
+        """Return the minimum peaks m(L) [rad] from the exit of the dead band on, ``(n,)``.
+
+        `cases`: indices of the cases. `limits`: their L [rad]. `sufficient`: deflections [rad],
+        returned in place of m(L) where they are proved to be no less.
+        """
         poles = self.modes[cases]
         z = self.problem.demands_after_trim(cases, self.dead_band[cases] * limits, poles)
         return peaks_for_demands(poles, z / poles, sufficient)

@@ -137,7 +137,10 @@ class PlanePair:
         return np.asarray(p * pitch(t) + 1j * r * yaw(t))
 
     def wind_demand(self, t: FloatArray) -> Vectors:
-        """Return the demand [rad] of the wind after the times `t` [s] at the fast modes."""
+        """Return the wind demand [rad] after times `t` [s], of the fastest mode of each plane.
+
+        Complex, pitch + j yaw, in the shape of `t`.
+        """
         (p, *_), (r, *_) = self._strengths
         pitch, yaw = self._wind_integrals
         return np.asarray(p * pitch(t) + 1j * (r * yaw(t)))

@@ -299,7 +299,11 @@ def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
 
 
 def _body(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of vehicle, axis and nozzle."""
+    """Return the lines of vehicle, axis and nozzle by name.
+
+    `attitude`, `path`: attitude and flight path angle [rad]. `wind`: wind angle of attack [rad].
+    `deflection`: deflection [rad].
+    """
     u, n = _axes_of(attitude)
     corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
     outline = [a * u + sign * _RADIUS * n for a, sign in corners]
@@ -321,7 +325,7 @@ _NOZZLE = ((-1, 0.2, 0.0), (-1, 0.5, 1.1), (1, 0.5, 1.1), (1, 0.2, 0.0), (-1, 0.
 
 
 def _forces(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of the forces."""
+    """Return the lines of the forces by name, for angles [rad]; see `_body`."""
     u, n = _axes_of(attitude)
     along = _axes_of(attitude + deflection)[0]
     gimbal, centre, nose = _TAIL * u, _ARM_A * u, _NOSE * u
@@ -347,7 +351,7 @@ def _forces(attitude: float, path: float, wind: float, deflection: float) -> dic
 
 
 def _speeds(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of flight speed, wind and air speed."""
+    """Return the lines of flight speed, wind and air speed by name, for angles [rad]."""
     speed = _SPEED * _axes_of(path)[0]
     relative = speed[1] / np.sin(path + wind) * _axes_of(path + wind)[0]
     origin = np.zeros(2)
@@ -365,7 +369,7 @@ def _speeds(attitude: float, path: float, wind: float, deflection: float) -> dic
 
 
 def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the arcs of the angles."""
+    """Return the arcs of the angles by name, for angles [rad]; see `_body`."""
     u = _axes_of(attitude)[0]
     into_wind, back = path + wind, attitude + np.pi
     return {
@@ -389,7 +393,7 @@ def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[
 
 
 def _arms(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of the moment arms."""
+    """Return the lines of the moment arms by name, for angles [rad]; see `_body`."""
     u, n = _axes_of(attitude)
     off = 1.6 * n
     ends = {"at the gimbal": -_ARM_C * u, "at c.g.": 0.0 * u, "at c.p.": _ARM_A * u}

@@ -67,8 +67,8 @@ class UnstableModes:
         Parameters
         ----------
         end : ndarray
-            Costate and control reach of the fastest mode, ``(n, m + 1)``, of the rest of a
-            flight are not the eigenvector.
+            Costate and control reach of the fastest mode, ``(n, m + 1)``: over the rest of a
+            flight, which varies, they differ from those of its left eigenvector.
         column : ndarray
             Column b of the deflection, ``(n, m)``.
         """
