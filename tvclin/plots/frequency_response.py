@@ -133,7 +133,11 @@ def box_sides(criteria: Criteria) -> tuple[float, float, float]:
 
 
 def _draw_box(axes: Axes, box: tuple[float, float, float], name: str) -> None:
-    """Draw the criteria box around each point -1 of a Nichols chart."""
+    """Draw the criteria box around each point -1 of a Nichols chart.
+
+    `box`: its extent upwards and downwards [dB], and half of its width [deg]; zero without a
+    criterion. `name`: name of the criteria.
+    """
     from matplotlib.patches import Rectangle
 
     up, down, half_width = box

@@ -150,7 +150,7 @@ def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
     plot = draw(curves, Look("Flown margins over the limit", ordinate, styles))
     for axes in plot.axes.flat:
         axes.set_ylim(bottom=0.0)
-        _by_ratio(axes)
+        _set_logarithmic_abscissa(axes)
     return plot
 
 
@@ -208,7 +208,7 @@ def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) ->
     axes.set(xlabel="gain, over that of the law [-]", ylabel="delay [s]")
     axes.set_title("Boundary over gain and delay")
     fine_grid(axes)
-    _by_ratio(axes)
+    _set_logarithmic_abscissa(axes)
     axes.figure.canvas.draw()
     frame = axes.get_window_extent()
     for label in axes.clabel(lines, fmt="%.3g", fontsize=9, zorder=2):
@@ -233,7 +233,7 @@ def _numbers(boundary_map: BoundaryMap) -> Curves:
     return Curves("boundary-map", words, label, boundary_map.gains, tuple(columns))
 
 
-def _by_ratio(axes: Axes) -> None:
+def _set_logarithmic_abscissa(axes: Axes) -> None:
     """Set a logarithmic abscissa with plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 

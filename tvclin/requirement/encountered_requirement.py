@@ -205,7 +205,11 @@ def largest_pressure(
 
 
 def uses_encountered_pressure(sign: str | None) -> bool:
-    """Return whether measured winds count with their own sign; `InputError` for another one."""
+    """Return whether measured winds count at the dynamic pressure encountered.
+
+    `sign`: None, or `FROZEN` for the nominal one. `InputError` for another sign: that of a measured
+    wind follows from its direction.
+    """
     if isinstance(sign, str) and sign in SIGNS:
         raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
     return sign is None or one_of("sign", sign, (FROZEN,)) != FROZEN

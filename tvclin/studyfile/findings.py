@@ -357,7 +357,10 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
 
 
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
-    """Return the autopilot requirement at nominal pressure; `loop` has a flexible vehicle's."""
+    """Return the autopilot requirement at nominal dynamic pressure.
+
+    For a flexible vehicle it is part of `loop`, else it is computed for its plant and autopilot.
+    """
     from tvclin.case.flexible_autopilot import FlexibleAnswer
     from tvclin.requirement.autopilot_requirement import autopilot_boundary
 

@@ -182,7 +182,11 @@ class Availability(Tabled):
         }
 
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
-        """Return the fractions that fly with other limits [rad], ``(m,)``."""
+        """Return the fractions of all soundings that fly, one result for each of m limits.
+
+        `limits`: deflection limits [rad] in place of the one of the nozzle, ``(m,)``. Each result
+        is that of `fraction` for all soundings.
+        """
         all_soundings = np.ones(len(self.soundings), dtype=bool)
         row = errors.small_angle("a deflection", errors.nonnegative)(
             "limits", scalar_or_row("limits", limits)

@@ -333,7 +333,11 @@ class Hardware:
     def select(
         self, which: IntArray, shape: tuple[int, ...], flights: IntArray, flown: tuple[int, ...]
     ) -> Hardware:
-        """Return the hardware of vehicles `which` of a batch, with the rate limits of `flights`."""
+        """Return the hardware of selected vehicles, with the rate limits of selected flights.
+
+        `which`, `flights`: flat indices of vehicles and flights. `shape`, `flown`: shapes of the
+        batches of vehicles and of flights.
+        """
         actuator = self.actuator
         if actuator is not None:
             damping = None if actuator.damping is None else elements(actuator.damping, shape, which)
