@@ -902,6 +902,22 @@ def doors(folder: Path) -> dict[str, Door]:
                 "deflection_moment": 0.0,
             },
         ),
+        "fly_planes_along": Door(
+            tv.flights.fly_planes_along,
+            {
+                "flight": schedule,
+                "autopilot": dataclasses.replace(autopilot, sample_rate=20.0),
+                "wind": tv.winds.PlaneWind.veering(wind.shift(60.0), 0.3, 0.1),
+                "deflection_limit": 0.1,
+                "limit_shape": ellipse,
+                "rate_limit": 0.5,
+                "sign": "frozen",
+                "gust_time": None,
+                "start": 60.0,
+                "stop": 70.0,
+                "model": "drift-exact",
+            },
+        ),
         "fly_many_along": Door(
             tv.flights.fly_many_along,
             {

@@ -12,6 +12,7 @@ import tvclin as tv
 from tests.whole_flight import TIMES, autopilot, flight, write_flight
 from tvclin.cli.app import app
 from tvclin.vehicle import Filter
+from tvclin.winds.wind_angles import angles_from_vector_size
 
 
 @pytest.fixture(scope="module")
@@ -326,7 +327,10 @@ def test_dispersed_vehicles_fly_along_the_flight_in_drawn_soundings(folder, tmp_
         (("--engine", "planar"), "--engine needs a single flight time: --at TIME"),
         (("--dead-band", "1"), "--dead-band needs a single flight time"),
         (("--winds", "no-such.csv"), "--winds needs --azimuth-deg"),
-        (("--set", "nozzle.limit_shape", "round"), "the loop flies along a flight in one plane"),
+        (
+            ("--set", "nozzle.limit_shape", "round", *PULSE),
+            "both planes need a wind with a direction",
+        ),
     ],
 )
 def test_what_a_flight_of_the_loop_cannot_take_is_refused(folder, words, message) -> None:
@@ -364,18 +368,39 @@ def test_ascent_lists_required_used_and_remaining_deflection_of_the_flown_autopi
     assert "flown by the autopilot: NOT SURVIVED" in printed
 
 
-def test_ascent_is_not_satisfied_where_the_autopilot_is_not_known(folder) -> None:
-    words = ("--from", "50", "--to", "90", "--every", "40", "--azimuth-deg", "90")
-    keys = {"shape": "triangular", "peak_deg": 4, "duration_s": 8, "direction_deg": 250}
+def in_both_planes(**keys):
+    """Return the words of a pulse with a direction, flown in both planes."""
+    keys = {"shape": "triangular", "peak_deg": 4, "duration_s": 8, "direction_deg": 250} | keys
     both = [word for key, value in keys.items() for word in ("--set", f"wind.{key}", value)]
-    result = run("ascent", folder / "study.toml", *words, "--plane", "both", *both, "--json")
-    verdict = json.loads(result.stdout)["verdict"]
-    assert result.exit_code == 1
-    said = "NOT KNOWN: the loop flies along a flight in one plane: leave out the limit shape"
-    assert verdict["words"].startswith("Limit 5.000 deg: budget SUFFICIENT, ")
-    assert f"deg remaining; autopilot {said}; " in verdict["words"]
-    assert (verdict["sufficient"], verdict["satisfied"]) == (True, False)
-    assert verdict["autopilot"] == said
+    return ("--azimuth-deg", "90", *both)
+
+
+def test_ascent_and_fly_in_both_planes_are_of_the_autopilot_flown_in_both(folder) -> None:
+    """The same flights in Python: the vector of 4 deg by its direction at each flight time."""
+    words = ("--from", 50, "--to", 50, "--plane", "both", *in_both_planes(), "--json")
+    result = run("ascent", folder / "study.toml", *words)
+    document, made = json.loads(result.stdout), read(folder)
+    at_50 = made.at(50.0).rigid
+    angles = angles_from_vector_size(np.radians(4.0), np.radians(160.0), at_50.attitude)
+    pulse = tv.TriangularWind(peak=1.0, duration=8.0).shift(46.0)
+    pitch, yaw = (pulse * float(angle) for angle in angles)
+    wind = tv.winds.PlaneWind(pitch=pitch, yaw=yaw)
+    options = {"rate_limit": np.radians(20.0), "start": 46.0}
+    flown = tv.flights.fly_planes_along(
+        made, notched(), wind, deflection_limit=np.radians(5.0), **options
+    )
+    largest = np.degrees(flown.largest("deflection").value)
+    assert document["verdict"]["autopilot"] == "SURVIVED in 1 wind"
+    assert document["deflection_use"]["used_deg"] == pytest.approx([largest], rel=1e-9)
+    assert (result.exit_code, document["verdict"]["satisfied"]) == (0, True)
+    words = (*at(50), "--set", "nozzle.limit_shape", "round", *in_both_planes())
+    small = run("fly", folder / "study.toml", *words, "--limit-deg", 0.2, "--json")
+    document = json.loads(small.stdout)
+    expected = tv.flights.fly_planes_along(
+        made, notched(), wind, deflection_limit=np.radians(0.2), **options
+    )
+    assert (small.exit_code, document["survived"], document["plane"]) == (1, False, "both")
+    assert document["flights"][0]["status"] == expected.status == "lost"
 
 
 def test_the_autopilot_is_flown_at_a_single_flight_time(folder) -> None:

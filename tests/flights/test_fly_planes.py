@@ -1,11 +1,14 @@
 """Flights of both planes with one stop, against one plane, and against an integration by scipy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.turns import by_turns, usual
+from tests.whole_flight import autopilot, flight
 
 BETA, B = 0.5, 0.1
 PLANT = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=BETA, B=B))
@@ -129,3 +132,155 @@ def test_what_cannot_be_flown_in_two_planes_is_refused() -> None:
             tv.flights.fly_planes(PLANT, **{**good, **changes})
     with pytest.raises(tv.InputError, match="highest must be above lowest"):
         tv.flights.flown_plane_limit(PLANT, LAWS["trim"], wind, lowest=1.0, highest=0.5)
+
+
+FROZEN_TIME = 60.0
+
+
+@by_turns("shape,degrees", ["round", "square", "square-45"], [0, 180], each=2)
+def test_a_frozen_flight_in_both_planes_is_that_of_the_frozen_vehicle(shape, degrees) -> None:
+    """To rounding, with a delay, an actuator and a rate limit."""
+    made, span = flight(flexible=False), np.array([50.0, 120.0])
+    vehicle = made.at(FROZEN_TIME).rigid
+    still = tv.FlightSchedule(vehicle.replace(time=span))
+    servo = tv.Actuator(natural_frequency=20.0, damping=None)
+    law = tv.Autopilot(attitude_gain=0.5, rate_gain=0.6, delay=0.01, sample_rate=RATE)
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=8.0).shift(60.003)
+    wind = tv.winds.PlaneWind.veering(wind, np.radians(30.0), np.radians(degrees) / 8.0)
+    plants = [tv.Plant.from_vehicle(vehicle, "fixed-path", plane) for plane in ("pitch", "yaw")]
+    statuses = set()
+    for limit in np.radians([0.3, 0.6]):
+        options = {"deflection_limit": limit, "limit_shape": shape, "rate_limit": np.radians(2.0)}
+        frozen = tv.flights.fly_planes(
+            plants[0],
+            tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.5, rate_gain=0.6)),
+            wind,
+            yaw_plant=plants[1],
+            saturate="each plane" if shape == "square" else "radial",
+            actuator=servo,
+            sample_rate=RATE,
+            delay=0.01,
+            **options,
+        )
+        along = tv.flights.fly_planes_along(
+            still,
+            replace(law, actuator=servo),
+            wind,
+            sign="frozen",
+            model="fixed-path",
+            start=60.003,
+            **options,
+        )
+        pitch, yaw = (along.planes[plane] for plane in ("pitch", "yaw"))
+        count = min(frozen.time.size, along.times.size, 800)
+        for name, expected in (("attitude", frozen.attitude), ("deflection", frozen.deflection)):
+            got = (pitch.outputs[name] + 1j * yaw.outputs[name])[:count]
+            size = np.abs(expected[:count]).max()
+            np.testing.assert_allclose(got, expected[:count], rtol=0.0, atol=1e-11 * size)
+        assert along.status == frozen.status
+        statuses.add(along.status)
+    assert len(statuses) == 2
+
+
+def test_a_varying_flight_in_both_planes_is_the_solution_of_its_equations() -> None:
+    """A veering wind, the pressure of its triangle, and the vector limit, in small steps: 1e-5."""
+    made, h = flight(flexible=False), 0.02
+    laws = autopilot(sample_rate=50.0, delay=0.0, actuator=None)
+    pulse = tv.TriangularWind(peak=np.radians(5.0), duration=6.0).shift(52.0)
+    wind = tv.winds.PlaneWind.veering(pulse, np.radians(30.0), np.radians(20.0))
+    limit = np.radians(0.35)
+    flown = tv.flights.fly_planes_along(
+        made, laws, wind, deflection_limit=limit, start=52.0, stop=56.0
+    )
+    size = {plane: np.abs(along.outputs["attitude"]).max() for plane, along in flown.planes.items()}
+
+    grid = 52.0 + h / 4 * np.arange(801)
+    path, angle = np.interp(grid, made.times, made.vehicle.attitude), wind(grid)
+    ratio = (np.sin(path) / np.sin(path + angle.real) / np.cos(angle.imag)) ** 2
+    at = made.at(grid)
+    forces = {n: getattr(at, n) * ratio for n in ("normal_force_slope", "axial_force")}
+    system = [
+        tv.Plant.from_vehicle(at.replace(**forces), "drift-exact", plane).matrices()[:2]
+        for plane in ("pitch", "yaw")
+    ]
+
+    def slope(j, x, u):
+        inputs = ([u.real, angle[j].real], [u.imag, angle[j].imag])
+        return np.concatenate(
+            [
+                A[j] @ state + B[..., :2][j if B.ndim > 2 else ...] @ values
+                for (A, B), state, values in zip(system, np.split(x, 2), inputs, strict=True)
+            ]
+        )
+
+    x, limited = np.zeros(6), 0
+    for k in range(200):
+        t = 52.0 + k * h
+        for first, plane in ((0, "pitch"), (3, "yaw")):
+            got = flown.planes[plane].outputs["attitude"][k]
+            assert got == pytest.approx(x[first], abs=1e-5 * size[plane]), (plane, t)
+        gains = laws.along(made, t)
+        u = gains.attitude_gain * (x[0] + 1j * x[3]) + gains.rate_gain * (x[1] + 1j * x[4])
+        limited += abs(u) > limit
+        u *= min(1.0, limit / abs(u)) if u else 1.0
+        for j in (4 * k, 4 * k + 2):
+            k1 = slope(j, x, u)
+            k2 = slope(j + 1, x + h / 4 * k1, u)
+            k3 = slope(j + 1, x + h / 4 * k2, u)
+            x = x + h / 12 * (k1 + 2 * k2 + 2 * k3 + slope(j + 2, x + h / 2 * k3, u))
+    assert limited > 20
+
+
+@pytest.mark.parametrize("gust", usual([None, tv.TriangularWind(peak=0.02, duration=3.0)], 0))
+def test_planes_in_a_sounding_without_limits_are_flights_of_one_plane(gust) -> None:
+    made, law = flight(flexible=False), autopilot(sample_rate=50.0)
+    height, speed = [0.0, 8e3, 9e3, 3e4], np.array([0.0, 40.0, 10.0, 0.0])
+    profile = tv.WindProfile(height=height, east=speed, north=0.5 * speed)
+    options = {"deflection_limit": 0.5, "start": 45.0, "stop": 75.0}
+    options["gust_time"] = None if gust is None else 55.0
+    sounding = {"azimuth": np.pi / 2, "gust": gust}
+    wind = tv.fly_through(profile, made, plane="both", **sounding)
+    both = tv.flights.fly_planes_along(made, law, wind, **options)
+    for plane, along in both.planes.items():
+        part = wind.part(plane, made.at(55.0).rigid)
+        alone = tv.flights.fly_along(made, law, part, plane=plane, **options)
+        for name, values in alone.outputs.items():
+            np.testing.assert_allclose(
+                along.outputs[name], values, rtol=0.0, atol=1e-13, err_msg=name
+            )
+    assert both.status == "survived"
+
+
+def test_a_wind_in_pitch_alone_is_the_flight_of_that_plane_to_its_limit() -> None:
+    made, law = flight(), autopilot(sample_rate=50.0)
+    gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0).shift(52.0)
+    head = tv.winds.PlaneWind.towards(-gust, 0.0)
+    for limit, status in ((1.0, "survived"), (0.2, "lost")):
+        options = {"deflection_limit": np.radians(limit), "start": 52.0, "rate_limit": 0.3}
+        both = tv.flights.fly_planes_along(made, law, head, **options)
+        alone = tv.flights.fly_along(made, law, -gust, sign="head", **options)
+        assert both.status == alone.status == status
+        pitch = both.planes["pitch"].outputs["deflection"]
+        np.testing.assert_allclose(pitch, alone.outputs["deflection"], rtol=0.0, atol=1e-13)
+        assert not np.any(both.planes["yaw"].outputs["attitude"])
+
+
+def test_a_nozzle_that_overshoots_its_limit_shape_is_not_known_to_survive() -> None:
+    """A square limits each plane at the nozzle too; a circle limits its commands alone."""
+    made = flight(flexible=False)
+    law = autopilot(sample_rate=50.0, actuator=tv.Actuator(natural_frequency=9.0, damping=0.3))
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=1.5).shift(52.0)
+    wind = tv.winds.PlaneWind.towards(wind, np.radians(30.0))
+    statuses = {}
+    for shape, limit in (("round", 0.3), ("round-each-plane", 0.3), ("round", 2.0)):
+        flown = tv.flights.fly_planes_along(
+            made, law, wind, limit_shape=shape, deflection_limit=np.radians(limit), start=52.0
+        )
+        statuses[shape, limit] = flown.status
+        above = flown.largest("deflection").value > np.radians(limit) * (1.0 + 1e-9)
+        assert above == (flown.status == "outside")
+    assert statuses == {
+        ("round", 0.3): "outside",
+        ("round-each-plane", 0.3): "survived",
+        ("round", 2.0): "survived",
+    }

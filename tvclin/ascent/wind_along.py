@@ -14,6 +14,7 @@ import numpy as np
 from tvclin.ascent.measured_wind import (
     FlightWind,
     GustOf,
+    MeasuredPlanes,
     MeasuredWind,
     SoundingSpeeds,
     fly_through,
@@ -24,9 +25,16 @@ from tvclin.base.errors import InputError, NotKnownError, instance, number, one_
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.winds.histories import History, VehicleWind
+from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import SampledWind
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.wind_angles import FROZEN, SIGNS, EncounteredWind
+from tvclin.winds.wind_angles import (
+    FROZEN,
+    SIGNS,
+    EncounteredWind,
+    along_from_angle,
+    pressure_in_winds,
+)
 
 _MAX_INTERVAL_S = 0.1
 """Longest interval [s] of the straight lines between the encountered angles of a sounding."""
@@ -41,14 +49,14 @@ class WindAlong:
     history : History
         Wind angles of attack [rad] over the time of flight; a batch at nominal dynamic pressure
         alone.
-    encountered : EncounteredWind or FlightWind, optional
+    encountered : EncounteredWind, EncounteredPlanes or FlightWind, optional
         Wind with its dynamic pressure; None for the nominal one.
     known : tuple of float
         First and last time of flight [s] at which the wind is known.
     """
 
     history: History
-    encountered: EncounteredWind | FlightWind | None = None
+    encountered: EncounteredWind | EncounteredPlanes | FlightWind | None = None
     known: tuple[float, float] = (-np.inf, np.inf)
 
     def pressure(self, times: FloatArray) -> FloatArray:
@@ -64,6 +72,9 @@ class WindAlong:
         times = [np.ravel(self.history.knots)]
         if isinstance(self.encountered, FlightWind):
             times.append(self.encountered.speeds.time)
+        if isinstance(self.encountered, EncounteredPlanes):
+            wind = self.encountered.wind
+            times += [np.ravel(wind.pitch.knots), np.ravel(wind.yaw.knots)]
         return np.unique(np.concatenate(times))
 
     def span(
@@ -196,6 +207,94 @@ def sounding_along(
     inside = np.minimum(times, np.nextafter(knots[-1], -np.inf))
     change = encountered.at(inside[np.newaxis])[0][0] - history(inside)
     return WindAlong(history + SampledWind(time=times, angle=change), encountered, known)
+
+
+@dataclass(frozen=True, eq=False)
+class EncounteredPlanes:
+    """Wind of both planes over flight time, as a flight encounters it.
+
+    `plane`: plane of the angles of `at`. `wind`: wind angles of attack [rad] of both planes.
+    `flight`: the flight with its path angles.
+    """
+
+    plane: str
+    wind: PlaneWind
+    flight: FlightSchedule
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack [rad] of the plane, and q/q_n, at flight times [s].
+
+        The latter is NaN where no horizontal wind along the path has the angle.
+        """
+        angles = {plane: np.asarray(getattr(self.wind, plane)(times)) for plane in PLANES}
+        path = np.interp(times, self.flight.times, self.flight.flight_path_angle)
+        along = np.zeros(times.shape)
+        if np.any(angles["pitch"]):
+            along = along_from_angle(path, angles["pitch"])
+        across = np.sqrt(pressure_in_winds(path, along)) * np.tan(angles["yaw"])
+        return angles[self.plane], pressure_in_winds(path, along, across)
+
+
+def planes_along(
+    flight: FlightSchedule,
+    wind: PlaneWind | MeasuredPlanes,
+    sign: str | None = None,
+    gust_time: float | None = None,
+) -> dict[str, WindAlong]:
+    """Return a wind of both planes along a flight, by plane, with its dynamic pressure.
+
+    Parameters
+    ----------
+    flight, gust_time
+        Same as in `wind_along`.
+    wind : PlaneWind or MeasuredPlanes
+        Wind angles of attack [rad] over the time of flight, or the wind of `fly_through` in both
+        planes.
+    sign : {"frozen"}, optional
+        The nominal dynamic pressure; by default that encountered in the wind of both planes.
+
+    Raises
+    ------
+    InputError
+        Same as `wind_along`, and for a wind of one plane, or a batch.
+    """
+    instance("flight", flight, FlightSchedule, "see load_schedule")
+    if sign is not None:
+        one_of("sign", sign, (FROZEN,))
+    if isinstance(wind, MeasuredPlanes):
+        return _sounding_in_planes(flight, wind, sign, gust_time)
+    instance("wind", wind, PlaneWind, "or the wind of fly_through with plane='both'")
+    if wind.batch:
+        raise InputError(f"wind must be one wind; got a batch of shape {wind.batch}")
+    if gust_time is not None:
+        raise InputError("gust_time is that of the gust of a sounding: add a pulse to a history")
+    histories = {plane: getattr(wind, plane) for plane in PLANES}
+    if sign == FROZEN:
+        return {plane: WindAlong(history) for plane, history in histories.items()}
+    encountered = {plane: EncounteredPlanes(plane, wind, flight) for plane in PLANES}
+    if np.any(np.isnan(encountered["pitch"].at(wind.pitch.probe_times())[1])):
+        raise InputError("no horizontal wind turns the flight as far as this wind in pitch")
+    return {plane: WindAlong(histories[plane], encountered[plane]) for plane in PLANES}
+
+
+def _sounding_in_planes(
+    flight: FlightSchedule, wind: MeasuredPlanes, sign: str | None, gust_time: float | None
+) -> dict[str, WindAlong]:
+    """Return the wind of a sounding in both planes along a flight; see `planes_along`."""
+    if (wind.gust is None) != (gust_time is None):
+        raise InputError("gust_time must be given for a sounding with a gust, and for no other")
+    vehicle = flight.at(flight.span[0] if gust_time is None else gust_time).rigid
+    winds = {}
+    for plane in PLANES:
+        component = wind.part(plane, vehicle)
+        if component is None:
+            other = next(iter(wind.parts.values()))
+            calm, speeds = other.wind * 0.0, None if sign == FROZEN else other.speeds
+            winds[plane] = sounding_along(calm, speeds, plane, wind.known)
+        else:
+            time = None if component.gust is None else gust_time
+            winds[plane] = wind_along(flight, component, plane, sign, time)
+    return winds
 
 
 WINDOW_S = 20.0

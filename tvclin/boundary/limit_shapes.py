@@ -85,6 +85,11 @@ class LimitShape(ABC):
     def symmetric(self) -> bool:
         """Whether the shape is symmetric about zero."""
 
+    @property
+    def plane_limits(self) -> FloatArray:
+        """Largest size of the deflection in pitch and in yaw, normalised by the limit, ``(2,)``."""
+        return self.support(np.array([1.0, -1.0, 1j, -1j])).reshape(2, 2).max(axis=1)
+
     def gauge(self, vector: ArrayLike) -> FloatArray:
         """Return the minimum limit that reaches vectors, in their shape and unit.
 
@@ -255,8 +260,20 @@ class PolygonShape(LimitShape):
         """Whether the shape is symmetric about zero."""
         return bool(np.all(self.gauge(-self.corners) <= 1.0 + _ROUNDING))
 
+    @property
+    def plane_limits(self) -> FloatArray:
+        """Largest size of the deflection in pitch and in yaw, normalised by the limit, ``(2,)``."""
+        return np.array([np.abs(self.corners.real).max(), np.abs(self.corners.imag).max()])
+
+    @property
+    def by_planes(self) -> bool:
+        """Whether the shape is a rectangle that limits each plane separately."""
+        sizes = np.stack([np.abs(self.corners.real), np.abs(self.corners.imag)])
+        limits = self.plane_limits[:, np.newaxis] * (1.0 - _ROUNDING)
+        return bool(self.corners.size == 4 and np.all(sizes >= limits))
+
     @cached_property
-    def _normals(self) -> Vectors:
+    def normals(self) -> Vectors:
         """Normals of the edges, divided by their distance from zero, ``(n,)``."""
         outward = -1j * (np.roll(self.corners, -1) - self.corners)
         return np.asarray(outward / scalar_product(outward, self.corners))
@@ -268,12 +285,12 @@ class PolygonShape(LimitShape):
     def gauge(self, vector: ArrayLike) -> FloatArray:
         """Return the gauge of vectors: the scale of the polygon that just contains each."""
         v = vectors("vector", vector)
-        return scalar_product(self._normals[_sector(self.corners, v)], v)
+        return scalar_product(self.normals[_sector(self.corners, v)], v)
 
     def farthest(self, direction: ArrayLike) -> Vectors:
         """Return the corner that is furthest along vectors."""
         d = vectors("direction", direction)
-        return np.asarray(np.roll(self.corners, -1)[_sector(self._normals, d)])
+        return np.asarray(np.roll(self.corners, -1)[_sector(self.normals, d)])
 
 
 def _vertices(corners: Vectors) -> Vectors:

@@ -78,6 +78,7 @@ _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "laws of a rigid vehicle": _LAW,
     "laws with a rate in [laws]": ("sample rate",),
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
+    "fly along a flight": tuple(f for f in _STUDY_FEATURES if f != "limit shape"),
     "fly without --law autopilot": ("gains",),
     "fly without the autopilot requirement": ("sign that counts",),
     "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),

@@ -15,7 +15,6 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.lines import Table
-from tvclin.base.quantities import survival
 from tvclin.case.case import Case
 from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
 from tvclin.cli.options import (
@@ -49,7 +48,7 @@ from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
 from tvclin.requirement.required_quantity import Requirement
 from tvclin.requirement.study import uncounted_sign
-from tvclin.studyfile.flight_loop import ONE_PLANE, FlightLoop, FlightsOfLoop
+from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 from tvclin.studyfile.read import is_flight, load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
@@ -80,10 +79,10 @@ def _autopilot_flights(
 ) -> FlightsOfLoop | None:
     """Return the flights of the autopilot of a file and its use of the nozzle, if it has a limit.
 
-    None also in both planes. `more`: whether the autopilot requirement, which takes seconds for
-    each flight time, is computed.
+    `more`: whether the autopilot requirement, which takes seconds for each flight time, is
+    computed.
     """
-    if case.planes == BOTH or not _has_flown_autopilot(case, source):
+    if not _has_flown_autopilot(case, source):
         return None
     with bar("flights of the autopilot") as progress:
         return FlightLoop.of(case).use(sizing, counted, requirements=more, progress=progress)
@@ -167,7 +166,6 @@ def ascent(
         ratio=request.ratio(case, sizing),
         turbulence=turbulence if isinstance(turbulence, FlightTurbulence) else None,
         flights=_autopilot_flights(case, source, sizing, counted, more),
-        unflown=ONE_PLANE if case.planes == BOTH and _has_flown_autopilot(case, source) else "",
         notes_of_request=(*request.warnings, *request.notes, *_hints(request, sizing)),
     )
     if csv is not None:
@@ -187,10 +185,7 @@ def _check_drawn(times: FloatArray) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """Sizing of a flight with its budget, and the autopilot flown in its winds where it has one.
-
-    `unflown`: reason why the flights of its autopilot are not known; empty without one.
-    """
+    """Sizing of a flight with its budget, and the autopilot flown in its winds where it has one."""
 
     source: str
     sizing: Sizing
@@ -199,7 +194,6 @@ class _Answer:
     ratio: ControllabilityRatio | None
     turbulence: FlightTurbulence | None
     flights: FlightsOfLoop | None
-    unflown: str
     notes_of_request: tuple[str, ...]
 
     @property
@@ -228,7 +222,7 @@ class _Answer:
         False where one of these is not known.
         """
         total = self.total
-        survived = not self.unflown and (self.flights is None or bool(self.flights.survived))
+        survived = self.flights is None or bool(self.flights.survived)
         return survived and not total.too_slow and (total.limit is None or bool(total.sufficient))
 
     @property
@@ -239,8 +233,6 @@ class _Answer:
     @property
     def _autopilot_outcome(self) -> str:
         """The outcome of the autopilot in words; empty without one."""
-        if self.unflown:
-            return f"{survival(None)}: {self.unflown}"
         return "" if self.flights is None else self.flights.outcome
 
     def chart(self) -> "ControlPlot":

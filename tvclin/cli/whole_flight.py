@@ -15,6 +15,7 @@ from tvclin.requirement.flight.request import SoundingRequest
 from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 from tvclin.studyfile.read import load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.soundings.sounding_files import SoundingReading
 
@@ -82,7 +83,7 @@ def fly_flight(
     reading = SoundingReading.of(source_tables(source), Path(source).parent)
     loop = flight_loop(source, *changes, winds.over, soundings=winds.soundings(reading))
     check_reading(loop.plan)
-    note_omissions(loop.plan, "fly")
+    note_omissions(loop.plan, "fly along a flight")
     with bar("flights") as progress:
         flown = loop.fly(progress)
     _show(source, loop, flown, more, shown)
@@ -106,8 +107,9 @@ def _show(
     table = flown.table(None if more else _MAX_ROWS)
     if len(flown.outcomes) == 1:
         table = largest
-    title = f"{name}, {loop.model}, {loop.plan.plane}" + f", {worst.wind}" * (flown.wind_count == 1)
-    head = {"vehicle": name, "model": loop.model, "plane": loop.plan.plane}
+    planes = "both planes" if loop.plan.planes == BOTH else loop.plan.plane
+    title = f"{name}, {loop.model}, {planes}" + f", {worst.wind}" * (flown.wind_count == 1)
+    head = {"vehicle": name, "model": loop.model, "plane": loop.plan.planes}
     answer(
         shown.as_json,
         lambda: head | flown.document() | {"notes": notes},

@@ -3,7 +3,7 @@
 - Does a law survive, by samples? `fly`; many cases `fly_many`, `FlownCases`; in both planes
   `fly_planes`, `FlownPlanes`.
 - Along a flight that varies? `fly_along`, a `FlightAlong` with the `Largest` of each output;
-  `fly_many_along`.
+  `fly_many_along`; in both planes `fly_planes_along`.
 - Which limit does a law require? `closed_loop_boundary`, a `ClosedLoopBoundary`; in both planes
   `flown_plane_limit`, a `FlownPlaneLimit`; along a flight `survival_limit_along`; over gain and
   delay `boundary_map`, a `BoundaryMap`.

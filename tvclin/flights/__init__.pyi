@@ -12,6 +12,7 @@ from .closed_loop.fly_planes import FlownPlaneLimit as FlownPlaneLimit
 from .closed_loop.fly_planes import FlownPlanes as FlownPlanes
 from .closed_loop.fly_planes import flown_plane_limit as flown_plane_limit
 from .closed_loop.fly_planes import fly_planes as fly_planes
+from .closed_loop.fly_planes_along import fly_planes_along as fly_planes_along
 from .closed_loop.limit_along import survival_limit_along as survival_limit_along
 from .closed_loop.survival_limit import BoundaryMap as BoundaryMap
 from .closed_loop.survival_limit import ClosedLoopBoundary as ClosedLoopBoundary

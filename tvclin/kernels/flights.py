@@ -12,6 +12,7 @@ the law an interval is divided into substeps, unless the nozzle is not limited i
 substep in which rate or deflection limit act, the deflection is linear between its end values.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
@@ -477,6 +478,39 @@ def fly(f: Flights, first: int, last: int) -> None:
 
 
 @bare
+def fly_in_planes(
+    pitch: Flights, yaw: Flights, normals: FloatArray, limit: FloatArray, first: int, last: int
+) -> None:
+    """Fly cases from `first` up to `last` in both planes, the vector of their demands limited.
+
+    The demands behind the filters are brought into the limit shape along their direction; each
+    plane has its own limit besides. `normals`: of the edges of the limit shape over their distance
+    from zero, ``(k, 2)``; none for a circle. `limit`: scale [rad] of the limit shape, ``(m,)``. The
+    flights of both planes end at the same sample.
+    """
+    for i in range(first, last):
+        for k in range(NEVER):
+            flies = measure_sample(pitch, i, k)
+            if not (measure_sample(yaw, i, k) and flies):
+                break
+            x, y = autopilot_demand(pitch, i), autopilot_demand(yaw, i)
+            gauge = math.hypot(x, y) if normals.shape[0] == 0 else 0.0
+            for r in range(normals.shape[0]):
+                gauge = max(gauge, normals[r, 0] * x + normals[r, 1] * y)
+            scale = limit[i] / gauge if gauge > limit[i] else 1.0
+            move_sample(pitch, i, k, scale * x)
+            move_sample(yaw, i, k, scale * y)
+
+
+@inlined
+def autopilot_demand(f: Flights, i: int) -> float:
+    """Return the demand [rad] of the law of a flight without switches, behind its filters."""
+    law = f.laws.numbers[f.cases.law[i]]
+    demand = law_demand(law, f.now.measured[i], f.now.states[i], f.cases.limit[i])
+    return filtered_demand(f, i, demand)
+
+
+@bare
 def look(f: Flights, k: int) -> int:
     """Measure all flights at a sample; return the number of those that continue."""
     count = 0
@@ -589,14 +623,27 @@ def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, releas
     The command of sample k acts from k + late on, or for a fractional delay within that step: its
     first interval (1) still has the command before, its second (0) this one.
     """
-    p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
-    demand = f.cases.gain[i] * demand
-    sensed[MEASURED] = demand
-    if f.laws.command_rows.shape[0]:
-        demand = row_product(f, i, f.laws.command_rows[f.cases.memory[i]])
+    limit, demand = f.cases.limit[i], filtered_demand(f, i, demand)
     mode = next_mode(engage * limit, release * limit, demand, f.now.mode[i])
     f.now.mode[i] = mode
-    command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
+    move_sample(f, i, k, mode * limit if mode != 0.0 else demand)
+
+
+@inlined
+def filtered_demand(f: Flights, i: int, demand: float) -> float:
+    """Return the demand [rad] of a law behind its filters, and write it among the sensed values."""
+    demand = f.cases.gain[i] * demand
+    f.now.sensed[i, MEASURED] = demand
+    if f.laws.command_rows.shape[0]:
+        demand = row_product(f, i, f.laws.command_rows[f.cases.memory[i]])
+    return demand
+
+
+@inlined
+def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
+    """Move a flight by a sample with the demand [rad], limited, as the command of sample k."""
+    p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
+    command = min(max(demand, -limit), limit)
     if abs(command) >= limit:
         f.now.peaks[i, 5] += 1.0
     begin = f.cases.start[i] + f.steps.lengths[p, 0] * k

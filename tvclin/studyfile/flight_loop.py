@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
-from tvclin.ascent.measured_wind import MeasuredWind
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
@@ -22,26 +22,32 @@ from tvclin.control.autopilot.gain_schedule import GainSchedule, even_times, fli
 from tvclin.control.autopilot.sweep import Sweep, sweep
 from tvclin.ensembles.statistics import Success, success_probability
 from tvclin.flights.closed_loop.fly_along import FlightAlong, fly_along
+from tvclin.flights.closed_loop.fly_planes_along import fly_planes_along
+from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import DEFAULT_MODEL, flexible_model
 from tvclin.requirement.flight.deflection_use import (
+    AutopilotRequirements,
     DeflectionUse,
     autopilot_requirements,
     deflection_use,
     used_around,
 )
-from tvclin.requirement.flight.flight_winds import PEAK, place
+from tvclin.requirement.flight.flight_winds import PEAK, place, place_vector
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import Sizing, hundredths
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, Requirement
 from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.vehicle.coefficients import BOTH
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.wind_angles import ATTACK, MAX_LINEAR_ANGLE, SIGNS, beyond_linear
 
 Progress = Callable[[float, float], None]
 """Function called with the number of flights done and in total."""
-ONE_PLANE = "the loop flies along a flight in one plane: leave out the limit shape"
-"""Reason why flights of a plan with both planes are not known."""
+_IN_PLANES = "in both planes it is not computed: that of one plane is without the limit shape"
+"""Reason why the autopilot requirement of both planes is not known."""
+FlownWind: TypeAlias = History | PlaneWind | MeasuredWind | MeasuredPlanes
+"""Wind of a flight, in one plane or in both."""
 _MIN_WINDS = 2
 """Smallest number of winds of which a fraction is shown."""
 
@@ -91,21 +97,27 @@ class FlightLoop:
     @cached_property
     def autopilot(self) -> GainSchedule:
         """The autopilot over the flight."""
+        return self._autopilot_in(self.plan.plane)
+
+    def _autopilot_in(self, plane: str) -> GainSchedule:
+        """Return the autopilot over the flight in a plane; a rule gives each plane its gains."""
         return flight_autopilot(
             self.plan.autopilot_design,
             self.flight,
             np.union1d(even_times(*self.flight.span, self.request.every), self.times),
             actuator=self.plan.nozzle.actuator,
             model=self.model,
-            plane=self.plan.plane,
+            plane=plane,
         )
 
     @cached_property
-    def sampled(self) -> GainSchedule:
-        """The autopilot over the flight, sampled as in flights."""
-        rate = self.plan.hardware["sample_rate"]
-        autopilot = replace(self.autopilot.autopilot, sample_rate=rate)
-        return replace(self.autopilot, autopilot=autopilot)
+    def sampled(self) -> dict[str, GainSchedule]:
+        """The autopilot over the flight by plane, sampled as in flights."""
+        rate, by_plane = self.plan.hardware["sample_rate"], {}
+        for plane in PLANES if self.plan.planes == BOTH else (self.plan.plane,):
+            law = self.autopilot if plane == self.plan.plane else self._autopilot_in(plane)
+            by_plane[plane] = replace(law, autopilot=replace(law.autopilot, sample_rate=rate))
+        return by_plane
 
     def sweep(self) -> Sweep:
         """Return the margins at the flight times, judged by the criteria of the plan."""
@@ -130,18 +142,16 @@ class FlightLoop:
 
         A pulse has its peak at each flight time, in the worse of head and tail wind unless the plan
         says one; a sounding is flown through, with its gust at each flight time. The dynamic
-        pressure is that encountered in the wind.
+        pressure is that encountered in the wind. With a limit shape both planes fly together.
 
         Raises
         ------
         InputError
-            Without a deflection limit, for both planes, and as `fly_along`.
+            Without a deflection limit, and as `fly_along` or `fly_planes_along`.
         """
         plan = self.plan
         if plan.nozzle.limit is None:
             raise InputError("a flight of the loop needs the deflection limit: --limit-deg")
-        if plan.planes == BOTH:
-            raise InputError(ONE_PLANE)
         cases = list(self._cases())
         times = self.request.times(plan)
         used = np.full(times.shape, np.nan)
@@ -150,19 +160,8 @@ class FlightLoop:
         for k, case in enumerate(cases):
             of_case: list[FlightOutcome] = []
             for sign in self._signs(case.wind):
-                flown = fly_along(
-                    self.flight,
-                    self.sampled,
-                    case.wind,
-                    deflection_limit=plan.nozzle.limit,
-                    rate_limit=plan.hardware["rate_limit"],
-                    sign=sign,
-                    gust_time=case.time if isinstance(case.wind, MeasuredWind) else None,
-                    start=case.start,
-                    stop=self.request.stop if isinstance(case.wind, MeasuredWind) else None,
-                    model=self.model,
-                    plane=plan.plane,
-                )
+                with repeated(len(cases)):
+                    flown = self._flown(case, sign)
                 if flown.status != "lost":
                     used = np.fmax(used, _used(case, flown, times))
                 flown = within_linear_range(flown)
@@ -178,6 +177,26 @@ class FlightLoop:
                 used[slice(None) if outcome.time is None else times == outcome.time] = np.nan
         return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit, used)
 
+    def _flown(self, case: _Wind, sign: str | None) -> FlightAlong:
+        """Return the flight through a wind in a direction."""
+        plan, measured = self.plan, isinstance(case.wind, MeasuredWind | MeasuredPlanes)
+        options: Any = {
+            "deflection_limit": plan.nozzle.limit,
+            "rate_limit": plan.hardware["rate_limit"],
+            "sign": sign,
+            "gust_time": case.time if measured else None,
+            "start": case.start,
+            "stop": self.request.stop if measured else None,
+            "model": self.model,
+        }
+        if isinstance(case.wind, PlaneWind | MeasuredPlanes):
+            shape = plan.nozzle.limit_shape or "round"
+            return fly_planes_along(
+                self.flight, self.sampled, case.wind, limit_shape=shape, **options
+            )
+        law = self.sampled[plan.plane]
+        return fly_along(self.flight, law, case.wind, plane=plan.plane, **options)
+
     def use(
         self,
         sizing: Sizing,
@@ -192,10 +211,13 @@ class FlightLoop:
         lower bounds stand beside it. `requirements`: whether the autopilot requirement does too.
         """
         flown, needed = self.fly(progress), None
-        if requirements:
+        if requirements and self.plan.planes == BOTH:
+            unknown = np.full((sizing.times.size, len(sizing.winds)), np.nan)
+            needed = AutopilotRequirements(sizing.times, sizing.winds, unknown, (_IN_PLANES,))
+        elif requirements:
             needed = autopilot_requirements(
                 sizing,
-                self.sampled,
+                self.sampled[self.plan.plane],
                 self.request.winds(self.plan),
                 rate_limit=self.plan.hardware["rate_limit"],
                 sign=self.plan.sign,
@@ -214,7 +236,7 @@ class FlightLoop:
     def wind_notes(self) -> Iterator[str]:
         """Notes on the direction of pulses, and on the soundings, each with its name."""
         pulses = self.request.pulse or self.request.others
-        if pulses and self.plan.sign is None and self.plan.plane == "pitch":
+        if pulses and self.plan.sign is None and self.plan.planes == "pitch":
             yield (
                 "each pulse is flown as a head and as a tail wind, and the worse is shown (--set"
                 " study.sign head, tail, or frozen: at nominal dynamic pressure)"
@@ -227,25 +249,30 @@ class FlightLoop:
         """Yield the winds in flight time."""
         times = self.request.times(self.plan).tolist()
         for name, wind in self.request.winds(self.plan).items():
-            if isinstance(wind, MeasuredWind):
+            if isinstance(wind, MeasuredWind | MeasuredPlanes):
                 for time in [None] if wind.gust is None else times:
                     yield _Wind(name, time, wind, None)
                 continue
             for time in times:
                 vehicle = self.flight.at(time).rigid
-                placed = place(wind, vehicle, time, PEAK, 1.0).in_flight
+                placed: History | PlaneWind
+                if self.plan.planes == BOTH:
+                    planes = place_vector(wind, vehicle, time, PEAK, 1.0)
+                    placed = PlaneWind(**{plane: w.in_flight for plane, w in planes.items()})
+                else:
+                    placed = place(wind, vehicle, time, PEAK, 1.0).in_flight
                 yield _Wind(name, time, placed, max(float(placed.onset), self.flight.span[0]))
 
-    def _signs(self, wind: History | MeasuredWind) -> tuple[str | None, ...]:
-        """Return the directions in which a wind is flown."""
-        if isinstance(wind, MeasuredWind):
+    def _signs(self, wind: FlownWind) -> tuple[str | None, ...]:
+        """Return the directions in which a wind is flown; in both planes it has its own."""
+        if isinstance(wind, MeasuredWind | MeasuredPlanes):
             return (None,)
-        both = self.plan.sign is None and self.plan.plane == "pitch"
+        both = self.plan.sign is None and self.plan.planes == "pitch"
         return tuple(SIGNS) if both else (self.plan.sign,)
 
-    def _omitted(self, wind: History | MeasuredWind) -> str:
+    def _omitted(self, wind: FlownWind) -> str:
         """Return why a survived flight is not known to be survived; empty where it is."""
-        if not isinstance(wind, MeasuredWind):
+        if not isinstance(wind, MeasuredWind | MeasuredPlanes):
             return ""
         (first, last), (low, high) = self.flight.span, wind.known
         first, last = _or(self.request.start, first), _or(self.request.stop, last)
@@ -283,7 +310,7 @@ class _Wind(NamedTuple):
 
     name: str
     time: float | None
-    wind: History | MeasuredWind
+    wind: FlownWind
     start: float | None
 
 

@@ -23,7 +23,7 @@ from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, each, instance, one_of, unlimited
 from tvclin.base.fields import spec
 from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
-from tvclin.boundary.limit_shapes import LimitShape, PolygonShape, Vectors, limit_shape_of
+from tvclin.boundary.limit_shapes import LimitShape, Vectors, limit_shape_of
 from tvclin.control.autopilot.wiring import LAW_INPUTS
 from tvclin.kernels.control_laws import LawNumbers, law_demand
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
@@ -299,10 +299,7 @@ class LawInPlanes:
     @cached_property
     def plane_limits(self) -> FloatArray:
         """Largest pitch and yaw deflection of the limit shape, ``(2,)``."""
-        shape = self.shape
-        if isinstance(shape, PolygonShape):
-            return np.array([np.abs(shape.corners.real).max(), np.abs(shape.corners.imag).max()])
-        return shape.support(np.array([1.0, -1.0, 1j, -1j])).reshape(2, 2).max(axis=1)
+        return self.shape.plane_limits
 
     def demand(self, measured: Vectors, states: Vectors, limit: FloatArray) -> Vectors:
         """Return the demanded deflections [rad], before the limit, ``(m,)``.

@@ -27,7 +27,7 @@ from tvclin.kernels.flights import Flights
 from tvclin.linear.flexible import AnyPlant
 from tvclin.numerics.chebyshev import Surface
 
-_SIMILAR_RUNS = 4
+SIMILAR_RUNS = 4
 """Runs of the kernel for a flight with its continuations in still air."""
 _SETTLINGS = 6.0
 """Time that a flight goes on after its wind, over the settling time at the end of the schedule."""
@@ -240,7 +240,7 @@ def flown_in_winds(
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
-    with repeated(_SIMILAR_RUNS):
+    with repeated(SIMILAR_RUNS):
         finish(f, batch.laws)
         rings = unstable_loops(batch, f)
     return flown_cases(f, np.ones(limit.size, bool), rings), f

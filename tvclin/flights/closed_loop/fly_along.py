@@ -43,10 +43,13 @@ _CONTINUOUS_STEP = 0.02
 """Longest step of a continuous loop [s]."""
 UNLIMITED = "not judged"
 """Status of a flight of a continuous loop, which has no limits."""
+OUTSIDE = "outside"
+"""Status of a flight in both planes that returns, with a deflection outside the limit shape."""
 _REASONS = {
     "survived": "after the wind, or over the last seconds in it, the unstable modes stay settled",
     "lost": "the unstable modes leave the set from which the deflection limit can return them",
     "rings": "the vehicle returns, and the loop keeps oscillating at the end of the flight",
+    OUTSIDE: "NOT KNOWN: the nozzle overshoots the limit shape, which limits its commands alone",
     "undecided": "NOT KNOWN: the unstable modes are not settled at the end, or no mode is unstable",
     UNLIMITED: "NOT KNOWN: a continuous loop is flown without limits",
 }
@@ -74,12 +77,18 @@ class FlightAlong(Tabled):
         lateral drift [m] where the model has a flight path; q_alpha [Pa rad] where the altitude is
         known; bending_moment [N m] on request; the displacement of each mode and tank by its name.
     status : str
-        Status as in `FlownCases`; "not judged" for a continuous loop.
+        Status as in `FlownCases`; "not judged" for a continuous loop, and "outside" in both planes
+        where the flight would survive with a nozzle that overshoots the limit shape.
+    planes : dict of str to FlightAlong
+        Flights in pitch and yaw of a flight in both planes, each with the common status; empty for
+        one plane. In both planes outputs are magnitudes of vectors, the deflection is in the
+        measure of the limit shape, and the deflection rate is the larger of both planes.
     """
 
     times: FloatArray = field(metadata=spec("time"))
     outputs: dict[str, FloatArray]
     status: str = field(metadata=spec())
+    planes: dict[str, FlightAlong] = field(default_factory=dict)
 
     @property
     def reason(self) -> str:
@@ -218,7 +227,7 @@ def fly_along(
     if along.law.sample_rate is None:
         if deflection_limit is not None or np.isfinite(max_rate):
             raise errors.InputError("limits need samples: give the autopilot a sample_rate")
-        return _with_outputs(along, *_continuous(along), UNLIMITED, slopes)
+        return with_outputs(along, *_continuous(along), UNLIMITED, slopes)
     if deflection_limit is None:
         raise errors.InputError(
             "deflection_limit must be given for an autopilot with a sample_rate"
@@ -245,10 +254,10 @@ def sampled_outputs(
     if made.status[0] == UNDECIDED and along.further is not None:
         along = along.further
         made, f = flown_in_winds(along.stages, *one, track=True)
-    return _with_outputs(along, *_tracked(along, f, limit), str(made.status[0]), slopes or {})
+    return with_outputs(along, *tracked_states(along, f, limit), str(made.status[0]), slopes or {})
 
 
-def _with_outputs(
+def with_outputs(
     along: FlownFlight,
     times: FloatArray,
     rows: FloatArray,
@@ -346,7 +355,7 @@ def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
     return np.broadcast_to(array, flight.times.shape)
 
 
-def _tracked(
+def tracked_states(
     along: FlownFlight, f: Flights, limit: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times ``(n,)``, states and deflection ``(n, states + 1)``, and deflection rates."""

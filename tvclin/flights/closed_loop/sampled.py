@@ -58,6 +58,14 @@ def finish(f: Flights, laws: LawBatch) -> None:
         in_slices(lambda a, b: fly(compact, first + a, first + b), cases - first, work)
 
 
+def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: FloatArray) -> None:
+    """Step flights in both planes to their common ends, in place; see `kernels.fly_in_planes`."""
+    fly = choice.fastest(kernel.fly_in_planes, 2.0 * float(_last(pitch).sum()) * kernel.PLAIN)
+    take = _plain if fly is kernel.fly_in_planes else _compact
+    with np.errstate(all="ignore"):  # a lost flight may overflow
+        fly(take(pitch), take(yaw), normals, limit, 0, limit.size)
+
+
 def _in_python(f: Flights, laws: LawBatch) -> None:
     """Step flights of laws without numbers, which Python evaluates for all flights at once."""
     stepper, k = Stepper(f), 0

@@ -141,7 +141,7 @@ def placed_in_planes(
         if len(planes) == 1:
             placed = {planes[0]: place(wind, vehicle, time, placing, window)}
         else:
-            placed = _place_vector(wind, vehicle, time, placing, window)
+            placed = place_vector(wind, vehicle, time, placing, window)
         checked_linear(peak_angle(placed))
         return placed
     except NotKnownError as error:
@@ -211,7 +211,7 @@ def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
     return float(np.linalg.norm(angles))
 
 
-def _place_vector(
+def place_vector(
     wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float
 ) -> dict[str, PlacedWind]:
     """Return the components of a wind placed at a flight time [s], by plane."""

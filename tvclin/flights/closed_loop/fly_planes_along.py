@@ -1,0 +1,203 @@
+"""Flights of an autopilot along a flight in both planes, with one limit shape.
+
+Each plane has the stages of a flight in one plane. Between the filters and the nozzle the vector of
+both demands is limited by the limit shape: along its direction, or by planes for a rectangle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from tvclin.ascent.measured_wind import MeasuredPlanes
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.wind_along import planes_along
+from tvclin.base import errors
+from tvclin.base.arrays import FloatArray
+from tvclin.boundary.limit_shapes import CircularShape, LimitShape, PolygonShape, limit_shape_of
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.gain_schedule import GainSchedule
+from tvclin.flights.closed_loop.flown_flights import SIMILAR_RUNS, FlownFlight, checked_flight
+from tvclin.flights.closed_loop.fly_along import OUTSIDE, FlightAlong, tracked_states, with_outputs
+from tvclin.flights.closed_loop.fly_many import (
+    LOST,
+    RINGS,
+    SURVIVED,
+    UNDECIDED,
+    flown_cases,
+    unstable_loops,
+)
+from tvclin.flights.closed_loop.sampled import finish_in_planes
+from tvclin.kernels.choice import repeated
+from tvclin.linear.plant import DEFAULT_MODEL
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.plane_wind import PlaneWind
+
+_ROUNDING = 1e-9
+"""Relative rounding of a deflection at the limit."""
+
+
+def fly_planes_along(
+    flight: FlightSchedule,
+    autopilot: Autopilot | GainSchedule | Mapping[str, Autopilot | GainSchedule],
+    wind: PlaneWind | MeasuredPlanes,
+    *,
+    deflection_limit: float,
+    limit_shape: LimitShape | str = "round",
+    rate_limit: float = np.inf,
+    sign: str | None = None,
+    gust_time: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    model: str = DEFAULT_MODEL,
+) -> FlightAlong:
+    """Return the outputs of an autopilot along a flight in both planes, from equilibrium.
+
+    Parameters
+    ----------
+    flight, gust_time, start, stop, model
+        Same as in `fly_along`.
+    autopilot : Autopilot, GainSchedule or mapping
+        Autopilot of both planes, or one for "pitch" and one for "yaw", with a sample rate.
+    wind : PlaneWind or MeasuredPlanes
+        Wind angles of attack [rad] of both planes over the time of flight, or the wind of
+        `fly_through` with ``plane="both"``.
+    deflection_limit : float
+        Deflection limit [rad], the scale of the limit shape.
+    limit_shape : LimitShape or str
+        Limit shape of the nozzle, of unit limit; or its name, as in `size`.
+    rate_limit : float
+        Largest deflection rate [rad/s] of each plane.
+    sign : {"frozen"}, optional
+        The nominal dynamic pressure; by default that encountered in the wind of both planes.
+
+    Returns
+    -------
+    FlightAlong
+        Magnitudes of the vectors of both planes, and each plane in `planes`. A flight is lost when
+        one plane is, and survives when both do.
+
+    Raises
+    ------
+    InputError
+        For a wind without a direction, another sign, and in the same cases as `fly_along`.
+
+    Notes
+    -----
+    A demand outside the limit shape keeps its direction; in a rectangle along the planes, such as
+    "square" and "round-each-plane", each plane is limited separately. Delay, actuator and rate
+    limit act on each plane. Where the nozzle overshoots the shape at a sample by that, its limit
+    in the vector is not modelled, and the flight is not known to survive.
+
+    Each plane is judged after its wind with the largest deflection in it, so that what is lost is
+    lost with every control. Limit cycles are looked for with the square within the shape.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> flight = tv.load_schedule("configuration-i")
+    >>> pulse = tv.TriangularWind(peak=np.radians(4.0), duration=8.0).shift(60.0)
+    >>> gains = tv.Autopilot(attitude_gain=0.9, rate_gain=0.9, sample_rate=50.0)
+    >>> wind = tv.winds.PlaneWind.towards(pulse, np.radians(45.0))
+    >>> flown = tv.flights.fly_planes_along(
+    ...     flight, gains, wind, deflection_limit=np.radians(2.0))
+    >>> flown.status, sorted(flown.planes)
+    ('survived', ['pitch', 'yaw'])
+    """
+    autopilots = autopilot if isinstance(autopilot, Mapping) else dict.fromkeys(PLANES, autopilot)
+    limit = errors.number(
+        "deflection_limit", deflection_limit, errors.small_angle("a deflection", errors.positive)
+    )
+    max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
+    shape = limit_shape_of(limit_shape).inside
+    if not isinstance(shape, CircularShape | PolygonShape):
+        shape = shape.inscribed()
+    winds = planes_along(flight, wind, sign, gust_time)
+    pair = [
+        checked_flight(flight, autopilots[plane], winds[plane], start, stop, model, plane)
+        for plane in PLANES
+    ]
+    flown = _flown(pair, shape, limit, max_rate)
+    further = _further(pair) if flown.status == UNDECIDED else None
+    return flown if further is None else _flown(further, shape, limit, max_rate)
+
+
+def _further(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
+    """Return the flights of both planes until they can settle; None where they cannot go on."""
+    stops = [along.further.stop for along in pair if along.further is not None]
+    return [replace(along, stop=max(stops), goes_on=False) for along in pair] if stops else None
+
+
+def _flown(
+    pair: Sequence[FlownFlight],
+    shape: CircularShape | PolygonShape,
+    limit: float,
+    rate_limit: float,
+) -> FlightAlong:
+    """Return a sampled flight in both planes, with limits [rad, rad/s]."""
+    which, rates = np.zeros(1, np.int64), np.array([rate_limit])
+    batches = [
+        along.stages.batch(which, np.array([limit * plane_limit]), rates)
+        for along, plane_limit in zip(pair, shape.plane_limits, strict=True)
+    ]
+    flights = [
+        along.stages.flights(batch, track=True) for along, batch in zip(pair, batches, strict=True)
+    ]
+    statuses = set()
+    with repeated(SIMILAR_RUNS):
+        finish_in_planes(flights[0], flights[1], _normals(shape), np.array([limit]))
+        for batch, f, inner in zip(batches, flights, _separate_limits(shape), strict=True):
+            within = f._replace(cases=f.cases._replace(limit=np.array([limit * inner])))
+            cases = flown_cases(f, np.ones(1, bool), unstable_loops(batch, within))
+            statuses.add(str(cases.status[0]))
+    status = next(word for word in (LOST, RINGS, UNDECIDED, SURVIVED) if word in statuses)
+    made = {
+        plane: with_outputs(along, *tracked_states(along, f, limit * plane_limit), status, {})
+        for plane, along, f, plane_limit in zip(
+            PLANES, pair, flights, shape.plane_limits, strict=True
+        )
+    }
+    return _vectors(made, shape, limit)
+
+
+def _normals(shape: CircularShape | PolygonShape) -> FloatArray:
+    """Return the normals of a limit shape for the kernel, ``(k, 2)``; see `fly_in_planes`.
+
+    A rectangle along the planes has a normal of zero, since each plane has its own limit.
+    """
+    if isinstance(shape, CircularShape):
+        return np.zeros((0, 2))
+    if shape.by_planes:
+        return np.zeros((1, 2))
+    return np.column_stack([shape.normals.real, shape.normals.imag])
+
+
+def _separate_limits(shape: CircularShape | PolygonShape) -> FloatArray:
+    """Return the limits of both planes within a limit shape, normalised by its limit, ``(2,)``."""
+    if isinstance(shape, PolygonShape) and shape.by_planes:
+        return shape.plane_limits
+    return shape.each_plane().plane_limits
+
+
+def _vectors(
+    made: dict[str, FlightAlong], shape: CircularShape | PolygonShape, limit: float
+) -> FlightAlong:
+    """Return the flight of both planes from the flights of each, with the status."""
+    pitch, yaw = (made[plane] for plane in PLANES)
+    outputs = {
+        name: np.hypot(values, yaw.outputs[name])
+        for name, values in pitch.outputs.items()
+        if name in yaw.outputs
+    }
+    deflection = pitch.outputs["deflection"] + 1j * yaw.outputs["deflection"]
+    outputs["deflection"] = shape.gauge(deflection)
+    rates = [np.abs(along.outputs["deflection_rate"]) for along in made.values()]
+    outputs["deflection_rate"] = np.maximum(*rates)
+    outputs["pressure_ratio"] = pitch.outputs["pressure_ratio"]
+    status = pitch.status
+    if status == SURVIVED and outputs["deflection"].max() > limit * (1.0 + _ROUNDING):
+        status = OUTSIDE
+    planes = {plane: replace(along, status=status) for plane, along in made.items()}
+    return FlightAlong(pitch.times, outputs, status, planes)
