@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import comb, factorial
+from math import comb, factorial, prod
 from typing import Any
 
 import numpy as np
@@ -236,14 +236,14 @@ def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
 def at_pieces(array: AnyArray, index: IndexArray, trailing: int) -> AnyArray:
     """Take pieces ``(..., n, *trailing)`` by `index` ``(..., m)``; the leading axes broadcast."""
     axis = array.ndim - 1 - trailing
-    if axis == 0:
-        return array[index]
-    if index.ndim == 1:
-        return np.take(array, index, axis=axis)
-    shape = np.broadcast_shapes(array.shape[:axis], index.shape[:-1])
-    array = np.broadcast_to(array, (*shape, *array.shape[axis:]))
-    index = np.broadcast_to(index, (*shape, index.shape[-1]))
-    return np.take_along_axis(array, index.reshape(*index.shape, *(1,) * trailing), axis=len(shape))
+    batch, count = array.shape[:axis], array.shape[axis]
+    if array.size and not any(array.strides[:axis]):  # one row for the whole batch
+        shape = np.broadcast_shapes(batch, index.shape[:-1])
+        return np.take(
+            array[(0,) * axis], np.broadcast_to(index, (*shape, index.shape[-1])), axis=0
+        )
+    first = count * np.arange(prod(batch)).reshape(*batch, 1)
+    return np.take(array.reshape(prod(batch) * count, *array.shape[axis + 1 :]), first + index, 0)
 
 
 def recentred(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
@@ -266,7 +266,9 @@ def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
     polynomial = c[..., -1]
     for k in range(c.shape[-1] - 2, -1, -1):
         polynomial = polynomial * u + c[..., k]
-    return np.asarray((polynomial * np.exp(rates[..., np.newaxis, :] * u)).sum(axis=-1))
+    if rates.any():
+        polynomial = polynomial * np.exp(rates[..., np.newaxis, :] * u)
+    return np.asarray(polynomial.sum(axis=-1))
 
 
 def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:

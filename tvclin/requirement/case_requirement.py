@@ -256,7 +256,7 @@ class CaseRequirement:
         size = limit / needed if needed else np.inf
         if not self.at_nominal_pressure and 0.0 < size < np.inf:
             largest = MAX_LINEAR_ANGLE / self.wind_angle
-            size = survived_size(limit, self.required_at, largest)
+            size = survived_size(limit, needed, self.required_at, largest)
         bound = self.peak_bound
         peak = bound if np.isinf(size) else self.judged_peak * size
         return {
@@ -367,16 +367,20 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     return required
 
 
-def survived_size(limit: float, need: Callable[[float], float], largest: float = np.inf) -> float:
-    """Return the factor on a wind at which the required deflection, `need` of it, is the limit.
+def survived_size(
+    limit: float, required: float, need: Callable[[float], float], largest: float = np.inf
+) -> float:
+    """Return the factor on a wind at which the required deflection is the limit [rad].
 
-    `largest`: factor beyond which nothing is known, at least one; returned where it is survived.
+    `required`: required deflection [rad] of the wind itself; `need`: function that returns it of a
+    factor. `largest`: factor beyond which nothing is known, at least one; returned where it is
+    survived.
     """
     from scipy.optimize import brentq
 
     @cache
     def excess(x: float) -> float:
-        ratio = need(float(np.exp(x))) / limit
+        ratio = (need(float(np.exp(x))) if x else required) / limit
         return float(np.log(ratio)) if 0.0 < ratio < np.inf else np.copysign(1.0, ratio - 1.0)
 
     first = -excess(0.0)

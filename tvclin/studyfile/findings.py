@@ -154,8 +154,8 @@ class Findings:
             return np.nan
         limit /= s.plane_ratio  # of this plane
         head = None if self.head is None else self.head.stop
-        if head is None or not np.isfinite(head.deflection):
-            required = abs((head or stop).deflection)
+        required = abs(float((head or stop).deflection))
+        if head is None or not np.isfinite(required):
             return limit / required if required else np.inf
         loop = self.flexible or self.comparison
         assert loop is not None
@@ -170,7 +170,7 @@ class Findings:
                 return size * abs(float(flown.deflection))
             return np.inf
 
-        return survived_size(limit, requirement)
+        return survived_size(limit, required, requirement)
 
     @property
     def seal(self) -> str:
