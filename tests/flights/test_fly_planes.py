@@ -284,3 +284,21 @@ def test_a_nozzle_that_overshoots_its_limit_shape_is_not_known_to_survive() -> N
         ("round-each-plane", 0.3): "survived",
         ("round", 2.0): "survived",
     }
+
+
+@pytest.mark.parametrize(
+    ("autopilots", "options", "message"),
+    [
+        ({"pitch": 50.0}, {}, "autopilot must be one for both planes"),
+        ({"pitch": 50.0, "yaw": 25.0}, {}, "the same sample_rate in both planes"),
+        ({"pitch": 50.0, "yaw": 50.0}, {"sign": "head"}, "sign must be"),
+        ({"pitch": 50.0, "yaw": 50.0}, {"wind": GUST}, "wind must be a PlaneWind"),
+        ({"pitch": None, "yaw": None}, {}, "give the autopilot a sample_rate"),
+    ],
+)
+def test_flights_in_both_planes_that_cannot_be(autopilots, options, message) -> None:
+    laws = {plane: autopilot(sample_rate=rate) for plane, rate in autopilots.items()}
+    wind = tv.winds.PlaneWind.towards(GUST.shift(52.0), 0.5)
+    options = {"wind": wind, "deflection_limit": 0.1} | options
+    with pytest.raises(tv.InputError, match=message):
+        tv.flights.fly_planes_along(flight(flexible=False), laws, **options)

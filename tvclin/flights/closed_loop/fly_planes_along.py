@@ -107,6 +107,10 @@ def fly_planes_along(
     ('survived', ['pitch', 'yaw'])
     """
     autopilots = autopilot if isinstance(autopilot, Mapping) else dict.fromkeys(PLANES, autopilot)
+    if set(autopilots) != set(PLANES):
+        raise errors.InputError(
+            f"autopilot must be one for both planes, or one for each of {', '.join(PLANES)}"
+        )
     limit = errors.number(
         "deflection_limit", deflection_limit, errors.small_angle("a deflection", errors.positive)
     )
@@ -119,6 +123,8 @@ def fly_planes_along(
         checked_flight(flight, autopilots[plane], winds[plane], start, stop, model, plane)
         for plane in PLANES
     ]
+    if pair[0].law.sample_rate != pair[1].law.sample_rate:
+        raise errors.InputError("autopilot must have the same sample_rate in both planes")
     flown = _flown(pair, shape, limit, max_rate)
     further = _further(pair) if flown.status == UNDECIDED else None
     return flown if further is None else _flown(further, shape, limit, max_rate)
