@@ -19,9 +19,9 @@ With several unstable modes no control needs less than the minimum over all of t
 Required with K = 1 is the smallest limit from which on every limit survives, for the ideal trim law
 in the wind as it is, with both its signs. The largest min(trim, demand) is sufficient on a fixed
 path, and where trim meets the limit once and the path is slow; it is required as long as trim meets
-it to one side alone. Else the limited law itself is flown (`LimitedFlights`) with many limits,
-through the wind and the calm after it, and what is required lies above all of them with which a
-flight diverges.
+it to one side alone, and mu_alpha keeps its sign. Else the limited law itself is flown
+(`LimitedFlights`) with many limits, through the wind and the calm after it, and what is required
+lies above all of them with which a flight diverges.
 
 The error of the curves is of fourth order in the steps, below 1e-6 of the largest trim at the
 `STEP` taken here.
@@ -62,6 +62,8 @@ _MIN_RATIO_BOTH_SIGNS, _MIN_RATIO_TWO_INTERVALS = 0.5, 0.9
 """Smallest limits of flights over the largest min(trim, demand), where trim reaches that with both
 signs, or more than once while the path drifts. With less than the first the attitude leaves the
 linear range."""
+_MIN_RATIO_SIGN_CHANGE = 0.01
+"""Smallest limit of flights over the largest trim, where mu_alpha changes its sign."""
 _MIN_LIMIT = 1e-12
 """Smallest limit of a flight [rad], in place of zero."""
 _EVEN_STEP = 0.125
@@ -269,17 +271,15 @@ def varying_requirement(
     trim_and_demand = curves(equations, times, wind, ratio)
     trim = trim_and_demand.largest_trim
     no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
-    minimum = np.where(no_real_mode, 0.0, np.abs(trim_and_demand.demand[:, 0, 0]))
-    after_trim, exit_time = np.zeros(trim.shape), np.zeros(trim.shape)
-    ratios = trim_and_demand.trim_ratios(dead_band) if 0.0 < dead_band < 1.0 else None
+    demand_bounds = ~(no_real_mode | equations.changes_sign)  # else the modes' minimum peak
+    minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
     march = times, wind, ratio, None
-    for cases, peaks in peaks_over_modes(equations, march, trim_and_demand.path, ratios):
-        minimum[cases] = peaks[:, 0]
-        if 0.0 < dead_band < 1.0:
-            from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)
-            after_trim[cases], exit_time[cases] = trim_and_demand.of(cases).limit_with_minimum(
-                from_step, dead_band
-            )
+    peaks, limit, time = _exits(equations, march, trim_and_demand, dead_band)
+    minimum = np.maximum(minimum, peaks)
+    if 0.0 < dead_band < 1.0 and np.any(equations.changes_sign):
+        _, other, other_time = _exits(equations, march, trim_and_demand.opposite, dead_band)
+        larger = (other > limit) & equations.changes_sign
+        limit, time = np.where(larger, other, limit), np.where(larger, other_time, time)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
     never_limited = np.where(np.any(paired, axis=(1, 2)), trim, 0.0)
     if dead_band == 1.0:
@@ -287,9 +287,6 @@ def varying_requirement(
         required = _of_flights(motion, equations, encountered, trim_and_demand, limit, minimum)
     else:
         with np.errstate(divide="ignore", invalid="ignore"):
-            limit, time = trim_and_demand.limit_of_dead_band(dead_band)
-            time = np.where(after_trim > limit, exit_time, time)
-            limit = np.where(np.isnan(limit), limit, np.maximum(limit, after_trim))
             inside = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
             highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
             required = np.maximum(np.minimum(np.maximum(limit, inside), highest), minimum)
@@ -298,6 +295,35 @@ def varying_requirement(
     required = np.where(no_real_mode, pair_requirement, required)
     required = np.where(np.isnan(trim), np.nan, required)
     return VaryingRequirement(trim, required, minimum, time)
+
+
+def _exits(
+    equations: Equations,
+    march: tuple[FloatArray, FloatArray, FloatArray, FloatArray | None],
+    trim_and_demand: Curves,
+    dead_band: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return minimum peaks [rad] over several modes, and limits [rad] and times [s] of exits.
+
+    All are ``(n,)``. Peaks are zero where they are not known, limits with K = 1.
+    """
+    shape = len(trim_and_demand.trim)
+    minimum, limit, time = np.zeros((3, shape))
+    ratios = None
+    if dead_band < 1.0:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            limit, time = trim_and_demand.limit_of_dead_band(dead_band)
+        ratios = trim_and_demand.trim_ratios(dead_band) if dead_band > 0.0 else None
+    for cases, peaks in peaks_over_modes(equations, march, trim_and_demand.path, ratios):
+        minimum[cases] = peaks[:, 0]
+        if ratios is None:
+            continue
+        from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)
+        after, after_time = trim_and_demand.of(cases).limit_with_minimum(from_step, dead_band)
+        larger = after > limit[cases]  # not of NaN, a wind of two signs
+        limit[cases] = np.where(larger, after, limit[cases])
+        time[cases] = np.where(larger, after_time, time[cases])
+    return minimum, limit, time
 
 
 def peaks_over_modes(
@@ -375,7 +401,7 @@ def _of_flights(
     if which.size:
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
         required[which] = flights.select(which).requirement(low[which], high[which])
-        stable = np.all(equations.nominal[..., 1, 0] < 0.0, axis=(1, 2))
+        stable = equations.nominal[:, -1, -1, 1, 0] < 0.0
         never = which[(np.isinf(required) & stable)[which]]
         if never.size and in_wind[0].shape != times.shape:
             flights = LimitedFlights(motion.at_steps(in_wind[0]), *in_wind).select(never)
@@ -389,7 +415,8 @@ def decided_by_flights(
     """Return whether flights decide the requirement for K = 1, and the lowest limits to try [rad].
 
     `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it with
-    both signs, and where the path drifts and is quick, or trim crosses it more than once.
+    both signs, where the path drifts and is quick, or trim crosses it more than once, and where
+    mu_alpha changes its sign, since the demand of a constant deflection is no bound then.
     """
     two_signs, second_interval = (
         trim_and_demand.reaches_both_signs(limit),
@@ -397,7 +424,10 @@ def decided_by_flights(
     )
     lowest = np.where(second_interval, _MIN_RATIO_TWO_INTERVALS * limit, limit)
     lowest = np.where(two_signs, _MIN_RATIO_BOTH_SIGNS * limit, lowest)
-    return two_signs | second_interval | (equations.quick_path & equations.drifts), lowest
+    changes = np.broadcast_to(equations.changes_sign, limit.shape)
+    lowest = np.where(changes, _MIN_RATIO_SIGN_CHANGE * trim_and_demand.largest_trim, lowest)
+    quick = equations.quick_path & equations.drifts
+    return two_signs | second_interval | quick | changes, lowest
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,11 +93,22 @@ class UnstableModes:
         return costates, reaches, poles, cells
 
 
-def unstable_modes_of(A: FloatArray) -> tuple[UnstableModes, ...]:
+def sign_changes(nominal: FloatArray) -> BoolArray:
+    """Return whether the aerodynamic moment mu_alpha changes its sign, ``(n,)``.
+
+    `nominal`: E at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
+    """
+    moment = nominal[..., 1, 0]
+    low, high = moment.min(axis=(1, 2)), moment.max(axis=(1, 2))
+    return np.asarray(np.minimum(-low, high) > _ZERO_MOMENT_FRACTION * np.maximum(-low, high))
+
+
+def unstable_modes_of(A: FloatArray, single: BoolArray | bool = False) -> tuple[UnstableModes, ...]:
     """Return the unstable modes of ``A (n, m, m)``, two or three of them, the fastest one real.
 
     Cases with as many real modes and pairs are together; the others are left out. With one mode
-    the minimum peak is the demand.
+    the minimum peak is the demand, if the effect of a deflection on it keeps its sign: `single`,
+    ``(n,)``, is whether one mode is returned too.
     """
     values, vectors = left_eigenvectors(A)
     unstable = (np.real(values) > 0.0) & (np.imag(values) >= 0.0)
@@ -105,9 +116,12 @@ def unstable_modes_of(A: FloatArray) -> tuple[UnstableModes, ...]:
     kinds = np.add(unstable, pairs, dtype=int)  # 0, 1 of a real mode, 2 of a pair
     groups = []
     for kind in np.unique(kinds, axis=0):
-        if kind[0] != 1 or not 2 <= kind.sum() <= 3:
+        if kind[0] != 1 or kind.sum() > 3:
             continue
-        cases = np.flatnonzero(np.all(kinds == kind, axis=-1))
+        counted = single if kind.sum() == 1 else True
+        cases = np.flatnonzero(np.all(kinds == kind, axis=-1) & counted)
+        if not cases.size:
+            continue
         poles, costates = values[cases][:, kind > 0], vectors[cases][:, kind > 0]
         if not np.any(kind == 2):
             poles, costates = np.real(poles), np.real(costates)
@@ -162,6 +176,8 @@ def minimum_peaks(
 
 PRESSURES = (1.0, 1.25, 2.0)
 """q/q_n at which equations are computed; three of them determine E, E_1 and E_2."""
+_ZERO_MOMENT_FRACTION = 1e-6
+"""Fraction of the largest mu_alpha below which one of the opposite sign counts as zero."""
 _QUICK_PATH_FRACTION = 0.1
 """Fraction of the fastest rate from which on the rate b1 of the path is comparable with it."""
 
@@ -238,6 +254,11 @@ class Equations:
     def drifts(self) -> bool:
         """Whether the flight path takes part in the motion."""
         return self.nominal.shape[-2] > 2
+
+    @property
+    def changes_sign(self) -> BoolArray:
+        """Whether mu_alpha changes its sign, ``(n,)``; see `sign_changes`."""
+        return sign_changes(self.nominal)
 
     def of(self, cases: IndexArray) -> Equations:
         """Return the equations of selected cases."""

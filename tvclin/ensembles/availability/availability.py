@@ -247,18 +247,19 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     """Return notes on intervals of the flight that are not judged, or judged separately."""
     flight, (first, last) = judge.flight, judge.flight.span
     notes = []
-    if len(judge.intervals) > 1:
-        turns = ", ".join(f"{interval.path.time[0]:.4g}" for interval in judge.intervals[1:])
+    judged = judge.interval
+    starts = [interval.span[0] for interval in flight.one_sign_intervals[1:]]
+    turns = ", ".join(f"{start:.4g}" for start in starts if start < judged.path.time[-1])
+    if turns and judged.marches:
         notes.append(
-            f"the aerodynamic moment changes its sign at {turns} s: the intervals before and after"
-            " are judged separately, each from trim on, and the larger requirement counts"
+            f"the aerodynamic moment changes its sign at {turns} s: flights of the trim law through"
+            " all of the wind decide"
         )
-    calm = [
-        interval.path.time[[0, -1]].tolist() for interval in judge.intervals if not interval.marches
-    ]
-    notes += [
-        f"from {a:.4g} to {b:.4g} s no mode is unstable: no deflection is required" for a, b in calm
-    ]
+    stable = judged.path.time[-1] if judged.marches else first
+    if stable < last:
+        notes.append(
+            f"from {stable:.4g} to {last:.4g} s no mode is unstable: no deflection is required"
+        )
     late, early = times[:, 0] > first, times[:, 1] < last
     where = []
     if np.any(late):

@@ -79,7 +79,7 @@ class Requirements:
 
 @dataclass(frozen=True, eq=False)
 class FlightInterval:
-    """Interval of a flight in which the aerodynamic moment has one sign.
+    """Interval of a flight that is judged, up to the end of `FlightMode.until_stable`.
 
     `marches`: by plane, for planes with an unstable mode.
     """
@@ -100,8 +100,8 @@ class Judge:
         Its arrays over height.
     additions : Additions
         Growth and gust on top of the winds.
-    intervals : tuple of FlightInterval
-        Intervals that are judged separately; the largest requirement counts.
+    interval : FlightInterval
+        The interval that is judged.
     planes : tuple of str
         Planes of the motion.
     azimuths : ndarray
@@ -119,7 +119,7 @@ class Judge:
     flight: FlightSchedule
     path: FlightPath
     additions: Additions
-    intervals: tuple[FlightInterval, ...]
+    interval: FlightInterval
     planes: tuple[str, ...]
     azimuths: FloatArray
     limit_shape: str
@@ -154,7 +154,7 @@ class Judge:
             flight,
             path,
             Additions(growth, gust, gust_speed, pressure),
-            _flight_intervals(flight, model, planes),
+            _judged_interval(flight, model, planes),
             planes,
             azimuths,
             heights=heights,
@@ -347,21 +347,21 @@ class Judge:
         azimuth. `strong`: whether a wind that is not known is strong, or calm.
         """
         azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
-        for interval in self.intervals:
-            low, high = np.clip(within, *interval.path.height[[0, -1]]).T[..., np.newaxis]
-            height = np.clip(soundings.breakpoints(interval.path, strong), low, high)
-            speeds = {
-                plane: (low < high)
-                * soundings.interpolated(soundings.wind(azimuth, plane, strong), height)
-                for plane in PLANES
-            }
-            along = LineWinds(np.interp(height, interval.path.height, interval.path.time), speeds)
-            for plane, march in interval.marches.items():
-                p = self.planes.index(plane)
-                for sign, winds in self._of_signs(along, plane, soundings, height, azimuth, strong):
-                    for gusty in march.with_gusts(winds, sign, self.additions):
-                        bounds = march.bounds(gusty, pressure)
-                        yield p, MarchedWinds(march, gusty, bounds, pressure)
+        interval = self.interval
+        low, high = np.clip(within, *interval.path.height[[0, -1]]).T[..., np.newaxis]
+        height = np.clip(soundings.breakpoints(interval.path, strong), low, high)
+        speeds = {
+            plane: (low < high)
+            * soundings.interpolated(soundings.wind(azimuth, plane, strong), height)
+            for plane in PLANES
+        }
+        along = LineWinds(np.interp(height, interval.path.height, interval.path.time), speeds)
+        for plane, march in interval.marches.items():
+            p = self.planes.index(plane)
+            for sign, winds in self._of_signs(along, plane, soundings, height, azimuth, strong):
+                for gusty in march.with_gusts(winds, sign, self.additions):
+                    bounds = march.bounds(gusty, pressure)
+                    yield p, MarchedWinds(march, gusty, bounds, pressure)
 
     def _of_signs(
         self,
@@ -393,20 +393,15 @@ class Judge:
 
 
 @lru_cache(maxsize=8)
-def _flight_intervals(
-    flight: FlightSchedule, model: str, planes: tuple[str, ...]
-) -> tuple[FlightInterval, ...]:
-    """Return the intervals of a flight, cached by flight, model and planes."""
-    intervals = []
-    for interval in flight.one_sign_intervals:
-        path = FlightPath.of(interval)
-        modes = [FlightMode(interval, model, plane, interval.span) for plane in planes]
-        motions = {mode.plane: mode for mode in modes if mode.unstable}
-        fastest = max(motions.values(), key=lambda motion: motion.fastest.max(), default=None)
-        marches = {
-            plane: PlaneMarch(path, plane, motion, fastest)
-            for plane, motion in motions.items()
-            if fastest is not None
-        }
-        intervals.append(FlightInterval(path, marches))
-    return tuple(intervals)
+def _judged_interval(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> FlightInterval:
+    """Return the judged interval of a flight, cached by flight, model and planes."""
+    whole = [FlightMode(flight, model, plane, flight.span) for plane in planes]
+    unstable = [mode.until_stable for mode in whole if mode.unstable]
+    if not unstable:
+        return FlightInterval(FlightPath.of(flight), {})
+    judged = max((mode.schedule for mode in unstable), key=lambda schedule: schedule.span[1])
+    motions = [FlightMode(judged, model, mode.plane, judged.span) for mode in unstable]
+    fastest, path = max(motions, key=lambda motion: motion.fastest.max()), FlightPath.of(judged)
+    return FlightInterval(
+        path, {mode.plane: PlaneMarch(path, mode.plane, mode, fastest) for mode in motions}
+    )

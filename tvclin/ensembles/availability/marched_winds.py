@@ -82,7 +82,7 @@ class Bounds:
         on a quick path diverges with a limit that it never reaches.
     lowest : ndarray
         Lowest limit with which a flight may survive: less than `lower` where trim reaches `lower`
-        with both signs, or more than once while the path drifts.
+        with both signs, or more than once while the path drifts, or the moment changes its sign.
     highest : ndarray
         A limit that the law never reaches.
     """
@@ -158,7 +158,7 @@ class PlaneMarch:
         flown, lowest = decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
-        if np.any(equations.quick_path) or self._law_may_diverge:
+        if np.any(equations.quick_path | equations.changes_sign) or self._law_may_diverge:
             upper = np.maximum(limit, highest)
         if self._law_may_diverge:
             never = self.flights(winds, pressure).diverge(highest[:, np.newaxis])[:, 0]

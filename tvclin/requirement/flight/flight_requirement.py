@@ -15,8 +15,9 @@ effect on the unstable component of a unit deflection that is constant from t on
 
 Both are marched backwards from the end of the flight, where they are the values of the vehicle
 frozen as it is there, by the rule of Runge and Kutta, and scaled to ``|p| = 1`` after each step.
-The error is of fourth order in the steps, below 1e-6 at the length taken here. Parts of a flight in
-which the moment of a wind has the other sign are separate.
+The error is of fourth order in the steps, below 1e-6 at the length taken here. Where the moment of
+a wind changes its sign, flights of the limited trim law through all of the wind decide, up to the
+end of the last interval of one sign with an unstable pole.
 
 In a sizing, pulses have their requirement at the dynamic pressure encountered, by direction.
 """
@@ -54,6 +55,7 @@ from tvclin.requirement.varying_equations import (
     Equations,
     has_quick_path,
     of_pressure,
+    sign_changes,
     unstable_end,
     unstable_modes_of,
 )
@@ -168,19 +170,34 @@ class FlightMode:
             np.broadcast_to(x, inside.shape).reshape(times.shape)
             for x in (leading_pole(plant)[1], has_quick_path(plant))
         )
+        changes = sign_changes(nominal)
         return Equations(
             nominal,
             slopes,
             np.append(costate, reach[np.newaxis], axis=0).T,
-            paired,
+            # by a change of sign the modes are a pair for a while, which flights go through
+            np.where(changes[:, np.newaxis, np.newaxis], paired[:, -1:, -1:], paired),
             np.any(quick, axis=(1, 2)),
-            unstable_modes_of(nominal[:, -1, 2, :, :order]),
+            unstable_modes_of(nominal[:, -1, 2, :, :order], changes),
         )
 
     @cached_property
-    def one_sign_intervals(self) -> tuple[FlightSchedule, ...]:
-        """Intervals of the schedule, in each of which the aerodynamic arm has one sign."""
-        return self.schedule.one_sign_intervals
+    def until_stable(self) -> FlightMode:
+        """The flight without its last intervals of one sign of the arm that have no unstable pole.
+
+        A flight that is stable throughout is returned whole.
+        """
+        start, stop = self.span
+        intervals = self.schedule.one_sign_intervals
+        while len(intervals) > 1:
+            *before, last = intervals
+            if FlightMode(last, self.model, self.plane, last.span).unstable:
+                break
+            intervals, stop = tuple(before), last.span[0]
+        if not self.unstable or stop == self.span[1]:
+            return self
+        schedule = self.schedule.between(None, stop)
+        return FlightMode(schedule, self.model, self.plane, (start, stop))
 
     @cached_property
     def quick_path(self) -> bool:
@@ -350,46 +367,27 @@ def requirements_along(
 ) -> FloatArray:
     """Return required deflection and minimum [rad], and exit time [s], of winds, ``(n, 3)``.
 
-    A wind over several parts of the flight has the largest of all, with its time. Winds with the
-    same number of steps are marched together, but for flights on a quick path, whose length depends
-    on the others.
+    A wind counts up to the end of `FlightMode.until_stable`. Winds with the same number of steps
+    are marched together, but for flights on a quick path, whose length depends on the others.
     """
     result = np.tile([0.0, 0.0, np.nan], (len(winds), 1))
-    groups: dict[Any, list[tuple[int, FlightMode, NominalWind | EncounteredWind]]] = {}
-    for i, wind in enumerate(winds):
-        for k, (interval, inner) in enumerate(_parts(mode, wind)):
-            alone = i if interval is not mode or mode.quick_path else 0
-            steps = step_times(inner.history, interval).shape[1]
-            groups.setdefault((k, alone, steps), []).append((i, interval, inner))
-    for (_, _, steps), members in sorted(groups.items()):
+    groups: dict[Any, list[tuple[int, NominalWind | EncounteredWind]]] = {}
+    for i, wind in enumerate(winds if mode.unstable else ()):
+        whole = wind.calm or float(wind.history.end) <= mode.until_stable.span[1]
+        flight = mode if whole else mode.until_stable
+        inner = wind if whole else wind.between(*flight.span)
+        if not inner.calm:
+            steps = step_times(inner.history, flight).shape[1]
+            groups.setdefault((whole, i if flight.quick_path else 0, steps), []).append((i, inner))
+    for (whole, _, steps), members in sorted(groups.items()):
         together = int(MAX_BATCH_STEPS // steps) + 1
         for first in range(0, len(members), together):
-            index, parts, blowing = zip(*members[first : first + together], strict=True)
-            requirement = varying_requirement(parts[0], blowing, dead_band)
-            which = np.array(index)
-            larger = ~(np.isnan(result[which, 0]) | (requirement.required <= result[which, 0]))
-            result[which[larger], 0] = requirement.required[larger]
-            result[which[larger], 2] = requirement.time[larger]
-            result[which, 1] = np.maximum(result[which, 1], requirement.minimum)
+            index, blowing = zip(*members[first : first + together], strict=True)
+            flight = mode if whole else mode.until_stable
+            requirement = varying_requirement(flight, blowing, dead_band)
+            columns = requirement.required, requirement.minimum, requirement.time
+            result[list(index)] = np.stack(columns, axis=-1)
     return result
-
-
-def _parts(
-    mode: FlightMode, wind: NominalWind | EncounteredWind
-) -> Iterator[tuple[FlightMode, NominalWind | EncounteredWind]]:
-    """Yield the unstable parts of a flight that a wind blows in, each with the wind in it."""
-    parts = mode.one_sign_intervals
-    ends = [mode.span[0], *(interval.span[0] for interval in parts[1:]), mode.span[1]]
-    begins, stops = float(wind.history.onset), float(wind.history.end)
-    if not any(begins < end < stops for end in ends[1:-1]):
-        if mode.unstable and not wind.calm:
-            yield mode, wind
-        return
-    for interval, (start, stop) in zip(parts, pairwise(ends), strict=True):
-        part = FlightMode(interval, mode.model, mode.plane, (start, stop))
-        inner = wind.between(start, stop)
-        if part.unstable and not inner.calm:
-            yield part, inner
 
 
 LAWS = ("bound", "flown")
