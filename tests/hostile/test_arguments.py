@@ -76,7 +76,6 @@ BEYOND = {
     ("BangBang", "limit"), ("ConstantDeflection", "limit"), ("compare_flight", "boundary"),
     ("fly_turbulence", "rate_limit"), ("fly_turbulence_along", "rate_limit"),
     ("fly_along", "rate_limit"), ("fly_many", "rate_limit"), ("fly_many_along", "rate_limit"),
-    ("fly_planes_along", "rate_limit"),
     ("total_deflection", "dispersion"), ("total_deflection", "wind"),
     ("Nozzle", "travel_limit"),
 }  # fmt: skip
