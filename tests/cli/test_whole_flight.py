@@ -401,6 +401,7 @@ def test_ascent_and_fly_in_both_planes_are_of_the_autopilot_flown_in_both(folder
     )
     assert (small.exit_code, document["survived"], document["plane"]) == (1, False, "both")
     assert document["flights"][0]["status"] == expected.status == "lost"
+    assert "angles are magnitudes of the vectors of both planes" in " ".join(document["notes"])
 
 
 def test_the_autopilot_is_flown_at_a_single_flight_time(folder) -> None:

@@ -234,12 +234,17 @@ class FlightLoop:
 
     @property
     def wind_notes(self) -> Iterator[str]:
-        """Notes on the direction of pulses, and on the soundings, each with its name."""
+        """Notes on the direction of pulses, on both planes, and on soundings by name."""
         pulses = self.request.pulse or self.request.others
         if pulses and self.plan.sign is None and self.plan.planes == "pitch":
             yield (
                 "each pulse is flown as a head and as a tail wind, and the worse is shown (--set"
                 " study.sign head, tail, or frozen: at nominal dynamic pressure)"
+            )
+        if self.plan.planes == BOTH:
+            yield (
+                "angles are magnitudes of the vectors of both planes, the deflection in the measure"
+                " of the limit shape, the rate the larger of both"
             )
         for name, sounding in self.request.soundings.items():
             notes = sounding.profile.notes_along(self.flight)
