@@ -23,6 +23,7 @@ from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import in_slices
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import NEVER, Flights
+from tvclin.kernels.plane_flights import fly_in_planes
 from tvclin.kernels.source import machine_code
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
 from tvclin.linear.system import LinearSystem, connect, polynomial_input
@@ -59,9 +60,9 @@ def finish(f: Flights, laws: LawBatch) -> None:
 
 
 def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: FloatArray) -> None:
-    """Step flights in both planes to their common ends, in place; see `kernels.fly_in_planes`."""
-    fly = choice.fastest(kernel.fly_in_planes, 2.0 * float(_last(pitch).sum()) * kernel.PLAIN)
-    take = _plain if fly is kernel.fly_in_planes else _compact
+    """Step flights in both planes to their common ends, in place; see `kernels.plane_flights`."""
+    fly = choice.fastest(fly_in_planes, 2.0 * float(_last(pitch).sum()) * kernel.PLAIN)
+    take = _plain if fly is fly_in_planes else _compact
     with np.errstate(all="ignore"):  # a lost flight may overflow
         fly(take(pitch), take(yaw), normals, limit, 0, limit.size)
 
