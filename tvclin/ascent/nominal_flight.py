@@ -158,7 +158,7 @@ class NominalFlight:
         return self.states(self.time)[2]
 
     def states_within(self, t: Any) -> FloatArray:
-        """Return the states at a time, or times ``(n,)``, that lie in the span, unchecked."""
+        """Return the states at a time [s], or times ``(n,)``, unchecked to lie in the span."""
         early, late = self._solutions
         if np.ndim(t) == 0:
             return np.asarray(early(t) if t < self._time else late(t))
@@ -195,7 +195,7 @@ class NominalFlight:
         return np.asarray(-moment / (v.control_force * v.control_arm))
 
     def vehicle_at(self, t: ArrayLike) -> Vehicle:
-        """Return the vehicle at other times: a batch of the shape of `t`."""
+        """Return the vehicle at times `t` [s], a batch of their shape."""
         speed, path, altitude = self.states(t)
         ratio = self.pressure_ratio(speed, altitude)
         return self.vehicle.replace(

@@ -426,7 +426,10 @@ class LoadLimits:
         return min([a for a, _ in below] + mixed, default=np.inf)
 
     def set_by(self, load: float, limit: float) -> str:
-        """Return the label of the condition that sets a limit [rad] at a load [rad]."""
+        """Return the label of the condition that sets a deflection limit [rad].
+
+        `load`: bound of ``|alpha|`` or ``|alpha + M delta|`` [rad], with that minimum limit.
+        """
         if load < self.load_floor:
             return LEAST_LOAD
         for floor, words in (

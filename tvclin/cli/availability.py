@@ -153,7 +153,11 @@ def _document(result: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
 
 
 def _print(result: Availability, launch: tuple[Today, ...], source: str, more: bool) -> None:
-    """Print the fractions of soundings that fly, or the verdict on a launch, and the months."""
+    """Print the fractions of soundings that fly, the verdict on a launch, and a table by month.
+
+    `launch`: verdicts on the sounding of today by azimuth, empty without one. `source`: name of
+    the file. `more`: whether the details are printed, and all notes.
+    """
     azimuths = [f"{angle:.4g} deg" for angle in np.degrees(np.atleast_1d(result.azimuth)).tolist()]
     limit = f"limit {np.degrees(result.limit):.3f} deg"
     days = zip(azimuths, result.fraction(), strict=True)

@@ -63,7 +63,7 @@ class Compared:
         return dict(zip(("flown", self.reference), values, strict=True))
 
     def show(self, shown: ShownCurves, more: bool) -> bool:
-        """Write and print the flight, and return whether it survived."""
+        """Write and print the flight, with `more` its details, and return whether it survived."""
         self.write(shown)
         if shown.as_json:
             print_json(self.document())
@@ -145,11 +145,11 @@ class Compared:
         }
 
 
-def wind_line(case: Any) -> str:
-    """Return the vehicle of a case, and in a second line its wind and law."""
-    words = wind_words(case.shape, case.case)
-    said = f"{words}, {case.case.plane}, law {case.law}"
-    return f"{case.case.vehicle.name}\n{said}" if case.case.vehicle.name else said
+def flight_title(flying: "Flying") -> str:
+    """Return the title of a flight: its vehicle, if named, and in a second line wind and law."""
+    case, wind = flying.case, wind_words(flying.shape, flying.case)
+    line = f"{wind}, {case.plane}, law {flying.law}"
+    return f"{case.vehicle.name}\n{line}" if case.vehicle.name else line
 
 
 _BOUNDARY_TOLERANCE_OVER_TRIM = 5e-4
@@ -218,7 +218,7 @@ class FlightCase(Flying):
     def title(self) -> str:
         """The vehicle, and in a second line the wind and the control."""
         band = self.dead_band
-        return wind_line(self) + ("" if band is None else f", K = {band:g}")
+        return flight_title(self) + ("" if band is None else f", K = {band:g}")
 
     @property
     def heads(self) -> list[str]:

@@ -192,7 +192,7 @@ def _columns(file: Path) -> dict[str, Any]:
 
 
 def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
-    """Return times and moments of inertia of options such as 0:24."""
+    """Return times [s] and moments of inertia [kg m^2] of options such as 0:24."""
     try:
         pairs = [tuple(map(float, text.split(":"))) for text in texts]
         times, inertias = zip(*pairs, strict=True)

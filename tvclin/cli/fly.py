@@ -275,7 +275,11 @@ class _Answer:
         }
 
     def print(self, source: str, more: bool) -> None:
-        """Print the law with the lowest limit, the limits of each law, and notes."""
+        """Print the law with the lowest limit, the limits of each law, and notes.
+
+        `source`: name of the file, for a vehicle without a name. `more`: whether the details are
+        printed, and all notes.
+        """
         winds = f"winds of {abs(degrees(self.peak)):.4g} deg and {self.duration:g} s"
         servo = self.case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"

@@ -23,7 +23,7 @@ from tvclin.cli.flight_cases import (
     REPORT,
     Compared,
     Flying,
-    wind_line,
+    flight_title,
 )
 from tvclin.cli.inputs import note_nominal_pressure
 from tvclin.cli.margins import (
@@ -100,7 +100,7 @@ class LinearCase(Flying):
         rate = self.case.hardware["sample_rate"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
         said = [
-            wind_line(self),
+            flight_title(self),
             *([parts_line(structure)] if structure else []),
             f"linear equations, {self.plant.model}, {NOMINAL}; law at {rate:g} Hz,"
             f" delay {delay:g} ms, actuator {with_servo}",
@@ -157,7 +157,7 @@ def _compared(
         verdict=f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL}{rigid}",
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
         title=(
-            f"{wind_line(case)}; {case.plant.model}, limit {np.degrees(limit):.3f} deg{turning}"
+            f"{flight_title(case)}; {case.plant.model}, limit {np.degrees(limit):.3f} deg{turning}"
         ).replace("\n", ": "),
         facts={
             "flexible": case.bends,
@@ -308,8 +308,11 @@ class AutopilotFlight:
         return JudgedMargins.of(compared.autopilot, compared.plant, self.case.held_to).satisfied
 
     @property
-    def loads(self) -> tuple[float, float]:
-        """Normal force [N] and speed across [m/s]; NaN for a vehicle known by its coefficients."""
+    def peak_force_and_lateral_speed(self) -> tuple[float, float]:
+        """Peak normal force [N] and peak speed across the nominal path [m/s], without limits.
+
+        NaN for a vehicle known by its coefficients.
+        """
         vehicle, compared = self.case.vehicle, self.compared
         if not isinstance(vehicle, Vehicle):
             return float("nan"), float("nan")
@@ -340,7 +343,7 @@ class AutopilotFlight:
 
     def _comparison(self) -> dict[str, Any]:
         """Return the autopilot without a limit, compared with trim and the boundaries, for JSON."""
-        compared, (force, across) = self.compared, self.loads
+        compared, (force, across) = self.compared, self.peak_force_and_lateral_speed
         return {
             "model": self.case.plant.model,
             "autopilot": compared.autopilot,
@@ -379,12 +382,15 @@ class AutopilotFlight:
         return bool(survived and (self.limit is None or self.sufficient))
 
     def _print(self, more: bool) -> None:
-        """Print the verdict, the flight with a limit or else the deflections, and notes."""
+        """Print the verdict, the flight with a limit or else the deflections, and notes.
+
+        `more`: whether the details are printed, and all notes.
+        """
         stable, tables = self.compared.margins.stable, []
         if stable:
             stop = None if self.requirement is None else self.requirement.nominal_deflection
             model = self.case.plant.model
-            title = f"{wind_line(self.linear)}; {model}, {NOMINAL}".replace("\n", ": ")
+            title = f"{flight_title(self.linear)}; {model}, {NOMINAL}".replace("\n", ": ")
             tables.append(self.compared.deflections(title, stop))
         if self.flight is not None:
             tables.insert(0 if self.limit is not None else 1, self.flight.table())
@@ -450,7 +456,7 @@ class AutopilotFlight:
 
     def _more(self) -> Iterator[Row]:
         """Yield the loads, which take a complete vehicle, and the worst duration of the wind."""
-        (force, across), worst = self.loads, self.worst
+        (force, across), worst = self.peak_force_and_lateral_speed, self.worst
         if isfinite(force):
             yield (
                 "N times the angle of attack",

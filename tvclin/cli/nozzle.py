@@ -132,7 +132,7 @@ def _print_in_a_wind(
     more: bool,
     shown: ShownCurves,
 ) -> None:
-    """Print the deflection over rate or load in the wind of a case."""
+    """Print the deflection over its rate or over the load in one wind; with `more`, the details."""
     winds, names = options.winds.at_one_time(vehicle), options.names
     case = _case_in_a_wind(vehicle, over, time, options, winds)
     title, required = winds.title(case, vehicle), study_requirement(case, case.dead_band)
@@ -160,7 +160,11 @@ def _print_in_a_wind(
 def _case_in_a_wind(
     vehicle: str, over: str, time: float | None, options: NozzleOptions, winds: WindOptions
 ) -> StudyPlan:
-    """Return the case of a trade-off in one wind; `InputError` for options of a flight."""
+    """Return the plan of a study with the case of a trade-off in one wind.
+
+    `vehicle`: name of a vehicle, or of a vehicle or study file. `over`: rate or load. `time`:
+    flight time [s] of a schedule. `InputError` for options that only `--over flight` takes.
+    """
     question = "nozzle" if over == RATE else f"nozzle --over {over}"
     options.times.only_with(f"--over {FLIGHT}")
     if options.planes.plane == BOTH:

@@ -126,13 +126,12 @@ def print_tables(*tables: Table) -> None:
 
 
 def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print labels and sentences to the left, and numbers to the right.
+    """Print a table: labels and sentences aligned to the left, numbers to the right.
 
-    Words stay in one piece where the terminal is wide enough for all of them. rich alone takes room
-    from the widest columns first and breaks their words: of 17 tables of the commands it breaks a
-    number or a word of three at 80 columns (of one with `min_width`, whose last column may be cut),
-    and of six at 70; these widths break none and four. A heading is broken before a cell. A last
-    column of sentences that has too little room is set below the table, each with its label.
+    `headings`: of the columns. `rows`: cells of each row, as text. No word is broken where the
+    terminal is wide enough for the longest word of each column; rich alone narrows the widest
+    columns first and breaks words earlier. Headings are wrapped before cells. Sentences of the last
+    column that have too little room are printed below the table, each with the label of its row.
     """
     from rich.console import Console
 

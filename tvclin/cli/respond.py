@@ -243,7 +243,7 @@ def _title(case: BoundedTrim) -> str:
 
 
 def _print(case: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
-    """Print the outcome with the limit, and the largest motions."""
+    """Print the outcome with the limit, and the largest motions; with `more`, all notes."""
     wind_covered = _covers_the_wind(case, shown)
     caption = f"{case.case.vehicle.name}: exact response\n{case.words}"
     see = [] if case.required is None else [case.required.see_study]

@@ -122,7 +122,7 @@ def joined(arguments: Sequence[str]) -> list[str]:
 
 
 def pairs(settings: Iterable[str]) -> list[tuple[str, str]]:
-    """Return keys and values of the option."""
+    """Return the keys and values, as texts, of settings of --set such as wind.peak_deg=6."""
     from tvclin.base.errors import InputError, shown
 
     made = [setting.partition("=") for setting in settings]
@@ -196,9 +196,10 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
 
 
 def keys_of_arguments(settings: Iterable[str] | None) -> dict[str, str]:
-    """Return the keys with units of the tables that are set, by the names of their arguments.
+    """Return keys of the study file, with table and unit, by the name of the argument each gives.
 
-    Of an argument with several it is the key that is set, or the first.
+    `settings`: keys and values of --set; the keys are those of the tables that it changes. Where
+    several give an argument of one name, the first that is set counts, or else the first.
     """
     if not settings:
         return {}

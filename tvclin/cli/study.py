@@ -132,7 +132,11 @@ def _loop_notes(findings: Findings) -> Iterator[str]:
 
 
 def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
-    """Print the verdict, the boundaries or the answers to all questions, and notes."""
+    """Print the verdict, the boundaries or the answers to all questions, and notes.
+
+    `source`: name of the vehicle or study file. `explain`: whether symbols and quantities are
+    explained. `more`: whether the details are printed, and all notes.
+    """
     s, several = findings.study, len(questions(findings)) > 1
     headline, wind = text(sentence(findings)), text(tables.requirement(s))
     days = () if findings.availability is None else findings.availability.notes

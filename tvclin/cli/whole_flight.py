@@ -41,7 +41,11 @@ def flight_loop(
 
 
 def print_sweep(source: str, loop: FlightLoop, more: bool, shown: ShownCurves) -> None:
-    """Print the verdict on the criteria over the flight, and the margins by flight time."""
+    """Print the verdict on the criteria over the flight, and the margins by flight time.
+
+    `source`: name of the file, for a vehicle without a name. `more`: whether all flight times and
+    notes are printed.
+    """
     from tvclin import plots
 
     note_omissions(loop.plan, "margins", "margins without --limit-deg", "margins without a wind")

@@ -194,7 +194,10 @@ def probe_times(start: float, stop: float, *histories: History) -> FloatArray:
 def refined_maximum(
     function: Function, times: FloatArray, values: FloatArray
 ) -> tuple[float, float]:
-    """Return the maximum and its time, refined between the samples around the highest."""
+    """Return the maximum and its time [s], refined between the samples around the highest.
+
+    `times`, `values`: samples of the function, ``(n,)``.
+    """
     i = int(np.argmax(values))
     between = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
     time, depth = grid_minimum(lambda t: -function(t), *between, _REFINEMENTS)

@@ -182,9 +182,11 @@ def _refined(
     intervals: list[tuple[slice, FloatArray]],
     degree: int,
 ) -> list[FloatArray]:
-    """Return the values at the nodes of a degree in each interval, ``(degree + 1, k)``.
+    """Return the values at the Chebyshev points of a degree in each interval, ``(degree + 1, k)``.
 
-    `intervals`: indices of their times, and the values at the nodes of half the degree.
+    A row has the elements of all arrays of `function` at one time. `function`, `times`: see
+    `smooth_values`. `intervals`: for each the slice of its `times`, and the values at the points of
+    half the degree, ``(degree / 2 + 1, k)``.
     """
     refined = []
     if intervals:
@@ -205,7 +207,7 @@ def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
 
 
 def _worth(run: slice, degree: int) -> bool:
-    """Return whether times are many enough for an interpolant of a degree and its double."""
+    """Return whether the times of a run suffice for interpolants of a degree and its double."""
     return run.stop - run.start >= _MIN_TIMES_PER_POINT * (2 * degree + 1)
 
 

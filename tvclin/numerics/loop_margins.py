@@ -311,7 +311,7 @@ def _phase_crossovers(
     low, high = omega[case, index], omega[case, index + 1]
     crossover = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
     genuine = np.abs(angle(crossover, case)) < _CROSSING_PHASE_TOLERANCE
-    genuine &= ~loop.take(case).vanishes(crossover)  # at an undamped pole or zero the phase jumps
+    genuine &= ~loop.take(case).is_pole_or_zero(crossover)  # the phase jumps at an undamped one
     case, crossover = case[genuine], crossover[genuine]
     crossover = _polished_phase_crossover(loop.take(case), crossover)
     # L(0) = N(0)/D(0) is a crossing that no change of sign shows; and so is L at infinity.

@@ -156,10 +156,10 @@ class Rational:
         """Return an upper bound of the sizes of all poles [rad/s], ``(...)``."""
         return polynomials.bound(self.denominator)
 
-    def vanishes(self, omega: FloatArray) -> BoolArray:
-        """Return whether numerator or denominator is zero, to rounding, at one frequency each.
+    def is_pole_or_zero(self, omega: FloatArray) -> BoolArray:
+        """Return whether L has a zero or a pole at j omega, to rounding, of the batch's shape.
 
-        `omega`: frequencies [rad/s], of the shape of the batch.
+        `omega`: a frequency for each loop [rad/s], of the shape of the batch.
         """
         omega, parts = omega[..., np.newaxis], []
         for polynomial in (self.numerator, self.denominator):
@@ -297,8 +297,11 @@ class StateLoop:
         with np.errstate(all="ignore"):
             return 1j * (self._modal_sum(1j * omega, slope=True) / self._modal_sum(1j * omega))
 
-    def vanishes(self, omega: FloatArray) -> BoolArray:
-        """Return whether L is zero or infinite, to rounding, at one frequency each ``(k,)``."""
+    def is_pole_or_zero(self, omega: FloatArray) -> BoolArray:
+        """Return whether L has a zero or a pole at j omega, to rounding, ``(k,)``.
+
+        `omega`: a frequency for each loop [rad/s], ``(k,)``.
+        """
         s = 1j * omega[:, np.newaxis]
         poles, residues = self.poles[self.case], self.residues[self.case]
         distance = np.abs(s - poles)

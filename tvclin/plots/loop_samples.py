@@ -90,7 +90,7 @@ class LoopSamples:
         return VERDICTS[self.margins.status]
 
     def at(self, omega: float) -> tuple[float, float]:
-        """Return phase [deg], on the branch of the curve, and magnitude [dB] at one frequency."""
+        """Return phase [deg], on the branch of the curve, and magnitude [dB] at omega [rad/s]."""
         value = complex(self.loop.response(omega))
         interpolated = float(np.interp(omega, self.omega, self.phase))
         phase = float(np.degrees(np.angle(value)))

@@ -71,7 +71,11 @@ class RateProgram:
 
     @cached_property
     def moments(self) -> FloatArray:
-        """Moments of the deflection that is one at a node and zero at the others, ``(n, k)``."""
+        """Integrals of e_i times the hat function of each node [s], ``(n, k)``.
+
+        A hat function is one at its node, zero at the others and linear between nodes; that of the
+        last node stays one up to the horizon. e_i: see `Constraints.basis`.
+        """
         # On an interval of width h from t, with x = (u - t)/h, a node's share is x or 1 - x, and
         # integral e^(-p u) x du = e^(-p t) h M_1(p h), with the moments M_k of `numerics.pieces`.
         c, widths = self.constraints, np.diff(self.nodes)
@@ -86,7 +90,7 @@ class RateProgram:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """Sizes of the conditions, ``(n,)``, by which the rows are divided."""
+        """Sum of the absolute moments of each condition [s], ``(n,)``, which divides its row."""
         return np.abs(self.moments).sum(axis=1)
 
     @property

@@ -83,14 +83,14 @@ class CovarianceHistory(Shown):
         return self._value(*self._output(output))
 
     def deviation(self, output: str = DEFLECTION) -> FloatArray:
-        """Return the standard deviation of an output at the times, ``(n,)``.
+        """Return the standard deviation of an output at the times ``(n,)``, in SI units.
 
         Raises
         ------
         InputError
             As `mean`.
         """
-        return self._spread(self._output(output)[0])
+        return self._deviation_of(self._output(output)[0])
 
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
         """Return the largest ``|mean|`` plus some standard deviations, and its time [s].
@@ -114,7 +114,7 @@ class CovarianceHistory(Shown):
             As `mean`, and for an output that jumps with the turbulence or a noise.
         """
         rate = self._rate(output)
-        expected = mean_absolute(self._value(*rate), self._spread(rate[0]))
+        expected = mean_absolute(self._value(*rate), self._deviation_of(rate[0]))
         return float(np.trapezoid(expected, self.times))
 
     def travel_deviation(self, output: str = DEFLECTION) -> float:
@@ -130,7 +130,7 @@ class CovarianceHistory(Shown):
         rate, direct = self._rate(output)
         chosen = self._moments.chosen
         rows = np.broadcast_to(rate, (len(self.times), rate.shape[-1]))[chosen]
-        mean, spread = self._value(rate, direct)[chosen], self._spread(rate)[chosen]
+        mean, spread = self._value(rate, direct)[chosen], self._deviation_of(rate)[chosen]
         covariances = np.zeros((len(chosen), len(chosen)))
         carried = np.zeros((rate.shape[-1], len(chosen)))
         for k, row in enumerate(rows):
@@ -170,7 +170,7 @@ class CovarianceHistory(Shown):
         bound = errors.number("limit", limit, errors.positive)
         row, direct = self._output(output)
         rate = self._rate(output)
-        spread, motion = self._spread(row), self._spread(rate[0])
+        spread, motion = self._deviation_of(row), self._deviation_of(rate[0])
         crossed = self._joint(row, rate[0])
         correlation = crossed / np.maximum(spread * motion, np.finfo(float).tiny)
         means = self._value(row, direct), self._value(*rate)
@@ -233,15 +233,15 @@ class CovarianceHistory(Shown):
         return self._signals[errors.one_of("output", output, self.outputs)].smooth_rate(output)
 
     def _value(self, row: FloatArray, direct: FloatArray) -> FloatArray:
-        """Return the mean of an output of given row and direct part."""
+        """Return the mean of row times states plus direct times wind at the times, ``(n,)``."""
         return np.asarray(np.sum(row * self._moments.means, axis=-1) + direct * self._moments.wind)
 
-    def _spread(self, row: FloatArray) -> FloatArray:
-        """Return the standard deviation of a row of the states."""
+    def _deviation_of(self, row: FloatArray) -> FloatArray:
+        """Return the standard deviation of row times states at the times, ``(n,)``."""
         return np.asarray(np.sqrt(np.maximum(self._joint(row, row), 0.0)))
 
     def _joint(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return the covariance of two rows of the states at the times, ``(n,)``."""
+        """Return the covariance of two rows times states at the times, ``(n,)``."""
         covariances = self._moments.covariances
         rows = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
         first, second = rows

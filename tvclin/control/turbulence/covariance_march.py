@@ -87,7 +87,7 @@ class VaryingLoop:
         return {output: signal(output) for output in self.labels}
 
     def _weights(self, times: FloatArray) -> tuple[IndexArray, FloatArray]:
-        """Return the first node of each time's interval, and the weights of its nodes."""
+        """Return the first node of the interval of each time [s], and the weights of its nodes."""
         index = np.searchsorted(self._starts, times, side="right") - 1
         index = np.clip(index, 0, len(self._starts) - 1)
         places = np.clip((times - self._starts[index]) / self._lengths[index], 0.0, 1.0)
@@ -132,7 +132,7 @@ def _values_at(values: FloatArray, first: IndexArray, weights: FloatArray) -> Fl
 def _interpolated(
     loop_at: Callable[[FloatArray], DrivenLoop], breaks: FloatArray
 ) -> tuple[FloatArray, FloatArray, DrivenLoop]:
-    """Return starts and lengths of the intervals [s], and the loops at the nodes of all."""
+    """Return starts and lengths of the intervals [s], and the batch of loops at all nodes."""
     counts = np.maximum(np.ceil(np.diff(breaks) / _MAX_INTERVAL_S - 1e-9), 1.0).astype(int)
     lengths = np.repeat(np.diff(breaks) / counts, counts)
     starts = breaks[0] + np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
@@ -248,9 +248,10 @@ def march(
     wind: History | None,
     start: FloatArray | None = None,
 ) -> Moments:
-    """Return the moments of the states at the times.
+    """Return mean and covariance of the states at the times [s].
 
-    `start`: covariance at the first time, behind its sample; by default that of a vehicle at rest
+    `wind`: known wind [rad], to which the mean is the response; without it the mean is zero.
+    `start`: covariance at the first time, after its sample; by default that of a vehicle at rest
     and a stationary filter.
     """
     known = np.zeros(times.size) if wind is None else np.asarray(wind(times))
@@ -320,9 +321,9 @@ def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> lis
 def _jumps_before(
     loop: DrivenLoop | VaryingLoop, times: FloatArray, first: int
 ) -> list[Jump | None]:
-    """Return the jump ahead of each step between times ``(n + 1,)``, or None.
+    """Return the jump at the begin of each step between times [s] ``(n + 1,)``, or None.
 
-    `first`: number of the first of the steps; the sample ahead of step 0 is taken already.
+    `first`: number of the first of the steps; the sample before step 0 is taken already.
     """
     jumps: list[Jump | None] = [None] * (len(times) - 1)
     ends = np.cumsum([_sample_steps(jump).size for jump in loop.jumps])

@@ -234,7 +234,7 @@ class LoopCovariance(Shown):
         return self._loop.signal(name).smooth_rate(name)[0]
 
     def _variances(self, row: FloatArray) -> FloatArray:
-        """Return the variance of a row of the states at each time within a sample, ``(k,)``."""
+        """Return the variance of row times states at each time within a sample, ``(k,)``."""
         return np.maximum(np.einsum("i,kij,j->k", row, self._covariances, row), 0.0)
 
 

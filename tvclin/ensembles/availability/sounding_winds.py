@@ -219,9 +219,9 @@ class FlightPath:
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
 
-        They are the arguments of `time_varying.curves`. `steps`: times at begin, middle and end
-        [s], ``(1, S, 3)``. Without `pressure` the angles are nominal, and q/q_n is one. Angles are
-        at most `MAX_LINEAR_ANGLE`.
+        They are the arguments of `time_varying.curves`; onsets as in `LineWinds.at_steps`. `steps`:
+        times at begin, middle and end [s], ``(1, S, 3)``. Without `pressure` the angles are
+        nominal, and q/q_n is one. Angles are at most `MAX_LINEAR_ANGLE`.
         """
         times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
         return times, *self.angle_and_pressure(times, along, across, plane, pressure), onset
@@ -441,8 +441,9 @@ class LineWinds:
         """Return times [s], winds along and across [m/s], and onsets, over even steps.
 
         Times and winds are at begin, middle and end of steps, ``(n, S, 3)``, or times
-        ``(1, S, 3)``; the onset of each wind is its position in steps, ``(n,)``. `ends`: times [s]
-        of the steps, ``(S + 1,)``. The result is cached for the second plane.
+        ``(1, S, 3)``. The onset of each wind is counted in steps from the first of `ends`, with its
+        fraction, ``(n,)``. `ends`: begin of the first step and ends of all [s], ``(S + 1,)``. The
+        result is cached for the second plane.
         """
         if ends.size not in self._samples_by_steps:
             self._samples_by_steps[ends.size] = self._samples(ends)

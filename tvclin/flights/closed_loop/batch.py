@@ -631,10 +631,13 @@ def spread_to(array: float | FloatArray, shape: tuple[int, ...]) -> FloatArray:
     return np.array(np.broadcast_to(array, shape), float).ravel()
 
 
-def samples_in(span: FloatArray, length: FloatArray) -> IntArray:
-    """Return the number of samples in a time [s]; `NEVER` for an infinite one."""
+def samples_in(span: FloatArray, period: FloatArray) -> IntArray:
+    """Return the number of samples, at least one, that cover a span [s]; `NEVER` if infinite.
+
+    `period`: sampling period [s]. The two are broadcast.
+    """
     has_reach = np.isfinite(span)
-    counted = np.ceil(np.where(has_reach, span, 0.0) / length - 1e-9)
+    counted = np.ceil(np.where(has_reach, span, 0.0) / period - 1e-9)
     return np.where(has_reach, np.maximum(counted, 1), NEVER).astype(np.int64)
 
 

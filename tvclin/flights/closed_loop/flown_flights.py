@@ -234,9 +234,11 @@ def flown_in_winds(
     *,
     track: bool = False,
 ) -> tuple[FlownCases, Flights]:
-    """Return the outcomes of sampled flights ``(m,)``, and their arrays at their ends.
+    """Return the outcomes of m sampled flights, and the arrays of the kernel at their ends.
 
-    `which`: indices of their winds. `limit`, `rate_limit`: of the deflection [rad, rad/s].
+    `stages`: sampled loops and winds. `which`: index of the wind of each flight, ``(m,)``. `limit`,
+    `rate_limit`: of the deflection [rad, rad/s], ``(m,)``. `track`: whether the states at each
+    substep of a single flight are written to `Flights.track`.
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)

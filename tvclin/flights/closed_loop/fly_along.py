@@ -358,7 +358,10 @@ def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
 def tracked_states(
     along: FlownFlight, f: Flights, limit: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return times ``(n,)``, states and deflection ``(n, states + 1)``, and deflection rates."""
+    """Return times [s], states with deflection [rad], and deflection rates [rad/s].
+
+    Shapes ``(n,)``, ``(n, states + 1)`` and ``(n,)``. `limit`: deflection limit [rad].
+    """
     per_sample, order = int(f.steps.substeps[0].sum()), f.now.y.shape[1]
     y = np.concatenate([f.track[::per_sample, :order], f.now.y])
     count, n = len(y), f.vehicles.A.shape[1]

@@ -264,7 +264,7 @@ class Stages:
         """Return the arrays of all stages, interpolated in time and dynamic pressure.
 
         `interval`: number of the interval of each sample in which its vehicle is smooth, ``(n,)``;
-        negative for none. `pressure`: q/q_n at the places of the samples, ``(places, n)``.
+        negative for none. `pressure`: q/q_n at the places within each sample, ``(places, n)``.
         """
         edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), interval.size]
         exact, pending = np.ones(interval.size, bool), []

@@ -1,9 +1,9 @@
-"""Turbulence along a flight: spread and travel of a nozzle, and its largest deflection by wind.
+"""Turbulence along a flight: deviation and travel of a nozzle, largest deflection by wind.
 
 The loop is linear and without limits, with the autopilot that its specification gives at each
-flight time. Its spread is that along the flight; in a head wind and in a sounding with the dynamic
-pressure encountered, of a pulse that at its peak throughout. The response to a pulse is that of the
-loop frozen at its flight time, that to a sounding of the vehicle along the flight.
+flight time. Its covariance is that along the flight: in a head wind and in a sounding with the
+dynamic pressure encountered, of a pulse with that at its peak throughout. The response to a pulse
+is that of the loop frozen at its flight time, that to a sounding of the vehicle along the flight.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import ATTACK, FROZEN, beyond_linear
 
 _OUTPUTS = (DEFLECTION, DEFLECTION_RATE, ACCELERATION)
-"""Outputs whose spread at the flight times is kept."""
+"""Outputs whose standard deviation at the flight times is kept."""
 _DESIGN_STEP_S = 5.0
 """Longest time between two designs of the gains [s]."""
 
@@ -129,7 +129,7 @@ class FlightTurbulence(Shown):
     winds : tuple of LargestInTurbulence
         The largest in each wind.
     history : CovarianceHistory
-        Spread along the flight, without a known wind.
+        Standard deviations over the flight, without a known wind.
     is_flexible : bool
         Whether the loop has the structure of the vehicle.
     sounding_wavelength : float or None
@@ -209,7 +209,7 @@ class FlightTurbulence(Shown):
             )
 
     def tables(self) -> list[Table]:
-        """Return the tables of the largest in each wind, and of the spread and travel."""
+        """Return the tables of the largest response in each wind, and of deviations and travel."""
         key, label = "flight.turbulence", self.request.label
         names = ("wind", "deflection", "time", "deflection_rate", "angle_of_attack")
         caption = f"The linear loop in each wind and turbulence, wind + {label}"
@@ -306,8 +306,9 @@ class LoopOverFlight:
     def along(
         self, wind: History | None = None, pressure: FloatArray | float = 1.0
     ) -> CovarianceHistory:
-        """Return mean and spread along the flight.
+        """Return mean and standard deviation of the outputs of the loop over flight time.
 
+        `wind`: known wind [rad], to which the mean is the response; without it the mean is zero.
         `pressure`: ratio of the dynamic pressure to the nominal one, at the times of the schedule.
         """
         air = self.request.over_altitude if self._air_is_table else self.request.at()
@@ -338,7 +339,7 @@ def flight_turbulence(
     winds: Mapping[str, WindOf],
     signed: tuple[bool, ...],
 ) -> FlightTurbulence:
-    """Return spread, travel and largest deflections of an autopilot in turbulence along a flight.
+    """Return standard deviation, travel and peak deflection in turbulence along a flight.
 
     Parameters
     ----------
@@ -363,7 +364,7 @@ def flight_turbulence(
     loop = LoopOverFlight(case, request, schedule, np.asarray(times, dtype=float))
     history = loop.along()
     outputs = [output for output in _OUTPUTS if output in history.outputs]
-    spreads, largest = [history], []
+    covariances, largest = [history], []
     for j, (name, wind) in enumerate(winds.items()):
         if isinstance(wind, MeasuredWind):
             responses = {"": _measured(loop, wind)}
@@ -376,10 +377,10 @@ def flight_turbulence(
                 for start, mean in response.means
             ]
             largest.append(_worst(rows))
-            spreads.append(response.spread)
+            covariances.append(response.covariance)
     rms = {
         output: np.max(
-            [np.interp(loop.times, x.times, x.deviation(output)) for x in spreads], axis=0
+            [np.interp(loop.times, x.times, x.deviation(output)) for x in covariances], axis=0
         )
         for output in outputs
     }
@@ -387,20 +388,20 @@ def flight_turbulence(
 
 
 class _Responses(NamedTuple):
-    """Spread along the flight, and responses to a wind.
+    """Covariance along the flight, and responses to a wind.
 
-    `spread`: standard deviations along the flight, without the wind for a pulse. `means`: pairs of
-    the flight time [s] at which a response begins, and the response from there on. `whole`:
-    function that returns mean and spread of the whole flight with the wind.
+    `covariance`: standard deviations along the flight, without the wind for a pulse. `means`: pairs
+    of the flight time [s] at which a response begins, and the response from then on. `whole`:
+    function that returns mean and standard deviation of the whole flight with the wind.
     """
 
-    spread: CovarianceHistory
+    covariance: CovarianceHistory
     means: list[tuple[float, CovarianceHistory]]
     whole: Callable[[], CovarianceHistory]
 
 
 def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
-    """Return spread and response along a sounding, with its gust about each flight time.
+    """Return standard deviations and responses in a sounding, with its gust at each flight time.
 
     The dynamic pressure follows the sounding.
     """
@@ -421,7 +422,7 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
 
 
 def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _Responses]:
-    """Return the spread along the flight and the responses to a pulse, by its direction.
+    """Return standard deviations over the flight and responses to a pulse, by its direction.
 
     `wind`: a pulse, see `SizingRequest.winds`. `signed`: whether it may be a head or a tail wind.
     Flight times at which the pulse is not known or zero are omitted.
@@ -463,12 +464,12 @@ def _largest(
     name: str, start: float, mean: CovarianceHistory, responses: _Responses, k: float
 ) -> LargestInTurbulence:
     """Return the largest of each quantity, of a response from a flight time [s] on."""
-    times, spread = mean.times + start, responses.spread
+    times, covariance = mean.times + start, responses.covariance
 
     def sizes(output: str) -> FloatArray:
-        return np.abs(mean.mean(output)) + k * _deviation(spread, times, output)
+        return np.abs(mean.mean(output)) + k * _deviation(covariance, times, output)
 
-    deflection, smooth = sizes(DEFLECTION), DEFLECTION_RATE in spread.outputs
+    deflection, smooth = sizes(DEFLECTION), DEFLECTION_RATE in covariance.outputs
     return LargestInTurbulence(
         name,
         float(deflection.max()),
@@ -479,9 +480,9 @@ def _largest(
     )
 
 
-def _deviation(spread: CovarianceHistory, times: FloatArray, output: str) -> FloatArray:
+def _deviation(covariance: CovarianceHistory, times: FloatArray, output: str) -> FloatArray:
     """Return the standard deviation of an output at flight times [s], constant beyond its ends."""
-    return np.asarray(np.interp(times, spread.times, spread.deviation(output)))
+    return np.asarray(np.interp(times, covariance.times, covariance.deviation(output)))
 
 
 def _worst(rows: list[LargestInTurbulence]) -> LargestInTurbulence:

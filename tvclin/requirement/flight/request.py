@@ -158,7 +158,11 @@ class FlightWinds:
         return encountered
 
     def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
-        """Return the measured wind of a sounding along the flight."""
+        """Return the wind of a sounding over flight time, with the gust of the case.
+
+        A history of wind angles of attack [rad] in the plane of the case, or of both planes.
+        `name`: name of the sounding, for messages.
+        """
         with errors.naming(name):
             return fly_through(
                 sounding.profile,
