@@ -146,3 +146,60 @@ def test_what_a_time_of_flight_cannot_be_of_is_refused(folder):
 def test_the_nominal_flight_of_a_vehicle_has_a_vehicle_at_each_time():
     plan = tv.load_study("configuration-i", 60.0)
     assert plan.vehicle == tv.load_schedule("configuration-i").at(60.0)
+
+
+FLEXIBLE = """
+[study]
+vehicle = "flight.csv"
+{time}
+[schedule]
+source = "flight.csv"
+structure = "modes.csv"
+[size]
+from_s = 52
+to_s = 53
+every_s = 1
+[nozzle]
+actuator_frequency_rad_per_s = 25
+[autopilot]
+attitude_gain = 1.0
+rate_gain_s = 0.8
+[wind]
+peak_deg = 5
+duration_s = 7.5
+"""
+MODES = """\
+time_s,name,frequency_rad_per_s,damping,modal_mass_kg,gimbal_displacement,gimbal_slope_per_m,\
+attitude_slope_per_m,rate_slope_per_m
+40,first,12,0.005,5e6,1,-0.06,0.026,0.025
+60,first,16,0.005,4e6,1,-0.07,0.030,0.027
+"""
+
+
+def test_a_single_time_has_the_structure_of_the_schedule_to_the_last_digit(folder):
+    (folder / "modes.csv").write_text(MODES)
+    flight, time = folder / "flight-study.toml", folder / "study.toml"
+    flight.write_text(FLEXIBLE.format(time=""))
+    time.write_text(FLEXIBLE.format(time="time_s = 52"))
+    sweep = json.loads(run("margins", flight, "--json").stdout)
+    single = json.loads(run("margins", time, "--json").stdout)
+    assert single["flexible"]
+    for name, values in sweep["margins"].items():
+        if name in single["margins"]:
+            assert single["margins"][name] == values[0], name
+    assert len(single["bands"]["modes"]) == 1
+    (mode,) = tv.load_study(time).vehicle.structure.bending
+    assert mode.frequency == pytest.approx(14.4, rel=1e-14)
+    assert "bending 1" in run("poles", time).output
+    time.write_text(FLEXIBLE.format(time="time_s = 52\nrigid = true"))
+    assert tv.load_study(time).vehicle.structure is None
+
+
+def test_a_vehicle_at_a_time_that_is_not_known_cannot_have_the_structure_of_the_schedule(folder):
+    (folder / "modes.csv").write_text(MODES)
+    for line, message in (("", "needs a time, time_s"), ("time_s = 62", "between 40 and 60 s")):
+        (folder / "vehicle.toml").write_text(AT_52.replace("time_s = 52", line))
+        study = FLEXIBLE.format(time="").replace("flight.csv", "vehicle.toml", 1)
+        (folder / "study.toml").write_text(study)
+        with pytest.raises(InputError, match=message):
+            tv.load_study(folder / "study.toml")

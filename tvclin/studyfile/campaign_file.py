@@ -52,6 +52,7 @@ from tvclin.linear.system_file import read_system
 from tvclin.requirement.flight.request import EVERY_S, SIZE_TABLE
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, STUDY_TABLE
 from tvclin.vehicle.linear_vehicle import AnyVehicle
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles, source_tables
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.sounding_files import READING_TABLE
@@ -149,6 +150,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
     wind = wind_for_vehicle(document, wind, vehicle, plane)
+    subject["vehicle"] = with_flight_structure(vehicle, document, folder)
     nozzle = nozzle_of(document)
     assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
     if along:
@@ -257,6 +259,31 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         return flight
     name = vehicle if named else vehicle.get("name") or "given by its numbers"
     return flight | {"another": name}
+
+
+def with_flight_structure(
+    vehicle: AnyVehicle, document: Mapping[str, Any], folder: Path
+) -> AnyVehicle:
+    """Return the vehicle with the structure of [schedule] at its time: a flexible vehicle.
+
+    The vehicle itself where it has a structure and [schedule] names none, where the flight is
+    rigid, and where the flight belongs to another vehicle.
+    """
+    table = document.get("schedule")
+    if table is None or not isinstance(vehicle, Vehicle):
+        return vehicle
+    if vehicle.structure is not None and "structure" not in table:
+        return vehicle
+    flight = flight_of(document, folder)
+    schedule: FlightSchedule = flight["schedule"]
+    if schedule.structure is None or "another" in flight:
+        return vehicle
+    if vehicle.time is None:
+        raise InputError(
+            "the structure in [schedule] varies over the flight: the vehicle needs a time, time_s"
+            " in its file"
+        )
+    return vehicle.replace(structure=schedule.at(vehicle.time).structure)
 
 
 def _is_vehicle(source: str | Path) -> bool:

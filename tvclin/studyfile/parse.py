@@ -31,6 +31,7 @@ from tvclin.studyfile.campaign_file import (
     question_of,
     subject_of,
     system_of,
+    with_flight_structure,
 )
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, Document, StudyPlan
 from tvclin.winds.shaped import ShapedWind
@@ -86,6 +87,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         with faults.kept():
             values[name] = read()
     faults.tell()
+    subject["vehicle"] = with_flight_structure(subject["vehicle"], document, folder)
     values |= _scheduled_autopilot(document, folder, subject, values)
     return StudyPlan(**subject, **values, **question_of(document), **options)
 
