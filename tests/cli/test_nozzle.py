@@ -123,8 +123,14 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
                 0,
                 "MET: travel of a flight used",
             ),
+            (
+                ("--duration", "20"),
+                0,
+                "a limit below it is not sufficient for a law without a forecast that must survive"
+                " the wind even if it stops for good at any instant",
+            ),
         ],
-        *(0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16),
+        *(0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 23),
     ),
 )
 def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:

@@ -122,7 +122,7 @@ def test_a_limit_that_only_a_forecast_makes_enough_is_noted_with_the_bound_witho
     bound = np.degrees(abs(tv.forecast_free_limit(plant, wind).deflection))
 
     said = _notes(configuration_i, 60.0, 0.5, "drift-exact")
-    assert "K = 0.5 trusts a forecast: any law that does not know when this wind" in said
+    assert "K = 0.5 trusts a forecast: any law without a forecast that must" in said
     assert f"at least {bound:.3f} deg" in said
     for dead_band, duration in ((1.0, 60.0), (0.5, 7.5), (0.0, 7.5)):
         assert "forecast" not in _notes(configuration_i, duration, dead_band, "drift-exact")

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+FORECAST_FREE = (
+    "law without a forecast that must survive the wind even if it stops for good at any instant"
+)
+"""Laws of which the lower bound without a forecast holds; another one may require less."""
 QUANTITIES = {
     "static trim": "the largest size of B alpha_w at nominal dynamic pressure, without drift",
     "trim along the path": "the largest deflection of ideal trim, unlimited, with drift, at the"
@@ -11,7 +15,7 @@ QUANTITIES = {
     " trim law, in the wind's own angle and dynamic pressure, the worst of what is not known; the"
     " verdict stands on it",
     "lower bound, wind known": "the minimum peak of appendix C: no control needs less",
-    "lower bound, no forecast": "no law without a forecast of the wind needs less",
+    "lower bound, no forecast": f"no {FORECAST_FREE} requires less",
     "autopilot requirement": "the smallest limit from which on every limit survives, for one"
     " autopilot as it is modelled: samples, delay, actuator, filters, bending, rate limit",
     "budget": "the required deflection with nominal flight, offsets, dispersions and reserve",

@@ -187,9 +187,10 @@ class ForecastFreeLimit(Shown):
 def forecast_free_limit(
     plant: Plant, wind: History, reversal: float = 0.0, turn: float = np.pi
 ) -> ForecastFreeLimit:
-    """Return the minimum deflection of any law that does not know when the wind will stop.
+    """Return the lower bound of a law that survives if the wind stops for good at any instant.
 
-    It is the lower bound without a forecast, by linear theory at nominal dynamic pressure.
+    It is the lower bound without a forecast, by linear theory at nominal dynamic pressure. A law
+    that survives this wind alone may require less.
 
     Parameters
     ----------

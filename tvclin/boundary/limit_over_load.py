@@ -111,7 +111,7 @@ class LoadTradeOff(TradeOff):
         Condition that sets each limit: the minimum angle, turning in time into the wind, or both
         together; the minimum load where no angle is sufficient.
     no_forecast_bounds : ndarray or None
-        Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
+        Lower bound [rad] of laws that survive if the wind stops at any instant, ``(n,)``; None
         for a wind that changes its sign.
     minimum_deflection, load_of_minimum : float
         Minimum deflection [rad] at any load, and the load [rad] of its control.
@@ -201,7 +201,7 @@ class LoadTradeOff(TradeOff):
     def bound_text(self) -> str:
         """The lower bound of the limit within the load, in words."""
         load = "" if self.load is None else " within this load"
-        return lower_bound_text(f"{WIND_KNOWN}{load}", self._proved)
+        return lower_bound_text(WIND_KNOWN, self._proved, load)
 
     @property
     def verdict(self) -> str:

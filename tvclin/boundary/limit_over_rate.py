@@ -30,7 +30,13 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import array_table, cells, columns, derived, record_table, spec
 from tvclin.base.lines import NONE_SUFFICIENT, Table
-from tvclin.base.quantities import NO_FORECAST, REQUIRED_RATE, WIND_KNOWN, sufficiency
+from tvclin.base.quantities import (
+    FORECAST_FREE,
+    NO_FORECAST,
+    REQUIRED_RATE,
+    WIND_KNOWN,
+    sufficiency,
+)
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.moments import Constraints, constraints_of
@@ -59,11 +65,13 @@ def margin_of(available: float | None, required: float) -> float | None:
     return None if available is None else available - required
 
 
-def lower_bound_text(name: str, deflection: float) -> str:
-    """Return a lower bound [rad] of the limit in words."""
+def lower_bound_text(name: str, deflection: float, at: str = "") -> str:
+    """Return a lower bound [rad] of the limit in words, by its name; `at`: with what it holds."""
+    whose = f" for a {FORECAST_FREE}" if name == NO_FORECAST else ""
     if np.isinf(deflection):
-        return f"{name}: no limit is sufficient"
-    return f"{name}: {np.degrees(deflection):.3f} deg; a limit below it is never sufficient"
+        return f"{name}{at}: no limit is sufficient{whose}"
+    never = "not sufficient" if whose else "never sufficient"
+    return f"{name}{at}: {np.degrees(deflection):.3f} deg; a limit below it is {never}{whose}"
 
 
 def point_table(caption: str, trade_off: TradeOff, *rows: tuple[str, str, str]) -> Table:
@@ -167,8 +175,8 @@ class RateTradeOff(TradeOff):
         Minimum deflection [rad] at each with the wind known beforehand, ``(n,)``; infinite where no
         angle is sufficient.
     no_forecast_bounds : ndarray or None
-        Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``, of the
-        rate alone; None for a wind that changes its sign.
+        Lower bound [rad] of laws without a forecast, which survive if the wind stops for good at
+        any instant, ``(n,)``, of the rate alone; None for a wind that changes its sign.
     minimum_deflection, minimum_rate : float
         Minimum angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
     no_forecast_rate : float
@@ -216,7 +224,7 @@ class RateTradeOff(TradeOff):
         """Whether the nozzle's point is on the trade-off or above; None if not given or not known.
 
         For a limit or a rate limit alone, whether some value of the other one satisfies this. A
-        limit below the bound is never sufficient; one above it may be too small for a control.
+        limit above the bound may be too small for a control.
         """
         if self.beyond_linear:
             return None
@@ -242,7 +250,7 @@ class RateTradeOff(TradeOff):
             here = self.limits[self.rates == self.rate_limit]
             wind_known, at = float(here[0]) if here.size else np.nan, " at this rate limit"
         name = WIND_KNOWN if self.lower_bound <= wind_known * (1.0 + _ROUNDING) else NO_FORECAST
-        return lower_bound_text(f"{name}{at}", self.lower_bound)
+        return lower_bound_text(name, self.lower_bound, at)
 
     @property
     def verdict(self) -> str:

@@ -18,7 +18,7 @@ from tvclin.base.errors import InputError, callable_for, each, flag, instance, n
 from tvclin.base.fields import checked, count, file_table, quantity, record_table, spec, word
 from tvclin.base.lines import Line, Table
 from tvclin.base.lines import number as number_cell
-from tvclin.base.quantities import WIND_KNOWN
+from tvclin.base.quantities import NO_FORECAST, QUANTITIES, WIND_KNOWN
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -314,10 +314,7 @@ def _loads(
     return angle, attitude
 
 
-LEGEND = (
-    "Any law: lower bound for all laws without a forecast that also survive if the wind stops for"
-    " good at any instant; - where the wind changes its sign."
-)
+LEGEND = f"Any law, {NO_FORECAST}: {QUANTITIES[NO_FORECAST]}; - where the wind changes its sign."
 
 
 class Bounds(NamedTuple):

@@ -15,7 +15,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.base.fields import Field, document, spec, specs
-from tvclin.base.quantities import NOMINAL
+from tvclin.base.quantities import FORECAST_FREE, NOMINAL
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import PAIRED_POLES, BoundaryLimit, boundary_limit
 from tvclin.boundary.limit_shapes import LimitShape
@@ -156,8 +156,8 @@ def forecast_trusted(
     bound = abs(float(free.deflection))
     if bound > abs(float(required.deflection)) * (1.0 + ROUNDING):
         yield (
-            f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
-            f" stop needs at least {np.degrees(bound):.3f} deg"
+            f"K = {dead_band:g} {TRUSTS}: any {FORECAST_FREE} requires at least"
+            f" {np.degrees(bound):.3f} deg"
         )
 
 
@@ -219,8 +219,7 @@ class Study(CaseRequirement, Shown):
         to `peak_bound`, at which the wind angle is 30 deg: what survives that may survive more.
         None without a limit, and where the dynamic pressure encountered is `unknown`.
     forecast_free : dict of str to ForecastFreeLimit
-        For the models of `boundaries` that have one, the least deflection of any law that does
-        not know when the wind will stop.
+        For the models of `boundaries` that have one, the lower bound without a forecast.
     minima : dict of str to float
         For the same models the least peak [rad] when the whole wind is known, appendix C.
     notes : tuple of str

@@ -13,6 +13,7 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Column, Columns, Shown, Tabled, columns_of, table
 from tvclin.base.errors import one_of
 from tvclin.base.fields import derived, document, record_table, spec
+from tvclin.base.quantities import NO_FORECAST, QUANTITIES
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE
 from tvclin.requirement.plane_requirement import omitted_fraction
@@ -188,7 +189,7 @@ class Sizing(Tabled):
     def law_words(self) -> str:
         """Meaning of the requirement without a forecast, in words."""
         words = {
-            "bound": "a bound for every law without a forecast",
+            "bound": QUANTITIES[NO_FORECAST],
             "flown": "the recoverable-attitude law",
         }
         return words[self.law]
