@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tests.turns import by_turns, usual
 from tests.whole_flight import autopilot, flight
+from tvclin.kernels import choice
 
 BETA, B = 0.5, 0.1
 PLANT = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=BETA, B=B))
@@ -302,3 +303,16 @@ def test_flights_in_both_planes_that_cannot_be(autopilots, options, message) -> 
     options = {"wind": wind, "deflection_limit": 0.1} | options
     with pytest.raises(tv.InputError, match=message):
         tv.flights.fly_planes_along(flight(flexible=False), laws, **options)
+
+
+@pytest.mark.skipif(not choice.available(), reason="machine code needs numba")
+def test_machine_code_flies_both_planes_as_plain_python_does() -> None:
+    wind = tv.winds.PlaneWind.towards(GUST.shift(52.0), 0.5)
+    options = {"deflection_limit": 0.006, "limit_shape": "square-45", "start": 52.0, "stop": 56.0}
+    flown = []
+    for compiled in (False, True):
+        with choice.pinned(compiled):
+            law = autopilot(sample_rate=25.0)
+            flown.append(tv.flights.fly_planes_along(flight(flexible=False), law, wind, **options))
+    plain, machine = (along.outputs["deflection"] for along in flown)
+    np.testing.assert_allclose(machine, plain, rtol=0.0, atol=1e-13)
