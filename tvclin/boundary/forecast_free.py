@@ -18,6 +18,8 @@ if the wind stops at any instant requires
     y* = max{ W(onset), sup W / 2 }
 
 and a law that moves the state into the measured wind as far as it is still recoverable attains it.
+With several unstable modes no control needs less than the minimum over all of them, and y* of the
+fastest is a bound as well: the larger counts.
 A wind that may turn by an angle phi instead, with the discounted impulse R, allows less: where W is
 largest, a state must lie within y of zero, of W, and of R e^(j phi) and R e^(-j phi).
 """
@@ -34,8 +36,9 @@ from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import Field, spec, specs
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.kernels.choice import run
-from tvclin.kernels.control_laws import REACH_COMPILED, REACH_PLAIN, minimum_reaches, slow_edges
+from tvclin.kernels.control_laws import slow_edges
 from tvclin.kernels.remaining_integrals import COMPILED, PLAIN, largest_remaining_integrals
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import left_eigenvector, poles_text, unstable_poles, wind_over_deflection
@@ -137,21 +140,6 @@ def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatAr
         return rows * (-pole / B / (gains[:, 0] + pole**2 * inertia))[:, np.newaxis]
 
 
-def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Return the reach [rad] on whose edge the coordinates of two real modes lie.
-
-    It is the minimum peak of u = deflection/B that brings them to equilibrium, ``(n,)``.
-
-    `fast`, `slow`: coordinates z of the two modes [rad], ``(n,)`` each. `ratio`: the slow pole over
-    the fast one, in (0, 1), ``(n,)``.
-    """
-    reaches = np.empty(fast.size)
-    columns = [np.require(values, float, ["C", "W"]) for values in (fast, slow, ratio)]
-    count = reaches.size
-    run(minimum_reaches, (*columns, reaches), count, REACH_PLAIN * count, REACH_COMPILED * count)
-    return reaches
-
-
 @dataclass(frozen=True)
 class ForecastFreeLimit(Shown):
     """Lower bound of the limit of all laws without a forecast; for a batch, ``(...)``.
@@ -166,7 +154,8 @@ class ForecastFreeLimit(Shown):
         "exact", or for models with drift "bound of the fast mode": no law requires less. With a
         turn of less than about a right angle it is a bound as well, and says so.
     wind_known : float or ndarray
-        W(onset), normalised by the peak: the requirement when the whole wind is known.
+        W(onset) of the fast mode, normalised by the peak: its requirement when the whole wind is
+        known.
     worst_stop_time : float or ndarray
         Instant [s] of the largest remaining wind integral W, at which the state must be W - y* at
         least.
@@ -227,7 +216,8 @@ def forecast_free_limit(
     -----
     Without drift it is exact: the law that deflects fully until z = D and then holds z = D keeps
     the largest z that a stop allows, requires no forecast, and survives exactly above y*. With
-    drift it is a bound, of the fast mode alone; the slow mode adds a little. With a turn it is a
+    drift it is a bound, of the fast mode alone or, where that is larger, the minimum over all
+    unstable modes, `optimum_deflection`; the slow mode adds a little. With a turn it is a
     bound of every law; for cos(turn) <= -R/(2 y) a law attains it that knows, after the turn, how
     the wind goes on. A smaller turn may come when all is used up, at the end of the wind, and then
     a little more is required: the page on two planes has the proof.
@@ -284,6 +274,11 @@ def forecast_free_limit(
     limit = strength * np.maximum(
         wind_known, np.maximum((largest + np.minimum(excess, R)) / 2.0, R)
     )
+    if poles.shape[-1] > 1:
+        trim = np.abs(np.asarray(plant.coefficients.B) * peak)
+        with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
+            minimum = minimum_peaks(plant, wind, limit * trim) / trim
+        limit = np.where(minimum > limit, minimum, limit)
     kind = EXACT if plant.model == "fixed-path" else BOUND
     if kind == EXACT and R > 0.0 and np.any(turn_cosine > -R / 2.0 / np.maximum(limit, R)):
         kind = BEFORE_THE_END

@@ -249,7 +249,7 @@ def with_larger_requirements(
     larger = largest > size * (1.0 + ROUNDING)
     if not np.any(larger):
         return boundary
-    governs = [(sizes >= largest)[larger] for sizes in required.values()]
+    governs = [(sizes * (1.0 + ROUNDING) >= largest)[larger] for sizes in required.values()]
     words, reasons = np.select(governs, [reason.larger for reason in required], ""), status[larger]
     combined = np.where(reasons == OK, words, np.char.add(np.char.add(reasons, "; "), words))
     status = status.astype(np.result_type(status, combined))

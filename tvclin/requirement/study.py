@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import chain
 from math import radians
 from typing import Any, Self
@@ -207,7 +208,7 @@ class Study(CaseRequirement, Shown):
     trim_deflection : float
         ``|B alpha_w,max|`` [rad], the largest deflection that ideal trim without drift takes.
     boundaries : dict of str to BoundaryLimit
-        For "fixed-path" and for a model with drift, the boundary at each of `dead_bands`.
+        For "fixed-path" and for a model with drift, y(K) of eq (4b) at each of `dead_bands`.
     dead_bands : ndarray
         K, falling; the dead band of the verdict is among them.
     sufficient : bool or None
@@ -430,6 +431,23 @@ class Study(CaseRequirement, Shown):
             return None
         return abs(self.survivable_peak) >= abs(self.peak_bound) * (1.0 - ROUNDING)
 
+    @cached_property
+    def nominal_requirements(self) -> dict[str, FloatArray]:
+        """Required deflections [rad] at nominal dynamic pressure at each of `dead_bands`, by model.
+
+        NaN in a wind beyond linear aerodynamics.
+        """
+        unknown = np.nan if self.beyond_linear else 1.0
+        return {
+            name: unknown
+            * np.abs(
+                required_deflection(
+                    Plant(self.coefficients, name), self.history, self.dead_bands
+                ).deflection
+            )
+            for name in self.boundaries
+        }
+
     @property
     def needs(self) -> dict[str, dict[str, float]]:
         """Lower bounds [rad] by model, of laws without a forecast and of every control."""
@@ -464,7 +482,11 @@ class Study(CaseRequirement, Shown):
             "unstable_poles_per_s": {name: modes.poles for name, modes in self.modes.items()},
             **document(self, "trim_deflection"),
             "boundaries": {
-                name: {"dead_band": self.dead_bands, **boundary.as_dict()}
+                name: {
+                    "dead_band": self.dead_bands,
+                    **boundary.as_dict(),
+                    "required_deflection_deg": np.degrees(self.nominal_requirements[name]),
+                }
                 for name, boundary in self.boundaries.items()
             },
             "forecast_free": self.forecast_free,

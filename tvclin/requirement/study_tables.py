@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import Field, fields_of, rows
 from tvclin.base.lines import (
     Line,
@@ -114,21 +115,20 @@ def poles(s: Study) -> Table:
 
 
 def boundaries(s: Study) -> Table:
-    """Return static trim, the boundary at every dead band, lower bounds, and survivable peaks.
+    """Return static trim, the limit at every dead band, lower bounds, and survivable peaks.
 
-    The row of the verdict is marked. The last column, where a limit is in question, is the peak of
-    the wind that it survives with the model of the verdict.
+    Limits are required deflections at nominal dynamic pressure, or boundary limits with the switch
+    of the report. The row of the verdict is marked. The last column, where a limit is in question,
+    is the peak of the wind that it survives with the model of the verdict.
     """
-    names, judged = tuple(s.boundaries), _judged(s)
+    names, judged, limits = tuple(s.boundaries), _judged(s), _by_dead_band(s)
+    row_label = "K = " if s.switch == "literal" else "boundary limit, K = "
     rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(s, "trim", s.trim_deflection))]
     for i, K in enumerate(s.dead_bands):
         mark = _VERDICT if K == s.dead_band and not judged and not s.unknown else ""
-        cells: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
-        for name in names:
-            boundary, key = s.boundaries[name], f"boundary.{name}.{i}"
-            cells.append(minimum_limit(degrees(key, abs(boundary.deflection[i]))))
-            cells.append(minimum_limit(number(f"{key}.limit", boundary.limit[i])))
-        rows.append(tuple(cells))
+        sizes = {name: limit[i] for name, limit in limits.items()}
+        cells = map(minimum_limit, _parts(s, f"boundary.{i}", sizes))
+        rows.append(((row_label, *significant(f"boundary.{i}.K", K), mark), *cells))
     for row in judged:
         mark, needs = _VERDICT if row.of_verdict else "", {s.model: row.required}
         rows.append(((row.label + mark,), *_parts(s, row.label.replace(" ", "_"), needs)))
@@ -154,7 +154,7 @@ def boundaries(s: Study) -> Table:
         component = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
     caption = (
         f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg and {tau:g} s"
-        f"{s.wind_in_plane.gust_text}{component}{scope}"
+        f"{s.wind_in_plane.gust_text}{component}; K {NOMINAL}{scope}"
     )
     return Table(caption, head, tuple(rows))
 
@@ -234,9 +234,9 @@ class _Judged(NamedTuple):
 
 
 def _judged(s: Study) -> list[_Judged]:
-    """Return the rows of required deflections that are larger than a boundary.
+    """Return the rows of required deflections that are not those of a dead band.
 
-    Empty where the boundary with the dead band of the verdict is all that is required. Of the
+    Empty where the row with the dead band of the verdict is all that is required. Of the
     directions of a wind the peak is known only of the one that counts.
     """
     survived = abs(s.survivable_peak or np.nan)
@@ -245,19 +245,26 @@ def _judged(s: Study) -> list[_Judged]:
     if s.model not in s.boundaries:
         return []
     rows = []
-    by_boundary = s.governs == Reason.BOUNDARY and s.switch == "literal"
-    if not s.encountered and (by_boundary or s.governs == Reason.NOTHING):
-        return []
-    row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
     nominal = s.nominal_deflection
-    if not np.isclose(abs(row), nominal, rtol=ROUNDING):
+    if s.switch == "report" and nominal:
         peak = abs(s.judged_peak) * (s.limit or np.nan) / nominal
-        label = "nominal pressure" if s.encountered else "required"
+        label = f"required, K = {s.dead_band:g}"
         rows.append(_Judged(label, nominal, peak, s.at_nominal_pressure))
     for name, need in s.encountered.items():
         counts = s.direction == name
         rows.append(_Judged(f"{name} wind", need, survived if counts else np.nan, counts))
     return rows
+
+
+def _by_dead_band(s: Study) -> dict[str, FloatArray]:
+    """Return the limits [rad] at the dead bands of a study, by model, sizes ``(k,)``.
+
+    They are required deflections at nominal dynamic pressure, or boundary limits with the switch of
+    the report.
+    """
+    if s.switch == "literal":
+        return s.nominal_requirements
+    return {name: np.abs(boundary.deflection) for name, boundary in s.boundaries.items()}
 
 
 def requirement(s: Study) -> Line:
@@ -314,11 +321,7 @@ def _parts(s: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]
 
 def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
     """Return the survivable peaks [rad] of a limit, for each row, of the model of the verdict."""
-    undercut = s.minima.get(s.model, 0.0)
-    rows = [
-        s.nominal_deflection if s.dead_band == K else max(abs(float(boundary)), undercut)
-        for K, boundary in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
-    ]
+    rows = s.nominal_requirements[s.model]
     minimum_limit = [needs.get(s.model, np.nan) for needs in s.needs.values()]
     peak = abs(float(s.history.peak))
     with np.errstate(divide="ignore"):

@@ -21,12 +21,12 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Record, Shown
 from tvclin.base.errors import broadcast, instance
 from tvclin.base.fields import spec
-from tvclin.boundary.forecast_free import minimum_reach
 from tvclin.boundary.limit import OK, STABLE
 from tvclin.boundary.optimum import two_poles
 from tvclin.boundary.optimum.dual import best_multipliers
 from tvclin.boundary.optimum.moments import Constraints, Window, conditions, constraints_of
 from tvclin.kernels.choice import run
+from tvclin.kernels.control_laws import REACH_COMPILED, REACH_PLAIN, minimum_reaches
 from tvclin.kernels.remaining_integrals import ONSET_COMPILED, ONSET_PLAIN, onset_integrals
 from tvclin.linear.deflections import BangBang, ConstantDeflection
 from tvclin.linear.modes import separated_poles, unstable_poles, wind_over_deflection
@@ -311,6 +311,21 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     with np.errstate(invalid="ignore"):
         demands = -strength * _onset_moments(wind, poles, shape)
     return peaks_for_demands(poles, demands, peaks).reshape(shape)
+
+
+def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
+    """Return the reach [rad] on whose edge the coordinates of two real modes lie.
+
+    It is the minimum peak of u = deflection/B that brings them to equilibrium, ``(n,)``.
+
+    `fast`, `slow`: coordinates z of the two modes [rad], ``(n,)`` each. `ratio`: the slow pole over
+    the fast one, in (0, 1), ``(n,)``.
+    """
+    reaches = np.empty(fast.size)
+    columns = [np.require(values, float, ["C", "W"]) for values in (fast, slow, ratio)]
+    count = reaches.size
+    run(minimum_reaches, (*columns, reaches), count, REACH_PLAIN * count, REACH_COMPILED * count)
+    return reaches
 
 
 def peaks_for_demands(
