@@ -157,6 +157,30 @@ def test_a_wind_speed_makes_a_larger_angle_at_a_lower_speed(configuration_i) -> 
     assert sizing.required["trim"][:, 0] == pytest.approx(np.array(B) * angles, rel=1e-14)
 
 
+def test_a_dead_band_without_an_exit_is_noted_where_poles_are_a_pair_during_a_wind() -> None:
+    """At 20 s they are real, but the pulse begins at 16.25 s, when they are a pair until 17.5 s."""
+    schedule = tv.FlightSchedule(
+        tv.Vehicle(
+            time=[16.0, 20.0, 24.0, 28.0],
+            weight=[380498.0, 372653.0, 364807.0, 356961.0],
+            moment_of_inertia=[1.51385e6, 1.49231e6, 1.47077e6, 1.44923e6],
+            normal_force_slope=[37951.0, 59978.6, 86629.7, 118000.0],
+            thrust=[624500.0, 626956.0, 629837.0, 633000.0],
+            aerodynamic_arm=[3.226, 3.208, 3.189, 3.17],
+            control_arm=[8.262, 8.277, 8.292, 8.307],
+            axial_force=[3816.13, 6082.86, 8953.36, 12400.0],
+            velocity=[89.21, 115.12, 142.81, 172.0],
+            attitude=np.radians([82.575, 79.501, 76.205, 72.8]),
+        )
+    )
+    wind = tv.TriangularWind(peak=PEAK, duration=7.5)
+    sizing = tv.size(schedule, wind, times=[20.0, 23.0], dead_bands=[1.0, 0.5])
+    along, frozen = sizing.required["K = 0.5, varying"][:, 0], sizing.required["K = 0.5"][:, 0]
+    assert along[0] > 4.0 * frozen[0]
+    assert along[1] < 1.2 * frozen[1]
+    assert "at 20 s, parameters varying: two unstable poles are a pair" in " ".join(sizing.notes)
+
+
 def test_what_is_doubtful_is_said(configuration_i) -> None:
     winds = {
         "long": tv.TriangularWind(peak=PEAK, duration=20.0),

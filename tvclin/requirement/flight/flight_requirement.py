@@ -207,6 +207,13 @@ class FlightMode:
         return bool(np.any(has_quick_path(plants)))
 
     @cached_property
+    def paired_times(self) -> FloatArray:
+        """Times [s] of rows at which the fastest unstable poles are a pair or equal, ``(r,)``."""
+        rows = self._rows[self._rows <= self.last_unstable]
+        paired = leading_pole(self.schedule.plants(rows, self.model, self.plane))[1]
+        return rows[np.broadcast_to(paired, rows.shape)]
+
+    @cached_property
     def _rows(self) -> FloatArray:
         """Times [s] of the schedule, with even ones in intervals above `_MAX_ROW_STEP_S`."""
         times = self.schedule.times
