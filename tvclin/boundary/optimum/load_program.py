@@ -136,7 +136,7 @@ class LoadProgram:
 
     @cached_property
     def _static_bounds(self) -> tuple[IndexArray, float]:
-        """Variables in wide cells, long after the wind, and their bound relative to the load bound.
+        """Indices of variables in wide cells after the wind, and their bound over the load bound.
 
         With rows at the nodes alone the load could oscillate between them; so the static load of
         the deflection is within the bound.

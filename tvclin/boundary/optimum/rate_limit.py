@@ -95,7 +95,7 @@ class RateProgram:
 
     @property
     def steps(self) -> FloatArray:
-        """Largest change of the deflection in each interval, in units, ``(k - 1,)``."""
+        """Largest change of the deflection in each interval over `unit`, ``(k - 1,)``."""
         return self.rate * np.diff(self.nodes) / self.unit
 
     def residual(self, values: FloatArray) -> float:
@@ -105,7 +105,10 @@ class RateProgram:
         return float((violation / (np.abs(self.moments) @ np.abs(values) + np.abs(demands))).max())
 
     def minimum_peak(self) -> tuple[FloatArray, FloatArray] | None:
-        """Return values of minimum peak, in units, and prices ``(n,)``; None if infeasible."""
+        """Return the deflection of minimum peak over `unit` at the nodes, ``(k,)``, and prices.
+
+        Prices are the multipliers of the conditions, ``(n,)``. None if infeasible.
+        """
         result = self._solve(_PEAK)
         if result is None:
             return None
@@ -113,7 +116,7 @@ class RateProgram:
         return self._values(result.x), prices
 
     def minimum_motion(self, peak: float) -> FloatArray | None:
-        """Return values ``(k,)`` of minimum total motion within a peak, in units.
+        """Return the deflection over `unit` at the nodes, ``(k,)``, of minimum motion within a peak.
 
         None if infeasible. Each further program corrects the solution, for 1e8 times its residual.
         """
@@ -133,7 +136,7 @@ class RateProgram:
         return np.inf if result is None else float(result.x[-1]) * self.unit / self.nodes[-1]
 
     def _values(self, solution: FloatArray) -> FloatArray:
-        """Return the values at all nodes, ``(k,)``, the first zero."""
+        """Return the deflection over `unit` at all nodes, ``(k,)``, the first zero."""
         return np.append(0.0, solution[: self.nodes.size - 1])
 
     @cached_property
