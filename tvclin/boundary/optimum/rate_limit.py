@@ -116,7 +116,7 @@ class RateProgram:
         return self._values(result.x), prices
 
     def minimum_motion(self, peak: float) -> FloatArray | None:
-        """Return the deflection over `unit` at the nodes, ``(k,)``, of minimum motion within a peak.
+        """Return the deflection over `unit` of minimum motion within a peak, at the nodes ``(k,)``.
 
         None if infeasible. Each further program corrects the solution, for 1e8 times its residual.
         """
