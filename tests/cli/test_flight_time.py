@@ -159,8 +159,6 @@ structure = "modes.csv"
 from_s = 52
 to_s = 53
 every_s = 1
-[nozzle]
-actuator_frequency_rad_per_s = 25
 [autopilot]
 attitude_gain = 1.0
 rate_gain_s = 0.8
@@ -174,10 +172,20 @@ attitude_slope_per_m,rate_slope_per_m
 40,first,12,0.005,5e6,1,-0.06,0.026,0.025
 60,first,16,0.005,4e6,1,-0.07,0.030,0.027
 """
+WITH_ACTUATOR = "".join(
+    f"{line},{more}\n"
+    for line, more in zip(
+        (HEAD + ROWS).splitlines(),
+        ("actuator_frequency_rad_per_s,actuator_damping", "12,0.7", "18,0.7"),
+        strict=True,
+    )
+)
+"""The flight with an actuator of 15.6 rad/s at 52 s."""
 
 
-def test_a_single_time_has_the_structure_of_the_schedule_to_the_last_digit(folder):
+def test_a_single_time_has_structure_and_actuator_of_the_schedule_to_the_last_digit(folder):
     (folder / "modes.csv").write_text(MODES)
+    (folder / "flight.csv").write_text(WITH_ACTUATOR)
     flight, time = folder / "flight-study.toml", folder / "study.toml"
     flight.write_text(FLEXIBLE.format(time=""))
     time.write_text(FLEXIBLE.format(time="time_s = 52"))
@@ -190,6 +198,8 @@ def test_a_single_time_has_the_structure_of_the_schedule_to_the_last_digit(folde
     assert len(single["bands"]["modes"]) == 1
     (mode,) = tv.load_study(time).vehicle.structure.bending
     assert mode.frequency == pytest.approx(14.4, rel=1e-14)
+    for plan in (tv.load_study(time), tv.load_study("flight.csv", 52.0)):
+        assert plan.nozzle.actuator.natural_frequency == pytest.approx(15.6, rel=1e-14)
     assert "bending 1" in run("poles", time).output
     time.write_text(FLEXIBLE.format(time="time_s = 52\nrigid = true"))
     assert tv.load_study(time).vehicle.structure is None

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.schedule_file import (
@@ -24,10 +25,15 @@ from tvclin.base.files import EditedSource, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, check_known
 from tvclin.case.case import FLIGHT_SAMPLE_RATE_HZ
 from tvclin.case.load import LOAD_TABLE
-from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
+from tvclin.case.nozzle import NOZZLE_TABLE, USUAL_ACTUATOR, Nozzle
 from tvclin.case.turbulence import TURBULENCE_TABLE, turbulence_of
 from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
-from tvclin.control.autopilot.gain_schedule import design_at, even_times, flight_autopilot
+from tvclin.control.autopilot.gain_schedule import (
+    design_at,
+    even_times,
+    flight_actuator,
+    flight_autopilot,
+)
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.design.standard_trials import LAWS_TABLE
 from tvclin.ensembles.availability.availability import AVAILABILITY_TABLE
@@ -53,7 +59,13 @@ from tvclin.requirement.flight.request import EVERY_S, SIZE_TABLE
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, STUDY_TABLE
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles, source_tables
+from tvclin.vehicle.vehicle_file import (
+    HEADINGS,
+    build_vehicle,
+    is_schedule,
+    list_vehicles,
+    source_tables,
+)
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.sounding_files import READING_TABLE
 from tvclin.winds.wind_file import (
@@ -150,8 +162,8 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
     wind = wind_for_vehicle(document, wind, vehicle, plane)
-    subject["vehicle"] = with_flight_structure(vehicle, document, folder)
-    nozzle = nozzle_of(document)
+    subject |= with_flight_data(vehicle, nozzle_of(document), document, folder)
+    nozzle = subject.pop("nozzle")
     assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
     if along:
         head["along"] = _along(document, folder, design, nozzle, subject)
@@ -261,29 +273,47 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return flight | {"another": name}
 
 
-def with_flight_structure(
-    vehicle: AnyVehicle, document: Mapping[str, Any], folder: Path
-) -> AnyVehicle:
-    """Return the vehicle with the structure of [schedule] at its time: a flexible vehicle.
+def with_flight_data(
+    vehicle: AnyVehicle, nozzle: Nozzle, document: Mapping[str, Any], folder: Path
+) -> dict[str, Any]:
+    """Return vehicle and nozzle by field, with structure and actuator of the flight at its time.
 
-    The vehicle itself where it has a structure and [schedule] names none, where the flight is
-    rigid, and where the flight belongs to another vehicle.
+    A structure of the vehicle file counts unless [schedule] names one, and an actuator in [nozzle]
+    counts. A flight of another vehicle changes neither.
     """
-    table = document.get("schedule")
-    if table is None or not isinstance(vehicle, Vehicle):
-        return vehicle
-    if vehicle.structure is not None and "structure" not in table:
-        return vehicle
+    same = {"vehicle": vehicle, "nozzle": nozzle}
+    table, time = document.get("schedule"), getattr(vehicle, "time", None)
+    if not isinstance(vehicle, Vehicle) or (table is None and not _is_of_flight(document, folder)):
+        return same
     flight = flight_of(document, folder)
     schedule: FlightSchedule = flight["schedule"]
-    if schedule.structure is None or "another" in flight:
-        return vehicle
-    if vehicle.time is None:
-        raise InputError(
-            "the structure in [schedule] varies over the flight: the vehicle needs a time, time_s"
-            " in its file"
-        )
-    return vehicle.replace(structure=schedule.at(vehicle.time).structure)
+    if "another" in flight:
+        return same
+    if schedule.structure is not None and (
+        vehicle.structure is None or "structure" in (table or {})
+    ):
+        if time is None:
+            raise InputError(
+                "the structure in [schedule] varies over the flight: the vehicle needs a time,"
+                " time_s in its file"
+            )
+        vehicle = vehicle.replace(structure=schedule.at(time).structure)
+    if time is not None:
+        nozzle = with_flight_actuator(nozzle, schedule, time)
+    return {"vehicle": vehicle, "nozzle": nozzle}
+
+
+def with_flight_actuator(nozzle: Nozzle, flight: FlightSchedule, time: ArrayLike) -> Nozzle:
+    """Return the nozzle with the actuator of a flight at a time [s], if no other is given."""
+    if nozzle.actuator is not USUAL_ACTUATOR:
+        return nozzle
+    return replace(nozzle, actuator=flight_actuator(flight, time) or USUAL_ACTUATOR)
+
+
+def _is_of_flight(document: Mapping[str, Any], folder: Path) -> bool:
+    """Return whether the vehicle of a document is that of a flight schedule at a time."""
+    vehicles = [document.get(name, {}).get("vehicle") for name in ("study", "campaign")]
+    return any(isinstance(v, str) and is_schedule(vehicle_source(v, folder)) for v in vehicles)
 
 
 def _is_vehicle(source: str | Path) -> bool:

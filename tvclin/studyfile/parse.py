@@ -31,7 +31,7 @@ from tvclin.studyfile.campaign_file import (
     question_of,
     subject_of,
     system_of,
-    with_flight_structure,
+    with_flight_data,
 )
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, Document, StudyPlan
 from tvclin.winds.shaped import ShapedWind
@@ -87,7 +87,8 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         with faults.kept():
             values[name] = read()
     faults.tell()
-    subject["vehicle"] = with_flight_structure(subject["vehicle"], document, folder)
+    data = with_flight_data(subject["vehicle"], values["nozzle"], document, folder)
+    subject["vehicle"], values["nozzle"] = data["vehicle"], data["nozzle"]
     values |= _scheduled_autopilot(document, folder, subject, values)
     return StudyPlan(**subject, **values, **question_of(document), **options)
 

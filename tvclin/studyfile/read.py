@@ -73,9 +73,14 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     ):
         if time is None:
             return StudyPlan(vehicle=load_any_vehicle(source))
-        from tvclin.ascent.schedule_file import load_vehicle_at
+        from tvclin.ascent.schedule_file import load_schedule, load_vehicle_at
+        from tvclin.studyfile.campaign_file import with_flight_actuator
 
-        return StudyPlan(vehicle=load_vehicle_at(source, time))
+        plan = StudyPlan(vehicle=load_vehicle_at(source, time))
+        if not is_schedule(source):
+            return plan
+        nozzle = with_flight_actuator(plan.nozzle, load_schedule(source), time)
+        return replace(plan, nozzle=nozzle)
     from tvclin.studyfile.parse import parse_study
 
     with naming(called(name)):

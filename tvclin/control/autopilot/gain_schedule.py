@@ -279,11 +279,14 @@ def gains_along(
 
 def with_actuator_of(autopilot: Autopilot, flight: FlightSchedule, time: ArrayLike) -> Autopilot:
     """Return the autopilot with the actuator of a flight at times [s], if the flight has one."""
+    actuator = flight_actuator(flight, time)
+    return autopilot if actuator is None else replace(autopilot, actuator=actuator)
+
+
+def flight_actuator(flight: FlightSchedule, time: ArrayLike) -> Actuator | None:
+    """Return the actuator of a flight at times [s], constant outside it; None without one."""
     servo = flight.actuator_at(time)
-    if servo is None:
-        return autopilot
-    frequency, damping = servo
-    return replace(autopilot, actuator=Actuator(natural_frequency=frequency, damping=damping))
+    return servo and Actuator(natural_frequency=servo[0], damping=servo[1])
 
 
 @dataclass(frozen=True, eq=False)
