@@ -68,10 +68,10 @@ def expected_boundaries(study: tv.Study) -> dict[str, float]:
     for name in ("fixed-path", "drift-exact"):
         plant = tv.Plant.from_vehicle(study.vehicle, name)
         for i, K in enumerate((1.0, 0.75, 0.5, 0.25, 0.0)):
-            one = tv.boundary_limit(plant, study.wind, K, "literal")
+            one = tv.required_deflection(plant, study.wind, K)
             computed[f"boundary.{i}.K"] = K
-            computed[f"boundary.{name}.{i}.limit"] = one.limit
-            computed[f"boundary.{name}.{i}_deg"] = abs(np.degrees(one.deflection))
+            computed[f"boundary.{i}.{name}.part"] = one.limit
+            computed[f"boundary.{i}.{name}_deg"] = abs(np.degrees(one.deflection))
         trim = abs(study.coefficients.B * study.wind.peak)
         free = abs(tv.forecast_free_limit(plant, study.wind).deflection)
         minimum = tv.optimum_deflection(plant, study.wind).peak
@@ -80,9 +80,8 @@ def expected_boundaries(study: tv.Study) -> dict[str, float]:
             computed[f"{key}.{name}_deg"] = np.degrees(value)
     name = study.model
     needs = [computed[f"trim.{name}_deg"]]
-    needs += [computed[f"boundary.{name}.{i}_deg"] for i in range(5)]
+    needs += [computed[f"boundary.{i}.{name}_deg"] for i in range(5)]
     needs += [computed[f"{key}.{name}_deg"] for key in ("forecast_free", "minimum")]
-    needs[1:6] = [max(need, computed[f"minimum.{name}_deg"]) for need in needs[1:6]]
     needs[1] = np.degrees(study.required_deflection)
     peak = np.degrees(study.wind.peak)
     return computed | {f"survived.{k}_deg": 0.4 * peak / need for k, need in enumerate(needs)}
