@@ -54,8 +54,8 @@ def init(
     time: At = None,
     keys: bool = switch(
         "--keys",
-        "List all keys of these files instead, for --set too, and the columns of tables of a flight"
-        " and of gains.",
+        "List all keys of these files instead, for --set too, and the columns of tables of a"
+        " flight, its structure and gains.",
     ),
 ) -> None:
     """Write a commented file to fill in: of a vehicle, or with --study of a whole study."""

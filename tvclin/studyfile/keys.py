@@ -234,7 +234,7 @@ def key_tables() -> list[Table]:
 
 
 def column_tables() -> list[Table]:
-    """Return tables of the columns of CSV files: a flight schedule, and a table of gains."""
+    """Return tables of the columns of CSV files: of a flight, of its structure, and of gains."""
     vehicle = [
         key
         for key in all_keys()
@@ -244,12 +244,21 @@ def column_tables() -> list[Table]:
         Key(".structure", (), "", "File of the structure at each flight time, beside this one"),
         *_keys("flight schedule", FLIGHT_COLUMNS),
     ]
+    structure = [
+        Key(".time_s", (), "", "Time of flight"),
+        Key(".name", (), "", "Name of the mode or tank, the same at each time"),
+        *(key for key in all_keys() if key.name.startswith(("bending.", "slosh."))),
+    ]
     numbers = FileTable(FILTER_TABLE.heading, FILTER_TABLE.quantities)
     filters = [
         replace(key, name=key.name.replace("autopilot.filter.", f".{COLUMN_PREFIX}N."))
         for key in _keys("autopilot.filter", numbers)
     ]
     schedule = "Columns of a flight schedule (CSV): a line for each time, time_s among them"
+    modes = (
+        "Columns of a table of the structure (CSV), schedule.structure: a line for each mode (modal"
+        " mass) and each tank (mass) at each time"
+    )
     gains = (
         "Columns of a table of gains (CSV), autopilot.schedule: one variable of the flight,"
         " attitude_gain and rate_gain_s; N: number of an [[autopilot.filter]], or mode of its notch"
@@ -258,6 +267,7 @@ def column_tables() -> list[Table]:
         words(caption, ["column", "meaning"], [[k.name.partition(".")[2], k.meaning] for k in keys])
         for caption, keys in (
             (schedule, [*vehicle, *others]),
+            (modes, structure),
             (gains, [*_keys("gains", GAIN_COLUMNS), *filters]),
         )
     ]
