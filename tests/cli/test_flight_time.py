@@ -201,6 +201,8 @@ def test_a_single_time_has_structure_and_actuator_of_the_schedule_to_the_last_di
     for plan in (tv.load_study(time), tv.load_study("flight.csv", 52.0)):
         assert plan.nozzle.actuator.natural_frequency == pytest.approx(15.6, rel=1e-14)
     assert "bending 1" in run("poles", time).output
+    missed = run("margins", flight, "--set", "criteria.phase_margin_deg=49")
+    assert "(NOT MET at 1 of 2 flight times)" in " ".join(missed.output.split())
     time.write_text(FLEXIBLE.format(time="time_s = 52\nrigid = true"))
     assert tv.load_study(time).vehicle.structure is None
 

@@ -168,7 +168,7 @@ class Sweep(Tabled):
         worst, of = min(missed, key=lambda pair: _normalised(pair[0].surplus, pair[1]))
         limit, unit = of.criterion.shown
         shown = text(number("value", unit_factor(unit) * worst.value, 2, unit))
-        of_all = f"({np.sum(~self.satisfied)} of {count})"
+        of_all = f"(NOT MET at {np.sum(~self.satisfied)} of {count})"
         if np.isnan(worst.surplus):
             change = worst.margin.rpartition(", ")[2]
             shown = "the loop is unstable" + f" with {change}" * (change in self.changes)
