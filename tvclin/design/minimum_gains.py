@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -137,6 +138,10 @@ _SEARCH_SCAN, _FINAL_SCAN = 24, 100
 """Number of limits above the required limit that are flown: in the search, and at its end."""
 _EXACT_ROWS = 4
 """Number of the best rows of gains whose exact peaks are computed."""
+_DIGITS = 4
+"""Number of significant digits of gains, those that are printed."""
+_REACHES = (2, 6)
+"""Largest distances of neighbouring gains that are tried, in units of the last digit."""
 _RELATIVE_TOLERANCE = 0.005
 """Relative distance at which a margin, a wind or an edge of the search range counts as active."""
 _CHECK_STOPS = 23
@@ -209,8 +214,8 @@ def minimum_deflection_gains(
     On a fixed path a0 + b0 and a1 alone decide the margins, and the deflection is affine in b0 for
     a given loop. The search uses none of that: it takes hundreds of points, then others along
     differences of the best, with all margins and peaks of a round in one call. Peaks are minimal to
-    about 1e-3 of trim, with three gains in several winds to 2e-3; the result satisfies all
-    criteria.
+    about 1e-3 of trim, with three gains in several winds to 2e-3; the gains have
+    four digits, with which they satisfy all criteria.
 
     A single wind is overfitted: give several durations, and judge three gains with stops.
 
@@ -264,11 +269,36 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
     if costs[0] >= UNSATISFIED_COST:
         raise InputError(_refusal(problem, points[0]))
     if problem.limits:
-        deflections = _boundaries(problem, problem.autopilot(points[0]), problem.stops)
-        return _record(problem, points[0], deflections)
-    exact = [_peaks(problem, problem.autopilot(point)) for point in points[:_EXACT_ROWS]]
-    best = int(np.argmin([peaks.max() for peaks in exact]))
-    return _record(problem, points[best], exact[best])
+        best = _rounded(problem, points[0])
+        return _record(problem, best, _boundaries(problem, problem.autopilot(best), problem.stops))
+    rows = [_rounded(problem, point) for point in points[:_EXACT_ROWS]]
+    exact = [_peaks(problem, problem.autopilot(row)) for row in rows]
+    k = int(np.argmin([peaks.max() for peaks in exact]))
+    return _record(problem, rows[k], exact[k])
+
+
+def _rounded(problem: GainProblem, point: FloatArray) -> FloatArray:
+    """Return the point, ``(axes,)``, of the nearest gains of `_DIGITS` digits with all margins.
+
+    It is the point itself where no neighbouring gains of so few digits satisfy the criteria.
+    """
+    exact = problem.autopilot(point)
+    names = [f"{name}_gain" for name in problem.gains]
+    gains = np.array([float(getattr(exact, name)) for name in names])
+    if np.any(gains <= 0.0):
+        return point
+    steps = 10.0 ** (np.floor(np.log10(gains)) + 1 - _DIGITS)
+    for reach in _REACHES:
+        shifts = np.array(list(product(range(-reach, reach + 1), repeat=gains.size)))
+        rows = (np.round(gains / steps) + shifts) * steps
+        rows = rows[np.argsort(np.max(np.abs(rows / gains - 1.0), axis=1))]
+        points = np.array(
+            [problem.point(replace(exact, **dict(zip(names, row, strict=True)))) for row in rows]
+        )
+        good = np.flatnonzero(problem.shortfalls(points) <= 0.0)
+        if good.size:
+            return np.asarray(points[good[0]])
+    return point
 
 
 def _cost(
