@@ -223,7 +223,7 @@ def test_files_without_a_date_can_be_taken_in_their_order(tmp_path) -> None:
         (tmp_path / f"{name}.csv").write_text(
             "height_m,speed_m_per_s,direction_deg\n0,5,270\n1000,9,270\n30000,20,270\n"
         )
-    with pytest.raises(tv.InputError, match="--in-order"):
+    with pytest.raises(tv.InputError, match="--set availability.in_order true"):
         tv.read_soundings(tmp_path)
     soundings = tv.read_soundings(tmp_path, in_order=True)
     assert [str(time)[:10] for time in soundings.times] == [

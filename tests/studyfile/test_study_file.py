@@ -256,7 +256,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"study": HEAD | {"dead_bnd": 1.0}}, "'dead_bnd'; did you mean dead_band?"),
         ({"study": HEAD | {"model": "drifty"}}, "model must be one of .*'drift'"),
         ({"study": HEAD | {"dead_band": 2.0}}, "dead_band must be between 0 and 1"),
-        ({"study": {}}, r"a key is missing in \[study\]: vehicle"),
+        ({"study": {}}, r"a key is missing in \[study\]: vehicle, as vehicle = "),
         ({"study": {"vehicle": "configuration-3"}}, "did you mean 'configuration-i"),
         ({"study": {"vehicle": "none.toml"}}, "none.toml does not exist"),
         ({"study": {"vehicle": "a\x1b[31m.toml"}}, "vehicle must be a name or a path"),
@@ -296,7 +296,10 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"laws": 3}, r"\[laws\] must be a table"),
         ({"wind": 3}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
         ({"wind": [WIND, 3]}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
-        ({"wind": [SOUNDING], "schedule": {}}, "a study needs a wind of one shape"),
+        (
+            {"wind": [SOUNDING], "schedule": {}},
+            "a study needs a wind of one shape.*; tvclin ascent",
+        ),
         ({"wind": [WIND, SOUNDING]}, r"a sounding needs a flight: add \[schedule\]"),
         ({"wind": [WIND, {"soundng": "a"}]}, "'soundng'; did you mean sounding"),
         (

@@ -222,14 +222,17 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     _check_tables(document, folder)
     keys = {table: table.one(document) for table in _SINGLE_TABLES}
     if not {"study", "campaign"} & document.keys():
-        raise InputError("[study] or [campaign] is missing: it names the vehicle")
+        raise InputError(
+            '[study] or [campaign] is missing: it names the vehicle, as vehicle = "my.toml"'
+        )
     study, campaign = keys[STUDY_TABLE], keys[CAMPAIGN_TABLE]
     for key in _SUBJECT_KEYS:
         if key in study and key in campaign:
             raise InputError(f"{key} is given in [study] and in [campaign]; keep one")
     subject = {k: table[k] for table in (study, campaign) for k in _SUBJECT_KEYS if k in table}
     where = STUDY_TABLE if "study" in document else CAMPAIGN_TABLE
-    where.need(subject, ["vehicle"])
+    if "vehicle" not in subject:
+        raise InputError(f'a key is missing in {where.heading}: vehicle, as vehicle = "my.toml"')
     time = subject.pop("time_s", None)
     if time is not None:
         time = number("time_s", time)

@@ -51,8 +51,8 @@ _TIME_IN_LINE = re.compile(r"((?:19|20)\d\d-\d\d-\d\d)[ T](\d\d:\d\d)")
 _MAX_TIME_LINES = 50
 """Lines below a header that are searched for a time."""
 _NO_TIME = (
-    "no date in it: name the file by it, as 2024-02-15_12.csv, list the dates (--dates), or take"
-    " the files in their order (--in-order)"
+    "no date in it: name the file by it, as 2024-02-15_12.csv, list the dates in a file (dates of"
+    " [availability]), or take the files in their order (--set availability.in_order true)"
 )
 _FIRST_DAY = np.datetime64("2000-01-01T00:00", "m")
 
