@@ -54,7 +54,8 @@ def _answered(question: Question, limit: float | None) -> Line:
     if measure is not None and question.whose and np.isnan(question.required_deflection):
         required, available = measured("verdict", measure)[:2]
         return (f"{question.answer}: {question.whose} ", *required, " and has ", *available)
-    line: Line = (f"{question.answer}: {question.text.partition('; ')[0].rstrip('.')}",)
+    words = question.text.partition("; ")[0].rstrip(".").replace(f": {question.answer}", "")
+    line: Line = (f"{question.answer}: {words}",)
     if limit is None:
         return line
     return (*line, "; the limit is ", *degrees("verdict.limit", limit, unit="deg"))
