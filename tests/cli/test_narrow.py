@@ -156,6 +156,30 @@ def test_numbers_beyond_all_nozzles_are_no_wider_than_others(tmp_path: Path) -> 
     assert max(len(line.rstrip()) for line in said.splitlines()) <= 80
 
 
+def test_a_velocity_above_that_of_escape_is_noted(tmp_path: Path) -> None:
+    file = tmp_path / "fast.toml"
+    text = read_vehicle_text("configuration-i")[0]
+    file.write_text(re.sub(r"(?m)^velocity_\w+ = \S+", "velocity_km_per_s = 470", text))
+    said = " ".join(CliRunner().invoke(app, ["margins", str(file)]).output.split())
+    assert (
+        "the velocity V_n is 4.7e+05 m/s, above the escape velocity: its unit may be wrong" in said
+    )
+
+
+def test_a_closed_pipe_is_no_verdict() -> None:
+    """The reader closes before a word is written: 128 + SIGPIPE, as of other programs."""
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-m", "tvclin", "study", "configuration-i", "--limit-deg", "3"],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        check=False,
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (141, b"")
+
+
 def test_a_heading_is_broken_before_a_cell() -> None:
     said = CliRunner(env={"COLUMNS": "80"}).invoke(app, ["margins", "configuration-i"]).output
     (aero,) = (line for line in said.splitlines() if line.startswith("  aero: gain may fall"))

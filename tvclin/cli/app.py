@@ -41,6 +41,8 @@ _NUMBERS = {
     "integer": "a whole number, such as 100",
 }
 """Values of an option in words, by the name of its type in the messages of typer."""
+_CLOSED_PIPE = 141
+"""Exit code of a command whose reader closed the pipe: 128 + SIGPIPE, as of other programs."""
 _WITHOUT_ARITHMETIC = ("init", "explore", "doctor")
 """Commands that compute nothing."""
 
@@ -197,9 +199,14 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
 
 @contextmanager
 def _input_errors_as_messages() -> Iterator[None]:
-    """Print the message of an input error, and exit with code 2."""
+    """Print the message of an input error, and exit with code 2; of a closed pipe, with 141."""
     try:
         yield
+    except (SystemExit, BrokenPipeError) as error:  # rich exits with 1 on a closed pipe
+        if not any(isinstance(e, BrokenPipeError) for e in (error, error.__context__)):
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is buffered goes nowhere
+        raise typer.Exit(_CLOSED_PIPE) from None
     except Exception as error:
         message = _sentence(error)
         if message is None:
@@ -209,9 +216,7 @@ def _input_errors_as_messages() -> Iterator[None]:
 
 
 def _sentence(error: Exception) -> str | None:
-    """Return the message of an error; None for a fault of the package and for a closed pipe."""
-    from errno import EPIPE
-
+    """Return the message of an error; None for a fault of the package."""
     from tvclin.base.errors import InputError
     from tvclin.base.files import called, reason
 
@@ -220,7 +225,7 @@ def _sentence(error: Exception) -> str | None:
     kinds = [kind.__name__ for kind in type(error).__mro__]
     if "UsageError" in kinds and kinds[0] != "NoArgsIsHelpError":
         return _usage(error)
-    if isinstance(error, OSError) and error.errno != EPIPE:
+    if isinstance(error, OSError):
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):
         return f"there is not enough memory for this question: {error}"

@@ -30,6 +30,8 @@ _MIN_THRUST_OVER_WEIGHT = 0.5
 _MAX_THRUST_OVER_WEIGHT = 10.0
 """Thrust over weight above which the weight is probably a mass: 1.05 at lift-off would be 10.3.
 Boosters have about 1.05 to 5."""
+_MAX_VELOCITY = 11.2e3
+"""Velocity [m/s] of escape from the Earth, which no ascent in air exceeds."""
 
 
 def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
@@ -274,8 +276,8 @@ def at_pressure(vehicle: Vehicle, ratio: ArrayLike) -> Vehicle:
 def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
     """Yield warnings on implausible numbers of a vehicle or a batch, without full stops.
 
-    They concern a thrust far below or above the weight, and a centre of pressure behind the centre
-    of gravity.
+    They concern a thrust far below or above the weight, a velocity above that of escape, and a
+    centre of pressure behind the centre of gravity.
     """
     ratio = np.asarray(vehicle.thrust) / vehicle.weight
     arm = np.asarray(vehicle.aerodynamic_arm)
@@ -285,6 +287,11 @@ def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
         yield (
             f"thrust is far above weight (T/W {ratio.max():.2g}): if the weight is a mass, write it"
             " as mass_kg, mass_lb or mass_slug"
+        )
+    if np.any(np.asarray(vehicle.velocity) > _MAX_VELOCITY):
+        yield (
+            f"the velocity V_n is {np.max(vehicle.velocity):.4g} m/s, above the escape velocity:"
+            " its unit may be wrong"
         )
     if np.any(arm < 0.0):
         yield (
