@@ -69,6 +69,20 @@ def test_more_standard_deviations_than_the_limit_covers_are_not_met(tmp_path: Pa
     assert "wind + 6 sigma" in result.stdout
 
 
+def test_gains_that_are_assumed_in_turbulence_are_named(tmp_path: Path) -> None:
+    result = run(tmp_path, "intensity_m_per_s = 6\nsigmas = 2", "--json")
+    notes = json.loads(result.stdout)["notes"]
+    assert any(note.startswith("these are textbook gains, a0 = 2 B") for note in notes)
+    assert any(note.startswith("gains that satisfy the criteria classic: ") for note in notes)
+    of = tv.winds.Turbulence(6.0)
+    plan = tv.load_study("configuration-i")
+    sigma = tv.control.turbulence_covariance(
+        plan.autopilot, plan.plant, of, float(plan.vehicle.velocity)
+    ).rms("deflection")
+    part = f"2 sigma of turbulence are {np.degrees(2.0 * sigma):.3f} deg of the "
+    assert any(note.startswith(part) for note in notes)
+
+
 @pytest.mark.parametrize(
     ("keys", "severity"),
     [

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tvclin.base.lines import Line, degrees, listed, number, significant
+from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.control.margins.bands import BandMargins
 from tvclin.requirement.flight.sizing import STEADY
@@ -275,11 +276,18 @@ def nominal_notes(findings: Findings) -> Iterator[str]:
 
 def loop_notes(findings: Findings) -> Iterator[str]:
     """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
-    if findings.margins is None and findings.duty is None:
+    margins, plan, air = findings.margins, findings.plan, findings.turbulence
+    if margins is None and findings.duty is None and air is None:
         return
     from tvclin.case.flexible_autopilot import actuator_notes, gain_notes  # late: designs
 
-    margins = findings.margins
+    if air is not None and margins is None and plan.autopilot_design.unspecified:
+        yield (
+            f"{air.label} of turbulence are {np.degrees(air.sigmas * air.deflection_rms):.3f} deg"
+            f" of the {np.degrees(air.deflection):.3f} deg that the autopilot requires {NOMINAL}"
+        )
+        if plan.controller is None and plan.vehicle.structure is None:
+            margins = plan.autopilot.margins(plan.plant)
     if margins is not None:
         satisfied = bool(findings.criteria.are_satisfied(margins))
         loop_margins = margins.margins if isinstance(margins, BandMargins) else margins
