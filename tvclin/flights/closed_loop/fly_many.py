@@ -19,7 +19,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, spec
 from tvclin.control.autopilot.actuator import Actuator, check_engine
-from tvclin.flights.closed_loop.batch import Batch, Hardware, LawBatch, law_batch, shape_of
+from tvclin.flights.closed_loop.batch import Batch, Hardware
 from tvclin.flights.closed_loop.checks import (
     MAX_POLE_TIMES_SAMPLE,
     MAX_SAMPLES,
@@ -29,6 +29,7 @@ from tvclin.flights.closed_loop.checks import (
     check_span,
     fastest_poles,
 )
+from tvclin.flights.closed_loop.law_batch import LawBatch, law_batch, shape_of
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING, decidable
 from tvclin.flights.closed_loop.sampled import finish, flown
 from tvclin.flights.closed_loop.sampled_stability import oscillation_growth

@@ -20,7 +20,7 @@ from tvclin.base.fields import spec
 from tvclin.boundary.limit_shapes import LimitShape, Vectors
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, LawInPlanes
-from tvclin.flights.closed_loop.batch import Batch, Hardware, flights, law_batch
+from tvclin.flights.closed_loop.batch import Batch, Hardware, flights
 from tvclin.flights.closed_loop.checks import (
     check_actuator,
     check_delays,
@@ -30,6 +30,7 @@ from tvclin.flights.closed_loop.checks import (
     check_samples,
 )
 from tvclin.flights.closed_loop.fly_many import LOST, STATUS, SURVIVED, UNDECIDED
+from tvclin.flights.closed_loop.law_batch import law_batch
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Stepper
 from tvclin.flights.closed_loop.survival_limit import STEPS, limit_above_losses

@@ -16,8 +16,9 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.control.autopilot.actuator import INPUTS, Actuator, plant_with_actuator
 from tvclin.control.laws.law import Measurement
-from tvclin.flights.closed_loop.batch import Batch, LawBatch, flights, law_rows
+from tvclin.flights.closed_loop.batch import Batch, flights
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
+from tvclin.flights.closed_loop.law_batch import LawBatch, law_rows
 from tvclin.kernels import choice
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import in_slices

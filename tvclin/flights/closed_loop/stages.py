@@ -26,18 +26,15 @@ from tvclin.control.laws.law import Chains
 from tvclin.flights.closed_loop.batch import (
     Batch,
     Hardware,
-    LawBatch,
-    Memory,
     Timing,
     equilibrium,
-    law_rows,
-    memory_of,
     samples_in,
     sensed_rows,
     steps_of,
     widened,
     with_ramp,
 )
+from tvclin.flights.closed_loop.law_batch import LawBatch, Memory, law_rows, memory_of
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import JUDGED_SAMPLES, Cases, Flights, Laws, Steps, Vehicles, Winds
