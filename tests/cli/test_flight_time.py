@@ -190,7 +190,10 @@ def test_a_single_time_has_structure_and_actuator_of_the_schedule_to_the_last_di
     flight.write_text(FLEXIBLE.format(time=""))
     time.write_text(FLEXIBLE.format(time="time_s = 52"))
     sweep = json.loads(run("margins", flight, "--json").stdout)
-    single = json.loads(run("margins", time, "--json").stdout)
+    result = run("margins", time, "--json")
+    single = json.loads(result.stdout)
+    note = "the single flight time 52 s, time_s in [study]; --set study.time_s none takes"
+    assert note in " ".join(result.stderr.split())
     assert single["flexible"]
     for name, values in sweep["margins"].items():
         if name in single["margins"]:

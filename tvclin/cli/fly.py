@@ -18,7 +18,7 @@ from tvclin.base.quantities import NOMINAL
 from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_autopilot, fly_linear
-from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, only_with
+from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, note_single_time, only_with
 from tvclin.cli.margins import parts_line
 from tvclin.cli.options import (
     GROUP,
@@ -176,6 +176,8 @@ def fly(
         fly_laws(vehicle, time, motion, single, flies, more, shown)
         return
     case = case_of(vehicle, *changes, time=time)
+    if time is None:
+        note_single_time(vehicle)
     engine, varying, *law = what.on(vehicle, case, flies, motion)
     name, condition, faults = single.name(case), None, Faults()
     with faults.kept():

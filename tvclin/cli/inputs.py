@@ -11,11 +11,17 @@ from tvclin.base.lines import listed
 from tvclin.case.case import Case
 from tvclin.case.features import is_rigid_only, omission_notes
 from tvclin.cli.output import note_below
-from tvclin.studyfile.read import is_flight, is_flight_with_keys, load_sizing, load_study
+from tvclin.studyfile.read import (
+    is_flight,
+    is_flight_with_keys,
+    load_sizing,
+    load_study,
+    vehicle_source,
+)
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
-from tvclin.vehicle.vehicle_file import source_tables
+from tvclin.vehicle.vehicle_file import is_schedule, source_tables
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -94,6 +100,16 @@ def note_nominal_pressure(case: Case) -> None:
 
     for words in nominal_pressure(case) if case.sign is None else ():
         note_below(f"the answer is {words} (tvclin study counts it)")
+
+
+def note_single_time(source: str) -> None:
+    """Print on stderr that time_s of a study of a flight schedule selects a single flight time."""
+    study = source_tables(source).get("study", {})
+    if "time_s" in study and is_schedule(vehicle_source(source)):
+        note_below(
+            f"this is the single flight time {study['time_s']:g} s, time_s in [study]; --set"
+            " study.time_s none takes the whole flight"
+        )
 
 
 def note_source(source: str, question: str) -> None:

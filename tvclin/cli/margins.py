@@ -15,7 +15,7 @@ from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed, quantities, text
 from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.case.flexible_autopilot import gain_notes
-from tvclin.cli.inputs import FROZEN, case_of, note_omissions, only_with
+from tvclin.cli.inputs import FROZEN, case_of, note_omissions, note_single_time, only_with
 from tvclin.cli.options import (
     GAINS,
     GROUP,
@@ -277,6 +277,8 @@ def margins(
         return
     only_with("a whole flight: a flight schedule without --at", csv=shown.csv)
     case = case_of(vehicle, *changes, wind=winds.over, time=time)
+    if time is None:
+        note_single_time(vehicle)
     only_with(_MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins without --limit-deg"] * (not flown)
     if not flown and case.autopilot_design.design != LEAST_NOZZLE:
