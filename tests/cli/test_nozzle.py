@@ -265,7 +265,8 @@ def test_less_rate_never_has_a_better_answer(tmp_path, bound, vehicle, ratio, ye
     assert answer.yes is (None if yes else yes)
     if bound == "minimum_rate" and vehicle is None:
         assert text(sentence(findings)) == (
-            f"NOT MET: with this limit any control requires {required:.3f} deg/s and has"
+            "NOT MET: with this limit the larger of both lower bounds, by the peak pressure of a"
+            f" head wind throughout, requires {required:.3f} deg/s and has"
             f" {np.degrees(rate):.3f} deg/s; SUFFICIENT for the 0.412 deg that the ideal trim law"
             " requires in this wind."
         )

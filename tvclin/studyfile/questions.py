@@ -237,14 +237,21 @@ def _rate(findings: Findings) -> Question:
         yes = _also(yes, front.above_lower_bound)
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
-    words = "the least rate with which any control survives with this limit"
+    words = "by the larger of both lower bounds with this limit"
     if np.isinf(front.required_rate):
         words = "with this limit no rate is sufficient"
+    elif yes is None and front.rate_limit is not None:
+        words = (
+            f"the rate limit covers the bounds {NOMINAL}, and not the larger one with this limit"
+        )
     line: Line = (words, *at_peak)
     required = front.lower_bound * findings.study.plane_ratio
-    whose = "at this rate any control requires"
+    bounds = "the larger of both lower bounds"
+    if at_peak:
+        bounds = f"{bounds}, by the peak pressure of a {findings.study.direction} wind throughout,"
+    whose = f"at this rate {bounds} requires"
     if yes is False and np.isinf(required):  # no angle is sufficient at this rate
-        required, whose = np.nan, "with this limit any control requires"
+        required, whose = np.nan, f"with this limit {bounds} requires"
     measure = _of_angles(front.required_rate, front.rate_limit or np.nan, "deg/s")
     return Question(name, yes, line, required, whose, measure)
 
