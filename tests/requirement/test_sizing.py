@@ -45,11 +45,37 @@ def test_a_vehicle_that_does_not_change_needs_exactly_what_it_needs_frozen(confi
     least = tv.optimum_deflection(plant, wind).peak
     assert sizing.required["minimum"] == pytest.approx(np.full((3, 1), least), rel=1e-12)
     assert np.all(
-        sizing.required["no forecast"] == abs(tv.forecast_free_limit(plant, wind).deflection)
+        sizing.required["no forecast"]
+        == max(abs(tv.forecast_free_limit(plant, wind).deflection), least)
     )
     assert np.all(sizing.required["trim"] == plant.coefficients.B * PEAK)
     assert np.all(sizing.change == 0.0)
     assert np.all(sizing.steady)
+
+
+def test_without_a_forecast_no_less_is_required_than_with_the_wind_known() -> None:
+    """Early in a flight the minimum over both modes exceeds the bound of the fast mode."""
+    slow = tv.Vehicle(
+        weight=372653.0,
+        moment_of_inertia=1492308.0,
+        normal_force_slope=59979.0,
+        thrust=626956.0,
+        aerodynamic_arm=3.208,
+        control_arm=8.277,
+        axial_force=6083.0,
+        velocity=115.12,
+        attitude=1.38755,
+    )
+    wind, plant = (
+        tv.TriangularWind(peak=PEAK, duration=7.5),
+        tv.Plant.from_vehicle(slow, "drift-exact"),
+    )
+    least = tv.optimum_deflection(plant, wind).peak
+    assert abs(tv.forecast_free_limit(plant, wind).deflection) < 0.98 * least
+    sizing = tv.size(held(slow), wind, times=[66.0], varying=False)
+    np.testing.assert_allclose(sizing.required["no forecast"], least, rtol=1e-9)
+    study = tv.Study.from_vehicle(slow, duration=7.5, peak=PEAK)
+    assert study.needs["forecast_free"]["drift-exact"] == study.minima["drift-exact"]
 
 
 def test_dead_bands_that_differ_in_the_seventh_digit_have_a_number_each(configuration) -> None:
