@@ -208,7 +208,9 @@ class FlightLoop:
         """Return the flights, with required, used and remaining deflection by flight time.
 
         `sizing`: that of the flight and its winds; `counted`: its requirement that counts. The
-        lower bounds stand beside it. `requirements`: whether the autopilot requirement does too.
+        lower bounds stand beside it, with parameters that vary only if its own do: the bound of a
+        frozen vehicle is none along the flight. `requirements`: whether the autopilot requirement
+        does too.
         """
         flown, needed = self.fly(progress), None
         if requirements and self.plan.planes == BOTH:
@@ -225,10 +227,12 @@ class FlightLoop:
             )
         bounds = [
             requirement
-            for requirement in (NO_FORECAST, replace(MINIMUM, varying=True), MINIMUM)
-            if requirement in sizing.required and np.any(np.isfinite(sizing.at_times(requirement)))
+            for requirement in (replace(MINIMUM, varying=counted.varying), NO_FORECAST)
+            if requirement.varying == counted.varying
+            and requirement in sizing.required
+            and np.any(np.isfinite(sizing.at_times(requirement)))
         ]
-        labels = [counted.label, *(bound.label for bound in bounds[:2])]
+        labels = [counted.label, *(bound.label for bound in bounds)]
         use = deflection_use(sizing, flown.used, flown.limit, needed, labels)
         return replace(flown, use=use)
 
