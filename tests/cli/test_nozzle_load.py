@@ -106,7 +106,7 @@ def test_a_gain_on_the_angle_of_attack_relieves_the_load() -> None:
 )
 def test_a_study_file_asks_the_same_in_each_unit(table: str, tmp_path: Path) -> None:
     file = tmp_path / "a.toml"
-    file.write_text(STUDY + table)
+    file.write_text(STUDY.replace("[wind]", 'sign = "frozen"\n[wind]') + table)
     computed = json.loads(run(str(file), "--json").stdout)["trade_off"]
     assert computed["load_deg"] == pytest.approx(3.0)
     own = find(load_study(str(file)))
