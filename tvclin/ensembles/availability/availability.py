@@ -41,6 +41,10 @@ _MIN_YEARS = 3
 """Number of years below which a note says that other years may be windier."""
 
 
+_SMALLEST_AZIMUTH = np.sqrt(np.finfo(float).tiny)
+"""Azimuth [rad] below which the square of a cross wind is below all numbers, and which is zero."""
+
+
 def availability(
     flight: FlightSchedule,
     soundings: Soundings,
@@ -140,6 +144,7 @@ def availability(
         gust_speed = errors.number("gust_speed", gust_speed, errors.between(-1e3, 1e3), "m/s")
     azimuths = scalar_or_row("azimuth", azimuth)
     errors.directions("azimuth", azimuths)
+    azimuths = np.where(np.abs(azimuths) < _SMALLEST_AZIMUTH, 0.0, azimuths)
     growth = growth_of(persistence)
     capability = errors.number(
         "limit", limit, errors.small_angle("a deflection", errors.nonnegative), "rad"
