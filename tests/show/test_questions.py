@@ -15,7 +15,8 @@ from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.studyfile import verdict
 from tvclin.studyfile.findings import Findings, find
-from tvclin.studyfile.questions import all_yes, questions, questions_table, sufficient
+from tvclin.studyfile.questions import all_yes, questions, sufficient
+from tvclin.studyfile.verdict import questions_table
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
 LOOSE = tv.control.Criteria.custom("loose", aero_margin_dB=3.0)

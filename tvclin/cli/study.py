@@ -32,9 +32,9 @@ from tvclin.requirement import study_tables as tables
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.studyfile.assumptions import detuning_notes, loop_notes, nominal_notes
 from tvclin.studyfile.findings import Findings, find
-from tvclin.studyfile.questions import all_yes, questioned, questions, questions_table, sufficient
+from tvclin.studyfile.questions import all_yes, questioned, questions, sufficient
 from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.studyfile.verdict import sentence
+from tvclin.studyfile.verdict import questions_table, sentence
 from tvclin.vehicle.vehicle_file import numbers_as_written
 from tvclin.winds.wind_file import gust_of
 

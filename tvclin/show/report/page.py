@@ -32,9 +32,10 @@ from tvclin.requirement.study_tables import study_response
 from tvclin.studyfile import assumptions, autopilot_tables, verdict
 from tvclin.studyfile.findings import Findings, Progress, find
 from tvclin.studyfile.glossary import equation_table, glossary_table
-from tvclin.studyfile.questions import questions_table, sufficient
+from tvclin.studyfile.questions import sufficient
 from tvclin.studyfile.read import load_study
 from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.studyfile.verdict import questions_table
 from tvclin.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
