@@ -299,7 +299,7 @@ def test_a_small_limit_is_lost_and_a_wind_to_the_end_is_judged_before_it() -> No
 
 
 def test_a_pulse_at_the_end_is_flown_on_with_the_vehicle_and_gains_of_the_end() -> None:
-    """That of a schedule whose last row stays the same, to rounding."""
+    """The flight is that along a schedule whose last row stays the same, to rounding."""
     made, laws = flight(flexible=False), autopilot(sample_rate=25.0)
     rows = made.at(np.append(TIMES, 110.0)).replace(time=np.append(TIMES, 400.0))
     long = tv.FlightSchedule(rows, altitude=np.append(made.altitude, made.altitude[-1]))

@@ -196,7 +196,7 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
 
 
 def keys_of_arguments(settings: Iterable[str] | None) -> dict[str, str]:
-    """Return keys of the study file, with table and unit, by the name of the argument each gives.
+    """Return the keys of arguments in the study file, with table and unit, by the argument's name.
 
     `settings`: keys and values of --set; the keys are those of the tables that it changes. Where
     several give an argument of one name, the first that is set counts, or else the first.

@@ -279,7 +279,7 @@ def connect(
 
 
 def _with_outputs(system: LinearSystem, names: set[str]) -> LinearSystem:
-    """Return the system with those of its outputs whose names are in a set."""
+    """Return the system with only the outputs of these names, in its own order."""
     rows = [k for k, name in enumerate(system.outputs) if name in names]
     if len(rows) == len(system.outputs):
         return system

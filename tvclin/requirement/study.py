@@ -451,10 +451,7 @@ class Study(CaseRequirement, Shown):
     @property
     def needs(self) -> dict[str, dict[str, float]]:
         """Lower bounds [rad] by model, of laws without a forecast and of every control."""
-        free = {
-            name: float(np.maximum(np.abs(limit.deflection), self.minima.get(name, 0.0)))
-            for name, limit in self.forecast_free.items()
-        }
+        free = {name: abs(float(limit.deflection)) for name, limit in self.forecast_free.items()}
         return {"forecast_free": free, "minimum": self.minima}
 
     def as_dict(self) -> dict[str, Any]:

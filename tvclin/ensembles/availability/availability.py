@@ -39,10 +39,8 @@ _MAX_BOUND_SPREAD = 0.02
 """Largest relative difference of the bounds of a requirement that is used for its growth."""
 _MIN_YEARS = 3
 """Number of years below which a note says that other years may be windier."""
-
-
 _SMALLEST_AZIMUTH = np.sqrt(np.finfo(float).tiny)
-"""Azimuth [rad] below which the square of a cross wind is below all numbers, and which is zero."""
+"""Azimuth [rad] below which a flight is due north: squares of cross winds underflow."""
 
 
 def availability(

@@ -303,11 +303,11 @@ def fly_together(
     cases = np.flatnonzero(undecided & np.isin(owner, owners))
     if not cases.size:
         return flown
-    going_on = [further for k in owners if (further := flights[k].further) is not None]
+    further_flights = [further for k in owners if (further := flights[k].further) is not None]
     begins = np.cumsum([0, *np.diff(winds)[owners[:-1]]])
-    inside = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
-    again = fly_together(going_on, inside, limit[cases], rate_limit[cases])
-    return _with_cases(flown, cases, again)
+    positions = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
+    continued = fly_together(further_flights, positions, limit[cases], rate_limit[cases])
+    return _with_cases(flown, cases, continued)
 
 
 def _parts(flights: Sequence[FlownFlight]) -> Iterator[slice]:

@@ -516,7 +516,7 @@ def _with_bounds(
     return FrozenRequirement(
         trim=abs(float(plant.coefficients.B * wind.peak)),
         required=np.maximum(limits, np.full(dead_bands.shape, np.nan_to_num(minimum))),
-        no_forecast=float(np.maximum(no_forecast, np.nan_to_num(minimum))),
+        no_forecast=no_forecast,
         minimum=minimum,
         slow_mode=slow_mode(plant, wind),
         said=tuple(dict.fromkeys(said)),
