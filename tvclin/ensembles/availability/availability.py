@@ -226,16 +226,18 @@ def _added(
         added = np.maximum(added, 0.0)
         angles = ", ".join(f"{angle:.4f}" for angle in np.degrees(added).tolist())
         return added, [
-            f"persistence adds {angles} deg; the required deflections of"
-            f" {100 * growth.quantile:g} %"
-            f" of {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
+            f"persistence adds {angles} deg; the required deflections of {100 * growth.quantile:g}"
+            f" % of {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
         ]
     notes = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
     return np.full(lower.shape[0], growth), notes
 
 
 def _gaps(judge: Judge, soundings: Soundings) -> list[str]:
-    """Return a note on gaps in which a wind may be stronger than the upper bound assumes."""
+    """Return a note on gaps in which a wind may be stronger than the upper bound assumes.
+
+    `judge` has the path of the flight, along which the gaps of `soundings` between levels count.
+    """
     winds = SoundingWinds.of(soundings[soundings.usable], judge.path)
     count, gap = int(np.sum(winds.has_bounded_gaps)), 1e-3 * MAX_BOUNDED_DISTANCE
     if not count:
@@ -247,10 +249,13 @@ def _gaps(judge: Judge, soundings: Soundings) -> list[str]:
 
 
 def _judged(judge: Judge, times: FloatArray) -> list[str]:
-    """Return notes on intervals of the flight that are not judged, or judged separately."""
+    """Return notes on intervals of the flight that are not judged, or judged separately.
+
+    `times`: first and last time [s] of the judged interval of the flight `judge.flight` in each
+    sounding, ``(n, 2)``; NaN where a sounding is not judged.
+    """
     flight, (first, last) = judge.flight, judge.flight.span
-    notes = []
-    judged = judge.interval
+    notes, judged = [], judge.interval
     starts = [interval.span[0] for interval in flight.one_sign_intervals[1:]]
     turns = ", ".join(f"{start:.4g}" for start in starts if start < judged.path.time[-1])
     if turns and judged.marches:
@@ -280,7 +285,10 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
 
 
 def _seasons(soundings: Soundings, reasons: list[str]) -> list[str]:
-    """Return a note where the judged soundings are of fewer than `_MIN_YEARS` years."""
+    """Return a note where the judged soundings are of fewer than `_MIN_YEARS` years.
+
+    `reasons`: reason why a sounding is not judged, ``(n,)``; empty for a judged one.
+    """
     judged = np.array([not reason for reason in reasons], dtype=bool)
     years = np.unique(soundings.years[judged & (soundings.years > 0)]).size
     if not 0 < years < _MIN_YEARS:
@@ -343,13 +351,13 @@ class AvailabilityRequest:
         progress: Callable[[int, int], None] | None = None,
         azimuth: ArrayLike | None = None,
     ) -> Availability:
-        """Return the availability of a case; `InputError` without a limit.
+        """Return the availability of a case; `InputError` for a nozzle without a limit.
 
-        Same exceptions as `availability`. In both planes the limit shape is from the nozzle, or
-        round. `azimuth`: directions of flight [rad] in place of the one specified.
+        Same exceptions as the function `availability`. Limit and limit shape (round, where none is
+        given) are those of the nozzle, model, gust and sign are those of the case. `progress`:
+        called with the number of finished soundings and of all soundings. `azimuth`: directions of
+        flight [rad] in place of the one specified.
         """
-        from tvclin.ensembles.availability.availability import availability
-
         errors.instance("case", case, Case, "of a wind and a nozzle")
         if case.nozzle.limit is None:
             raise errors.InputError(

@@ -249,7 +249,7 @@ class Availability(Tabled):
         return self._plain(verdicts)
 
     def _columns(self) -> Columns:
-        """Return the columns of requirements and verdicts, by azimuth and time."""
+        """Return the table of bounds [rad] and verdicts, by azimuth and time of the sounding."""
         angles = {
             name: np.atleast_2d(getattr(self, name)) for name in ("required", "lower", "upper")
         }
@@ -311,6 +311,7 @@ class Availability(Tabled):
         }
 
     def _repr_html_(self) -> str:
+        """Return a card for notebooks: limit, fraction that flies, sufficient limits, notes."""
         parts = self._rows(self.fraction())
         rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
@@ -338,7 +339,7 @@ class Availability(Tabled):
         return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:
-        """Return 1 where a limit [rad] is sufficient, 0 where it is not, NaN if not known."""
+        """Return verdicts on a limit [rad], ``(n,)``: 1 sufficient, 0 insufficient, NaN unknown."""
         with np.errstate(invalid="ignore"):
             sufficient = np.asarray(covers(limit, self.upper))
             insufficient = ~np.asarray(covers(limit, self.lower))
@@ -346,9 +347,10 @@ class Availability(Tabled):
         return np.where(decided & sufficient, 1.0, np.where(decided & insufficient, 0.0, np.nan))
 
     def _fractions(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
-        """Return the fraction of selected soundings that fly, by azimuth.
+        """Return the `SurvivalFraction` of selected soundings with a limit [rad], by azimuth.
 
-        `which`: whether a sounding is selected, ``(n,)``. `unknown`: verdict of unknown soundings.
+        `which`: whether a sounding is selected, ``(n,)``. `unknown`: verdict that unknown soundings
+        count as: 1 flown, 0 not flown; NaN keeps them out of the fraction.
         """
         times = self.soundings.times[which]
         season = (12 * self.soundings.years + self.soundings.months)[which]
@@ -367,7 +369,10 @@ class Availability(Tabled):
 
 
 def scalar_or_row(name: str, value: ArrayLike) -> FloatArray:
-    """Return a number or a row of numbers as a row, ``(n,)``; `InputError` for other shapes."""
+    """Return a number or a row of numbers as a row, ``(n,)``; `InputError` for other shapes.
+
+    `name`: name of the argument in the error, `value`: its value.
+    """
     array = errors.finite(name, value)
     return errors.one_row(name, array if array.ndim else array[np.newaxis])
 
@@ -379,12 +384,18 @@ _MONTHS = (
 
 
 def limit_line(a: Availability) -> Line:
-    """Return the limit and the fraction of the soundings that fly with it."""
+    """Return the line with the limit [deg] and the fraction of the soundings that fly with it.
+
+    `a`: availability for a single azimuth.
+    """
     return ("Limit ", *degrees("availability.limit", a.limit, unit="deg"), ": ", *a.fraction().line)
 
 
 def archive_words(a: Availability) -> str:
-    """Return azimuth, number, station and dates of the soundings, as a sentence."""
+    """Return a sentence with azimuth [deg], number, station and dates of the soundings.
+
+    `a`: availability for a single azimuth.
+    """
     azimuth = f"{np.degrees(float(a.azimuth)):.4g}"
     first, last = a.soundings.times[[0, -1]].astype("datetime64[D]")
     station = a.soundings.station or "an archive"
@@ -395,7 +406,7 @@ def archive_words(a: Availability) -> str:
 
 
 def by_month(a: Availability) -> Table:
-    """Return the table of soundings that fly, by month and azimuth."""
+    """Return the table of an availability `a`: soundings that fly, by month and azimuth."""
     rows = []
     for month, parts in a.by_month().items():
         by_azimuth = parts if isinstance(parts, tuple) else (parts,)
@@ -411,16 +422,18 @@ def by_month(a: Availability) -> Table:
 
 
 def interval(a: Availability) -> str:
-    """Return the meaning of the confidence interval, in sentences."""
+    """Return a sentence on the meaning of the confidence intervals of an availability `a`."""
     return (
         f"With {100 * a.confidence:g} % confidence the fraction of all such days lies in the"
-        " interval;"
-        " days that are alike count as fewer independent ones."
+        " interval; days that are alike count as fewer independent ones."
     )
 
 
 def placard(a: Availability) -> Table:
-    """Return the table of sufficient limits by fraction of the judged soundings and azimuth."""
+    """Return the table of the limits [deg] that fractions of the judged soundings require.
+
+    `a`: availability; its rows are the fractions `PLACARD`, its columns the azimuths.
+    """
     rows: list[tuple[Line, ...]] = []
     for part, limits in zip(PLACARD, np.atleast_2d(a.placard()).T, strict=True):
         key = f"availability.placard.{100.0 * part:g}"
@@ -433,7 +446,7 @@ def placard(a: Availability) -> Table:
 
 
 def unknown(a: Availability) -> Table:
-    """Return the table of reasons for unknown soundings, with their numbers."""
+    """Return the table of reasons why soundings of an availability `a` are not judged, counted."""
     reasons = Counter(reason.split(":")[0] for reason in a.why if reason)
     rows = tuple(
         ((reason,), number_cell(f"availability.unknown.{i}", count, 0))
@@ -443,6 +456,6 @@ def unknown(a: Availability) -> Table:
 
 
 def _towards(a: Availability) -> list[str]:
-    """Return the labels of azimuths; an empty label for a single azimuth."""
+    """Return labels for the azimuths of an availability `a`; one empty label for a single one."""
     azimuths = np.degrees(np.atleast_1d(a.azimuth)).tolist()
     return [f", towards {azimuth:.4g} deg" for azimuth in azimuths] if len(azimuths) > 1 else [""]

@@ -142,9 +142,13 @@ class Judge:
         pressure: bool,
         **options: Any,
     ) -> Judge:
-        """Return the judge of a flight, with the strength of the winds of an archive in gaps.
+        """Return the judge of a flight, with the strength of winds from an archive of soundings.
 
-        Same exceptions as `FlightMode` and `FlightPath`.
+        `plane`: pitch, yaw or both. `model`: name of the linear model. `azimuths`: directions of
+        flight [rad], ``(a,)``. `growth`: growth of winds until launch. `gust`, `gust_speed`: gust
+        by its angle [rad], and wind speed [m/s] at its peak in place of the angle. `pressure`:
+        whether the dynamic pressure encountered counts, or the nominal. `options`: `limit_shape`
+        and `known_to`. Same exceptions as `FlightMode` and `FlightPath`.
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
         usable = SoundingWinds.of(soundings[soundings.usable], path)
@@ -169,7 +173,10 @@ class Judge:
     def requirements(
         self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
     ) -> Requirements:
-        """Return bounds of the required deflections of soundings, from trim and demand."""
+        """Return bounds of the required deflections [rad] of n soundings, from trim and demand.
+
+        `progress`: called with the number of finished soundings and of all soundings.
+        """
         lower, upper, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)
         wind_known = np.ones(lower.shape, dtype=bool)
         heights = np.full((len(soundings), 2), np.nan)
@@ -200,11 +207,12 @@ class Judge:
     def decided(
         self, soundings: Soundings, bounds: Requirements, limits: FloatArray
     ) -> tuple[Requirements, list[str]]:
-        """Return requirements with flights where these decide on limits [rad], ``(a,)``; and notes.
+        """Return requirements narrowed by flights where these decide on limits [rad]; and notes.
 
-        `limits`: by azimuth. A sounding whose bounds lie to both sides of the limit, and that does
-        not survive with it, is flown for what it requires, if all its wind is known. One that
-        survives with less than its lower bound has the limit for its requirement.
+        `bounds`: requirements of the soundings without flights. `limits`: by azimuth, ``(a,)``. A
+        sounding whose bounds lie to both sides of the limit, and that does not survive with it, is
+        flown for what it requires, if all its wind is known. One that survives with less than its
+        lower bound has the limit for its requirement.
         """
         limit = np.maximum(limits, 0.0)[:, np.newaxis]
         lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
@@ -238,18 +246,18 @@ class Judge:
         if fewer := int(np.sum((below & survive).any(axis=0))):
             notes.append(
                 f"of the soundings that fly {fewer} have a bound of their requirement above the"
-                " limit: a"
-                " flight of the trim law survives with it"
+                " limit: a flight of the trim law survives with it"
             )
         return replace(bounds, lower=lower, upper=upper), notes
 
     def _together(
         self, soundings: Soundings, index: IndexArray
     ) -> Iterator[tuple[IndexArray, FloatArray, SoundingWinds]]:
-        """Iterate over usable soundings that are marched together.
+        """Iterate over batches of soundings of about equal length that are marched together.
 
-        Each item holds their indices, the heights [m] between which they can be judged, ``(n, 2)``,
-        and their winds.
+        `index`: indices of the usable soundings of the archive. Each item holds the indices of a
+        batch ``(n,)``, the heights [m] between which its winds can be judged, ``(n, 2)``, NaN where
+        nowhere, and the winds.
         """
         index = index[np.argsort(soundings.counts[index], kind="stable")]
         together = SoundingWinds.of(soundings[index], self.path)
@@ -260,7 +268,7 @@ class Judge:
             yield index[batch], winds.linear_heights(self.path, self.additions.strongest), winds
 
     def _unjudged(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
-        """Return reasons why soundings are not judged, and whether each holds, ``(n,)``."""
+        """Return pairs of a reason why soundings are not judged, and whether it holds, ``(n,)``."""
         empty = soundings.counts == 0
         ends = np.minimum(soundings.offsets, max(soundings.height.size - 1, 0))
         level = np.append(soundings.height, np.nan)
@@ -276,7 +284,11 @@ class Judge:
     def _bounds_of_unknown(
         self, winds: SoundingWinds, within: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
-        """Return lower, upper, lowest and wind_known of `Requirements`, ``(a, n)`` each."""
+        """Return bounds lower, upper, lowest [rad] and wind_known of `Requirements`, ``(a, n)``.
+
+        Unknown winds are calm, and strong. `within`: heights [m] between which the n winds are
+        judged, ``(n, 2)``.
+        """
         lower, upper, lowest = self._bounds(winds, within)
         wind_known = np.ones(lower.shape, dtype=bool)
         partly = np.flatnonzero(winds.incomplete(self.path))
@@ -291,7 +303,11 @@ class Judge:
     def _bounds(
         self, soundings: SoundingWinds, within: FloatArray, strong: bool = False
     ) -> FloatArray:
-        """Return lower, upper and lowest of `Bounds`, of both planes, ``(3, a, n)``."""
+        """Return lower, upper and lowest [rad] of `Bounds`, of all planes, ``(3, a, n)``.
+
+        `within`: heights [m] between which the n winds of `soundings` are judged, ``(n, 2)``.
+        `strong`: whether a wind that is not known is strong, or calm.
+        """
         towards = []
         for a in range(self.azimuths.size):
             in_planes = [
@@ -315,10 +331,11 @@ class Judge:
         return planes.max(axis=0) if self.limit_shape == "square" else np.hypot.reduce(planes)
 
     def _survive(self, marched: list[tuple[int, MarchedWinds]], limit: float) -> BoolArray:
-        """Return whether flights through all winds survive with a limit [rad] and all above.
+        """Return whether flights survive with a limit [rad] and with all above it, ``(n,)``.
 
-        With a round limit shape the limit is divided between the planes in the ratio of their
-        bounds.
+        `marched`: pairs of the index of a plane, and winds of n soundings in it, all of which must
+        be survived. With a round limit shape the limit is divided between the planes in the ratio
+        of their bounds.
         """
         lower = np.zeros((len(self.planes), *marched[0][1].bounds.lower.shape))
         for p, winds in marched:
@@ -374,7 +391,9 @@ class Judge:
     ) -> Iterator[tuple[float, LineWinds]]:
         """Iterate over signs, and winds with a growth, and a strong unknown wind, of that sign.
 
-        A single sign stands for both where nothing is added to the winds.
+        `along`: winds over time, in `plane` to be changed; at `height` [m], ``(n, k)``, they are
+        those of `soundings` towards `azimuth` [rad]. `strong`: whether a wind that is not known is
+        strong, or calm. A single sign stands for both where nothing is added to the winds.
         """
         if not strong and self.additions.symmetric:
             yield 1.0, along
@@ -394,7 +413,10 @@ class Judge:
 
 @lru_cache(maxsize=8)
 def _judged_interval(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> FlightInterval:
-    """Return the judged interval of a flight, cached by flight, model and planes."""
+    """Return the judged interval of a flight with a linear model, which ends where it is stable.
+
+    `planes`: planes of the motion. Cached by flight, model and planes.
+    """
     whole = [FlightMode(flight, model, plane, flight.span) for plane in planes]
     unstable = [mode.until_stable for mode in whole if mode.unstable]
     if not unstable:

@@ -56,7 +56,7 @@ class Additions:
     pressure: bool
 
     def grown(self, height: FloatArray) -> FloatArray:
-        """Return the growth of winds at heights [m/s]."""
+        """Return the growth of winds [m/s] at heights [m], in their shape; zero without growth."""
         return np.zeros(height.shape) if self.growth is None else self.growth.at(height)
 
     def strongest(self, height: FloatArray) -> FloatArray:
@@ -134,17 +134,26 @@ class PlaneMarch:
         return self.path.time[0], self.path.time[-1]
 
     def curves(self, winds: LineWinds, pressure: bool) -> Curves:
-        """Return the curves of trim and demand [rad] of winds over time."""
+        """Return the curves of trim and demand [rad] of winds over the steps.
+
+        `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
+        """
         steps, equations = self._steps
         return curves(equations, *self.path.encountered(steps, winds, self.plane, pressure))
 
     def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return the largest min(trim, demand) [rad] and its time [s], of one sign or either."""
+        """Return the largest min(trim, demand) [rad] and its time [s], ``(n,)`` each.
+
+        `march`: curves of n winds. `sign`: sign of the deflections that count; None for both.
+        """
         paired = np.broadcast_to(self._steps[1].paired, march.trim.shape)
         return march.limit_of_trim_law(paired, sign)
 
     def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
-        """Return bounds of the required deflections of winds."""
+        """Return bounds of the required deflections [rad] of n winds.
+
+        `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
+        """
         steps, equations = self._steps
         encountered = self.path.encountered(steps, winds, self.plane, pressure)
         march = curves(equations, *encountered)
@@ -191,7 +200,9 @@ class PlaneMarch:
 
         Trim alone counts where two unstable modes are a pair. Between the ends of steps the part of
         trim that balances drift is linear; the other part follows from the wind of each level.
-        `encountered`: of the winds over the steps.
+        `march`, `encountered`: curves, and times [s], angles [rad], pressure ratios q/q_n and
+        onsets of the winds over the steps. `pressure`: whether the dynamic pressure encountered
+        counts, or the nominal one.
         """
         steps, equations = self._steps
         static = -equations.nominal[..., 1, -1] / equations.nominal[..., 1, -2]
@@ -215,6 +226,7 @@ class PlaneMarch:
         """Return winds with a gust: at the time of the largest wind, and of the requirement.
 
         `sign`: sign of wind and gust; a wind that never has this sign is without a gust.
+        `additions`: the gust, and whether the dynamic pressure encountered counts.
         """
         gust, times = additions.gust, winds.times
         if gust is None:
@@ -234,7 +246,11 @@ class PlaneMarch:
     def _gust_speed(
         self, sign: float, additions: Additions, calm: BoolArray, angle: FloatArray, at: FloatArray
     ) -> FloatArray:
-        """Return speeds [m/s] of a gust of angles [rad] at times [s], zero in a calm."""
+        """Return speeds [m/s] of a gust at times `at` [s], ``(n, k)``; zero in a calm.
+
+        `sign`: sign of the gust. `additions`: the gust. `calm`: whether a wind is without gust,
+        ``(n,)``. `angle`: angles of the gust [rad] at the times, without the sign.
+        """
         gust, speed = additions.gust, additions.gust_speed
         if gust is not None and speed is not None:
             speeds = sign * speed * angle / float(gust.peak)
@@ -243,7 +259,10 @@ class PlaneMarch:
         return np.where(calm[:, np.newaxis], 0.0, speeds)
 
     def flights(self, winds: LineWinds, pressure: bool) -> LimitedFlights:
-        """Return flights of the ideal trim law through winds, and the calm after them."""
+        """Return flights of the ideal trim law through winds, and the calm after them.
+
+        `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
+        """
         steps, equations = self._flight_steps
         *encountered, onset = self.path.encountered(steps, winds, self.plane, pressure)
         return LimitedFlights(equations, *with_calm_after(self._steps[1], *encountered), onset)
@@ -271,17 +290,27 @@ class MarchedWinds:
     pressure: bool
 
     def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
-        """Return whether limits [rad] must be flown, and whether they are insufficient."""
+        """Return whether limits [rad] must be flown, and whether they are insufficient, ``(n,)``.
+
+        `limit`: a limit for each wind, ``(n,)``.
+        """
         insufficient = limit < self.bounds.lowest
         return (self.bounds.upper > limit) & ~insufficient, insufficient
 
     def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
-        """Return whether flights of cases survive with limits [rad] and all above."""
+        """Return whether flights survive with limits [rad] and with all above them.
+
+        `limit`: a limit for each of the n winds, ``(n,)``. `cases`: indices of the winds that are
+        flown, in whose order the answers are.
+        """
         flights = self.march.flights(self.winds.select(cases), self.pressure)
         return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])
 
     def requirement(self, cases: IndexArray) -> FloatArray:
-        """Return the required deflections of cases [rad], by flights where these decide."""
+        """Return the required deflections [rad] of winds, by flights where these decide.
+
+        `cases`: indices of the winds, in whose order the answers are.
+        """
         b, required = self.bounds, self.bounds.lower[cases]
         open_cases = np.flatnonzero((b.upper > b.lowest)[cases])
         if open_cases.size:

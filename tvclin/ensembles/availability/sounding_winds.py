@@ -107,7 +107,11 @@ class PairGrowth:
 
 
 def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
-    """Return the growth until launch: an angle [rad], or the growth of winds or pairs."""
+    """Return the growth until launch that an argument `persistence` states.
+
+    It is an angle [rad], zero for None; or the growth of winds; or that of pairs, for "pairs".
+    `InputError` for another word, a negative angle and one that is not small.
+    """
     if persistence is None:
         return 0.0
     if isinstance(persistence, WindGrowth | PairGrowth):
@@ -125,9 +129,9 @@ def grown_by(
 ) -> tuple[FloatArray, int]:
     """Return the growth [rad] of requirements, ``(a,)``, and the number of pairs.
 
-    `need`: required deflections [rad], ``(a, n)`` for azimuths and soundings.
-
-    `InputError` where no two soundings are twelve hours apart.
+    `growth`: time until launch, and quantile over the pairs. `need`: required deflections [rad],
+    ``(a, n)`` for azimuths and soundings, NaN where unknown. `times`: times of the soundings,
+    ``(n,)``. `InputError` where no two soundings are twelve hours apart.
     """
     minutes = times.astype("datetime64[m]").astype(np.int64)
     order = np.argsort(minutes, kind="stable")
@@ -197,7 +201,11 @@ class FlightPath:
         return np.minimum(MAX_WIND_SPEED, np.sin(MAX_LINEAR_ANGLE) * speed)
 
     def nominal_angle(self, wind: FloatArray, times: FloatArray, plane: str) -> FloatArray:
-        """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight, eq (B1e)."""
+        """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight, eq (B1e).
+
+        `times`: times of the winds [s]. `plane`: "pitch" for winds along the path, "yaw" for those
+        across it.
+        """
         speed, climb = self.speed_and_climb(times)
         return _angle(wind / speed * (1.0 if plane == "yaw" else np.sin(climb)))
 
@@ -206,8 +214,9 @@ class FlightPath:
     ) -> FloatArray:
         """Return the winds [m/s] that turn the nominal path by angles [rad] at times [s].
 
-        With `pressure` the angle follows from the wind triangle, NaN where no horizontal wind turns
-        the path so far; else it is the angle of eq (B1e).
+        `plane`: "pitch" for winds along the path, "yaw" for those across it. With `pressure` the
+        angle follows from the wind triangle, NaN where no horizontal wind turns the path so far;
+        else it is the angle of eq (B1e).
         """
         speed, climb = self.speed_and_climb(times)
         if pressure:
@@ -220,8 +229,9 @@ class FlightPath:
         """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
 
         They are the arguments of `time_varying.curves`; onsets as in `LineWinds.at_steps`. `steps`:
-        times at begin, middle and end [s], ``(1, S, 3)``. Without `pressure` the angles are
-        nominal, and q/q_n is one. Angles are at most `MAX_LINEAR_ANGLE`.
+        times at begin, middle and end [s], ``(1, S, 3)``. `plane`: plane of the angles, pitch or
+        yaw. Without `pressure` the angles are nominal, and q/q_n is one. Angles are at most
+        `MAX_LINEAR_ANGLE`.
         """
         times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
         return times, *self.angle_and_pressure(times, along, across, plane, pressure), onset
@@ -231,7 +241,8 @@ class FlightPath:
     ) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack [rad] and q/q_n of winds [m/s] at times [s], in their shape.
 
-        `plane`, `pressure`: see `encountered`.
+        `along`, `across`: winds along and across the path. `plane`: plane of the angles, pitch or
+        yaw. Without `pressure` the angles are nominal, and q/q_n is one.
         """
         speed, climb = self.speed_and_climb(times)
         sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
@@ -270,7 +281,10 @@ class SoundingWinds:
 
     @classmethod
     def of(cls, soundings: Soundings, path: FlightPath) -> SoundingWinds:
-        """Return the winds of usable soundings, with the gaps along a flight."""
+        """Return the winds of soundings, all usable, with the gaps along the path of a flight.
+
+        A gap is an interval between two levels further apart than `MAX_LEVEL_DISTANCE`.
+        """
         height, offsets = soundings.height, soundings.offsets
         wide = np.diff(height) > MAX_LEVEL_DISTANCE
         wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
@@ -292,7 +306,7 @@ class SoundingWinds:
         )
 
     def select(self, index: NDArray[np.intp]) -> SoundingWinds:
-        """Return the winds of the soundings with these indices."""
+        """Return the winds of soundings; `index`: their indices, in the order of the result."""
         offsets, levels = gather(self.offsets, index)
         marked = np.zeros(self.height.size, dtype=bool)
         marked[self.gaps] = True
@@ -310,7 +324,10 @@ class SoundingWinds:
         return np.asarray(self.height[self.offsets[1:] - 1])
 
     def incomplete(self, path: FlightPath) -> BoolArray:
-        """Return whether a sounding lacks the wind anywhere along a flight, ``(n,)``."""
+        """Return whether a sounding lacks the wind anywhere along the path of a flight, ``(n,)``.
+
+        It does if it has a gap, or begins above the path, or ends below its top.
+        """
         gap = self._with_gaps(self.gaps)
         return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
 
@@ -321,7 +338,10 @@ class SoundingWinds:
         return self._with_gaps(self.gaps[distance <= MAX_BOUNDED_DISTANCE])
 
     def _with_gaps(self, gaps: IntArray) -> BoolArray:
-        """Return whether soundings have one of the gaps, ``(n,)``."""
+        """Return whether soundings have one of the gaps, ``(n,)``.
+
+        `gaps`: indices of the lower levels of the gaps, as in the attribute.
+        """
         has_gap = np.zeros(self.offsets.size - 1, dtype=bool)
         has_gap[np.searchsorted(self.offsets, gaps, side="right") - 1] = True
         return has_gap
@@ -329,7 +349,9 @@ class SoundingWinds:
     def wind(self, azimuth: float, plane: str, strong: bool) -> FloatArray:
         """Return the wind in a plane [m/s] at the levels, with the sign of `WindProfile`.
 
-        Gaps are calm, or, with `strong`, have the stronger wind of both edges.
+        `azimuth`: direction of flight [rad], from north, clockwise. `plane`: "pitch" for the wind
+        along the path, "yaw" for that across it. Gaps are calm, or, with `strong`, have the
+        stronger wind of both edges.
         """
         sine, cosine = np.sin(azimuth), np.cos(azimuth)
         wind = self.east * sine + self.north * cosine
@@ -344,9 +366,9 @@ class SoundingWinds:
     def linear_heights(self, path: FlightPath, more: Callable[[FloatArray], Any]) -> FloatArray:
         """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
 
-        They bound the longest interval in which the wind angle is at most `MAX_LINEAR_ANGLE`, from
-        any direction; NaN where the interval omits the largest dynamic pressure. `more`: function
-        from heights [m] to a wind speed that is added [m/s].
+        They bound the longest interval of the flight along `path` in which the wind angle is at
+        most `MAX_LINEAR_ANGLE`, from any direction; NaN where the interval omits the largest
+        dynamic pressure. `more`: function from heights [m] to a wind speed that is added [m/s].
         """
         height = self.breakpoints(path, strong=False)
         wind = np.hypot(
@@ -367,7 +389,8 @@ class SoundingWinds:
     def unknown(self, height: FloatArray, distance: float = 0.0) -> BoolArray:
         """Return whether the wind at heights [m] is not measured, ``(n, k)``.
 
-        It is not beyond the levels, and in gaps wider than a distance [m].
+        `height`: k heights for each sounding, ``(n, k)``. The wind is not measured beyond the
+        levels, and in gaps wider than `distance` [m].
         """
         gaps = self.gaps[self.height[self.gaps + 2] - self.height[self.gaps - 1] > distance]
         edge = np.zeros(self.height.size)
@@ -378,7 +401,8 @@ class SoundingWinds:
     def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
         """Return the 95 % quantile of wind speeds [m/s] at heights [m], ``(h,)``.
 
-        It is of the soundings that are known at a height; zero where none is.
+        It is of the soundings that are known at a height; zero where none is. `azimuth`: direction
+        of flight [rad]. `plane`: "pitch" for the wind along the path, "yaw" for that across it.
         """
         height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
         speed = np.abs(self.interpolated(self.wind(azimuth, plane, strong=False), height))
@@ -392,8 +416,9 @@ class SoundingWinds:
     def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
         """Return the heights [m] of levels and of rows of the flight, ascending, ``(n, k)``.
 
-        They are from the lowest to the highest level, or, with `strong`, along the entire flight,
-        with two more where the wind becomes unknown; soundings with fewer levels repeat heights.
+        `path`: path of the flight. The heights are from the lowest to the highest level, or, with
+        `strong`, along the entire flight, with two more where the wind becomes unknown; soundings
+        with fewer levels repeat heights.
         """
         counts = np.diff(self.offsets)
         index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
@@ -408,7 +433,10 @@ class SoundingWinds:
         return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
 
     def interpolated(self, wind: FloatArray, height: FloatArray) -> FloatArray:
-        """Return winds [m/s] at heights ``(n, k)``; beyond the levels they are constant."""
+        """Return winds [m/s] at heights [m], ``(n, k)``; beyond the levels they are constant.
+
+        `wind`: winds at the levels of all soundings, in the order of `height` of this record.
+        """
         shifts = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
         inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])
         levels = self.height + np.repeat(shifts, np.diff(self.offsets))
@@ -434,7 +462,7 @@ class LineWinds:
     )
 
     def select(self, cases: IndexArray) -> LineWinds:
-        """Return the winds with these indices."""
+        """Return some of the n winds; `cases`: their indices, in the order of the result."""
         return LineWinds(self.times[cases], {k: x[cases] for k, x in self.speeds.items()})
 
     def at_steps(self, ends: FloatArray) -> tuple[FloatArray, ...]:
@@ -450,7 +478,11 @@ class LineWinds:
         return self._samples_by_steps[ends.size]
 
     def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the times [s], winds [m/s] and onsets of `at_steps`, without its cache."""
+        """Return times [s], winds along and across [m/s], and onsets in steps, as `at_steps`.
+
+        `ends`: begin of the first step and ends of all [s], ``(S + 1,)``. The middle value of a
+        step is from the integral of the wind over it, so that its parabola has the wind's impulse.
+        """
         knots, (n, k) = self.times, self.times.shape
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
         position = (knots - ends[0]) / length
@@ -497,7 +529,8 @@ class LineWinds:
     ) -> LineWinds:
         """Return the winds with a gust in a plane, whose middle is at the times `at` [s], ``(n,)``.
 
-        `speed`: from wind angles [rad] and times [s] of the gust to its speeds [m/s].
+        `gust`: its wind angle over time. `plane`: "pitch" along the path, "yaw" across it. `speed`:
+        function from wind angles [rad] and times [s] of the gust to its speeds [m/s].
         """
         times = self.times
         middle = 0.5 * (gust.onset + gust.end)
@@ -510,7 +543,10 @@ class LineWinds:
 
 
 def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
-    """Return values ``(n, k)``, interpolated linearly at times `at`, ``(n, j)``."""
+    """Return values interpolated linearly at times `at` [s], ``(n, j)``.
+
+    `times`, `values`: n rows of ascending times [s] and values at them, ``(n, k)``.
+    """
     shifts = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
     return np.interp((at + shifts).ravel(), (times + shifts).ravel(), values.ravel()).reshape(
         at.shape
