@@ -17,16 +17,17 @@ IndexArray = NDArray[np.intp]
 
 
 class Storage:
-    """Arrays by name; a later array of a name has the memory of the earlier one.
+    """Float arrays by name; a later array of a name is written into the memory of the earlier one.
 
     New memory takes as long as filling it.
     """
 
     def __init__(self) -> None:
+        """Start without memory."""
         self._memory: dict[str, FloatArray] = {}
 
     def empty(self, name: str, shape: tuple[int, ...]) -> FloatArray:
-        """Return an array of a name without values, in place of the earlier one."""
+        """Return an uninitialised array of a `shape`, in the memory of the last of this `name`."""
         size = prod(shape)
         if name not in self._memory or self._memory[name].size < size:
             self._memory[name] = np.empty(size)

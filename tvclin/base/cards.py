@@ -38,9 +38,9 @@ Row = tuple[str, Any, str]
 
 
 def card_rows(record: Any) -> Iterator[Row]:
-    """Yield names, values and units of the fields of a record that cards show, if not missing.
+    """Yield label, value and unit of each field of a `record` that cards show and that is given.
 
-    Those of a mapping, and of a nested `Record`, are rows of their own.
+    A mapping, and a nested `Record`, give a row for each of their entries.
     """
     for item in fields_of(record):
         if item.card:
@@ -65,7 +65,7 @@ def card(title: str, rows: Iterable[Row]) -> str:
 
 
 def line(title: str, rows: Iterable[Row]) -> str:
-    """Return the rows of `card` as text between angle brackets, without line breaks."""
+    """Return `rows` of name, value and unit as one line of text: <title: name value unit, ...>."""
     words = (
         " ".join((name, _shown(x, unit), unit.removeprefix("-"))).strip() for name, x, unit in rows
     )
@@ -73,7 +73,7 @@ def line(title: str, rows: Iterable[Row]) -> str:
 
 
 def lines(title: str, rows: Iterable[Row]) -> str:
-    """Return the text of `line`, broken into lines of at most 88 characters."""
+    """Return the text of `line` for a `title` and `rows`, in lines of at most 88 characters."""
     return fill(line(title, rows), _LINE_WIDTH, subsequent_indent="  ", break_long_words=False)
 
 
@@ -85,6 +85,7 @@ class Record:
         return document(self)
 
     def _repr_html_(self) -> str:
+        """Return the fields of the record as a table in HTML."""
         return card(_title(type(self)), card_rows(self))
 
 
@@ -92,16 +93,22 @@ class Shown(Record):
     """Answer whose printed text is a short form of its card."""
 
     def __init_subclass__(cls, **options: Any) -> None:
+        """Give a subclass this text, ahead of the one that a dataclass would write."""
         super().__init_subclass__(**options)
         if "__repr__" not in vars(cls):
             cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # ahead of a dataclass
 
     def __repr__(self) -> str:
+        """Return the fields of the record as a line of text."""
         return line(_title(type(self)), card_rows(self))
 
 
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
-    """Yield the rows of a value: of each entry of a mapping, or of a nested card."""
+    """Yield (label, value, unit) rows of a field: one, or one per entry of a mapping or `Record`.
+
+    `name`: label of the field, ahead of that of an entry. `unit`: text, of the value and its
+    entries.
+    """
     if isinstance(value, dict):
         for label, item in value.items():
             yield from _parts(f"{name}, {label}", unit, item)
@@ -115,12 +122,13 @@ def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
 
 
 def _title(kind: type) -> str:
+    """Return the name of a class, `kind`, as words: BoundaryLimit is "Boundary limit"."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__).lower()
     return words[:1].upper() + words[1:]
 
 
 def table(shown: Table, said: Iterable[Line] = ()) -> str:
-    """Return a table of an answer in HTML, and lines of text below it, all escaped."""
+    """Return the table `shown` of an answer in HTML, and the lines `said` below it, all escaped."""
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in shown.head)
     lines = "".join(
         f"<tr>{''.join(f'<td>{escape(text(cell))}</td>' for cell in row)}</tr>"
@@ -132,7 +140,7 @@ def table(shown: Table, said: Iterable[Line] = ()) -> str:
 
 
 def _shown(value: Any, unit: str = "") -> str:
-    """Return the text of a value in a card."""
+    """Return the text of a `value` in a card, to six digits; a `unit` "deg" to three decimals."""
     if isinstance(value, tuple) and all(isinstance(item, str) for item in value):
         value = "; ".join(value) or "none"
     if value is None or isinstance(value, str):
@@ -148,7 +156,7 @@ def _shown(value: Any, unit: str = "") -> str:
 
 
 def _numbers(array: AnyArray, unit: str) -> str:
-    """Return the text of an array: its numbers, or range and shape of a long one."""
+    """Return the text of an array in a `unit`: its numbers, or range and shape of a long one."""
     if (
         array.size == 1
         and unit == "deg"
@@ -204,7 +212,7 @@ class Columns:
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def csv(self, path: Path | None = None) -> str:
-        """Return a CSV line for each position on the axes, and write it if there is a path."""
+        """Return CSV, a line for each position on the axes; also written to `path`, if given."""
         shape = tuple(len(column.values) for column in self.axes)
         columns = (*self.axes, *self.columns)
         cells = [np.broadcast_to(self._broadcast_axes(column), shape).ravel() for column in columns]
@@ -232,7 +240,7 @@ class Columns:
         )
 
     def _broadcast_axes(self, column: Column) -> AnyArray:
-        """Return the values of a column in the units of CSV, with all axes of the table."""
+        """Return the values of a `column` in units of CSV, broadcast to all axes of the table."""
         values, axes = np.asarray(column.values), column.axes
         if column.unit == "rad":
             values = np.degrees(values)
@@ -260,6 +268,7 @@ class Tabled(Shown):
     """Answer whose numbers are `_columns`."""
 
     def _columns(self) -> Columns:
+        """Return the numbers of the answer as columns over its axes."""
         raise NotImplementedError
 
     def to_csv(self, path: Path | None = None) -> str:
@@ -288,5 +297,5 @@ class Tabled(Shown):
 
 
 def _cell(value: Any) -> Any:
-    """Return a value as a cell, empty for an unknown value."""
+    """Return a number or text `value` for a cell of CSV; "" for None and NaN."""
     return "" if value is None or (isinstance(value, float) and np.isnan(value)) else value

@@ -45,7 +45,7 @@ class NotKnownError(InputError):
 
 @contextmanager
 def naming(what: str) -> Iterator[None]:
-    """Prefix each line of an `InputError` raised inside with a file, table or row."""
+    """Prefix each line of an `InputError` raised inside with `what`: a file, a table or a row."""
     try:
         yield
     except InputError as error:
@@ -68,6 +68,7 @@ class Faults:
     """
 
     def __init__(self) -> None:
+        """Start without faults."""
         self.lines: list[str] = []
 
     @contextmanager
@@ -85,14 +86,14 @@ class Faults:
 
 
 def missing(needs: str, extra: str) -> InputError:
-    """Return the error about a package of an extra that is not installed."""
+    """Return the error that an `extra` is not installed, as "`needs`, which is not installed"."""
     return InputError(f"{needs}, which is not installed: {install(extra)}")
 
 
 def imported(package: str, needs: str, extra: str) -> Any:
-    """Return a package of an extra; `InputError` naming `needs` if it is not installed.
+    """Return the module `package` of an `extra`, imported on demand: many take half a second.
 
-    It is imported on demand: many packages take half a second.
+    `InputError` if it is not installed; `needs` begins the message, as "a Dataset needs xarray".
     """
     try:
         return import_module(package)
@@ -109,19 +110,19 @@ def install(*extras: str) -> str:
 
 
 def real(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array, which may be infinite; `InputError` for NaN."""
+    """Return `value` [`unit`] as an array, maybe infinite; `InputError` about `name` for NaN."""
     array = numbers(name, value, unit)
     _require(name, "a number", array, ~np.isnan(array), unit)
     return array
 
 
 def finite(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a read-only float array; `InputError` unless it is real and finite."""
+    """Return `value` [`unit`] as a read-only array; `InputError` about `name` unless all finite."""
     return _finite(name, value, unit)[0]
 
 
 def numbers(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array of any numbers; `InputError` if it is not numeric."""
+    """Return `value` [`unit`] as a read-only array; `InputError` about `name` unless numeric."""
     array = array_of(name, value, "iuf", f"a number in {unit}" if unit else "a number")
     if array.ndim > MAX_AXES:
         raise InputError(f"{name} must have at most {MAX_AXES} axes; got {array.ndim}")
@@ -131,7 +132,7 @@ def numbers(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 
 def array_of(name: str, value: ArrayLike, kinds: str, rule: str) -> AnyArray:
-    """Return `value` as an array of some numpy kinds; `InputError` with `rule` otherwise."""
+    """Return `value` as an array of numpy `kinds`, as "iuf"; else `name` must be `rule`."""
     try:
         array = np.asarray(value)
         if array.dtype.kind not in kinds:
@@ -142,7 +143,10 @@ def array_of(name: str, value: ArrayLike, kinds: str, rule: str) -> AnyArray:
 
 
 def _finite(name: str, value: ArrayLike, unit: str) -> tuple[FloatArray, float, float]:
-    """Return the array, its minimum and maximum; infinities that pass all checks if empty."""
+    """Return `value` [`unit`] as a finite array, its minimum and its maximum; (inf, -inf) if empty.
+
+    An empty array passes all checks by these. `InputError` about the argument `name` otherwise.
+    """
     array = numbers(name, value, unit)
     if not array.size:
         return array, np.inf, -np.inf
@@ -153,7 +157,7 @@ def _finite(name: str, value: ArrayLike, unit: str) -> tuple[FloatArray, float, 
 
 
 def positive(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array; raise `InputError` unless every element is above zero."""
+    """Return `value` [`unit`] as an array; `InputError` about `name` unless all are above zero."""
     array, low, _ = _finite(name, value, unit)
     if not low > 0:
         _require(name, "positive", array, array > 0, unit)
@@ -161,7 +165,7 @@ def positive(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 
 def nonnegative(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array; raise `InputError` if an element is below zero."""
+    """Return `value` [`unit`] as an array; `InputError` about `name` if any is below zero."""
     array, low, _ = _finite(name, value, unit)
     if not low >= 0:
         _require(name, "zero or positive", array, array >= 0, unit)
@@ -169,7 +173,7 @@ def nonnegative(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 
 def nonzero(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array; raise `InputError` if an element is zero."""
+    """Return `value` [`unit`] as an array; `InputError` about `name` if an element is zero."""
     array = finite(name, value, unit)
     _require(name, "other than zero", array, array != 0, unit)
     return array
@@ -178,7 +182,7 @@ def nonzero(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 def within(
     name: str, value: ArrayLike, lowest: float, highest: float, unit: str = ""
 ) -> FloatArray:
-    """Return `value` as a float array; raise `InputError` outside [lowest, highest]."""
+    """Return `value` [`unit`] as an array; else `name` must be between `lowest` and `highest`."""
     array, low, high = _finite(name, value, unit)
     if not (low >= lowest and high <= highest):
         rule = f"between {lowest:.6g} and {highest:.6g}"
@@ -187,12 +191,12 @@ def within(
 
 
 def between(lowest: float, highest: float) -> Callable[..., FloatArray]:
-    """Return the check `within` for given bounds, for `number`."""
+    """Return the check `within` [`lowest`, `highest`] as a function of name, value and unit."""
     return lambda name, value, unit="": within(name, value, lowest, highest, unit)
 
 
 def one_of(name: str, value: object, choices: Iterable[str]) -> str:
-    """Return `value` if it is among `choices`; `InputError` with similar choices otherwise."""
+    """Return `value` if among `choices`; else `InputError` about `name`, with similar choices."""
     names = list(choices)
     if isinstance(value, str) and value in names:
         return value
@@ -206,21 +210,24 @@ def one_of(name: str, value: object, choices: Iterable[str]) -> str:
 
 
 def instance(name: str, value: object, kind: type, maker: str) -> None:
-    """Raise `InputError` unless `value` is of a type; `maker` says how to make one."""
+    """Raise `InputError` about `name` unless `value` is a `kind`; `maker` says how to make one."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {shown(value)}")
 
 
 def each(name: str, values: object, kind: type, maker: str) -> tuple[Any, ...]:
-    """Return a tuple or list as a tuple; `InputError` unless all elements are of a type."""
+    """Return a tuple or list `values` as a tuple; `InputError` unless each element is a `kind`.
+
+    `name`: of the argument, in the message. `maker`: text on how to make an element.
+    """
     if isinstance(values, tuple | list) and all(isinstance(value, kind) for value in values):
         return tuple(values)
     raise InputError(f"{name} must be a tuple of {kind.__name__} ({maker}); got {shown(values)}")
 
 
 def different(name: str, values: object) -> tuple[Any, ...]:
-    """Return the tuple; `InputError` unless it has one or more values, all different."""
+    """Return the tuple `values`; `InputError` about `name` if it is empty or repeats a value."""
     try:
         if isinstance(values, tuple) and 0 < len(values) == len(set(values)):
             return values
@@ -230,27 +237,27 @@ def different(name: str, values: object) -> tuple[Any, ...]:
 
 
 def text(name: str, value: object) -> str:
-    """Return `value`; `InputError` unless it is a text of printable characters."""
+    """Return `value`; `InputError` about `name` unless it is a text of printable characters."""
     if isinstance(value, str) and value.isprintable():
         return value
     raise InputError(f"{name} must be a text of printable characters; got {shown(value)}")
 
 
 def flag(name: str, value: object) -> bool:
-    """Return `value` as a bool, also from numpy; `InputError` unless it is True or False."""
+    """Return `value`, maybe of numpy, as a bool; `name` must be True or False otherwise."""
     if isinstance(value, bool | np.bool_):
         return bool(value)
     raise InputError(f"{name} must be True or False; got {shown(value)}")
 
 
 def callable_for(name: str, value: object, what: str) -> None:
-    """Raise `InputError` unless `value` can be called; `what` describes the function."""
+    """Raise `InputError` unless `value` can be called: `name` must be a function `what`."""
     if not callable(value):
         raise InputError(f"{name} must be a function {what}; got {shown(value)}")
 
 
 def path(name: str, value: object, what: str = "a path that a file can have") -> Path:
-    """Return `value` as a path; `InputError` unless it is a valid path of a file."""
+    """Return `value` as a `Path`; else `InputError`: `name` must be `what`."""
     written = fspath(value) if isinstance(value, str | PathLike) else None
     if isinstance(written, str) and written and "\0" not in written:
         path_of_text = Path(written)
@@ -260,7 +267,7 @@ def path(name: str, value: object, what: str = "a path that a file can have") ->
 
 
 def single(name: str, batch: tuple[int, ...]) -> None:
-    """Raise `InputError` if the argument is a batch."""
+    """Raise `InputError` about the argument `name` if the shape of its `batch` is not ``()``."""
     if batch:
         raise InputError(f"{name} must be one {name}; got a batch of shape {batch}")
 
@@ -268,7 +275,10 @@ def single(name: str, batch: tuple[int, ...]) -> None:
 def number(
     name: str, value: ArrayLike, check: Callable[..., FloatArray] = finite, unit: str = ""
 ) -> float:
-    """Return `value` as a float; `InputError` unless it is a scalar and passes the check."""
+    """Return the scalar `value` [`unit`] as a float; `InputError` about `name` unless it passes.
+
+    `check`: function of name, value and unit to the checked array.
+    """
     array = np.asarray(check(name, value, unit))
     if array.ndim:
         raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
@@ -278,20 +288,23 @@ def number(
 def unlimited(
     name: str, value: ArrayLike, check: Callable[..., FloatArray] = positive, unit: str = ""
 ) -> float:
-    """Return a limit as a float: infinite, or a number that passes the check."""
+    """Return a scalar limit `value` [`unit`] as a float: infinity, or else a number as by `number`.
+
+    `name`: of the argument, in messages. `check`: function of name, value and unit.
+    """
     if isinstance(value, float) and value == np.inf:
         return np.inf
     return number(name, value, check, unit)
 
 
 def directions(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
-    """Return directions in rad or deg; `InputError` beyond a full turn (confused units)."""
+    """Return directions `value` in `unit`, rad or deg; `InputError` about `name` above a turn."""
     full_turn = 360.0 if unit == "deg" else 2.0 * np.pi
     return within(name, value, -full_turn, full_turn, unit)
 
 
 def bearing(name: str, value: ArrayLike) -> float:
-    """Return a direction [rad]; `InputError` as in `directions`."""
+    """Return a direction `value` [rad] as a float; `InputError` about `name` beyond a full turn."""
     return number(name, value, directions, "rad")
 
 
@@ -308,6 +321,7 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
     """
 
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
+        """Return angles `value` in `unit` after the check; else `InputError` about `name`."""
         array = check(name, value, unit)
         largest = np.abs(array).max(initial=0.0)
         if unit == "deg" and largest >= 90.0:
@@ -320,7 +334,7 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
 
 
 def fraction(name: str, value: ArrayLike, unit: str = "") -> float:
-    """Return `value` as a float; `InputError` unless it is one number above 0 and below 1."""
+    """Return the scalar `value` [`unit`] as a float; `InputError` about `name` outside (0, 1)."""
     part = number(name, value, unit=unit)
     if not 0.0 < part < 1.0:
         raise InputError(f"{name} must be above 0 and below 1; got {part:.6g}")
@@ -328,7 +342,7 @@ def fraction(name: str, value: ArrayLike, unit: str = "") -> float:
 
 
 def one_row(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array ``(n,)``; `InputError` for other shapes."""
+    """Return `value` [`unit`] as an array ``(n,)``; `InputError` about `name` for other shapes."""
     array = finite(name, value, unit)
     if array.ndim != 1 or not array.size:
         raise InputError(f"{name} must be one row of numbers; got an array of shape {array.shape}")
@@ -336,19 +350,19 @@ def one_row(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 
 def times_row(name: str, value: ArrayLike) -> FloatArray:
-    """Return times [s] ``(n,)`` as `one_row`; `InputError` beyond 1e9 s."""
+    """Return times `value` [s] as an array ``(n,)``; `InputError` about `name` beyond 1e9 s."""
     return within(name, one_row(name, value, "s"), -MAX_TIME, MAX_TIME, "s")
 
 
 def whole_number(name: str, value: object) -> int:
-    """Return a nonnegative integer, also from numpy; `InputError` otherwise."""
+    """Return `value` >= 0, also from numpy, as an int; `InputError` about `name` otherwise."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
         raise InputError(f"{name} must be an integer, zero or positive; got {shown(value)}")
     return int(value)
 
 
 def ending(name: str, end: ArrayLike) -> None:
-    """Raise `InputError` unless a history ends, at `end` [s], and is not zero throughout."""
+    """Raise `InputError` about a history `name` without end, or zero: `end` [s] not finite."""
     if not np.all(np.isfinite(end)):
         raise InputError(f"{name} must end, and be other than zero")
 
@@ -377,7 +391,11 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _require(name: str, rule: str, array: FloatArray, good: BoolArray, unit: str) -> None:
-    """Raise `InputError` about the first element that is not good."""
+    """Raise `InputError` about the first of `array` that is not `good`: `name` must be `rule`.
+
+    `good`: whether each element satisfies the rule, in the shape of `array`. `unit`: of the
+    elements.
+    """
     if np.all(good):
         return
     where = np.unravel_index(int(np.argmin(good)), good.shape)
@@ -397,7 +415,7 @@ def shown(value: object) -> str:
 
 
 def _shortened(text: str, size: int) -> str:
-    """Return a text cut to a number of characters."""
+    """Return a `text` cut to at most `size` characters, with an ellipsis at the end."""
     return text if len(text) <= size else f"{text[: size - 3]}..."
 
 

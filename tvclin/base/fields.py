@@ -55,13 +55,13 @@ def plain(value: Any) -> Any:
 
 
 def decibels(factor: Any) -> Any:
-    """Return a positive factor on an amplitude in dB."""
+    """Return a positive factor on an amplitude in dB, 20 log10(factor)."""
     with np.errstate(divide="ignore"):
         return errors.plain(20.0 * np.log10(np.asarray(factor)))
 
 
 def degrees(value: Any) -> Any:
-    """Return angles [rad], also complex ones, in degrees."""
+    """Return angles `value` [rad], also complex ones, in degrees."""
     return np.degrees(1.0) * np.asarray(value) if np.iscomplexobj(value) else np.degrees(value)
 
 
@@ -202,7 +202,10 @@ class Field:
         return self.kind in UNITS
 
     def checked(self, name: str, value: Any, unit: str | None = None) -> Any:
-        """Return a value that passes the check; `unit`: its unit, by default the SI unit."""
+        """Return a `value` that passes the check, as the argument `name`.
+
+        `unit`: of the value, for messages; by default the SI unit.
+        """
         if self.many:
             return self._each(name, value)
         if not self.numeric:
@@ -210,7 +213,7 @@ class Field:
         return errors.number(name, value, self.check, si_unit(self.kind) if unit is None else unit)
 
     def _each(self, name: str, values: Any) -> tuple[Any, ...]:
-        """Return several values that all pass the check."""
+        """Return a tuple of `values` that all pass the check, as the argument `name`."""
         if not self.numeric:
             return tuple(self.check(name, item) for item in errors.different(name, values))
         requested = errors.finite(name, values)
@@ -219,7 +222,7 @@ class Field:
         return tuple(self.check(name, requested).tolist())
 
     def from_option(self, name: str, value: Any) -> Any:
-        """Return the value of an option, which is in its own unit, as the field has it."""
+        """Return the `value` of the option `name`, which is in the option's unit, in SI units."""
         if not self.numeric:
             return self._each(name, tuple(value)) if self.many else self.check(name, value)
         _, unit, factor = optional_unit(self.kind)
@@ -229,7 +232,7 @@ class Field:
 
 
 def chosen(record: Any, *names: str) -> list[Field]:
-    """Return the fields of a record with some names; without names, all that documents show."""
+    """Return the `Field` of each of `names` of a record; without names, all that documents show."""
     specified = fields_of(record)
     if missing := set(names) - {item.name for item in specified}:
         raise AttributeError(f"{type(record).__name__} has no field {', '.join(sorted(missing))}")
@@ -263,7 +266,7 @@ def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
 
 
 def columns(record: Any, *names: str) -> list[Field]:
-    """Return the fields of a record as columns of a table, in the order of their names."""
+    """Return the `Field` of each of some `names` of a record, in the order of the names."""
     return [chosen(record, name)[0] for name in names]
 
 
@@ -285,11 +288,11 @@ def record_table(
     *names: str,
     labels: tuple[str, Iterable[str]] | None = None,
 ) -> lines.Table:
-    """Return the table of records of one kind, a row for each, with a column for each name.
+    """Return the table of `records` of one kind, a row for each, with a column for each of `names`.
 
-    `prefix`: first part of the names of the numbers, before the index of the record, as in
-    "trial.0.limit". `records`: one or more. `labels`: heading and texts of a first column of labels
-    that are no field.
+    `caption`: above the table. `prefix`: first part of the names of the numbers, before the index
+    of the record, as in "trial.0.limit". `records`: one or more. `labels`: heading and texts of a
+    first column of labels that are no field.
     """
     head = tuple(item.heading for item in columns(records[0], *names))
     rows = [cells(record, f"{prefix}.{k}", *names) for k, record in enumerate(records)]
@@ -303,10 +306,11 @@ def record_table(
 def array_table(
     caption: str, prefix: str, record: Any, *names: str, rows: Iterable[int] | None = None
 ) -> lines.Table:
-    """Return the table of fields of a record that are arrays ``(n,)``, a column for each.
+    """Return the table of the fields `names` of a record, arrays ``(n,)``, a column for each.
 
-    `prefix`: first part of the names of the numbers, before the index of the row. `rows`: indices
-    of the rows; by default all. A field without values, None, is a column of dashes.
+    `caption`: above the table. `prefix`: first part of the names of the numbers, before the index
+    of the row. `rows`: indices of the rows; by default all. A field without values, None, is a
+    column of dashes.
     """
     specified = columns(record, *names)
     arrays = [item.value(record) for item in specified]
@@ -334,39 +338,43 @@ def _converted(value: Any, convert: Callable[[Any], Any]) -> Any:
 def quantity(
     kind: str, default: Any = MISSING, check: Callable[..., Any] = errors.finite, **more: Any
 ) -> Any:
-    """Return a dataclass field for a number in SI units, of a kind of `UNITS`.
+    """Return a dataclass field for a number in SI units, of a `kind` of `UNITS`.
 
-    `check`: check of the number. `more`: further attributes of its `Field`.
+    `default`: of the field; required without one. `check`: of the number, a function of name, value
+    and unit. `more`: further attributes of its `Field`.
     """
     return _field(Field(kind=kind, check=check, **more), default)
 
 
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for a word, one of `choices`; `more` as in `quantity`."""
+    """Return a dataclass field for one of `choices`; `default` and `more` as in `quantity`."""
     allowed = tuple(choices)
     check = partial(errors.one_of, choices=allowed)
     return _field(Field(kind="text", check=check, choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for a text of printable characters; `more` as in `quantity`."""
+    """Return a dataclass field for a printable text; `default` and `more` as in `quantity`."""
     return _field(Field(kind="text", check=errors.text, **more), default)
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for True or False; `more` as in `quantity`."""
+    """Return a dataclass field for True or False; `default` and `more` as in `quantity`."""
     return _field(Field(kind="flag", check=errors.flag, **more), default)
 
 
 def count(
     default: Any = MISSING, check: Callable[..., Any] = errors.whole_number, **more: Any
 ) -> Any:
-    """Return a dataclass field for an integer, as `check` allows; `more` as in `quantity`."""
+    """Return a dataclass field for an integer that passes `check`.
+
+    `default` and `more`: as in `quantity`.
+    """
     return _field(Field(kind="count", check=check, **more), default)
 
 
 def _field(item: Field, default: Any) -> Any:
-    """Return a dataclass field with a default whose metadata holds its specification."""
+    """Return a dataclass field with a `default` whose metadata holds its specification `item`."""
     return field(default=default, metadata=specs(item))
 
 
@@ -384,6 +392,7 @@ def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
     """Return the decorator, below ``@property``, that gives a property a `Field` of this kind."""
 
     def mark(getter: _Getter) -> _Getter:
+        """Attach the `Field` to the getter of a property, and return the getter."""
         setattr(getter, _SPECIFICATION, (Field(kind=kind, **more),))
         return getter
 
@@ -391,14 +400,14 @@ def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
 
 
 def fields_of(record: Any) -> tuple[Field, ...]:
-    """Return the fields of a record or its class: attributes, then properties, in their order."""
+    """Return the `Field` of each attribute, then of each property, of a record or its class."""
     kind: Any = record if isinstance(record, type) else type(record)
     return _fields_of(kind)
 
 
 @cache
 def _fields_of(kind: Any) -> tuple[Field, ...]:
-    """Return the fields of a class, cached."""
+    """Return the `Field` of each attribute and property of a class `kind`, cached."""
     specified: dict[str, tuple[Field, ...]] = {}
     if is_dataclass(kind):
         specified = {x.name: x.metadata.get(_SPECIFICATION, ()) for x in fields(kind)}
@@ -416,7 +425,7 @@ def _fields_of(kind: Any) -> tuple[Field, ...]:
 
 @cache
 def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
-    """Return the fields of the parameters of a dataclass, by name."""
+    """Return the `Field` of each parameter of a dataclass `kind`, by name, with its help."""
     helps: dict[str, str] = {}
     for item in reversed(inspect.getmro(kind)):  # type: ignore[arg-type]
         helps |= help_lines(item)
@@ -433,7 +442,7 @@ def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
 
 
 def checked(record: Any, *names: str) -> None:
-    """Check parameters of a record, and set them to the checked values.
+    """Check parameters of a `record`, and set them to the checked values.
 
     `names`: names of the parameters; without, all. None passes where it is the default.
     """
@@ -447,9 +456,10 @@ def checked(record: Any, *names: str) -> None:
 
 
 def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any) -> FileTable:
-    """Return the table of a file for parameters, by default all that have a key.
+    """Return the table of a file, under `heading`, for parameters of the dataclass `kind`.
 
-    `more`: further words, lists and quantities of the table, as in `FileTable`.
+    `names`: of the parameters; by default all that have a key. `more`: further words, lists and
+    quantities of the table, as in `FileTable`.
     """
     specified = [parameters(kind)[name] for name in names] or _keyed(kind)
     single = [item for item in specified if not item.many]
@@ -471,21 +481,21 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
 
 
 def _in_any_unit(item: Field) -> bool:
-    """Return whether the check of a number holds in each unit of its keys."""
+    """Return whether the check of the number `item`, as of its sign, holds in any unit."""
     return item.numeric and (
         item.kind == "angle" or item.check in (errors.positive, errors.nonnegative, errors.nonzero)
     )
 
 
 def _keyed(kind: type) -> list[Field]:
-    """Return the parameters that have a key in files."""
+    """Return the parameters of the dataclass `kind` that have a key in files."""
     return [item for item in parameters(kind).values() if item.key is not None]
 
 
 def completed(text: str, table: FileTable, kind: type) -> str:
     """Return a template whose table names every key of its fields, the others in comments.
 
-    `text`: the template, in which the table ends with an empty line.
+    `text`: the template, in which `table` ends with an empty line. `kind`: dataclass of the fields.
     """
     start = text.index(f"\n{table.heading}\n")
     end = text.find("\n\n", start + 1) % len(text)
@@ -502,7 +512,7 @@ def completed(text: str, table: FileTable, kind: type) -> str:
 
 
 def help_lines(kind: type) -> dict[str, str]:
-    """Return the lines of help in the docstring of a class, by attribute or parameter."""
+    """Return the lines of help in the docstring of a class `kind`, by attribute or parameter."""
     doc = inspect.cleandoc(kind.__doc__ or "")
     *_, attributes = _SECTION.split(doc, maxsplit=1)
     helps: dict[str, str] = {}
@@ -512,7 +522,7 @@ def help_lines(kind: type) -> dict[str, str]:
 
 
 def help_line(item: Field) -> str:
-    """Return the help of an option: the line of its field, in the unit of the option."""
+    """Return the help of the option of a field `item`: its line, in the unit of the option."""
     help_text = item.help.replace("`", "")
     if item.numeric and _UNIT.search(help_text):
         unit = optional_unit(item.kind)[1]

@@ -45,14 +45,16 @@ class EditedSource(str):
     _tables: dict[str, Any] | None
     keys: tuple[str, ...]
 
-    def __new__(  # noqa: D102
+    def __new__(
         cls, source: str, tables: dict[str, Any] | None = None, keys: tuple[str, ...] = ()
     ) -> Self:
+        """Return the text `source` with its tables and keys."""
         made = super().__new__(cls, source)
         made._tables, made.keys = tables, keys
         return made
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        """Return the source itself, which is never changed; `memo` is that of `copy.deepcopy`."""
         return self
 
     @property
@@ -130,7 +132,7 @@ def target_of(path: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text as UTF-8, as `write_whole`."""
+    """Write `text` to `path` as UTF-8, wholly or not at all, as `write_whole`."""
     write_whole(path, lambda target: Path(target).write_text(text, encoding="utf-8", newline=""))
 
 
@@ -147,7 +149,7 @@ def write_rows(rows: Iterable[Iterable[Any]], path: str | PathLike[str] | None =
 
 
 def _cell(value: Any) -> Any:
-    """Return a number as it is, and a text without control characters, never a formula."""
+    """Return a number `value` unchanged; a text without control characters, and never a formula."""
     if not isinstance(value, str):
         return value
     name = printable(value)
@@ -155,14 +157,14 @@ def _cell(value: Any) -> Any:
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write a text into a file; `InputError` where it holds something already."""
+    """Write `text` to `path`; `InputError` if that file exists and is not empty."""
     if exists(path) and path.is_file() and path.stat().st_size > 0:
         raise InputError(f"{called(path)} exists already; name another file or move it away")
     write_text(path, text)
 
 
 def read_text(path: Path, kind: str, start: str = "", encodings: tuple[str, ...] = UTF_8) -> str:
-    """Return the text of a file, with or without a byte order mark.
+    """Return the text of the file `path`, with or without a byte order mark.
 
     For messages, `kind` is what it should be, "a vehicle file", and `start` how to get one.
     `encodings`: UTF-8, or `ENCODINGS` of tables that spreadsheets write.
@@ -176,7 +178,10 @@ def read_text(path: Path, kind: str, start: str = "", encodings: tuple[str, ...]
 
 
 def read_bytes(path: Path, kind: str, start: str = "") -> bytes:
-    """Return the bytes of a file, at most `MAX_BYTES`; `kind` and `start` as in `read_text`."""
+    """Return the bytes of the file `path`, at most `MAX_BYTES`; `InputError` if it cannot be read.
+
+    For messages, `kind` is what it should be, "a vehicle file", and `start` how to get one.
+    """
     name = called(path)
     _check_ordinary(path)
     try:
@@ -194,11 +199,16 @@ def read_bytes(path: Path, kind: str, start: str = "") -> bytes:
 
 
 def _hint(start: str) -> str:
+    """Return the end of a message, `start`: how to get a file; "" if that is empty."""
     return f"; {start}" if start else ""
 
 
 def _decoded(content: bytes, name: str, encodings: tuple[str, ...]) -> str:
-    """Return the text of bytes: UTF-16 where they begin with its byte order mark."""
+    """Return the text of bytes `content` in the first fitting of `encodings`; else `InputError`.
+
+    It is UTF-16 exactly where they begin with its byte order mark. `name`: of the file, in the
+    message.
+    """
     marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     for encoding in encodings:
         if marked == (encoding == "utf-16"):
@@ -229,7 +239,7 @@ def tables_of(text: str, source: str) -> dict[str, Any]:
 
 
 def exists(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file or directory of a name exists; False for an invalid name."""
+    """Return whether a file or directory `path` exists; False for an invalid name."""
     try:
         return Path(path).exists()
     except (OSError, ValueError):
@@ -242,19 +252,19 @@ def printable(text: str) -> str:
 
 
 def called(path: object) -> str:
-    """Return a file name as messages quote it: on one line, shortened if very long."""
+    """Return a file name, the text of `path`, as messages quote it: one line, shortened if long."""
     name = "".join(letter if letter.isprintable() else "?" for letter in str(path))
     half = _MAX_QUOTED_NAME // 2
     return name if len(name) <= _MAX_QUOTED_NAME else f"{name[:half]}...{name[3 - half :]}"
 
 
 def reason(error: Exception) -> str:
-    """Return the text of why the system cannot open a file."""
+    """Return the system's text of an `error` of opening a file."""
     return getattr(error, "strerror", None) or str(error)
 
 
 def make_directory(path: Path) -> None:
-    """Make a directory, and its parents, unless it exists."""
+    """Make the directory `path`, and its parents, unless it exists."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
@@ -264,7 +274,7 @@ def make_directory(path: Path) -> None:
 
 
 def _behind_links(path: Path) -> Path:
-    """Return the target of a link; any other path unchanged."""
+    """Return the target of `path` if that is a link; any other path unchanged."""
     try:
         linked = path.is_symlink()
     except (OSError, ValueError):  # no file can have this name
@@ -278,7 +288,7 @@ def _behind_links(path: Path) -> Path:
 
 
 def _mode(path: Path) -> int:
-    """Return the mode of an existing file, or the default mode of a new one."""
+    """Return the permission bits of the file `path`, or the default ones of a new file."""
     if path.exists():
         return stat.S_IMODE(path.stat().st_mode)
     mask = os.umask(0)
@@ -287,7 +297,7 @@ def _mode(path: Path) -> int:
 
 
 def _check_ordinary(path: Path) -> None:
-    """Raise `InputError` for devices and pipes, which may never end; standard input is read."""
+    """Raise `InputError` if `path` is a device or pipe, which may never end, but standard input."""
     if not exists(path) or path.is_file() or path.is_dir():
         return
     try:
@@ -301,7 +311,7 @@ def _check_ordinary(path: Path) -> None:
 
 
 def _check_lines(text: str, name: str) -> None:
-    """Raise `InputError` for a line that no file of words and numbers has."""
+    """Raise `InputError` for a line of `text` above a million characters; `name`: of the file."""
     begin = 0
     while len(text) - begin > _MAX_LINE_CHARACTERS:
         last = begin + _MAX_LINE_CHARACTERS + 1
@@ -315,11 +325,15 @@ def _check_lines(text: str, name: str) -> None:
 
 
 def _unwritable(path: Path, error: Exception) -> InputError:
+    """Return the error that `path` cannot be written, with the reason of the system."""
     return InputError(f"{called(path)} cannot be written: {reason(error)}")
 
 
 def _check_text(text: str, name: str) -> None:
-    """Raise `InputError` for a text of TOML so long or so deeply nested that it parses slowly."""
+    """Raise `InputError` for a TOML `text` so long or so deeply nested that it parses slowly.
+
+    `name`: of the file, in the message.
+    """
     if len(text) > _MAX_TABLE_CHARACTERS:
         raise InputError(
             f"{name} has more than {_MAX_TABLE_CHARACTERS // 1_000_000} million letters"
@@ -331,7 +345,10 @@ def _check_text(text: str, name: str) -> None:
 
 
 def _check(document: dict[str, Any], name: str) -> None:
-    """Raise `InputError` for nesting and integers beyond the limits; without recursion."""
+    """Raise `InputError` for nesting and integers of a TOML `document` beyond the limits.
+
+    `name`: of the file, in the message. There is no recursion, which nesting could exhaust.
+    """
     queue: list[tuple[object, str, int]] = [(document, "", 0)]
     while queue:
         value, key, depth = queue.pop()

@@ -94,12 +94,15 @@ def labelled(label: str) -> Line:
 
 
 def quantities(caption: str, rows: Iterable[Row]) -> Table:
-    """Return a table of names and values; a symbol at the end of a name is a formula."""
+    """Return the table of `rows` of names and lines under a `caption`: quantity, value.
+
+    A symbol at the end of a name is a formula.
+    """
     return Table(caption, QUANTITIES, tuple((labelled(label), line) for label, line in rows))
 
 
 def words(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
-    """Return a table of words."""
+    """Return the table of `rows` of words under a `caption`, with the headings `head`."""
     return Table(caption, tuple(head), tuple(tuple((cell,) for cell in row) for row in rows))
 
 
@@ -114,9 +117,10 @@ _MAX_FIXED = 1e6
 
 
 def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
-    """Return a number with some decimals; a dash for NaN and "unlimited" for infinity.
+    """Return `value`, called `name`, to some decimal `digits`, with its `unit` after it.
 
-    From `_MAX_FIXED` on it has four significant digits and a power of ten.
+    NaN is a dash, infinity "unlimited". From `_MAX_FIXED` on it has four significant digits and a
+    power of ten.
     """
     if _MAX_FIXED <= abs(float(value)) < np.inf:
         return significant(name, value, unit=unit)
@@ -125,24 +129,27 @@ def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
 
 
 def minimum_limit(limit: Line) -> Line:
-    """Return a minimum deflection limit; the text that none is sufficient if infinite."""
+    """Return the cell `limit` of a minimum deflection limit; "none is sufficient" if infinite."""
     return (NONE_SUFFICIENT,) if limit == (_UNLIMITED,) else limit
 
 
 def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
-    """Return a number with some significant digits."""
+    """Return `value`, called `name`, to some significant `digits`, with its `unit` after it."""
     mantissa, _, power = f"{float(value) + 0.0:.{digits}g}".partition("e")  # no minus before a zero
     shown = f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
     return _shown(name, value, shown, unit)
 
 
 def upper_pole(name: str, pole: complex) -> Line:
-    """Return a pole to five digits; a complex one stands for its pair."""
+    """Return `pole`, called `name`, to five digits; a complex one stands for its pair, with ±."""
     return complex_number(name, pole, 5, "±")
 
 
 def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -> Line:
-    """Return a complex number; `sign` replaces the sign of its imaginary part."""
+    """Return a complex `value`, called `name`, to some significant `digits` of both parts.
+
+    `sign`: in place of the sign of its imaginary part.
+    """
     real = significant(f"{name}.real", value.real, digits)
     if not value.imag:
         return real
@@ -151,12 +158,18 @@ def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -
 
 
 def degrees(name: str, angle: Any, digits: int = 3, unit: str = "") -> Line:
-    """Return an angle [rad] in degrees; the name gets its unit."""
+    """Return `angle` [rad] in degrees to some decimal `digits`, called `name` with the ending _deg.
+
+    `unit`: text after the number.
+    """
     return number(f"{name}_deg", float(np.degrees(angle)), digits, unit)
 
 
 def _shown(name: str, value: Any, shown: str, unit: str) -> Line:
-    """Return the line of a number with its text; a dash or "unlimited" if not finite."""
+    """Return the line of `value`, called `name`, whose text is `shown`, with its `unit` after it.
+
+    It is a dash for NaN and "unlimited" for infinity.
+    """
     plain = float(value)
     if not np.isfinite(plain):
         return ("-" if np.isnan(plain) else _UNLIMITED,)

@@ -29,7 +29,7 @@ def pass_warnings(
     def show(
         message: Warning | str, category: type[Warning], *rest: object, **more: object
     ) -> None:
-        """Pass a warning of the package to its receiver, each message once."""
+        """Pass a warning of the package to the receiver of its `category`, each message once."""
         if category not in receivers or str(message) in said:
             return
         said.add(str(message))

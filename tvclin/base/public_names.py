@@ -54,13 +54,15 @@ CHAPTERS = (
 def public_names(
     package: str, file: str
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """Return ``__getattr__``, ``__dir__`` and ``__all__`` for the stub next to a file.
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a module `package`, lazily loaded.
 
-    The message on a missing name proposes the public name that is meant, or its chapter.
+    `file`: path of the module, whose stub (.pyi) lists the names. The message on a missing name
+    proposes the public name that is meant, or its chapter.
     """
     load, all_names, names = lazy_loader.attach_stub(package, file)
 
     def get(name: str) -> Any:
+        """Return the public `name`, loaded on first use; `AttributeError` if there is none."""
         if name in names:
             return load(name)
         if name.startswith("_") or find_spec(f"{package}.{name}"):  # a file, about to be imported
@@ -68,7 +70,7 @@ def public_names(
         raise AttributeError(_missing(package, name), name=name, obj=sys.modules[package])
 
     def listed() -> list[str]:
-        # pydoc prints the whole help of each name that `inspect` lists, thousands of lines
+        """Return the public names; none to `inspect`: pydoc would print the help of each."""
         caller = sys._getframe(1).f_globals.get("__name__", "")
         return [] if caller == "inspect" else all_names()
 
@@ -81,14 +83,15 @@ class Hinted:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
+            """Raise `AttributeError` on a missing `name`, with the public name that is meant."""
             kind = type(self)
             raise AttributeError(_hint(kind.__name__, name, dir(kind)), name=name, obj=self)
 
 
 def _hint(kind: str, name: str, attributes: Iterable[str]) -> str:
-    """Return the message on an attribute that a record has not, with the public name for it.
+    """Return the message that a class `kind` has no attribute `name`, and which is meant.
 
-    `attributes`: attributes of the record.
+    `attributes`: names of the attributes of the class.
     """
     if name.startswith("_"):
         return f"{kind!r} object has no attribute {name!r}"
@@ -102,7 +105,7 @@ def _hint(kind: str, name: str, attributes: Iterable[str]) -> str:
 
 
 def _missing(package: str, name: str) -> str:
-    """Return the message on a name that a chapter has not: the chapter that has it or its like."""
+    """Return the message that a `package` has no public `name`: a similar name, and its chapter."""
     from difflib import get_close_matches  # late: seldom needed
 
     if name in GUESSES:

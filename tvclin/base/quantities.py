@@ -42,19 +42,20 @@ NOMINAL = "at nominal dynamic pressure"
 
 
 def sufficiency(answer: bool | None) -> str:
-    """Return the verdict on a limit: SUFFICIENT, NOT SUFFICIENT or NOT KNOWN."""
+    """Return the verdict on a limit by its `answer`: SUFFICIENT, NOT SUFFICIENT or NOT KNOWN."""
     return _word(answer, "SUFFICIENT")
 
 
 def satisfaction(answer: bool | None) -> str:
-    """Return whether criteria are satisfied: MET, NOT MET or NOT KNOWN."""
+    """Return whether criteria are satisfied, `answer`: MET, NOT MET, or NOT KNOWN for None."""
     return _word(answer, "MET")
 
 
 def survival(answer: bool | None) -> str:
-    """Return the outcome of a flight: SURVIVED, NOT SURVIVED or NOT KNOWN."""
+    """Return the outcome of a flight, `answer`: SURVIVED, NOT SURVIVED, or NOT KNOWN for None."""
     return _word(answer, "SURVIVED")
 
 
 def _word(answer: bool | None, word: str) -> str:
+    """Return `word` for the `answer` True, NOT `word` for False, and NOT KNOWN for None."""
     return {True: word, False: f"NOT {word}", None: "NOT KNOWN"}[answer]

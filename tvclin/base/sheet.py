@@ -51,11 +51,14 @@ class Text:
     lines: tuple[str, ...]
 
     def error(self, line: int, message: str) -> InputError:
-        """Return an error about a line."""
+        """Return the error `message` about the line of that number, with the file's name."""
         return InputError(f"{self.source}, line {line}: {message}")
 
     def numbers(self, column: str, cells: Sequence[str], line: IntArray) -> FloatArray:
-        """Return the numbers in the cells of a column, NaN where a value is missing."""
+        """Return the numbers ``(n,)`` in the `cells` of a `column`, NaN where a value is missing.
+
+        `column`: its name, and `line`: line numbers ``(n,)`` of the cells, for messages.
+        """
         try:
             values = np.array(cells, dtype=float)
         except ValueError:
@@ -66,7 +69,10 @@ class Text:
         return np.where(np.isin(values, MISSING_NUMBERS), np.nan, values)
 
     def _number(self, column: str, cell: str, line: int) -> float:
-        """Return the number of a cell; NaN for a missing value, an error for other text."""
+        """Return the number of a `cell`; NaN for a missing value, an error for other text.
+
+        `column`: name, and `line`: line number of the cell, for the message.
+        """
         try:
             value = float(cell)
         except ValueError:
@@ -80,20 +86,23 @@ class Text:
         return value
 
     def require(self, good: BoolArray, line: IntArray, say: Callable[[int], str]) -> None:
-        """Raise an error about the first line that is not good; `say` makes it from the index."""
+        """Raise an error about the first line that is not `good`; `say` makes it from the index.
+
+        `good`: whether each row is valid, ``(n,)``. `line`: line number of each row, ``(n,)``.
+        """
         if not np.all(good):
             first = int(np.argmin(good))
             raise self.error(int(line[first]), say(first))
 
 
 def read_lines(path: str | PathLike[str], kind: str = "a file of winds") -> Text:
-    """Return the lines of a text file in any of `ENCODINGS`; `kind` as `read_text`."""
+    """Return the lines of the text file `path` in any of `ENCODINGS`; `kind` is for messages."""
     content = read_text(a_path("path", path), kind, encodings=ENCODINGS)
     return lines_of(content, str(path))
 
 
 def lines_of(content: str, source: str) -> Text:
-    """Return the lines of a text, with any line ends; `source` names it in messages."""
+    """Return the lines of the text `content`, with any line ends; `source` names it in messages."""
     if "\0" in content:
         raise InputError(f"{called(source)} is not a text file")
     return Text(called(source), tuple(re.split(r"\r\n|\r|\n", content)))
@@ -151,7 +160,7 @@ class Sheet:
         return tuple(f"{self.text.source}, line {n}" for n in self.line)
 
     def error(self, message: str) -> InputError:
-        """Return an error about the line of names."""
+        """Return the error `message` about the line of names."""
         return self.text.error(self.head + 1, message)
 
     def find(self, *names: str) -> Heading | None:
@@ -174,17 +183,17 @@ class Sheet:
         return None
 
     def column(self, heading: Heading) -> list[str]:
-        """Return the cells of a column."""
+        """Return the texts of all cells of the column of a `heading`, from top to bottom."""
         return [row[heading.index] for row in self.cells]
 
     def numbers(
         self, heading: Heading, dimension: str, units: dict[str, float] | None = None
     ) -> Column:
-        """Return the numbers of a column in SI units.
+        """Return the numbers of the column of a `heading` in SI units.
 
-        `dimension`: quantity of the column, of `WRITTEN`. `units`: its units by spelling, by
-        default of `WRITTEN`. `InputError` for a unit that is missing or unknown, and for a cell
-        that is no number.
+        `dimension`: kind of quantity of the column, a key of `WRITTEN`. `units`: factors to SI of
+        its units by spelling, by default of `WRITTEN`. `InputError` for a unit that is missing or
+        unknown, and for a cell that is no number.
         """
         unit = self._unit(heading, WRITTEN[dimension] if units is None else units)
         cells = self.column(heading)
@@ -196,16 +205,20 @@ class Sheet:
     def need(
         self, name: str, dimension: str, mend: str, units: dict[str, float] | None = None
     ) -> Column:
-        """Return the numbers of a column by name; `InputError` with the remedy without it."""
+        """Return the numbers of the column `name` in SI units; `InputError` if there is none.
+
+        `dimension`, `units`: as in `numbers`. `mend`: text of the remedy.
+        """
         heading = self.find(name)
         if heading is None:
             raise InputError(f"{self.text.source} has no column {name}; {mend}")
         return self.numbers(heading, dimension, units)
 
     def optional(self, key: str, name: str, dimension: str, notes: list[str]) -> dict[str, Column]:
-        """Return the numbers of an optional column by our key; empty without a column of that name.
+        """Return the numbers of the column `name` by `key`; empty if the file has no such column.
 
-        A column that cannot be read is omitted, and `notes` gets the reason.
+        `dimension`: kind of quantity, a key of `WRITTEN`. A column that cannot be read is omitted,
+        and `notes` gets the reason.
         """
         try:
             heading = self.find(name)
@@ -216,11 +229,14 @@ class Sheet:
             return {}
 
     def factor(self, heading: Heading, dimension: str) -> float:
-        """Return the factor of a column's unit to SI; `InputError` for an unknown unit."""
+        """Return the factor to SI of the unit of a column, by its `heading`; else `InputError`.
+
+        `dimension`: kind of quantity of the column, a key of `WRITTEN`.
+        """
         return self._unit(heading, WRITTEN[dimension]).factor
 
     def _unit(self, heading: Heading, units: dict[str, float]) -> Unit:
-        """Return the unit of a column; `InputError` for a missing or unknown unit."""
+        """Return the unit of the column of a `heading`, of `units`; `InputError` for any other."""
         unit = unit_of(heading.unit or "", units)
         if unit is None or (heading.unit is None and "" not in units):
             raise InputError(
@@ -236,14 +252,19 @@ Fit = Callable[[Headings], float]
 
 
 def read_sheet(path: str | PathLike[str], kind: str, fit: Fit, missing: str) -> Sheet:
-    """Return the table of a file; `kind` names the expected file; see `sheet_in`."""
+    """Return the table of the file `path` below its line of names, the line that fits best.
+
+    `kind`: of the expected file, `missing`: the line of names in words; both for messages. `fit`:
+    function of headings to the number of known columns among them.
+    """
     return sheet_in(read_lines(path, kind), fit, missing)
 
 
 def sheet_in(text: Text, fit: Fit, missing: str) -> Sheet:
-    """Return the table of a text below its line of names, the line that fits best.
+    """Return the table of a `text` below its line of names, the line that fits best.
 
-    `fit`: number of known columns of a line. `missing`: description of the line for the message.
+    `fit`: function of headings to the number of known columns among them. `missing`: the line of
+    names in words, for the message.
     """
     head = head_of(text, fit)
     if head is not None:
@@ -255,9 +276,10 @@ def sheet_in(text: Text, fit: Fit, missing: str) -> Sheet:
 
 
 def head_of(text: Text, fit: Fit) -> tuple[int, Headings, str] | None:
-    """Return index, names and separator of the line of names that fits best; None without one.
+    """Return index, names and separator of the line of names in a `text`; None without one.
 
-    Of equal lines it is the first above a row with as many cells.
+    It is the line with the most known columns, by `fit`; of equal ones the first above a row with
+    as many cells.
     """
     best, head = (0.0, False), None
     for i, headings, separator in _candidates(text):
@@ -275,7 +297,7 @@ def head_of(text: Text, fit: Fit) -> tuple[int, Headings, str] | None:
 
 
 def cell_number(key: str, cell: str) -> float:
-    """Return the number of a cell; `InputError` for another text."""
+    """Return the number of a `cell`; `InputError` about `key` for another text."""
     try:
         return float(cell)
     except ValueError:
@@ -288,13 +310,13 @@ def letters(name: str) -> str:
 
 
 def is_comment(content: str) -> bool:
-    """Return whether a line is a comment: by its mark, or an event without its mark."""
+    """Return whether the line `content` is a comment: by its mark, or an event without its mark."""
     bare = content.lstrip("\"' \t\ufeff")
     return bare.startswith(("#", "%", "!", "//")) or bare.startswith("Event ")
 
 
 def _candidates(text: Text) -> Iterator[tuple[int, Headings, str]]:
-    """Yield index, names and separator of lines without a number among their cells."""
+    """Yield index, headings and separator of each line of `text` without a number in its cells."""
     for i, content in enumerate(text.lines[:MAX_HEAD_LINE]):
         if len(content) > MAX_COLUMNS * _MAX_NAME_LENGTH or _FIRST_NUMBER.match(content):
             continue
@@ -309,7 +331,10 @@ def _candidates(text: Text) -> Iterator[tuple[int, Headings, str]]:
 
 
 def _split(content: str, separator: str) -> list[str]:
-    """Return the cells of a line, also of a line that is quoted entirely."""
+    """Return the cells of a line `content`, also of a line that is quoted entirely.
+
+    `separator`: a character, or one of `_AFTER_UNITS` and `_BLANKS`.
+    """
     if separator == _AFTER_UNITS:
         return re.split(r"(?<=[)\]])\s+(?=[^\s(\[])", content.strip())
     if separator == _BLANKS:
@@ -324,7 +349,7 @@ def _split(content: str, separator: str) -> list[str]:
 
 
 def _heading(index: int, cell: str) -> Heading:
-    """Return the heading of a cell, with the unit in its last parentheses."""
+    """Return the heading of a `cell` at a column `index`, with the unit in its last parentheses."""
     text = " ".join("".join(c for c in cell if c.isprintable()).strip(' "').split())
     match = re.fullmatch(r"(.*\S)\s*[(\[]([^()\[\]]*)[)\]]", text)
     name, unit = (match[1], match[2].strip()) if match else (text, None)
@@ -332,7 +357,10 @@ def _heading(index: int, cell: str) -> Heading:
 
 
 def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
-    """Return the sheet of the rows below a line of names; errors name the line."""
+    """Return the sheet of the rows of `text` below the line of names, of index `head`.
+
+    `headings`, `separator`: of that line. `InputError` naming the line for another number of cells.
+    """
     for cell in headings:
         if len(cell.text) > _MAX_NAME_LENGTH:
             raise text.error(
@@ -378,7 +406,10 @@ def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _with_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:
-    """Return cells with decimal points: without any point, commas are decimal."""
+    """Return the cells of `rows` with decimal points: without any point, commas are decimal.
+
+    `line`: line numbers of the rows of `text`, for the error about a mixture or a doubtful comma.
+    """
     decimals = [
         [(match[1], cell) for cell in row if (match := _DECIMAL.fullmatch(cell))] for row in rows
     ]

@@ -61,21 +61,21 @@ class FileTable:
         return " or ".join(key for key, (of, _) in self.keys.items() if of == name) or name
 
     def made(self, document: Mapping[str, Any], make: Callable[[dict[str, Any]], _T]) -> _T | None:
-        """Return the value made of the table of a document; None without the table."""
+        """Return what `make` returns of the table in a `document`; None without the table."""
         if self.name not in document:
             return None
         with naming(self.heading):
             return make(self.one(document))
 
     def one(self, document: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the table of a document with its keys; empty if it is missing."""
+        """Return the table in a `document` with its keys; empty if it is missing."""
         table = document.get(self.name, {})
         if not isinstance(table, dict):
             raise InputError(f"{self.heading} must be a table; got {shown(table)}")
         return dict(table)
 
     def each(self, document: Mapping[str, Any]) -> list[dict[str, Any]]:
-        """Return all tables of a repeated heading of a document, as `one`."""
+        """Return all tables of the repeated heading in a `document`, each with its keys."""
         rows = document.get(self.name, [])
         if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
             raise InputError(f"{self.name} must be given as {self.heading}, once for each")
@@ -126,7 +126,7 @@ class FileTable:
         }
 
     def need(self, values: Mapping[str, Any], names: Iterable[str]) -> None:
-        """Raise `InputError` for required names that are missing."""
+        """Raise `InputError` for required `names` that are missing in `values`."""
         faults = Faults()
         for name in names:
             with faults.kept():
@@ -135,10 +135,11 @@ class FileTable:
         faults.tell()
 
     def write(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return numbers in SI units by their keys, the inverse of `read`."""
+        """Return the numbers `values`, by name, in SI units by key: the inverse of `read`."""
         return {self.spelled(name).split(" or ")[0]: value for name, value in values.items()}
 
     def _list(self, key: str, value: object) -> tuple[Any, ...]:
+        """Return the list `value` of a `key` as a tuple; `InputError` for anything else."""
         if not isinstance(value, list):
             raise InputError(f"{key} in {self.heading} must be a list; got {shown(value)}")
         return tuple(value)
@@ -160,7 +161,10 @@ class FileTable:
 
 
 def check_known(what: str, keys: Iterable[str], names: Iterable[str]) -> None:
-    """Raise `InputError` for keys that are not among the names, with similar names."""
+    """Raise `InputError` for `keys` that are not among `names`, with similar names.
+
+    `what`: what a key is, in the message.
+    """
     legal, faults = list(names), Faults()
     for key in keys:
         with faults.kept():
@@ -171,6 +175,7 @@ def check_known(what: str, keys: Iterable[str], names: Iterable[str]) -> None:
 
 
 def _hint(similar: list[str], legal: Iterable[str]) -> str:
+    """Return the end of a message on an unknown key: `similar` keys, or else the `legal` ones."""
     if similar:
         return f"did you mean {' or '.join(similar)}?"
     names = ", ".join(legal)

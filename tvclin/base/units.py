@@ -110,7 +110,7 @@ _OPTION_SUFFIXES = {
 
 
 def optional_unit(kind: str) -> tuple[str, str, float]:
-    """Return the unit of an option: suffix of its name, text, and factor to SI."""
+    """Return the unit of an option of a `kind`: suffix of its name, text, and factor to SI."""
     suffix = _OPTION_UNITS.get(kind, "")
     if not suffix:
         return _OPTION_SUFFIXES.get(kind, ""), si_unit(kind), 1.0
@@ -118,7 +118,7 @@ def optional_unit(kind: str) -> tuple[str, str, float]:
 
 
 def document_unit(kind: str) -> str:
-    """Return the unit at the end of a key of a document; "" for what has no unit."""
+    """Return the unit of a `kind` at the end of a key of a document; "" for what has no unit."""
     return "" if kind in _NO_UNIT else _DOCUMENT_UNITS.get(kind) or next(iter(UNITS[kind]))
 
 
@@ -198,11 +198,12 @@ class Unit:
 
 
 def unit_of(written: str, candidates: dict[str, float]) -> Unit | None:
-    """Return the unit of a text; None where no candidate fits, or two do.
+    """Return the unit whose text is `written`; None where no candidate fits, or two do.
 
-    All but letters, digits and strokes is ignored, since other encodings damage it; then
-    alternative spellings of its components are tried: m/sec, feet, m s-1, m_per_s. If none fits,
-    powers are ignored as well: within a quantity the remainder identifies the unit.
+    `candidates`: factors to SI by spelling, of one kind of quantity. All but letters, digits and
+    strokes is ignored, since other encodings damage it; then alternative spellings of its
+    components are tried: m/sec, feet, m s-1, m_per_s. If none fits, powers are ignored as well:
+    within a quantity the remainder identifies the unit.
     """
     written = written.translate(_SIGNS)
     key = _key(written)
@@ -225,6 +226,7 @@ _SIGNS = str.maketrans("¹²³⁻\u2212º˚", "123--°°")
 
 
 def _key(unit: str) -> str:
+    """Return the ASCII letters, digits and strokes of a unit, in lower case."""
     ascii_characters = (c for c in unit.translate(_SIGNS).lower() if c.isascii())
     return "".join(c for c in ascii_characters if c.isalnum() or c == "/")
 
@@ -238,6 +240,7 @@ def _respelled(unit: str) -> str:
 
 
 def _powerless(key: str) -> str:
+    """Return the key of a unit without digits."""
     return "".join(c for c in key if not c.isdigit())
 
 
