@@ -1699,6 +1699,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "progress": lambda done, total: None,
             },
         ),
+        "flown_required_rate": Door(
+            tv.nozzle.flown_required_rate,
+            {"case": carded, "law": tv.SaturatedLaw.of(carded.autopilot)},
+        ),
         "FlightDuty.to_csv": Door(
             tv.nozzle.flight_duty(carded, once).to_csv, {"path": folder / "card.csv"}
         ),

@@ -64,6 +64,19 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
         assert f"{stated['required_rate_deg_per_s']:.3f}" in first
 
 
+def test_the_required_rate_of_an_autopilot_is_that_of_the_library() -> None:
+    given = ("--law", "autopilot", "--limit-deg", "0.8")
+    case = tv.Case(
+        vehicle=tv.load_vehicle("configuration-i"), nozzle=tv.Nozzle(limit=np.radians(0.8))
+    )
+    law = tv.SaturatedLaw.of(case.autopilot)
+    rate = float(np.degrees(tv.nozzle.flown_required_rate(case, law)))
+    answer = json.loads(run(*given, "--json").stdout)
+    assert answer["autopilot_required_rate_deg_per_s"] == pytest.approx(rate, rel=1e-12)
+    words = f"required rate of autopilot, flown, with the limit {rate:.3f} deg/s"
+    assert words in run(*given).output
+
+
 @pytest.mark.parametrize(
     ("options", "code", "words"),
     usual(

@@ -1,6 +1,7 @@
 """--set KEY VALUE: the plan of a study file that has the key, in every command with a case."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from tvclin.studyfile.read import example, load_sizing
 from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES, with_settings
 
 V, BENDS = "configuration-i", "made-up-booster"
+SOUNDING = Path(__file__).parents[1] / "soundings" / "wyoming.txt"
 STUDY = """
 [study]
 vehicle = "configuration-i"
@@ -155,7 +157,7 @@ def test_a_vehicle_with_keys_has_its_flight():
         ("vehicle.thrust_kN", "-1", "Error: --set vehicle.thrust_kN: thrust must be positive"),
         ("wind.peak_rad", "6", "Error: --set wind.peak_rad: peak must be a wind angle within"),
         ("wind.peak_deg", "none", "Error: --set wind.peak_deg: [wind] needs its peak"),
-        ("wind.sounding", "x.csv", "with a sounding has no shape, peak_rad or duration_s: take"),
+        ("wind.sounding", "x.csv", "a key is missing in [[wind]]: azimuth_rad or azimuth_deg"),
     ],
 )
 def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
@@ -193,10 +195,21 @@ def test_gains_that_lack_one_are_said_by_keys_where_keys_gave_them():
     assert "need --set autopilot.attitude_gain and --set autopilot.rate_gain_s, both" in error
 
 
+def test_a_sounding_that_is_set_is_the_wind_in_place_of_the_pulse():
+    sounding = ("--set", "wind.sounding", str(SOUNDING), "--azimuth-deg", "30")
+    by_key = ran("respond", V, *sounding, "--limit-deg", "3", "--json")
+    option = ("--winds", str(SOUNDING), "--azimuth-deg", "30")
+    assert by_key[0] == 0
+    assert by_key[:2] == ran("respond", V, *option, "--limit-deg", "3", "--json")[:2]
+    error = ran("study", V, *sounding)[2]
+    assert "a study needs a wind of one shape, a [wind] with a peak and no sounding" in error
+
+
 def test_keys_that_exclude_each_other_are_refused():
     for pair in (
         [("wind.peak_deg", "4"), ("wind.peak_speed_m_per_s", "3")],
         [("autopilot.design", "lqr"), ("autopilot.rate_gain_s", "3")],
+        [("wind.peak_deg", "4"), ("wind.sounding", "wind.csv")],
     ):
         with pytest.raises(InputError, match="exclude each other"):
             with_settings(V, pair)

@@ -95,3 +95,34 @@ def test_more_samples_than_can_be_flown_are_refused_at_once(given):
     case = tv.Case(vehicle=VEHICLE, wind=wind, nozzle=NOZZLE, design=design)
     with pytest.raises(tv.InputError, match=r"at most 2e\+09 samples"):
         tv.nozzle.flown_trade_offs({"one": case})
+
+
+@pytest.mark.parametrize(
+    "actuator", usual([None, tv.Actuator(natural_frequency=10.0, damping=0.7)], 0)
+)
+def test_at_the_required_rate_of_an_autopilot_the_limit_is_its_requirement(actuator):
+    """The boundary over the limit is known to 1e-3 of static trim; the rate to 2e-4 of itself."""
+    nozzle = tv.Nozzle(limit=np.radians(0.8), actuator=actuator)
+    case = tv.Case(vehicle=VEHICLE, nozzle=nozzle)
+    law = tv.SaturatedLaw.of(case.autopilot)
+    rate = tv.nozzle.flown_required_rate(case, law)
+    hardware = {**case.hardware, "rate_limit": rate}
+    boundary = tv.closed_loop_boundary(case.plant, law, case.history, **hardware)
+    trim = abs(float(case.plant.coefficients.B * case.history.peak))
+    assert abs(boundary.deflection) == pytest.approx(nozzle.limit, abs=1e-3 * trim)
+    fly = {**hardware, "deflection_limit": nozzle.limit}
+    attitudes = [
+        tv.fly(case.plant, law, case.history, [0.0, 60.0], **{**fly, "rate_limit": x * rate})
+        for x in (0.999, 1.001)
+    ]
+    lost, survived = (abs(float(flown.outputs[0, -1])) for flown in attitudes)
+    assert lost > 10.0
+    assert survived < 0.1
+
+
+def test_no_rate_is_sufficient_for_an_autopilot_that_is_lost_without_a_rate_limit():
+    case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
+    law = tv.SaturatedLaw.of(case.autopilot)
+    assert tv.nozzle.flown_required_rate(case, law) == np.inf
+    with pytest.raises(tv.InputError, match="needs a nozzle with a limit"):
+        tv.nozzle.flown_required_rate(tv.Case(vehicle=VEHICLE), law)

@@ -154,7 +154,8 @@ def fly(
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
     is flown with a sampled law, beside the rigid one. --set study.rigid true leaves all that out.
 
-    The rate limit is a key, --set nozzle.rate_limit_deg_per_s 10; so are actuator, filters, gust.
+    The rate limit is a key, --set nozzle.rate_limit_deg_per_s 10 (the smallest that an autopilot
+    requires: tvclin nozzle --law autopilot); so are actuator, filters, gust.
 
     Flights are at nominal dynamic pressure, or with a varying engine at that encountered in the
     wind; tvclin study is the verdict on a limit. --more also finds, by flights, the smallest limit

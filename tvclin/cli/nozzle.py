@@ -38,12 +38,13 @@ from tvclin.cli.output import answer, bar, print_answer, print_tables, waiting
 from tvclin.cli.wind import FlightOptions, WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
-from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_trade_offs
+from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import is_schedule
+from tvclin.winds.wind_angles import beyond_linear
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -103,6 +104,9 @@ def nozzle(
 
     Over rate or load it is at nominal dynamic pressure: a limit below the lower bound is never
     sufficient; of one above it tvclin study is the verdict.
+
+    --law autopilot with --limit-deg also prints the smallest rate limit from which on the autopilot
+    survives them all, flown with samples, delay, actuator, filters and bending.
 
     Over a flight, a law is flown at each flight time in each wind, and judged by the limits of the
     data sheet; torque, power and energy need what turns and what resists, in a table named nozzle.
@@ -227,6 +231,7 @@ def over_rate(
 
     with waiting("flying"):
         flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
+        autopilot_rate = _autopilot_rate(case) if AUTOPILOT in names else None
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
         front = rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
@@ -242,9 +247,13 @@ def over_rate(
         trade_off=front,
         document={"trade_off": front, "flown": flown}
         | ({} if stated is None else {"required_rate": document(stated, "limit", "required_rate")})
+        | ({} if autopilot_rate is None else {"autopilot_required_rate_deg_per_s": autopilot_rate})
         | ({} if needed is None else {"laws": needed}),
-        outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
-        rate="" if stated is None else _rate_text(stated, at),
+        outcomes=[
+            *(f"{duty.law} flown: {duty.verdict.words}" for duty in flown),
+            *(() if autopilot_rate is None else (_rate_text(autopilot_rate, at, AUTOPILOT),)),
+        ],
+        rate="" if stated is None else _rate_text(float(np.degrees(stated.required_rate)), at),
         tables=_titled(title, *rate_table, (*flown_tables, curve)[0]),
         further=(*(flown_tables and (curve,)), point, *duty_tables),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
@@ -271,11 +280,22 @@ def _at_limit(
     return rate_trade_off(plant, case.history, rates, limit=deflection, rate_limit=rate_limit)
 
 
-def _rate_text(stated: RateTradeOff, at: str) -> str:
-    """Return the required rate with the limit or with the required deflection, in words."""
-    if np.isinf(stated.required_rate):
-        return f"no rate is sufficient with the {at}"
-    return f"{REQUIRED_RATE} with the {at} {np.degrees(stated.required_rate):.3f} deg/s"
+def _autopilot_rate(case: StudyPlan) -> float | None:
+    """Return the required rate of the autopilot [deg/s] with the limit; None beyond linearity."""
+    if beyond_linear(float(case.history.peak)):
+        return None
+    return float(np.degrees(flown_required_rate(case, limited_law(case, AUTOPILOT))))
+
+
+def _rate_text(required_rate: float, at: str, law: str = "") -> str:
+    """Return a required rate [deg/s] in words, of the theory or of a flown `law`.
+
+    `at`: limit or required deflection, with which it is required.
+    """
+    if np.isinf(required_rate):
+        return f"no rate is sufficient{f' for {law}, flown,' * bool(law)} with the {at}"
+    whose = f" of {law}, flown," * bool(law)
+    return f"{REQUIRED_RATE}{whose} with the {at} {required_rate:.3f} deg/s"
 
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:

@@ -1,4 +1,7 @@
-"""Required limit of each law in flight over the rate limit, with the lower bound of theory."""
+"""Required limit of each law in flight over the rate limit, with the lower bound of theory.
+
+The required rate of one law with a given limit is the other coordinate of a point of this curve.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,9 @@ from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.case.case import Case
 from tvclin.case.flexible_autopilot import specified_law
+from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import LAWS
+from tvclin.flights.closed_loop.fly_many import SURVIVED, fly_many
 from tvclin.flights.closed_loop.survival_limit import (
     ABOVE,
     LEVELS,
@@ -25,6 +30,7 @@ from tvclin.flights.closed_loop.survival_limit import (
     STEPS,
     ClosedLoopBoundary,
     closed_loop_boundary,
+    limits_above_losses,
 )
 
 _STOP_WORDS = ("no sudden stop of it", "a sudden stop in its middle")
@@ -218,3 +224,61 @@ def _minimum(case: Case, rates: ArrayLike | None) -> RateTradeOff:
     if nozzle.rate_limit is not None:
         rates = np.unique(np.append(rates, nozzle.rate_limit))
     return theory(rates)
+
+
+_RATE_RANGE = (1e-3, 2.0)
+"""Smallest and largest rate limit that is tried, over the peak rate without a rate limit."""
+
+
+def flown_required_rate(case: Case, law: Law) -> float:
+    """Return the smallest rate limit [rad/s] from which on all are survived by a law, flown.
+
+    The deflection limit is that of the case. Rate limits are tried from a thousandth to twice the
+    peak rate of the nozzle without a rate limit, in steps of 2 percent, and of 0.02 percent at the
+    highest loss.
+
+    Parameters
+    ----------
+    case : Case
+        Vehicle, wind and nozzle with a deflection limit; also actuator, sample rate and delay of
+        the flights, which are at nominal dynamic pressure. Its rate limit does not count.
+    law : Law
+        Law as designed; it is not designed anew for each rate limit.
+
+    Returns
+    -------
+    float
+        The required rate; infinite where the law does not survive without a rate limit, or the
+        nozzle then keeps oscillating.
+
+    Raises
+    ------
+    InputError
+        For a nozzle without a deflection limit; also the exceptions of `fly_many`.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> nozzle = tv.Nozzle(limit=np.radians(0.8))
+    >>> case = tv.Case(vehicle=tv.load_vehicle("configuration-i"), nozzle=nozzle)
+    >>> law = tv.SaturatedLaw.of(case.autopilot)
+    >>> f"{np.degrees(tv.nozzle.flown_required_rate(case, law)):.2f} deg/s"
+    '0.31 deg/s'
+    """
+    errors.instance("case", case, Case, "of a vehicle, a wind and a nozzle")
+    errors.instance("law", law, Law, "such as SaturatedLaw")
+    if case.nozzle.limit is None:
+        raise errors.InputError("the required rate of a law needs a nozzle with a limit; got none")
+    hardware = {**case.hardware, "deflection_limit": case.nozzle.limit}
+
+    def lost(rates: ArrayLike) -> BoolArray:
+        """Return whether flights with rate limits [rad/s] are not survived, in their shape."""
+        flights = fly_many(case.plant, law, case.history, **{**hardware, "rate_limit": rates})
+        return flights.status != SURVIVED
+
+    free = fly_many(case.plant, law, case.history, **{**hardware, "rate_limit": np.inf})
+    if free.status != SURVIVED:
+        return np.inf
+    low, high = (ratio * np.atleast_1d(free.peak_deflection_rate) for ratio in _RATE_RANGE)
+    rates, never = limits_above_losses(lost, low, high)
+    return float(np.inf if never[0] else rates[0])

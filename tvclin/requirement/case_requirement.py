@@ -333,7 +333,7 @@ def pulse_of(case: Case) -> ShapedWind:
     """Return the wind of a case; `InputError` for one that is not of one shape."""
     if not isinstance(case.wind, ShapedWind):
         raise InputError(
-            "a study needs a wind of one shape: give shape, peak and duration in [wind];"
+            "a study needs a wind of one shape, a [wind] with a peak and no sounding or file;"
             " tvclin ascent and fly take soundings"
         )
     return case.wind

@@ -32,7 +32,7 @@ from tvclin.vehicle.vehicle_file import (
     is_schedule,
     source_tables,
 )
-from tvclin.winds.wind_file import SOUNDING_TABLE, WIND_TABLE
+from tvclin.winds.wind_file import SOUNDING, SOUNDING_TABLE, WIND_TABLE
 
 STUDY_TABLES = {table.name: table for table in TABLES}
 """Tables of a study file by heading."""
@@ -58,6 +58,8 @@ _ALTERNATIVES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "availability": (("persistence",), ("persistence_hours",)),
 }
 """Quantities of a table of which the first group excludes the second."""
+_PULSE = ("shape", "peak", "peak_speed", "duration")
+"""Quantities of a wind of one shape, which a sounding in its place removes."""
 _ASSUMED = {"criteria": {"name": "classic"}}
 """Keys that a new table begins with, so that one number changes what is assumed without it."""
 _TEXTS = (WIND_TABLE, SOUNDING_TABLE, VEHICLE_TABLE, DOCUMENT_TABLE, PLANT_TABLE, CONTROLLER_TABLE)
@@ -321,6 +323,8 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
     excluded, groups = {quantity}, _ALTERNATIVES.get(name, ((), ()))
     if value is not None and quantity in (*groups[0], *groups[1]):
         excluded |= set(groups[quantity in groups[0]])
+    if value is not None and (name, key) == ("wind", SOUNDING):
+        excluded |= set(_PULSE)
     for excluded_key in [
         excluded_key for excluded_key in entry if _quantity(table, excluded_key) in excluded
     ]:

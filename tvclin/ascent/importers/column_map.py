@@ -33,6 +33,8 @@ _FACTORS = {
     "axial_force": ("dynamic_pressure", "reference_area", "axial_force_coefficient"),
 }
 """Quantities from which another one is computed."""
+_PATH_ANGLES = ("path_angle", "flight_path_angle", "gamma")
+"""Names of a quantity that is no column of a map; the attitude stands for it."""
 _DIRECT = ("moment_of_inertia", "thrust", "velocity", "attitude")
 
 
@@ -103,15 +105,13 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
             "columns must be a dict of quantities and the names of their columns, as"
             f" {{'time': 'Time (s)'}}; got {shown(columns)}"
         )
-    table_keys = FileTable("columns", dict(quantities)).keys
+    table = FileTable("[columns]", dict(quantities))
+    table_keys = table.keys
     mapped: Wanted = {}
     for key, source in columns.items():
         bare = key if isinstance(key, str) and key in quantities else None
         if bare is None and key not in table_keys:
-            raise InputError(
-                f"columns must be among {', '.join(QUANTITIES)}, with or without a unit; got"
-                f" {shown(key)}"
-            )
+            raise InputError(_unknown_key(table, key))
         name, factor = (bare, None) if bare is not None else table_keys[key]
         if name in mapped:
             raise InputError(f"columns has {name} twice, as {mapped[name][0]} and {key}; keep one")
@@ -123,6 +123,18 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
         mapped[name] = (key, factor, source)
     _check_complete(mapped)
     return mapped
+
+
+def _unknown_key(table: FileTable, key: object) -> str:
+    """Return the message on a key of a map that `table` does not have, with similar keys."""
+    if not isinstance(key, str):
+        return f"columns must have texts as keys, as 'time'; got {shown(key)}"
+    if key.startswith(_PATH_ANGLES):
+        return (
+            f"unknown key in [columns]: {shown(key)}; give attitude, as attitude_deg, which equals"
+            " the path angle of a flight without an angle of attack"
+        )
+    return table.unknown(key)
 
 
 def _check_complete(mapped: Wanted) -> None:
