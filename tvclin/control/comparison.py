@@ -54,8 +54,7 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     margins = loop_margins(autopilot.exact_loop(plant))
     if not margins.stable:
         return float(np.inf)
-    rigid = isinstance(plant, Plant) and plant.is_rigid
-    if not isinstance(plant, Plant) or not rigid or autopilot.controller is not None:
+    if not isinstance(plant, Plant) or not plant.is_rigid or autopilot.controller is not None:
         import control
 
         return float(

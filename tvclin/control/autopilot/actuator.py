@@ -39,12 +39,15 @@ MIN_GAIN = 1e-30
 
 
 def positive_in_range(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as an array; `InputError` unless it is positive and within 1e-9 to 1e9."""
+    """Return `value` as an array; `InputError` on `name` [`unit`] unless it is 1e-9 to 1e9."""
     return within(name, positive(name, value, unit), 1.0 / MAX_MAGNITUDE, MAX_MAGNITUDE, unit)
 
 
 def zero_or_in_range(name: str, value: ArrayLike, minimum: float, unit: str = "") -> FloatArray:
-    """Return `value` as an array; `InputError` unless its magnitude is 0 or `minimum` to 1e9."""
+    """Return `value` as an array; `InputError` unless its magnitude is 0 or `minimum` to 1e9.
+
+    `name`, `unit`: name and unit of the quantity in the message.
+    """
     array = finite(name, value, unit)
     size = np.abs(array)
     bad = (size > MAX_MAGNITUDE) | ((size > 0.0) & (size < minimum))
@@ -80,6 +83,7 @@ class Actuator(Record):
     damping: float | FloatArray | None = field(default=0.7, metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check natural frequency and damping, and that their shapes broadcast."""
         frequency = positive_in_range("natural_frequency", self.natural_frequency, "rad/s")
         object.__setattr__(self, "natural_frequency", plain(frequency))
         if self.damping is not None:
@@ -126,7 +130,11 @@ class Actuator(Record):
         )
 
     def matrices(self) -> Matrices:
-        """Return A, B, C, D; the states are the deflection [rad] and its rate [rad/s]."""
+        """Return A, B, C, D of the actuator, ``(..., n, n)`` and so on, n being its order.
+
+        The input is the command [rad]; the states are the deflection [rad] and, of second order,
+        its rate [rad/s]; the output is the deflection.
+        """
         order = self.denominator.shape[-1] - 1
         A = np.zeros((*self.batch, order, order)) + np.eye(order, k=1)
         B = np.zeros((*self.batch, order, 1))
@@ -147,8 +155,9 @@ def plant_with_actuator(
 ) -> LinearSystem:
     """Return the state space of a plant behind its actuator.
 
-    Inputs: `INPUTS`. The disturbance turns the thrust without the mass of the engine: it has no
-    inertia. Outputs: the plant's, the lateral sensors', and the deflection, disturbance included.
+    Inputs: `INPUTS`, the deflection command, a disturbance of the deflection and the wind [rad].
+    The disturbance turns the thrust without the mass of the engine: it has no inertia. Outputs: the
+    plant's, the lateral sensors', and the deflection, disturbance included.
 
     `plant`: one plant or a batch. `actuator`: one actuator or a batch, which broadcasts with the
     plant; None: the deflection equals its command. `sensors`: sensors of drift and acceleration.
@@ -161,13 +170,19 @@ def plant_with_actuator(
 def plant_blocks(
     plant: AnyPlant, actuator: Actuator | None, sensors: LateralSensors
 ) -> list[LinearSystem]:
-    """Return the blocks of `plant_with_actuator`; the first has the measured outputs."""
+    """Return three blocks, to be connected by signal name: plant, actuator, and their sum point.
+
+    The first has the outputs of `plant` and of the lateral `sensors` of drift and acceleration. The
+    second turns the command into the deflection; with `actuator` None they are equal. The third
+    adds the disturbance to the deflection. `InputError` for an engine with inertia whose actuator
+    is not of second order.
+    """
     check_engine(plant, actuator)
     return [sensors.system(plant), actuator_system(actuator), _DISTURBED]
 
 
 def actuator_system(actuator: Actuator | None) -> LinearSystem:
-    """Return the actuator's state space, from command to deflection.
+    """Return the state space of an actuator from command to deflection [rad]; of None a unit gain.
 
     A second-order actuator has the acceleration of the deflection as a further output.
     """
@@ -184,7 +199,7 @@ def actuator_system(actuator: Actuator | None) -> LinearSystem:
 
 
 def check_engine(plant: AnyPlant, actuator: Actuator | None) -> None:
-    """Raise `InputError` for an engine with inertia whose actuator is not of second order."""
+    """Raise `InputError` for a plant with engine inertia whose actuator is not second order."""
     if "deflection_acceleration" in plant.inputs and (actuator is None or actuator.damping is None):
         raise InputError(
             "the inertia of an engine needs an actuator of second order, which says how fast the"

@@ -55,7 +55,8 @@ if TYPE_CHECKING:
 def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) -> None:
     """Warn of zero gains, positive feedback, and an actuator slower than the unstable pole.
 
-    `stacklevel`: as in `warnings.warn`; 3 points at the caller of the calling method.
+    `autopilot`, `plant`: the two parts of the loop, one each or batches. `stacklevel`: as in
+    `warnings.warn`; 3 points at the caller of the calling method.
     """
     plant = plant.rigid
     if not plant.coefficients_known or autopilot.controller is not None:
@@ -99,7 +100,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
 
 
 def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
-    """Warn of a mode whose frequency is above half the sample rate, at the caller's caller."""
+    """Warn, at the caller's caller, of modes of a plant above half the sample rate."""
     if autopilot.sample_rate is None or not plant.has_modes:
         return
     names, poles = named_modes(plant)
@@ -118,10 +119,12 @@ def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
 
 
 def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> bool:
-    """Return whether a `closed_loop` with its command has a wrong number of unstable poles.
+    """Return whether the Pade approximation of a delay gives a wrong number of unstable poles.
 
-    It has a Pade approximation of the delay. Where a bound proves that it is good enough the poles
-    with the exact delay are not counted. Of a batch with one delay: whether any loop has.
+    `autopilot`: its delay is approximated. `plant`: one plant, or a batch with one delay, of which
+    it is whether any loop is wrong. `loop`: their `closed_loop`, with the command as an output.
+    Where a bound proves that the approximation is good enough the poles with the exact delay are
+    not counted.
     """
     if not (delay := float(autopilot.delay)):
         return False
@@ -135,7 +138,7 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> b
 
 
 def require_pade(autopilot: Feedback, plants: AnyPlant) -> None:
-    """Raise `InputError` where the delay's Pade approximation `pade_misleads` around a plant."""
+    """Raise `InputError` where the Pade approximation of the delay misleads around plants."""
     if pade_misleads(autopilot, plants, closed_loop(autopilot, plants, command=True)):
         raise InputError(PADE_WARNING.format(autopilot.pade_order))
 
@@ -277,7 +280,7 @@ class Autopilot(Feedback):
     def closed_loop_poles(self, plant: AnyPlant) -> ComplexArray:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
-        Same parameters, exceptions and warnings as `close`.
+        Same parameters, exceptions and warnings as `close`: one plant of any model.
         """
         return self._closed("closed_loop_poles", plant).poles
 
@@ -435,9 +438,9 @@ class Autopilot(Feedback):
         return self.wind_response_function(plant)(wind)
 
     def wind_response_function(self, plant: AnyPlant) -> Callable[[History], WindResponse]:
-        """Return the function from a wind to its `wind_response`, for many winds.
+        """Return the function from a wind angle [rad] to its `wind_response`, for many winds.
 
-        Same parameters and exceptions as `wind_response`.
+        Same parameters and exceptions as `wind_response`: one plant of any model.
         """
         A, B, C, D, labels = self._wind_system(plant)
         return partial(wind_response_of, A, B, C, D, labels)
@@ -447,8 +450,9 @@ class Autopilot(Feedback):
     ) -> Callable[[Sequence[History]], FloatArray]:
         """Return the function from winds to the largest deflection [rad] in each, ``(winds,)``.
 
-        Same parameters and exceptions as `wind_response`, and the closed loop is stable. The
-        largest of all winds is exact; in winds that cannot have the largest it may be too small.
+        Same parameters and exceptions as `wind_response`, and the closed loop around the plant is
+        stable. The largest of all winds is exact; in winds that cannot have the largest it may be
+        too small.
         """
         A, B, C, D, labels = self._wind_system(plant)
         row = labels.index("deflection")
@@ -457,7 +461,11 @@ class Autopilot(Feedback):
     def _wind_system(
         self, plant: AnyPlant
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, tuple[str, ...]]:
-        """Return A ``(n, n)``, B, C ``(m, n)``, D from the wind to m outputs, and their names."""
+        """Return A ``(n, n)``, B, C ``(m, n)``, D from the wind to m outputs, and their names.
+
+        They are of the closed loop of this autopilot around one plant. `InputError` for a batch,
+        and for a Pade approximation with a wrong number of unstable poles.
+        """
         self._require_single("wind_response", plant)
         loop = closed_loop(self, plant, command=True)
         if pade_misleads(self, plant, loop):
@@ -499,7 +507,11 @@ class Autopilot(Feedback):
         return time_response(times, outputs, labels, name=name, title=title, wind=wind)
 
     def _closed(self, method: str, plant: AnyPlant) -> LinearSystem:
-        """Return the closed loop; warnings point at the caller of the public method."""
+        """Return the closed loop around a plant; warnings point at the caller of the public method.
+
+        `method`: name of the public method, for messages. Inputs: `DISTURBANCES`. Outputs: the
+        plant's and the deflection.
+        """
         self._require_single(method, plant)
         warn_of_feedback(self, plant, stacklevel=4)
         loop = closed_loop(self, plant, command=True)
@@ -508,7 +520,10 @@ class Autopilot(Feedback):
         return loop.select(DISTURBANCES, loop.outputs[:-1])
 
     def _require_single(self, method: str, plant: AnyPlant, *, sampled: bool = False) -> None:
-        """Raise `InputError` for a batch, and unless allowed a sampled autopilot, for a method."""
+        """Raise `InputError` for a batch, and for a sampled autopilot unless `sampled` allows it.
+
+        `method`: name of the calling method, for the message. `plant`: the plant of its loop.
+        """
         check_plant(plant)
         if not sampled:
             self._require_continuous(method)
@@ -519,7 +534,7 @@ class Autopilot(Feedback):
             )
 
     def _require_continuous(self, method: str) -> None:
-        """Raise `InputError` for a sampled autopilot, in the name of a method."""
+        """Raise `InputError` for a sampled autopilot, in the name of a calling `method`."""
         if self.sample_rate is not None:
             raise InputError(
                 f"{method}() is for continuous autopilots; this one has a sample_rate (use"

@@ -155,6 +155,7 @@ class AutopilotDesign:
     schedule: GainTable | None = None
 
     def __post_init__(self) -> None:
+        """Check every field, the type of the schedule, and that chains contain filters."""
         checked(self)
         if self.schedule is not None:
             errors.instance("schedule", self.schedule, GainTable, "see load_gains")
@@ -166,18 +167,18 @@ class AutopilotDesign:
     def from_table(cls, table: Mapping[str, Any], folder: Path = Path()) -> Self:
         """Return the specification in a file's table [autopilot], with its [[autopilot.filter]].
 
-        `folder`: folder of the table of gains that it names.
+        Parameters ---------- table : mapping Keys and values of the table, as TOML gives them.
+        folder : Path Folder in which the table of gains that `schedule` names is looked for first.
 
-        Raises
-        ------
-        InputError
-            For unknown keys, and in the same cases as `AutopilotDesign` and `load_gains`.
+        Raises ------ InputError For unknown keys, and in the same cases as `AutopilotDesign` and
+        `load_gains`.
         """
         keys = AUTOPILOT_TABLE.read(table)
         name, rows = keys.pop("schedule", None), keys.pop("filter", ())
         gains, columns = GainTable(), dict[str, FloatArray]()
         if name is not None:
-            gains, columns = load_gains(_file(name, errors.path("folder", folder)))
+            path = errors.path("folder", folder) / errors.text("schedule", name)
+            gains, columns = load_gains(path if exists(path) else Path(name))
         filters = specified_filters(rows, columns)
         if name is not None or filters.notches:
             keys["schedule"] = replace(gains, chains=filters.scheduled, notches=filters.notches)
@@ -210,7 +211,7 @@ class AutopilotDesign:
     def options(self, actuator: Actuator | None) -> dict[str, Any]:
         """Return the arguments of an `Autopilot` other than the gains that a rule may design.
 
-        Raises `InputError` for an actuator that is none.
+        `actuator`: actuator of the nozzle, or None; `InputError` for another type.
         """
         if actuator is not None:
             errors.instance("actuator", actuator, Actuator, "of a bandwidth")
@@ -260,14 +261,13 @@ class AutopilotDesign:
 AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, words=("schedule",), lists=("filter",))
 
 
-def _file(name: Any, folder: Path) -> Path:
-    """Return the path of the table of gains, in a folder if the file exists there."""
-    path = folder / errors.text("schedule", name)
-    return path if exists(path) else Path(name)
-
-
 def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> Autopilot:
-    """Return the autopilot of a design rule; without a name the rule is "poles" or "canonical"."""
+    """Return the autopilot of a design rule for a plant, with further arguments of `Autopilot`.
+
+    `design`: name and numbers of the rule; without a name it is "poles" if a pole is specified,
+    else "canonical". `options`: actuator, delay, filters, sample rate, and gains that are added.
+    `InputError` for a rule with too few numbers or too many.
+    """
     natural_frequency, damping = design.natural_frequency, design.damping
     has_poles = natural_frequency is not None or damping is not None
     rule = errors.one_of(
@@ -299,9 +299,11 @@ def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> 
 def _further_numbers(
     design: AutopilotDesign, rule: str, options: dict[str, Any]
 ) -> dict[str, float]:
-    """Return the further numbers of a rule, and remove from the options the gains that it designs.
+    """Return the further numbers of a rule, by the names of its arguments.
 
-    `InputError` for numbers of another rule, and gains that follow from this one.
+    `design`: specification. `rule`: name of the rule. `options`: arguments of `Autopilot`, from
+    which the gains that the rule designs are removed. `InputError` for numbers of another rule, and
+    for a gain in `options` that this rule designs.
     """
     numbers = {name: getattr(design, name) for name in _FURTHER}
     numbers = {name: value for name, value in numbers.items() if value is not None}

@@ -149,11 +149,12 @@ class Detuned:
         return lines or (("The loop becomes unstable at no frequency between these.",),)
 
     def _repr_html_(self) -> str:
+        """Return table and stability lines for a notebook."""
         return table(self.table(), self.stability_lines)
 
 
 def _margin_label(name: str) -> str:
-    """Return the heading of a margin by its name; of a mode's margin "bending 1, gain"."""
+    """Return the heading of a margin by its name; "bending 1, gain" for a margin of a mode."""
     margin, _, mode = name.partition(" of ")
     if mode:
         return f"{mode}, {'gain' if 'gain' in margin else 'phase'}"
@@ -281,7 +282,11 @@ def structure_with_mode_factors(
     damping: FloatArray,
     slope_sign: FloatArray | None = None,
 ) -> Structure:
-    """Return a structure with factors on its modes; same parameters as `with_mode_factors`."""
+    """Return a structure with factors on frequencies, dampings and sensor shapes of its modes.
+
+    `frequency`, `damping`, `slope_sign`: factors for bending modes and then tanks,
+    ``(..., modes)``; None: no sign is reversed.
+    """
     signs = np.ones_like(frequency) if slope_sign is None else slope_sign
     columns = list(zip(*(np.moveaxis(a, -1, 0) for a in (frequency, damping, signs)), strict=True))
     bending = tuple(
@@ -305,7 +310,7 @@ def structure_with_mode_factors(
 
 
 def _tank(tank: SloshTank, frequency: FloatArray, damping: FloatArray) -> SloshTank:
-    """Return a tank with factors on frequency and damping; a pendulum changes its length."""
+    """Return a tank with factors on `frequency` and `damping`; a pendulum changes its length."""
     changes: dict[str, Any] = {"damping": tank.damping * damping}
     if tank.frequency is None:
         changes["pendulum_length"] = np.asarray(tank.pendulum_length) / frequency**2
@@ -317,7 +322,11 @@ def _tank(tank: SloshTank, frequency: FloatArray, damping: FloatArray) -> SloshT
 def _critical_margins(
     criteria: Criteria, margins: Margins | BandMargins, loops: Margins, count: int
 ) -> tuple[str, ...]:
-    """Return the name of the margin with the smallest relative surplus, for each row."""
+    """Return the name of the margin with the smallest relative surplus in each of `count` rows.
+
+    `margins`: margins that `criteria` judge. `loops`: margins of the whole loops, ``(count,)``; a
+    row whose loop is not stable is "unstable".
+    """
     judged = criteria.judge(margins)
     limits = [max(j.criterion.limit, np.finfo(float).tiny) for j in judged]
     surplus = np.stack(
@@ -338,14 +347,18 @@ def stable_ranges(
 ) -> tuple[StableRange, ...]:
     """Return the stable range of each mode's frequency factor, by refinement on the poles.
 
-    `low`, `high`: smallest and largest factor. `intervals`: number of intervals on each side of
-    one, the smallest width of a range of factors with an unstable loop that is certain to count.
+    `autopilot`, `plant`: one each. `low`, `high`: smallest and largest factor. `intervals`: number
+    of intervals on each side of one, the smallest width of a range of factors with an unstable loop
+    that is certain to count.
     """
     names, _ = named_modes(plant)
     count = len(names)
 
     def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
-        """Return whether the loop is unstable with factors on mode frequencies, ``(m, n)``."""
+        """Return whether the loop is unstable with factors on mode frequencies, ``(m, n)``.
+
+        `factors`: ``(m, n)``. `modes`: index of the mode whose factors a row has, ``(m,)``.
+        """
         frequency = np.ones((factors.size, count))
         frequency[np.arange(factors.size), np.repeat(modes, factors.shape[1])] = factors.ravel()
         damping = np.ones_like(frequency)
@@ -375,9 +388,10 @@ def stable_ranges(
 
 
 def detuning_note(ranges: Sequence[StableRange]) -> str:
-    """Return the factors within 10 percent of each mode's frequency at which the loop is unstable.
+    """Return the factors of `ranges` within 10 percent of one at which the loop becomes unstable.
 
-    Empty where it is stable within 10 percent of all, and where it is unstable without a change.
+    A text, empty where the loop is stable within 10 percent of the frequencies of all modes, and
+    where it is unstable without a change.
     """
     changed = (mode.line(within=NEAR) for mode in ranges if mode.lower != mode.upper)
     lines = [text(line) for line in changed if line]

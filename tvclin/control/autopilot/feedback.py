@@ -50,9 +50,10 @@ double has digits."""
 
 
 def _lateral(name: str) -> Mapping[str, Any]:
-    """Return the metadata of a gain that cards show where it is not zero, and documents always."""
+    """Return the metadata of a gain `name` that cards show if not zero, and documents always."""
 
     def if_present(autopilot: Feedback) -> Any:
+        """Return the gain; None where it is zero."""
         gain = getattr(autopilot, name)
         return gain if np.any(gain) else None
 
@@ -86,6 +87,7 @@ class Feedback(Record):
     sample_rate: float | FloatArray | None = field(default=None, metadata=spec("sample rate"))
 
     def __post_init__(self) -> None:
+        """Check all parameters and convert them to plain numbers, arrays and tuples."""
         gains = {name: zero_or_in_range(name, getattr(self, name), MIN_GAIN) for name in GAINS}
         delay = nonnegative("delay", self.delay, "s")
         delay = zero_or_in_range("delay", delay, 1.0 / MAX_MAGNITUDE, "s")

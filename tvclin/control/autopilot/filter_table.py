@@ -82,6 +82,7 @@ class ModeNotch(Record):
     ratio: float | FloatArray = field(default=1.0, metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check the name of the mode and the three numbers."""
         errors.text("mode", self.mode)
         for name, check in zip(
             NOTCH_NUMBERS, (errors.finite, errors.positive, errors.positive), strict=True
@@ -177,9 +178,11 @@ def specified_filters(
 def _numbers_of_rows(
     rows: Sequence[Mapping[str, Any]], columns: Mapping[str, FloatArray]
 ) -> list[dict[str, list[float]]]:
-    """Return the columns of each filter by key; `InputError` for one of no filter, or given twice.
+    """Return the numbers over the flight of each filter, ``(n,)`` by key, from a table's columns.
 
-    A filter has its number in the file, from 1; the only notch of a mode has its mode too.
+    `rows`: tables [[autopilot.filter]]. `columns`: ``(n,)`` by "filter.N.key" with the number N of
+    the filter in the file, from 1, or "filter.MODE.key" for the only notch of a mode. `InputError`
+    for a column of no filter, and for a number given both in a row and in a column.
     """
     numbered = {f"{k + 1}": k for k in range(len(rows))}
     modes = [f"{row['mode']}" if "mode" in row else "" for row in rows]
@@ -204,7 +207,7 @@ def _numbers_of_rows(
 
 
 def _joined(notches: Sequence[ModeNotch]) -> ModeNotch:
-    """Return the notch with the numbers of each breakpoint, ``(n,)``; a single notch unchanged."""
+    """Return the notch whose numbers are those of n `notches`, ``(n,)``; a single one unchanged."""
     if len(notches) == 1:
         return notches[0]
     numbers = {name: np.array([getattr(n, name) for n in notches]) for name in NOTCH_NUMBERS}
@@ -212,7 +215,7 @@ def _joined(notches: Sequence[ModeNotch]) -> ModeNotch:
 
 
 def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
-    """Return the position and the filter of one table."""
+    """Return the position, a key of `CHAIN_OF_POSITION`, and the filter of one table `row`."""
     keys = FILTER_TABLE.read(row)
     position = errors.one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
     kind = errors.one_of("kind", keys.pop("kind"), _MAKERS)
@@ -229,7 +232,7 @@ def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
 
 
 def _mode_notch(row: Mapping[str, Any]) -> ModeNotch:
-    """Return the notch of a table with a mode, which it follows over the flight."""
+    """Return the notch of a table `row` with a mode, whose frequency it follows over the flight."""
     keys = FILTER_TABLE.read(row)
     allowed = ("mode", *NOTCH_NUMBERS)
     kind, position = keys.pop("kind"), keys.pop("on", "sum")

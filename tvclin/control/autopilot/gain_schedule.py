@@ -68,6 +68,7 @@ class GainSchedule:
     notches: tuple[ModeNotch, ...] = ()
 
     def __post_init__(self) -> None:
+        """Check that breakpoints rise, and that numbers are constant or one for each of them."""
         one_of("variable", self.variable, VARIABLES)
         points = finite("breakpoints", self.breakpoints)
         if points.ndim != 1 or points.size < 2 or np.any(np.diff(points) <= 0.0):
@@ -176,10 +177,13 @@ class GainSchedule:
         instance("flight", flight, FlightSchedule, "see load_schedule")
         values = flight_variable(flight, self.variable, time)
         autopilot = self._interpolated(values)
-        notches = tuple(self._notch(notch, values).at(flight, time) for notch in self.notches)
-        return with_actuator_of(
-            replace(autopilot, filters=(*autopilot.filters, *notches)), flight, time
-        )
+        filters = autopilot.filters
+        for notch in self.notches:
+            numbers = {
+                name: self._at_values(getattr(notch, name), values) for name in NOTCH_NUMBERS
+            }
+            filters = (*filters, replace(notch, **numbers).at(flight, time))
+        return with_actuator_of(replace(autopilot, filters=filters), flight, time)
 
     def to_csv(self, path: Path | None = None) -> str:
         """Return the gains as the CSV table of a study file, and write it where a path is given.
@@ -213,7 +217,7 @@ class GainSchedule:
         return loop_margins(loop)
 
     def _interpolated(self, values: FloatArray) -> Autopilot:
-        """Return the autopilot at values of the variable, constant outside the breakpoints."""
+        """Return the autopilot at `values` of the variable, constant outside the breakpoints."""
         autopilot = self.autopilot
         changes: dict[str, Any] = {
             name: self._at_values(getattr(autopilot, name), values)
@@ -231,17 +235,12 @@ class GainSchedule:
             )
         return replace(autopilot, **changes)
 
-    def _notch(self, notch: ModeNotch, values: FloatArray) -> ModeNotch:
-        """Return a notch whose numbers are interpolated."""
-        numbers = {name: self._at_values(getattr(notch, name), values) for name in NOTCH_NUMBERS}
-        return replace(notch, **numbers)
-
     def _at_values(self, numbers: Any, values: FloatArray) -> Any:
-        """Return numbers ``(n,)`` interpolated; a single number is the same everywhere."""
+        """Return `numbers` at breakpoints ``(n,)`` interpolated to `values`; one number stays."""
         return numbers if np.ndim(numbers) == 0 else np.interp(values, self.breakpoints, numbers)
 
     def _filter(self, filter_: Filter, values: FloatArray) -> Filter:
-        """Return a filter whose coefficients are interpolated; a single filter is unchanged."""
+        """Return a filter with its coefficients at `values` of the variable; constant ones stay."""
         if not filter_.batch:
             return filter_
         rows = (
@@ -256,7 +255,7 @@ class GainSchedule:
 def autopilot_along(
     autopilot: Autopilot | GainSchedule, flight: FlightSchedule, time: FloatArray
 ) -> Autopilot:
-    """Return an autopilot or a schedule of it at times of a flight [s]."""
+    """Return the autopilot, constant or of a schedule, at flight times `time` [s] ``(n,)``."""
     if isinstance(autopilot, GainSchedule):
         return autopilot.along(flight, time)
     instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
@@ -266,7 +265,7 @@ def autopilot_along(
 def gains_along(
     autopilot: Autopilot | GainSchedule, flight: FlightSchedule, time: FloatArray
 ) -> dict[str, FloatArray]:
-    """Return the gains of an autopilot or a schedule of it at times of a flight [s], by name."""
+    """Return an autopilot's gains by name, ``(n,)``, at flight times `time` [s] ``(n,)``."""
     if not isinstance(autopilot, GainSchedule):
         return {name: np.full(time.shape, getattr(autopilot, name)) for name in GAINS}
     values = flight_variable(flight, autopilot.variable, time)
@@ -329,6 +328,7 @@ class EqualValues(Tabled):
         return replace(table, head=(self.variable, *table.head[1:]))
 
     def _columns(self) -> Columns:
+        """Return the pairs as columns of a CSV, with the name of the variable."""
         pairs = Column("pair", np.arange(1, self.value.size + 1), "")
         return Columns((pairs,), columns_of(self, *_PAIR), {"variable": self.variable})
 
@@ -388,7 +388,7 @@ def equal_values(
 
 
 def even_times(first: float, last: float, every: float) -> FloatArray:
-    """Return even flight times [s] from the first on, and the last, ``(n,)``."""
+    """Return the times `first`, `first` + `every`, ..., and `last` of a flight [s], ``(n,)``."""
     return np.append(first + every * np.arange(int(np.ceil((last - first) / every - 1e-9))), last)
 
 
@@ -441,7 +441,10 @@ def flight_autopilot(
 
 
 def design_at(design: AutopilotDesign, flight: FlightSchedule, time: float) -> AutopilotDesign:
-    """Return the specification with the gains and notches of a flight time [s], constant."""
+    """Return the specification of one flight time [s], with its gains and notches as constants.
+
+    `design`: specification, perhaps with gains or notches over the `flight`.
+    """
     table = design.schedule
     if table is None:
         return design
@@ -456,7 +459,10 @@ def design_at(design: AutopilotDesign, flight: FlightSchedule, time: float) -> A
 def _tabulated(
     table: GainTable, constant: AutopilotDesign, actuator: Actuator | None
 ) -> GainSchedule:
-    """Return the schedule of a table of gains, with the constants of a specification."""
+    """Return the schedule of a table of gains over the flight, with the constants of an autopilot.
+
+    `constant`: specification of delay, filters and sample rate. `actuator`: actuator, or None.
+    """
     options = constant.options(actuator) | table.gains
     chains = {name: (*options[name], *table.chains.get(name, ())) for name in CHAINS}
     return GainSchedule(

@@ -83,7 +83,12 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
         For a cell that is no number, an unknown column, no or several columns of variables, values
         that do not rise, and a table without both attitude_gain and rate_gain.
     """
-    sheet = read_sheet(source, "a table of gains", _known_keys, _KEYS)
+
+    def known_keys(headings: Headings) -> float:
+        """Return the number of columns of a line of names that are read."""
+        return float(sum(_is_known(heading.text) for heading in headings))
+
+    sheet = read_sheet(source, "a table of gains", known_keys, _KEYS)
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
         if not _is_known(key):
@@ -114,11 +119,6 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
             raise InputError("a table of gains needs attitude_gain and rate_gain_s, both")
     gains = {name: columns.pop(name) for name in GAINS if name in columns}
     return GainTable(variables[0], points, gains), columns
-
-
-def _known_keys(headings: Headings) -> float:
-    """Return the number of known columns in a line of names."""
-    return float(sum(_is_known(heading.text) for heading in headings))
 
 
 def _is_known(column: str) -> bool:

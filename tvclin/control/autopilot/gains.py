@@ -308,7 +308,10 @@ def _coefficients(plant: PlantOrVehicle) -> Coefficients:
 
 
 def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
-    """Raise `InputError` for a closed-loop frequency below the pole frequency of the vehicle."""
+    """Raise `InputError` for a closed-loop frequency [rad/s] below that of the vehicle alone.
+
+    `coefficients`: of one vehicle or a batch; a stable one has the frequency sqrt(-mu_alpha).
+    """
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     errors.broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
     specified, bare = np.broadcast_arrays(
@@ -326,7 +329,12 @@ def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -
 def _stiffness(
     coefficients: Coefficients, natural_frequency: ArrayLike, damping: ArrayLike
 ) -> tuple[Any, Any]:
-    """Return the stiffness gain a0 + b0 and the rate gain a1 [s] of a frequency and a damping."""
+    """Return the stiffness gain a0 + b0 and the rate gain a1 [s] of a closed loop on a fixed path.
+
+    `coefficients`: of one vehicle or a batch. `natural_frequency`, `damping`: omega_n [rad/s] and
+    damping ratio of the loop; all broadcast. `InputError` for less damping than the vehicle alone
+    has.
+    """
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     ratio, c = positive_in_range("damping", damping), coefficients
     errors.broadcast(
@@ -431,7 +439,12 @@ def lqr_gains(
 
 
 def _optimal_feedback(system: LinearSystem, costs: list[float], cost: float) -> FloatArray:
-    """Return the gains k ``(n,)`` on the states for which delta = -k x minimises the cost."""
+    """Return the gains k ``(n,)`` on n states for which delta = -k x minimises a quadratic cost.
+
+    `system`: plant and lateral sensors, deflection first. `costs`: weights of the squares of
+    attitude, its rate, angle of attack, drift rate and drift. `cost`: weight of the squared
+    deflection. `InputError` for an unstable mode without a cost.
+    """
     import control
 
     A, B, C, _ = system.matrices()
@@ -593,13 +606,16 @@ def _speed(plant: Plant) -> FloatArray:
 
 
 def _pair(name: str, frequency: float, damping_name: str, damping: float) -> ComplexArray:
-    """Return the two poles [1/s] of a natural frequency [rad/s] and a damping ratio."""
+    """Return the two poles [1/s] of a natural frequency [rad/s] and a damping ratio.
+
+    `name`, `damping_name`: names of the two arguments, for messages.
+    """
     w = errors.number(name, frequency, positive_in_range, "rad/s")
     ratio = errors.number(damping_name, damping, positive_in_range)
     return np.roots([1.0, 2.0 * ratio * w, w**2]).astype(complex)
 
 
 def _per_speed(A: FloatArray, speed: float) -> FloatArray:
-    """Return A for the drift over the speed [s] as last state."""
+    """Return A of attitude, rate, path and drift with the drift over `speed` as last state [s]."""
     scale = np.array([1.0, 1.0, 1.0, speed])
     return A * scale / scale[:, np.newaxis]

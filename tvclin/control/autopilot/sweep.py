@@ -94,7 +94,7 @@ class Sweep(Tabled):
         """Whether all criteria are satisfied at each time, with every change, ``(n,)``."""
         verdicts = [
             np.asarray(judged.satisfied).reshape(-1, self.times.size).all(axis=0)
-            for judged in (*self.judgements, *self.detuned_judgements)
+            for judged in self._judged
         ]
         return np.asarray(np.logical_and.reduce(verdicts))
 
@@ -119,39 +119,28 @@ class Sweep(Tabled):
     @property
     def worst(self) -> tuple[WorstMargin, ...]:
         """Worst of each criterion over the flight, of the loop and its modes, then with changes."""
-        named = [*(_worst(judged, self.times) for judged in self.judgements)]
-        if self.changes:
-            named += [
-                _worst(judged, self.times, self.changes) for judged in self.detuned_judgements
-            ]
-        return tuple(named)
+        nominal = (_worst(judged, self.times) for judged in self.judgements)
+        changed = (_worst(judged, self.times, self.changes) for judged in self.detuned_judgements)
+        return (*nominal, *changed)
 
     def table(self) -> Table:
         """Return the table of the worst of each margin, its time and its limit."""
         rows: list[tuple[Line, ...]] = []
         for k, (worst, of) in enumerate(zip(self.worst, self._judged, strict=True)):
-            unstable = np.isnan(worst.surplus)
-            unit = of.criterion.unit
-            applies = np.isfinite(worst.surplus)
-            rows.append(
-                (
-                    (worst.margin,),
-                    ("unstable",)
-                    if unstable
-                    else number(f"sweep.worst.{k}.value", worst.value, 2, unit)
-                    if applies
-                    else ("-",),
-                    significant(f"sweep.worst.{k}.time", worst.time)
-                    if applies or unstable
-                    else ("-",),
-                    significant(f"sweep.worst.{k}.limit", of.criterion.limit, 4, unit),
-                    (satisfaction(worst.satisfied),),
-                )
-            )
-        least = self.minimum_damping
-        if np.any(np.isfinite(least)):
-            at = int(np.nanargmin(least))
-            damping = significant("sweep.damping", least[at], 3)
+            unit, key = of.criterion.unit, f"sweep.worst.{k}"
+            value: Line = ("-",)
+            time: Line = ("-",)
+            if not np.isinf(worst.surplus):
+                value = number(f"{key}.value", worst.value, 2, unit)
+                time = significant(f"{key}.time", worst.time)
+            if np.isnan(worst.surplus):
+                value = ("unstable",)
+            limit = significant(f"{key}.limit", of.criterion.limit, 4, unit)
+            rows.append(((worst.margin,), value, time, limit, (satisfaction(worst.satisfied),)))
+        minimum = self.minimum_damping
+        if np.any(np.isfinite(minimum)):
+            at = int(np.nanargmin(minimum))
+            damping = significant("sweep.damping", minimum[at], 3)
             time = significant("sweep.damping.time", self.times[at])
             rows.append((("damping of the poles",), damping, time, ("",), ("",)))
         head = ("margin", "worst", "at [s]", "required", "")
@@ -230,9 +219,11 @@ class Sweep(Tabled):
         return columns
 
     def _repr_html_(self) -> str:
+        """Return the table of the worst margins, for a notebook."""
         return table(self.table())
 
     def _columns(self) -> Columns:
+        """Return the margins at each flight time as columns of a CSV."""
         axis = Column("time", self.times, "s")
         columns = [Column("status", np.asarray(self.margins.status), "")]
         columns += [_of_margin(name, getattr(self.margins, name)) for name in _COLUMNS]
@@ -255,20 +246,17 @@ class Sweep(Tabled):
 
 
 def _of_margin(name: str, values: FloatArray) -> Column:
-    """Return the column of a margin by its name with a unit."""
-    for unit in ("dB", "deg"):
-        if name.endswith(f"_{unit}"):
-            key = name.removesuffix(f"_{unit}")
-            return (
-                Column(key, np.radians(values), "rad")
-                if unit == "deg"
-                else Column(key, np.asarray(values), unit)
-            )
-    return Column(name, np.asarray(values))
+    """Return a CSV column of `values` ``(n,)`` of a margin, whose name may end with its unit."""
+    key, _, unit = name.rpartition("_")
+    if unit == "deg":
+        return Column(key, np.radians(values), "rad")
+    return (
+        Column(key, np.asarray(values), unit) if unit == "dB" else Column(name, np.asarray(values))
+    )
 
 
 def _normalised(surplus: Any, judged: Judgement) -> Any:
-    """Return the surplus of a margin over its limit; minus infinity for an unstable loop."""
+    """Return the surplus of a judged margin over its limit; minus infinity for an unstable loop."""
     limit = judged.criterion.limit or 1.0
     return np.where(np.isnan(surplus), -np.inf, np.asarray(surplus) / limit)
 
@@ -301,15 +289,16 @@ def plants_along(
     plane: str,
     pressure: FloatArray | float = 1.0,
 ) -> AnyPlant:
-    """Return the plants of a flight at times [s], flexible where it has a structure.
+    """Return the plants of a flight at times [s] ``(n,)``, flexible where it has a structure.
 
-    `pressure`: dynamic pressure q/q_n, ``(n,)``.
+    `model`, `plane`: model and plane of the motion. `pressure`: dynamic pressure over the nominal
+    one, q/q_n, ``(n,)``.
     """
     return plants_of(at_pressure(flight.at(times), pressure), model, plane)
 
 
 def plants_of(vehicle: Vehicle, model: str, plane: str) -> AnyPlant:
-    """Return the plants of vehicles, flexible where they have a structure."""
+    """Return the plants of vehicles on a model in a plane, flexible where they have a structure."""
     if vehicle.structure is None:
         return Plant.from_vehicle(vehicle, model, plane)
     return FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, model, plane)
@@ -420,7 +409,11 @@ def sweep(
 
 
 def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -> BandMargins:
-    """Return margins by band of loops, with the names of the modes of the flight."""
+    """Return the margins by band of loops around `plants`; without bands around rigid plants.
+
+    `names`: names of the modes and tanks of the flight. `delays`: whether delay margins are
+    computed.
+    """
     if isinstance(plants, Plant):
         margins = margins_of(loop.analysis(delays=delays), loop.batch)
         return BandMargins(margins, None, ())  # type: ignore[arg-type]
@@ -428,7 +421,7 @@ def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -
 
 
 def _poles(loop: Loop) -> ComplexArray:
-    """Return closed-loop poles [1/s] ``(n, k)``, of a sampled loop log(z)/h."""
+    """Return the closed-loop poles [1/s] of loops ``(n, k)``; of sampled loops log(z)/h."""
     poles = loop.closed_loop_poles
     if isinstance(loop, SampledLoop):
         with np.errstate(divide="ignore"):

@@ -83,6 +83,10 @@ class SystemAutopilot(Autopilot):
     rate_gain: float | FloatArray = field(default=0.0, metadata=spec("time", card=False))
 
     def __post_init__(self, inputs: Sequence[str] | None) -> None:
+        """Check the system and set `system` to its state space with the named `inputs`.
+
+        `InputError` also for a mode that no input reaches or the output does not show.
+        """
         super().__post_init__()
         system = named_system("controller", self.system, inputs)
         if len(system.outputs) != 1:

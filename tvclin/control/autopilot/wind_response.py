@@ -60,7 +60,7 @@ class WindResponse:
     def peak(self, output: str) -> tuple[float, float]:
         """Return the value of largest magnitude [rad, rad/s], with its sign, and its time [s].
 
-        Both are infinite where the closed loop is unstable.
+        `output`: one of the labels. Both are infinite where the closed loop is unstable.
         """
         row = self._row(output)
         return (
@@ -143,7 +143,11 @@ def peaks_in_winds(
 
 
 def _ends(trajectory: Motion, inputs: FloatArray, order: int) -> AnyArray:
-    """Return the wind [rad] at the end of each piece but the last, ``(pieces - 1,)``."""
+    """Return the wind [rad] at the end of each of its pieces but the last, ``(pieces - 1,)``.
+
+    `trajectory`: states of a loop of `order` states and, behind them, of the wind. `inputs`: row
+    with which the latter give the wind.
+    """
     steps = matrix_exponentials(trajectory.matrix[order:, order:], np.diff(trajectory.knots))
     return np.einsum("i,kij,kj->k", inputs, steps, trajectory.starts[:-1, order:])
 
@@ -194,12 +198,12 @@ def deflection_peaks(
 
 
 def _sizes(output: AnyArray, state: AnyArray) -> FloatArray:
-    """Return the magnitudes of the outputs, ``(m,)``, of the states ``(m, n)``."""
+    """Return the magnitudes ``(m,)`` of outputs with rows ``(m, n)`` of states ``(m, n)``."""
     return np.asarray(np.abs(np.real(np.einsum("mi,mi->m", output, state))))
 
 
 def _summits(values: FloatArray) -> FloatArray:
-    """Return the maximum of each column of ``(n, m)``, by a parabola through its neighbours."""
+    """Return the maximum of each column of samples ``(n, m)``, by a parabola through three."""
     columns = np.arange(values.shape[1])
     top = np.clip(np.argmax(values, axis=0), 1, len(values) - 2)
     before, middle, after = (values[top + k, columns] for k in (-1, 0, 1))
@@ -210,7 +214,10 @@ def _summits(values: FloatArray) -> FloatArray:
 
 
 def _closed_loops(autopilot: Feedback, plant: AnyPlant) -> tuple[FloatArray, ...]:
-    """Return A ``(m, n, n)``, B from the wind, and C and D of the deflection of m closed loops."""
+    """Return A ``(m, n, n)``, B ``(m, n)``, C ``(m, n)`` and D ``(m,)`` of m closed loops.
+
+    From the wind angle to the deflection, of m autopilots with one delay around one plant.
+    """
     if np.ndim(autopilot.delay):
         raise InputError("deflection_peaks() is for one delay")
     loop, m = closed_loop(autopilot, plant), autopilot.batch[0]

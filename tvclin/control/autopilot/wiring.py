@@ -58,7 +58,7 @@ attitude_command                          deflection_disturbance               w
 
 
 def with_diagram(documented: _Documented) -> _Documented:
-    """Return the function with LOOP_DIAGRAM in its docstring replaced by the diagram."""
+    """Return the documented function with LOOP_DIAGRAM in its docstring replaced by the diagram."""
     text = cleandoc(documented.__doc__ or "")
     documented.__doc__ = text.replace("LOOP_DIAGRAM", "::\n\n" + indent(LOOP_DIAGRAM, "    "))
     return documented
@@ -92,9 +92,10 @@ def open_loop(
 ) -> LinearSystem:
     """Return the state space of the loop, broken at the command, for one autopilot or a batch.
 
-    Inputs: `DISTURBANCES`, the command, and on request `SENSOR_NOISE`. Outputs: the
-    plant's, the deflection and the returned command. States, in this order: plant, actuator, with
-    `pade` the Pade approximation of the delay (else it is left out), integrator, filters.
+    Inputs: `DISTURBANCES`, the command, and with `sensor_noise` the noises `SENSOR_NOISE` of
+    attitude and rate sensor. Outputs: the plant's, the deflection and the returned command. States,
+    in this order: plant, actuator, with `pade` the Pade approximation of the delay (else it is left
+    out), integrator, filters. `plant`: one plant or a batch, which broadcasts with the autopilot.
     """
     vehicle = plant_blocks(plant, autopilot.actuator, autopilot.lateral_sensors)
     delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
@@ -115,9 +116,10 @@ def closed_loop(
 ) -> LinearSystem:
     """Return the closed loop from `DISTURBANCES` to outputs and deflection.
 
-    The outputs are those of the plant and of the lateral sensors. The delay is its Pade
-    approximation. On request `SENSOR_NOISE` are further inputs, whose direct parts are those of
-    what the sensors put out, and `COMMAND`, which adds to the returned command, a further output.
+    `autopilot`, `plant`: one each or batches, which broadcast. The outputs are those of the plant
+    and of the lateral sensors; the delay is its Pade approximation. With `sensor_noise` the noises
+    `SENSOR_NOISE` are further inputs, whose direct parts are those of what the sensors put out;
+    with `command` an input `COMMAND`, which adds to the returned command, an output too.
     """
     loop = open_loop(autopilot, plant, pade=True, sensor_noise=sensor_noise)
     inputs = (*DISTURBANCES, *SENSOR_NOISE * sensor_noise, *(COMMAND,) * command)
@@ -126,9 +128,11 @@ def closed_loop(
 
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:
-    """Return the loop with its exact delay: polynomials around a rigid plant, else state space."""
-    rigid = isinstance(plant, Plant) and plant.is_rigid
-    if isinstance(plant, Plant) and rigid and autopilot.controller is None:
+    """Return the loop with its exact delay, for one autopilot and plant or a batch.
+
+    Polynomials around a rigid plant, else matrices.
+    """
+    if isinstance(plant, Plant) and plant.is_rigid and autopilot.controller is None:
         return rational_loop(autopilot, plant)
     loop = open_loop(autopilot, plant).select((COMMAND,), (RETURNED,))
     return Loop.from_matrices(loop.A, loop.B, 0.0 - loop.C, 0.0 - loop.D, autopilot.delay)
@@ -139,7 +143,8 @@ def autopilot_blocks(
 ) -> list[LinearSystem]:
     """Return the blocks of an autopilot, from the sensors and the attitude command to the command.
 
-    `period` [s]: with it the blocks are difference equations.
+    `plant`: its names of sensed attitude and rate are the inputs. `period` [s]: with it the blocks
+    are difference equations.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
     if autopilot.controller is not None:
@@ -164,9 +169,12 @@ def _controller_blocks(
     plant: AnyPlant,
     period: FloatArray | None,
 ) -> list[LinearSystem]:
-    """Return the blocks of a controller in state space, see `autopilot_blocks`.
+    """Return the blocks of an autopilot whose law is a state space `controller`.
 
-    Its input attitude is the attitude minus its command, unless the command is an input too.
+    They lead from the sensors and the attitude command to the command. The controller's input
+    attitude is the attitude minus its command, unless the command is an input too. `chains`: the
+    filters of each of `CHAINS`. `plant`: names the sensors. `period` [s]: with it the blocks are
+    difference equations.
     """
     check_controller(controller, plant)
     takes_command = _ATTITUDE_COMMAND in controller.inputs
@@ -176,20 +184,20 @@ def _controller_blocks(
 
 
 def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
-    """Raise `InputError` for an input that neither plant, lateral sensors nor actuator give."""
+    """Raise `InputError` for an input of a controller that neither plant nor sensors give."""
     available = dict.fromkeys((*plant.outputs, *SENSOR_OF, "deflection", _ATTITUDE_COMMAND))
     require_signals("the plant", "output", controller.inputs, tuple(available))
 
 
 def controller_system(controller: LinearSystem) -> LinearSystem:
-    """Return a controller with its measured inputs named as `LAW_INPUTS`."""
+    """Return a controller with inputs named as `LAW_INPUTS`, and numbered states."""
     names = dict(zip(("attitude", "attitude_rate"), LAW_INPUTS[:2], strict=True)) | SENSOR_OF
     states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
     return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
 
 
 def measured_outputs(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
-    """Return the outputs of plant and actuator that an autopilot reads."""
+    """Return the names of the outputs of plant, sensors and actuator that an autopilot reads."""
     if autopilot.controller is None:
         return (*plant.sensed, "angle_of_attack", *autopilot.lateral_sensors.signals)
     check_controller(autopilot.controller, plant)
@@ -258,9 +266,8 @@ def filter_in_steps(filter_: Filter, period: FloatArray, name: str) -> Matrices:
     """Return A, B, C, D of a filter's difference equation, by the prewarped bilinear rule.
 
     s = c (z - 1)/(z + 1) with c = w/tan(w h/2) is exact at the filter's own frequency w, the
-    geometric mean of its poles; c = 2/h where w = 0. `name` is for messages.
-
-    `InputError` for a filter whose own frequency is not below half the sample rate.
+    geometric mean of its poles; c = 2/h where w = 0. `period`: h [s]. `name`: name of the filter in
+    messages. `InputError` for a w that is not below half the sample rate.
     """
     if not filter_.order:
         return filter_.matrices()
@@ -279,7 +286,10 @@ def filter_in_steps(filter_: Filter, period: FloatArray, name: str) -> Matrices:
 
 
 def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
-    """Return the loop L(s) as polynomials with an exact delay."""
+    """Return the loop L(s) as polynomials with an exact delay.
+
+    `autopilot`: gains and filters, one or a batch. `plant`: rigid, one or a batch.
+    """
     numerator, integrators = _feedback(autopilot, plant, "deflection")
     actuator_numerator, actuator_denominator = _actuator(autopilot)
     denominator = polynomials.times_variable(plant.denominator, integrators)
@@ -298,7 +308,8 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
 def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
     """Return the numerator ``(..., n)`` from wind to deflection of the open loop.
 
-    Denominator and delay are the same as in `rational_loop`.
+    `autopilot`, `plant`: gains and a rigid plant. Denominator and delay are the same as in
+    `rational_loop`.
     """
     return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _actuator(autopilot)[0])
 
@@ -306,8 +317,9 @@ def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
 def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArray, int]:
     """Return the numerator ``(..., n)`` from a plant input to the command, and the integrators.
 
-    The denominator is the plant's, times s with an integrator of attitude or drift, times those of
-    all filters and of the accelerometer.
+    `source`: the input, "deflection" or "wind". The number of integrators is zero or one. The
+    denominator is the plant's, times s with an integrator of attitude or drift, times those of all
+    filters of the autopilot and of its accelerometer.
     """
     sensors = autopilot.lateral_sensors
     integrators = int(sensors.drift or np.any(np.asarray(autopilot.integral_gain)))
@@ -343,7 +355,9 @@ def _with_lateral(
 ) -> FloatArray:
     """Return a numerator of `_feedback` with the feedback of drift and acceleration added.
 
-    `numerator`: of the other feedback. `below`: denominator of the filters of attitude and rate.
+    `source`: input of the plant, "deflection" or "wind". `integrators`: power of s in the
+    denominator. `numerator`: of the other feedback, ``(..., n)``. `below`: denominator of the
+    filters of attitude and rate.
     """
     sensors, station = autopilot.lateral_sensors, autopilot.acceleration_station
     if sensors.drift_rate or sensors.drift:
@@ -362,12 +376,12 @@ def _with_lateral(
 
 
 def _accelerometer(autopilot: Feedback) -> FloatArray:
-    """Return the denominator of the lag of the accelerometer."""
+    """Return the denominator s + bandwidth of the lag of an autopilot's accelerometer, ``(2,)``."""
     return np.array([1.0, autopilot.accelerometer_bandwidth])
 
 
 def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of a chain of filters."""
+    """Return numerator and denominator of a chain of filters, `name` one of `CHAINS`."""
     above, below = np.ones(1), np.ones(1)
     for filter_ in getattr(autopilot, name):
         above = polynomials.multiply(above, filter_.numerator)
@@ -376,7 +390,7 @@ def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
 
 
 def _actuator(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of the actuator; ones without an actuator."""
+    """Return numerator and denominator of an autopilot's actuator; ones without an actuator."""
     if autopilot.actuator is None:
         return np.ones(1), np.ones(1)
     below = autopilot.actuator.denominator
@@ -392,7 +406,11 @@ _MAX_POLE_TIMES_PERIOD = 50.0
 
 
 def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem, LinearSystem]:
-    """Return the plant with its actuator, and the law in steps, of the loop of `sampled_loop`."""
+    """Return the plant with its actuator, and the law in steps of a sample, as state spaces.
+
+    `autopilot`: with a sample rate. The first leads from the command to what the law reads, the
+    second from there to the returned command.
+    """
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = measured_outputs(autopilot, plant)
     behind_actuator = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
@@ -415,7 +433,7 @@ def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem
 def loop_in_steps(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
     """Return the open loop of an autopilot with a sample rate, from a command to the next.
 
-    Same parameters and exceptions as `sampled_loop`.
+    `plant`: one plant or a batch. Same exceptions as `sampled_loop`.
     """
     vehicle, law = _vehicle_and_law(autopilot, plant)
     return vehicle.to_steps(1.0 / np.asarray(autopilot.sample_rate), autopilot.delay).series(law)
@@ -435,13 +453,16 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     h, T = (np.broadcast_to(array, batch) for array in (period, delay))
 
     def open_steps(delays: FloatArray, cases: IndexArray) -> LinearSystem:
+        """Return open loops of `cases` of the batch in steps, with `delays` [s], both ``(k,)``."""
         vehicles, laws = (system.cases(cases, batch) for system in (vehicle, law))
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
     def delayed_form(delays: FloatArray, cases: IndexArray) -> StateLoop:
+        """Return those loops in the w plane, for margins."""
         return _w_plane_loops(open_steps(delays, cases), h.ravel()[cases])
 
     def delayed_closed_poles(delays: FloatArray, cases: IndexArray) -> ComplexArray:
+        """Return the closed-loop poles z of those loops, ``(k, n)``."""
         return open_steps(delays, cases).feedback(RETURNED, COMMAND).poles
 
     open_loop = _w_plane_loops(vehicle.to_steps(h, T).series(law), h)
@@ -449,6 +470,6 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
 
 
 def _w_plane_loops(steps: LinearSystem, period: FloatArray) -> StateLoop:
-    """Return the loops in w = (2/h)(z - 1)/(z + 1) of open loops in steps of h [s] ``(...)``."""
+    """Return the loops in w = (2/h)(z - 1)/(z + 1) of loops in steps of h = `period` [s]."""
     A, B, C, D = steps.matrices()
     return w_plane_loop((A, B, 0.0 - C, 0.0 - D), period)
