@@ -12,7 +12,7 @@ from tvclin.numerics.propagation import (
     balanced,
     input_states,
     matrix_exponentials,
-    motion,
+    motions,
     peak_output,
 )
 
@@ -176,7 +176,7 @@ EACH_INPUT = pytest.mark.parametrize("history", INPUTS.values(), ids=INPUTS)
 def carried(system, history):
     knots, coefficients, rates = history
     pieces = Pieces(np.array(knots), np.array(coefficients), np.array(rates))
-    return motion(np.array(system[0]), np.array(system[1]), pieces)
+    return motions(np.array(system[0]), np.array(system[1]), [pieces])[0]
 
 
 def value(history, piece, time):

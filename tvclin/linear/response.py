@@ -25,7 +25,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, one_of, shown, times_row
 from tvclin.linear.plant import INPUTS, PLANT_HINT, Plant
 from tvclin.numerics import modal
-from tvclin.numerics.propagation import motion
+from tvclin.numerics.propagation import motions
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -245,7 +245,7 @@ def _by_matrices(
         A, B, C, _ = plant.case(k, shape).matrices()
         states = np.zeros((times.size, len(A)))
         for column, history in enumerate((deflection, wind)):
-            response = motion(A, B[:, column], history.case(k, shape).pieces)
+            response = motions(A, B[:, column], [history.case(k, shape).pieces])[0]
             states += np.real(response.at(times)[:, : len(A)])
         values[k] = C[rows] @ states.T
     return values.reshape(*shape, len(outputs), times.size)

@@ -120,17 +120,18 @@ class Surface:
         y: tuple[float, float],
         z: float,
     ) -> Surface | None:
-        """Return the surface of a function, or None where half of its degree does not agree.
+        """Return the Chebyshev interpolant of a function linear in z, or None without convergence.
 
-        `function`: from x, y and z, ``(m,)`` each, to arrays ``(m, ...)`` by name. `x`, `y`:
-        ranges. `z`: half of the range about zero.
+        `function`: from x, y and z, ``(m,)`` each, to arrays ``(m, ...)`` by name. `x`, `y`: ranges
+        of the interpolant. `z`: largest z; the function is evaluated at both signs of it. The
+        degree in x rises until the interpolant of half the degree agrees.
         """
         for degree in _X_DEGREES:
             shape = degree + 1, _Y_DEGREE + 1
-            places = np.meshgrid(
+            positions = np.meshgrid(
                 _nodes(np.array(x), degree), _nodes(np.array(y), _Y_DEGREE), indexing="ij"
             )
-            at_x, at_y = (np.tile(place.ravel(), 2) for place in places)
+            at_x, at_y = (np.tile(position.ravel(), 2) for position in positions)
             count = at_x.size // 2
             made = function(at_x, at_y, np.repeat([z, -z], count))
             values = {name: 0.5 * (array[:count] + array[count:]) for name, array in made.items()}
@@ -154,7 +155,12 @@ class Surface:
         return np.concatenate([factors, z[:, np.newaxis] * factors], axis=1)
 
     def write(self, name: str, part: Any, factors: FloatArray, out: FloatArray) -> None:
-        """Write the values of a part of an array with `factors`, ``(m, ...)``, into `out`."""
+        """Write values of one array at m points into `out`.
+
+        `name`: name of the array. `part`: index of the elements that are written, after its first
+        axis. `factors`: factors of the points, ``(m, 2 points)``, from `factors`. `out`: ``(m,
+        ...)``.
+        """
         table = self.table[name][:, part]
         values = factors @ table.reshape(len(table), -1)
         np.add(values.reshape(out.shape), self.first[name][part], out=out)
@@ -184,9 +190,10 @@ def _refined(
 ) -> list[FloatArray]:
     """Return the values at the Chebyshev points of a degree in each interval, ``(degree + 1, k)``.
 
-    A row has the elements of all arrays of `function` at one time. `function`, `times`: see
-    `smooth_values`. `intervals`: for each the slice of its `times`, and the values at the points of
-    half the degree, ``(degree / 2 + 1, k)``.
+    A row has the elements of all arrays of `function` at one time. `function`: from times, and for
+    each the index in `times` of a time in the same interval, to arrays by name. `times`: all times.
+    `intervals`: for each the slice of its `times`, and the values at the points of half the degree,
+    ``(degree / 2 + 1, k)``.
     """
     refined = []
     if intervals:
@@ -201,7 +208,7 @@ def _refined(
 
 
 def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
-    """Return arrays ``(m, ...)`` flattened to one row for each of m times."""
+    """Return arrays ``(m, ...)`` by name as one array ``(m, k)``, flattened side by side."""
     rows = (array.reshape(len(array), int(np.prod(array.shape[1:]))) for array in arrays.values())
     return np.concatenate([*rows], axis=1)
 
@@ -212,48 +219,54 @@ def _worth(run: slice, degree: int) -> bool:
 
 
 def _nodes(times: FloatArray, degree: int) -> FloatArray:
-    """Return the Chebyshev points of a degree between the first and the last time, rising."""
+    """Return the d + 1 Chebyshev points of degree d between first and last of the times, rising."""
     return times[0] + (times[-1] - times[0]) * (0.5 + 0.5 * chebpts2(degree + 1))
 
 
 def _angles(times: FloatArray, first: float, last: float) -> FloatArray:
-    """Return the angles of times on the half circle, 0 for the first and pi for the last."""
+    """Return the angles of times on the half circle [rad], 0 at the time `first`, pi at `last`."""
     middle = 2.0 * (times - first) / (last - first) - 1.0
     return np.arccos(np.clip(-middle, -1.0, 1.0))
 
 
 @cache
 def _cosines(degree: int) -> FloatArray:
-    """Return the cosines of equidistant angles on the half circle, ``(d + 1,)``."""
+    """Return the cosines of d + 1 equidistant angles from 0 to pi, d being the degree."""
     return np.cos(np.linspace(0.0, np.pi, degree + 1))
 
 
 def _factors(degree: int, angles: FloatArray) -> FloatArray:
-    """Return the factors from equidistant angles on the half circle to others, ``(m, d + 1)``."""
+    """Return the interpolation factors ``(m, d + 1)`` from equidistant angles to others.
+
+    The values are at d + 1 angles from 0 to pi, d being the `degree`, and are interpolated at the m
+    `angles` as a polynomial of degree d in their cosine.
+    """
     return interpolation_factors(_cosines(degree), np.cos(angles))
 
 
 def _interpolated(
     points: FloatArray, factors: FloatArray, out: FloatArray | None = None
 ) -> FloatArray:
-    """Return values ``(m, k)`` from those at the nodes ``(d + 1, k)``, in `out` where it is given.
+    """Return interpolated values ``(m, k)``, written into `out` where it is given.
 
-    The differences from the first point are interpolated.
+    `points`: values at the nodes, ``(d + 1, k)``. `factors`: from nodes to values, ``(m, d + 1)``.
+    The differences from the first point are interpolated, which keeps the digits of a constant.
     """
     values: FloatArray = np.matmul(factors, np.nan_to_num(points - points[0]), out=out)
     values += points[0]
     return values
 
 
-def interpolation_factors(nodes: FloatArray, places: FloatArray) -> FloatArray:
-    """Return the factors ``(m, n)`` from values at Chebyshev nodes ``(n,)`` to places ``(m,)``.
+def interpolation_factors(nodes: FloatArray, positions: FloatArray) -> FloatArray:
+    """Return the factors ``(m, n)`` from values at Chebyshev nodes ``(n,)`` to other positions.
 
     By the barycentric formula (Berrut and Trefethen, 2004), whose weights are of alternating sign,
-    and half as large at both ends. `nodes`: extreme points, on any interval.
+    and half as large at both ends. `nodes`: extreme points, on any interval. `positions`: points of
+    that interval, ``(m,)``.
     """
     weights = (-1.0) ** np.arange(nodes.size)
     weights[[0, -1]] *= 0.5
-    distances = places[:, np.newaxis] - nodes
+    distances = positions[:, np.newaxis] - nodes
     at_node = distances == 0.0
     factors = weights / np.where(at_node, 1.0, distances)
     factors = np.where(at_node.any(axis=1, keepdims=True), at_node.astype(float), factors)
@@ -263,8 +276,9 @@ def interpolation_factors(nodes: FloatArray, places: FloatArray) -> FloatArray:
 def _agree(guess: FloatArray, points: FloatArray, starts: IndexArray) -> bool:
     """Return whether an interpolant of half the degree agrees with the function.
 
-    `guess`: its values at every second one of the `points`, from the second on. `starts`: first
-    column of each array, whose largest value sets its rounding.
+    `guess`: its values at every second one of the points, from the second on, ``(d/2, k)``.
+    `points`: values of the function at the d + 1 Chebyshev points, ``(d + 1, k)``; NaN in a whole
+    column is allowed. `starts`: first column of each array, whose largest value sets its rounding.
     """
     missing = np.isnan(points)
     if np.any(missing.any(axis=0) != missing.all(axis=0)):

@@ -26,16 +26,16 @@ from __future__ import annotations
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.numerics.propagation import balanced, constant_generator
+from tvclin.numerics.propagation import balanced, constant_generator, exponential_series
 
 _MAX_SERIES_NORM, _SERIES_TERMS = 0.25, 12
 """Norm of A h up to which the series is used, and its terms: (2 x 0.25)^13/13! is below 1e-13."""
 
 
 def stationary_covariance(A: FloatArray, noise: FloatArray) -> FloatArray:
-    """Return P of A P + P A' + N = 0 for a stable system, ``(n, n)``.
+    """Return the stationary covariance P ``(n, n)`` of A P + P A' + N = 0 of a stable system.
 
-    `A`, `noise`: A [1/s] and N, ``(n, n)``.
+    `A`: A of x' = A x + n [1/s], ``(n, n)``. `noise`: N, spectral density of the white noise n.
     """
     from scipy.linalg import solve_continuous_lyapunov  # late: it takes half a second to import
 
@@ -44,21 +44,22 @@ def stationary_covariance(A: FloatArray, noise: FloatArray) -> FloatArray:
 
 
 def periodic_covariance(step: FloatArray, noise: FloatArray) -> FloatArray:
-    """Return P of P = F P F' + Q for a stable discrete system, ``(n, n)``.
+    """Return the stationary covariance P ``(n, n)`` of P = F P F' + Q of a stable discrete system.
 
-    `step`, `noise`: F and Q, ``(n, n)``.
+    `step`: F, which maps the states to those one period later, ``(n, n)``. `noise`: Q, the
+    covariance that noise adds in a period, ``(n, n)``.
     """
-    from scipy.linalg import solve_discrete_lyapunov  # late, as above
+    from scipy.linalg import solve_discrete_lyapunov  # late: scipy takes long to import
 
     P = solve_discrete_lyapunov(step, noise)
     return np.asarray(0.5 * (P + P.T))
 
 
 def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return F and Q of steps of given lengths [s] ``(m,)``, each ``(m, n, n)``.
+    """Return F = e^(A h) and the covariance Q that white noise adds in steps h, each ``(m, n, n)``.
 
-    `A`, `noise`: A [1/s] and N, ``(n, n)`` or ``(m, n, n)``. What is beyond all numbers is infinite
-    or NaN.
+    `A`, `noise`: A of x' = A x + n [1/s] and the spectral density N of n, ``(n, n)`` or ``(m, n,
+    n)``. `times`: lengths h of the steps [s], ``(m,)``. Elements that overflow are infinite or NaN.
     """
     lengths, n = np.asarray(times, float), A.shape[-1]
     sizes = np.abs(A) + np.abs(noise)
@@ -77,7 +78,7 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
     doublings = max(int(np.frexp(size / _MAX_SERIES_NORM)[1]), 0)
     first = np.ldexp(lengths, -doublings)[:, np.newaxis, np.newaxis]
     step = A * first
-    F = _exponential_series(step)
+    F = exponential_series(step)
     term = noise * first
     Q = term.copy()
     for k in range(2, _SERIES_TERMS + 1):
@@ -92,37 +93,20 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
         return F * (scale[:, np.newaxis] / scale), Q * np.multiply.outer(scale, scale)
 
 
-def _exponential_series(matrices: FloatArray) -> FloatArray:
-    """Return the series of exponentials up to the power 12, ``(m, n, n)``.
-
-    By powers of the fourth power (Paterson and Stockmeyer, 1973), five products in place of twelve.
-    """
-    square = matrices @ matrices
-    cube, fourth = square @ matrices, square @ square
-    unit = np.eye(matrices.shape[-1])
-    factors = 1.0 / np.cumprod([1.0, *range(1, _SERIES_TERMS + 1)])
-
-    def part(k: int) -> FloatArray:
-        low, linear, quadratic, cubic = factors[k : k + 4]
-        return np.asarray(low * unit + linear * matrices + quadratic * square + cubic * cube)
-
-    result = part(8) + factors[12] * fourth
-    result = fourth @ result + part(4)
-    return np.asarray(fourth @ result + part(0))
-
-
 def constant_over_steps(
     A: tuple[FloatArray, FloatArray], noise: tuple[FloatArray, FloatArray], times: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the constant A and N with the same step, to fourth order, as those that vary.
 
-    `A`, `noise`: A and N at the two `GAUSS_NODES` of each step, each ``(m, n, n)``. `times`:
-    lengths of the steps [s], ``(m,)``.
+    Both ``(m, n, n)``. `A`, `noise`: state matrix A [1/s] and noise density N of x' = A x + n, at
+    the two Gauss points (`GAUSS_NODES`) of each step, each ``(m, n, n)``. `times`: lengths of the
+    steps [s], ``(m,)``.
     """
     (A1, A2), (N1, N2) = A, noise
     factor = np.sqrt(3.0) / 12.0 * np.asarray(times)[:, np.newaxis, np.newaxis]
 
     def driven(matrix: FloatArray, noise: FloatArray) -> FloatArray:
+        """Return A N + N A' of A and N, ``(m, n, n)``."""
         product = matrix @ noise
         return product + np.swapaxes(product, -1, -2)
 
@@ -139,7 +123,7 @@ _MAX_CORRELATION = 1.0 - 1e-12
 
 
 def mean_absolute(mean: FloatArray, deviation: FloatArray) -> FloatArray:
-    """Return E|x| of Gaussian values, given their mean and standard deviation, which broadcast."""
+    """Return E|x| of Gaussian values x by their mean and standard deviation, which broadcast."""
     from scipy.special import erf  # late: scipy takes long to import
 
     ratio = _ratio(mean, deviation)
@@ -154,11 +138,10 @@ def absolute_covariance(
 ) -> FloatArray:
     """Return the covariance of |x| and |y| for Gaussian pairs (x, y); all arrays broadcast.
 
-    `mean`, `deviation`: means and standard deviations of x and of y. `correlation`: r of the pair.
-
-    Without means it is (2/pi) d_x d_y (sqrt(1 - r^2) + r asin r - 1).
+    `mean`, `deviation`: means and standard deviations, each of x and of y. `correlation`: r of x
+    and y, from -1 to 1. Without means the result is (2/pi) d_x d_y (sqrt(1 - r^2) + r asin r - 1).
     """
-    from scipy.special import erf  # late, as above
+    from scipy.special import erf  # late: scipy takes long to import
 
     first, second = (_ratio(m, d) for m, d in zip(mean, deviation, strict=True))
     r = np.clip(correlation, -1.0, 1.0)
@@ -175,8 +158,11 @@ def absolute_covariance(
 
 
 def exceedance(limit: float, mean: FloatArray, deviation: FloatArray) -> FloatArray:
-    """Return the probability of ``|x| > limit`` of Gaussian values, whose arrays broadcast."""
-    from scipy.special import ndtr  # late, as above
+    """Return the probability of ``|x| > limit`` of Gaussian values x, by mean and deviation.
+
+    `mean`, `deviation`: mean and standard deviation of x, arrays that broadcast.
+    """
+    from scipy.special import ndtr  # late: scipy takes long to import
 
     spread = np.maximum(deviation, np.finfo(float).tiny)
     with np.errstate(over="ignore"):  # of a limit far beyond the spread
@@ -192,14 +178,14 @@ def crossing_rate(
     rate_deviation: FloatArray,
     correlation: FloatArray,
 ) -> FloatArray:
-    """Return the expected crossings of +limit upwards and of -limit downwards [1/s].
+    """Return the expected rate [1/s] of crossings of +limit upwards and of -limit downwards.
 
     `limit`: positive, in the unit of the values. `mean`, `deviation`: mean and standard deviation
     of Gaussian values; `mean_rate`, `rate_deviation`: of their rates. `correlation`: between value
-    and rate. The arrays broadcast; where a deviation is zero
-    nothing is random, and the rate counts as zero.
+    and rate. The arrays broadcast; where a deviation is zero nothing is random, and the rate counts
+    as zero.
     """
-    from scipy.special import ndtr  # late, as above
+    from scipy.special import ndtr  # late: scipy takes long to import
 
     rho = np.clip(correlation, -_MAX_CORRELATION, _MAX_CORRELATION)
     free = np.sqrt(1.0 - rho**2)
@@ -215,11 +201,11 @@ def crossing_rate(
 
 
 def _ratio(mean: FloatArray, deviation: FloatArray) -> FloatArray:
-    """Return mean over deviation, up to 1e6 in size where the deviation is next to zero."""
+    """Return mean over standard deviation, up to 1e6 in size where the deviation is near zero."""
     floor = np.maximum(deviation, np.maximum(1e-6 * np.abs(mean), np.finfo(float).tiny))
     return np.asarray(mean / floor)
 
 
 def _density(x: FloatArray) -> FloatArray:
-    """Return the standard normal density."""
+    """Return the standard normal density at x, constant beyond 40 in size."""
     return np.asarray(np.exp(-0.5 * np.minimum(np.abs(x), 40.0) ** 2) / np.sqrt(2.0 * np.pi))

@@ -45,12 +45,15 @@ class InitialValueSolution:
     values: FloatArray
 
     def __call__(self, t: Any) -> FloatArray:
-        """Return x ``(k,)`` at a time, or ``(k, m)`` at times ``(m,)``, clipped to the span."""
+        """Return x ``(k,)`` at a time `t` [s], or ``(k, m)`` at times ``(m,)``.
+
+        A time outside the span of the solution counts as the nearer end of it.
+        """
         times, rising = np.atleast_1d(t), np.sign(self.ends[-1] - self.ends[0])
         index = np.searchsorted(rising * self.ends[1:-1], rising * times)
         begin, end = self.ends[index], self.ends[index + 1]
-        places = np.clip((2.0 * times - begin - end) / (end - begin), -1.0, 1.0)
-        factors = interpolation_factors(chebpts2(_DEGREE + 1), places)
+        positions = np.clip((2.0 * times - begin - end) / (end - begin), -1.0, 1.0)
+        factors = interpolation_factors(chebpts2(_DEGREE + 1), positions)
         x = np.einsum("md,mdk->km", factors, self.values[index])
         return x if np.ndim(t) else x[:, 0]
 
@@ -61,9 +64,9 @@ def initial_value_solution(
     span: tuple[float, float],
     valid: Callable[[FloatArray], bool],
 ) -> InitialValueSolution:
-    """Return the solution of x' = f(t, x) from the first time of a span to the last.
+    """Return the solution x(t) of x' = f(t, x) from the first time of a span to the last.
 
-    It ends earlier where it would leave what is valid, or does not converge.
+    It ends earlier where x would cease to be valid, or where the iteration does not converge.
 
     Parameters
     ----------
@@ -74,7 +77,7 @@ def initial_value_solution(
     span : tuple of float
         First and last time; the last may be the earlier one.
     valid : callable
-        Whether f may be evaluated at all of x ``(k, m)``.
+        Function from x ``(k, m)`` to whether f may be evaluated there.
     """
     points = chebpts2(_DEGREE + 1)
     to_coefficients = np.linalg.inv(chebvander(points, _DEGREE))
@@ -106,8 +109,10 @@ def _picard(
 ) -> tuple[FloatArray, FloatArray]:
     """Return x ``(k, m)`` at the times ``(m,)`` of an interval, and the tolerance of each ``(k,)``.
 
-    NaN where the iteration does not converge. `integral`: factors from values at the times to
-    integrals up to the times, ``(m, m)``.
+    NaN where the Picard iteration does not converge. `rates`: f of x' = f(t, x), from times and x
+    to derivatives ``(k, m)``. `begin`: x at the start of the interval, ``(k,)``. `integral`:
+    factors from values at the times to integrals up to the times, ``(m, m)``. `valid`: function
+    that says whether f may be evaluated at x.
     """
     x = np.broadcast_to(begin[:, np.newaxis], (begin.size, times.size))
     for _ in range(_MAX_ITERATIONS):

@@ -10,7 +10,6 @@ Crossovers and peaks are bracketed on a frequency grid that misses none, and the
 rounding, so that no result depends on the grid. A loop has the same bits alone and in any batch.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -79,7 +78,10 @@ class Stability:
 
 
 def stability(loop: AnyLoop) -> Stability:
-    """Return the number of unstable closed-loop poles with the delay, and the gain crossovers."""
+    """Return the number of unstable closed-loop poles with the delay, and the gain crossovers.
+
+    `loop`: a batch of loops L(s) ``(...)``, closed by 1 + L = 0.
+    """
     poles = loop.closed_poles()
     tolerance = _AXIS_TOLERANCE * np.abs(poles).max(axis=-1, keepdims=True)
     unstable = np.sum(np.real(poles) > tolerance, axis=-1)
@@ -87,9 +89,9 @@ def stability(loop: AnyLoop) -> Stability:
     at_zero = np.any(on_axis & (np.abs(poles) <= tolerance), axis=-1)
     frequencies, rising = loop.crossovers(1.0)
     frequencies = _polished_gain_crossover(loop, frequencies)
-    above, below = loop.undelayed(frequencies)
+    N, D = loop.undelayed(frequencies)
     with np.errstate(invalid="ignore"):
-        phase = np.angle(-above / below) % _FULL_TURN
+        phase = np.angle(-N / D) % _FULL_TURN
         on_axis_at_zero = (phase < _PHASE_ROUNDING) | (phase > _FULL_TURN - _PHASE_ROUNDING)
         phase = np.where(
             on_axis_at_zero, _initial_phase_to_axis(poles, tolerance, frequencies, rising), phase
@@ -112,7 +114,10 @@ def _initial_phase_to_axis(
 ) -> FloatArray:
     """Return the phase lag [rad], 0 or 2 pi, until poles at the axis cross it for the first time.
 
-    A pole that starts in the half plane to which the delay moves it has a full turn to go.
+    A pole that starts in the half plane to which the delay moves it has a full turn to go. `poles`:
+    closed-loop poles without the delay, ``(..., n)`` [1/s]. `tolerance`: distance from the axis
+    that counts as zero, ``(..., 1)`` [1/s]. `omega`: gain crossovers ``(..., k)`` [rad/s], as the
+    result. `rising`: whether poles cross to the right there, ``(..., k)``.
     """
     distance = np.abs(poles[..., np.newaxis, :] - 1j * omega[..., np.newaxis])
     nearest = np.argmin(np.nan_to_num(distance, nan=np.inf), axis=-1)
@@ -121,27 +126,33 @@ def _initial_phase_to_axis(
 
 
 def last_frequency(loop: AnyLoop, size: float) -> FloatArray:
-    """Return the highest frequency [rad/s] at which |L| is `size`, ``(...)``; zero without any."""
+    """Return the highest frequency [rad/s] at which |L| is `size`, ``(...)``; zero without any.
+
+    `loop`: a batch of loops L(s) ``(...)``.
+    """
     return np.nan_to_num(loop.crossovers(size)[0]).max(axis=-1, initial=0.0)
 
 
 def _polished_gain_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """Return gain crossovers [rad/s] after Newton's steps on ln |L|.
+    """Return gain crossovers ``(..., k)`` [rad/s] after Newton's steps on ln |L|.
 
-    Crossovers of the squared magnitude have half the digits near undamped poles.
+    `loop`: a batch of loops L(s). `omega`: estimates ``(..., k)``, from the squared magnitude,
+    which have half the digits near undamped poles.
     """
     with np.errstate(all="ignore"):
         for _ in range(_POLISHING_ITERATIONS):
-            above, below = loop.undelayed(omega)
-            step = np.log(np.abs(above / below)) / loop.log_slope(omega).real
+            N, D = loop.undelayed(omega)
+            step = np.log(np.abs(N / D)) / loop.log_slope(omega).real
             omega = np.where(np.abs(step) <= _MAX_POLISHING_STEP * omega, omega - step, omega)
     return omega
 
 
 def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
-    """Return the frequencies [rad/s] of the grid, positive and ascending, ``(k, m)``, NaN-filled.
+    """Return frequencies [rad/s] that bracket crossovers and peaks of L, ``(k, m)``, NaN-filled.
 
-    `loop`: a batch of one axis, ``(k,)``. `stability`: its closed-loop poles and gain crossovers.
+    Positive and ascending: over the whole range, dense around poles and zeros, and in steps of the
+    phase of a delay. `loop`: k loops L(s). `stability`: their closed-loop poles and gain
+    crossovers.
     """
     poles = [stability.poles.astype(complex), loop.open_poles().astype(complex)]
     fastest = np.abs(np.concatenate(poles, axis=-1)).max(axis=-1)[:, np.newaxis]
@@ -165,10 +176,8 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
         steps,
         around.reshape(len(around), roots.shape[-1] * offsets.size),
         stability.crossovers,
-    ]
-    parts += [
-        real_frequencies * factor
-        for factor in (1.0 - _REAL_FREQUENCY_OFFSET, 1.0 + _REAL_FREQUENCY_OFFSET)
+        real_frequencies * (1.0 - _REAL_FREQUENCY_OFFSET),
+        real_frequencies * (1.0 + _REAL_FREQUENCY_OFFSET),
     ]
     if np.any(loop.delay > 0.0):
         delay_points, end = _delay_frequencies(loop)
@@ -183,9 +192,10 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
 
 
 def _delay_frequencies(loop: AnyLoop) -> tuple[FloatArray, FloatArray]:
-    """Return frequencies [rad/s] in even steps of an eighth of a turn of the delay, and their end.
+    """Return frequencies ``(k, m)`` [rad/s] in even steps of an eighth of a turn of the delay.
 
-    Without a delay the end is infinite and the frequencies are NaN.
+    The second result is their end ``(k,)``. For a loop without delay it is infinite, and the
+    frequencies are NaN. `loop`: a batch of k loops.
     """
     delayed = loop.delay > 0.0
     step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
@@ -228,14 +238,18 @@ class LoopAnalysis:
 
 def analyse_loops(loop: AnyLoop) -> LoopAnalysis:
     """Return stability, crossovers and peaks of a batch of loops ``(k,)``."""
-    return _concatenated([_block_analysis(part) for part in _blocks(loop)])
+    starts = range(0, max(len(loop.delay), 1), _LOOPS_PER_BLOCK)
+    return _concatenated(
+        [_block_analysis(loop.take(slice(start, start + _LOOPS_PER_BLOCK))) for start in starts]
+    )
 
 
 def classical_margins(analysis: LoopAnalysis) -> FloatArray:
     """Return the smallest margins of stable loops and their frequencies [rad/s], ``(4, 2, k)``.
 
     Margins: aero margin (gain reduction) and gain increase as factors, phase margin [rad] and delay
-    margin [s]. A margin without a crossover is infinite, and its frequency NaN.
+    margin [s]. A margin without a crossover is infinite, and its frequency NaN. `analysis`:
+    crossovers of k loops.
     """
     # k L is -1 for k = 1/|L| where L is real and negative: the gain may fall by 1/k where k < 1 and
     # rise to k where k > 1.
@@ -251,12 +265,6 @@ def classical_margins(analysis: LoopAnalysis) -> FloatArray:
         (analysis.delays, omega),
     )
     return np.asarray([row_minimum(values, where) for values, where in pairs])
-
-
-def _blocks(loop: AnyLoop) -> Iterator[AnyLoop]:
-    size = len(loop.delay)
-    for start in range(0, max(size, 1), _LOOPS_PER_BLOCK):
-        yield loop.take(np.arange(start, min(start + _LOOPS_PER_BLOCK, size)))
 
 
 def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
@@ -290,21 +298,22 @@ def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
 
 
 def _phase_crossovers(
-    loop: AnyLoop, omega: FloatArray, above: ComplexArray, below: ComplexArray
+    loop: AnyLoop, omega: FloatArray, N: ComplexArray, D: ComplexArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the frequencies [rad/s] at which L is real and negative, and |L| there, ``(k, m)``.
 
-    Both are filled with NaN. `omega`: the grid ``(k, n)`` from zero on; `above`, `below`: numerator
-    and denominator on it.
+    Both are filled with NaN. `loop`: k loops L(s). `omega`: grid of frequencies from zero on, ``(k,
+    n)`` [rad/s]. `N`, `D`: numerator and denominator of L on it, ``(k, n)``.
     """
 
     def angle(frequency: FloatArray, index: IndexArray) -> FloatArray:
+        """Return the phase lag [rad] to the negative real axis of the cases at `index`."""
         return _lag_to_real_axis(*loop.take(index).parts(frequency[:, np.newaxis]))[:, 0]
 
-    sign = np.sign(_imaginary(above, below))
+    sign = np.sign(_imaginary(N, D))
     case, index = np.nonzero(sign[:, 1:-1] * sign[:, 2:] <= 0.0)
     index += 1
-    start, end = (_lag_to_real_axis(above[case, k], below[case, k]) for k in (index, index + 1))
+    start, end = (_lag_to_real_axis(N[case, k], D[case, k]) for k in (index, index + 1))
     rise = np.sign(end - start)
     crossing = (start * end <= 0.0) & (np.abs(end - start) < np.pi) & (rise != 0.0)
     case, index, rise = case[crossing], index[crossing], rise[crossing]
@@ -315,28 +324,32 @@ def _phase_crossovers(
     case, crossover = case[genuine], crossover[genuine]
     crossover = _polished_phase_crossover(loop.take(case), crossover)
     # L(0) = N(0)/D(0) is a crossing that no change of sign shows; and so is L at infinity.
-    at_zero = np.flatnonzero(above[:, 0].real * below[:, 0].real < 0.0)
+    at_zero = np.flatnonzero(N[:, 0].real * D[:, 0].real < 0.0)
     at_infinity = np.flatnonzero(loop.direct < 0.0)
     case = np.concatenate([at_zero, case])
     crossover = np.concatenate([np.zeros(at_zero.size), crossover])
-    above, below = loop.take(case).undelayed(crossover[:, np.newaxis])
-    sizes = np.concatenate([np.abs(above / below)[:, 0], -loop.direct[at_infinity]])
+    N, D = loop.take(case).undelayed(crossover[:, np.newaxis])
+    sizes = np.concatenate([np.abs(N / D)[:, 0], -loop.direct[at_infinity]])
     case = np.concatenate([case, at_infinity])
     crossover = np.concatenate([crossover, np.full(at_infinity.size, np.inf)])
     return _rows(case, crossover, crossover, len(omega)), _rows(case, crossover, sizes, len(omega))
 
 
 def _remaining_lag(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """Return the phase lag [rad] until L is real and negative, at frequencies ``(k, m)``.
+    """Return the phase lag ``(k, m)`` [rad] until L, with its delay, is real and negative.
 
-    The values come from linear solves: a sum over poles has the rounding of its largest terms.
+    `loop`: k loops. `omega`: frequencies ``(k, m)`` [rad/s]. The values come from linear solves: a
+    sum over poles has the rounding of its largest terms.
     """
-    above, below = loop.undelayed(omega)
-    return _lag_to_real_axis(product(above, np.exp(-1j * omega * loop.delay[:, np.newaxis])), below)
+    N, D = loop.undelayed(omega)
+    return _lag_to_real_axis(product(N, np.exp(-1j * omega * loop.delay[:, np.newaxis])), D)
 
 
 def _polished_phase_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """Return phase crossovers ``(k,)`` [rad/s] after one Newton step."""
+    """Return phase crossovers ``(k,)`` [rad/s] after one Newton step.
+
+    `loop`: k loops. `omega`: an estimate for each, ``(k,)``.
+    """
     omega = omega[:, np.newaxis]
     with np.errstate(all="ignore"):
         phase_slope = loop.log_slope(omega).imag - loop.delay[:, np.newaxis]
@@ -345,28 +358,30 @@ def _polished_phase_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
     return np.where(close, omega - step, omega)[:, 0]
 
 
-def _imaginary(above: ComplexArray, below: ComplexArray) -> FloatArray:
-    """Return Im(-N conj(D)) of numerator N and denominator D, `above` and `below`.
+def _imaginary(N: ComplexArray, D: ComplexArray) -> FloatArray:
+    """Return Im(-N conj(D)) of numerators N and denominators D, of one shape.
 
     In real products, which round alike in a batch of any shape.
     """
-    return above.real * below.imag - above.imag * below.real
+    return N.real * D.imag - N.imag * D.real
 
 
-def _lag_to_real_axis(above: ComplexArray, below: ComplexArray) -> FloatArray:
+def _lag_to_real_axis(N: ComplexArray, D: ComplexArray) -> FloatArray:
     """Return the phase lag [rad] until N/D is real and negative: arg(-N conj(D))."""
-    real = -(above.real * below.real + above.imag * below.imag)
-    return np.arctan2(_imaginary(above, below), real)
+    real = -(N.real * D.real + N.imag * D.imag)
+    return np.arctan2(_imaginary(N, D), real)
 
 
 def _closed_loop_peaks(
-    loop: AnyLoop, omega: FloatArray, above: ComplexArray, below: ComplexArray
+    loop: AnyLoop, omega: FloatArray, N: ComplexArray, D: ComplexArray
 ) -> FloatArray:
     """Return the maxima of |S|, |T| and |S - T|/2 and their frequencies [rad/s], ``(k, 3, 2)``.
 
-    `omega`: the grid ``(k, n)`` from zero on; `above`, `below`: numerator and denominator on it.
+    `loop`: k stable loops L = N/D, with S = 1/(1 + L) and T = L/(1 + L). `omega`: grid of
+    frequencies from zero on, ``(k, n)`` [rad/s]. `N`, `D`: numerator and denominator on it, ``(k,
+    n)``.
     """
-    values = np.stack(_sensitivity_sizes(above, below), axis=1)
+    values = np.stack(_sensitivity_sizes(N, D), axis=1)
     values = np.nan_to_num(values, nan=-np.inf, copy=False)
     top = np.argmax(values, axis=-1)
     height = values.max(axis=-1)
@@ -380,9 +395,10 @@ def _closed_loop_peaks(
         candidates = loop.take(case)
 
         def lowness(frequency: FloatArray) -> FloatArray:
-            above, below = candidates.parts(frequency)
-            numerator = np.choose(kind[:, np.newaxis], _numerators(above, below))
-            return -_size(product(numerator, inverse(below + above)))
+            """Return minus the size of S, T or (S - T)/2 of candidates at ``(s, m)``."""
+            N, D = candidates.parts(frequency)
+            selected = np.choose(kind[:, np.newaxis], _numerators(N, D))
+            return -_size(product(selected, inverse(D + N)))
 
         at, minimum = grid_minimum(
             lowness, omega[case, index], omega[case, index + 2], PEAK_REFINEMENTS, smooth=True
@@ -400,28 +416,31 @@ def _closed_loop_peaks(
     return np.stack(pair, axis=-1)
 
 
-def _sensitivity_sizes(above: ComplexArray, below: ComplexArray) -> list[FloatArray]:
-    """Return |S|, |T| and |S - T|/2 of S = 1/(1 + L) = D/(D + N) and T = N/(D + N).
+def _sensitivity_sizes(N: ComplexArray, D: ComplexArray) -> list[FloatArray]:
+    """Return |S|, |T| and |S - T|/2 of S = 1/(1 + L) = D/(D + N) and T = N/(D + N), L = N/D.
 
-    The inverse of the maximum of the last is the disk margin alpha: L f is stable for all f in the
+    The inverse of the maximum of |S - T|/2 is the disk margin alpha: L f is stable for all f in the
     disk (1 + d/2)/(1 - d/2), |d| < alpha, exactly if alpha |S - T|/2 < 1 everywhere.
     """
-    inverse_return = inverse(below + above)
-    return [_size(product(part, inverse_return)) for part in _numerators(above, below)]
+    inverse_return = inverse(D + N)
+    return [_size(product(part, inverse_return)) for part in _numerators(N, D)]
 
 
-def _numerators(above: ComplexArray, below: ComplexArray) -> tuple[ComplexArray, ...]:
-    """Return the numerators of S, T and (S - T)/2 over D + N."""
-    return below, above, 0.5 * (below - above)
+def _numerators(N: ComplexArray, D: ComplexArray) -> tuple[ComplexArray, ...]:
+    """Return the numerators D, N and (D - N)/2 of S, T and (S - T)/2 over D + N, for L = N/D."""
+    return D, N, 0.5 * (D - N)
 
 
 def _size(values: ComplexArray) -> FloatArray:
-    """Return absolute values in real arithmetic, as `product`."""
+    """Return absolute values of complex numbers, in real arithmetic as in `product`."""
     return np.sqrt(values.real**2 + values.imag**2)
 
 
 def _rows(case: IndexArray, key: FloatArray, values: FloatArray, count: int) -> FloatArray:
-    """Return values scattered into one row per case, in ascending order of the key, NaN-filled."""
+    """Return values scattered into one row per case, in ascending order of the key, NaN-filled.
+
+    `case`: row of each of m values, ``(m,)``. `key`, `values`: ``(m,)``. `count`: number of rows.
+    """
     order = np.lexsort((key, case))
     case, values = case[order], values[order]
     sizes = np.bincount(case, minlength=count)
@@ -432,7 +451,10 @@ def _rows(case: IndexArray, key: FloatArray, values: FloatArray, count: int) -> 
 
 
 def row_minimum(values: FloatArray, frequencies: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the minimum of each row and its frequency; infinity and NaN for an empty row."""
+    """Return the minimum of each row ``(k,)`` and its frequency; infinity and NaN for an empty row.
+
+    `values`, `frequencies`: ``(k, m)``; NaN in the values is no value.
+    """
     if not values.shape[-1]:
         return np.full(len(values), np.inf), np.full(len(values), np.nan)
     filled = np.where(np.isnan(values), np.inf, values)
@@ -444,7 +466,7 @@ def row_minimum(values: FloatArray, frequencies: FloatArray) -> tuple[FloatArray
 
 
 def _concatenated(parts: list[LoopAnalysis]) -> LoopAnalysis:
-    """Return the analyses of several blocks of cases as one, rows filled with NaN to one width."""
+    """Return the analyses of several blocks of loops as one, rows filled with NaN to one width."""
     joined: list[AnyArray] = []
     for field in fields(LoopAnalysis):
         arrays = [getattr(part, field.name) for part in parts]

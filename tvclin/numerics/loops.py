@@ -92,40 +92,46 @@ class Rational:
         `omega`: frequencies [rad/s], ``(..., k)``.
         """
         omega = np.asarray(omega, dtype=float)
-        above, below = self.undelayed(omega)
+        N, D = self.undelayed(omega)
         if np.any(self.delay):
-            above = product(above, np.exp(-1j * omega * self.delay[..., np.newaxis]))
-        return above, below
+            N = product(N, np.exp(-1j * omega * self.delay[..., np.newaxis]))
+        return N, D
 
     def value(self, s: AnyArray) -> AnyArray:
         """Return L with its delay at complex frequencies ``(..., k)`` [1/s], off the poles."""
-        above, below = (polynomials.value(p, s) for p in (self.numerator, self.denominator))
-        return np.asarray(above / below * np.exp(-s * self.delay[..., np.newaxis]))
+        N, D = (polynomials.value(p, s) for p in (self.numerator, self.denominator))
+        return np.asarray(N / D * np.exp(-s * self.delay[..., np.newaxis]))
 
     def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
-        """Return numerator and denominator at j omega, ``(..., k)``, without the delay."""
+        """Return numerator and denominator at j omega, ``(..., k)``, without the delay.
+
+        `omega`: frequencies [rad/s], ``(..., k)``.
+        """
         return (
             polynomials.on_axis(self.numerator, omega),
             polynomials.on_axis(self.denominator, omega),
         )
 
     def log_slope(self, omega: FloatArray) -> AnyArray:
-        """Return d ln G/d omega = j (N'/N - D'/D) at j omega, without the delay, ``(..., k)``."""
+        """Return d ln G/d omega = j (N'/N - D'/D) of G = N/D, L without delay, at j omega.
+
+        `omega`: frequencies [rad/s], ``(..., k)``.
+        """
         slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
         rises = [polynomials.on_axis(slope, omega) for slope in slopes]
-        above, below = map(product, rises, map(inverse, self.undelayed(omega)))
-        return 1j * (above - below)
+        N_ratio, D_ratio = map(product, rises, map(inverse, self.undelayed(omega)))
+        return 1j * (N_ratio - D_ratio)
 
     def open_poles(self) -> AnyArray:
         """Return the roots of the denominator [1/s], ``(..., n)``."""
         return polynomials.roots(self.denominator)
 
     def closed_poles(self) -> AnyArray:
-        """Return the roots of D + N [1/s], the closed-loop poles without the delay."""
+        """Return the roots of denominator + numerator [1/s], closed-loop poles without delay."""
         return polynomials.roots(self.denominator + self.numerator)
 
     def zeros(self) -> AnyArray:
-        """Return the roots of the numerators ``(k, n + 1)`` [1/s]; NaN fills the rows."""
+        """Return the roots of the numerators ``(k, n + 1)`` [1/s]; NaN fills rows ``(k, n)``."""
         return polynomials.roots_of_each(self.numerator)
 
     def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
@@ -170,12 +176,12 @@ class Rational:
     def take(self, index: Any) -> Self:
         """Return the functions at the positions `index` of the flattened batch."""
         size = self.numerator.shape[-1]
-        above, below = (p.reshape(-1, size)[index] for p in (self.numerator, self.denominator))
-        return type(self)(above, below, self.delay.reshape(-1)[index])
+        N, D = (p.reshape(-1, size)[index] for p in (self.numerator, self.denominator))
+        return type(self)(N, D, self.delay.reshape(-1)[index])
 
 
 def product(first: AnyArray, second: AnyArray) -> AnyArray:
-    """Return the product of complex arrays in real arithmetic.
+    """Return the product of complex arrays, which broadcast, in real arithmetic.
 
     The complex product of numpy rounds differently by position in memory.
     """
@@ -186,7 +192,10 @@ def product(first: AnyArray, second: AnyArray) -> AnyArray:
 
 
 def inverse(values: AnyArray) -> AnyArray:
-    """Return the inverses of complex numbers of any size in real arithmetic, as `product`."""
+    """Return the inverses of complex numbers of any size in real arithmetic.
+
+    The complex quotient of numpy rounds differently by position in memory.
+    """
     scale = np.maximum(np.abs(values.real), np.abs(values.imag))
     real, imag = values.real / scale, values.imag / scale
     scale *= real**2 + imag**2
@@ -224,7 +233,9 @@ class StateLoop:
     ) -> Self:
         """Return the loops of A ``(k, n, n)``, B and C ``(k, n)``, D and delay [s] ``(k,)``.
 
-        The states are scaled by powers of two until rows and columns of A have similar norms.
+        The states are scaled by powers of two until rows and columns of A have similar norms. Poles
+        and residues come from eigenvectors; a pole that is zero to rounding becomes exactly zero,
+        as do several that a repeated integrator is split into.
         """
         from scipy.linalg import eig, lapack  # late: it takes 0.1 s to import
 
@@ -252,22 +263,23 @@ class StateLoop:
 
     @property
     def delay(self) -> FloatArray:
-        """Delay [s] of each selected loop."""
+        """Delay [s] of each selected loop, ``(k,)``."""
         return self.all_delays[self.case]
 
     @property
     def direct(self) -> FloatArray:
-        """Value of L at infinity without its delay."""
+        """Value of L at infinity without its delay, ``(k,)``."""
         return self.D[self.case]
 
     def take(self, index: Any) -> Self:
-        """Return the loops at the positions `index`."""
+        """Return the loops at the positions `index` of the selected ones."""
         return replace(self, case=self.case[index])
 
     def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
         """Return numerator and denominator of L with its delay at j omega, ``(k, m)``.
 
-        They are L and one, and at a pole one and zero.
+        They are L and one, and at a pole one and zero. `omega`: frequencies [rad/s], ``(k, m)`` or
+        ``(m,)``.
         """
         omega = np.broadcast_to(np.asarray(omega, float), (len(self.case), np.shape(omega)[-1]))
         values = self._modal_sum(1j * omega)
@@ -289,11 +301,17 @@ class StateLoop:
         return slope * np.exp(-s * delay)
 
     def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
-        """Return numerator and denominator of L without delay at j omega, as `parts`."""
+        """Return numerator and denominator of L without its delay at j omega, ``(k, m)``.
+
+        They are L and one, and at a pole one and zero. `omega`: frequencies [rad/s], ``(k, m)``.
+        """
         return self._fraction(self._solved(1j * omega)[0], omega)
 
     def log_slope(self, omega: FloatArray) -> AnyArray:
-        """Return d ln G/d omega = j G'/G at j omega, ``(k, m)``, with G' = -C (s - A)^-2 B."""
+        """Return d ln G/d omega = j G'/G at j omega, ``(k, m)``, with G' = -C (s - A)^-2 B.
+
+        `omega`: frequencies [rad/s], ``(k, m)``. G is L without its delay.
+        """
         with np.errstate(all="ignore"):
             return 1j * (self._modal_sum(1j * omega, slope=True) / self._modal_sum(1j * omega))
 
@@ -316,7 +334,7 @@ class StateLoop:
         return self.poles[self.case]
 
     def closed_poles(self) -> AnyArray:
-        """Return the closed-loop poles without the delay [1/s]: eig(A - B C/(1 + D))."""
+        """Return the closed-loop poles without delay [1/s], ``(k, n)``: eig(A - B C/(1 + D))."""
         A, B, C, D = self._matrices
         returned = B[..., :, np.newaxis] * C[..., np.newaxis, :]
         return np.linalg.eigvals(A - returned / (1.0 + D)[:, np.newaxis, np.newaxis]).astype(
@@ -385,7 +403,7 @@ class StateLoop:
 
     @cached_property
     def _matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """A, B, C and D of the selected loops, B and C scaled to equal norms."""
+        """A, B, C and D of the selected loops, with B and C scaled to equal norms."""
         A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
         sizes = [np.sqrt(np.sum(row**2, axis=-1, keepdims=True)) for row in (B, C)]
         scalable = np.all(np.concatenate(sizes, axis=-1) > 0.0, axis=-1, keepdims=True)
@@ -393,10 +411,10 @@ class StateLoop:
         return A, B / ratio, C * ratio, D
 
     def _modal_sum(self, s: AnyArray, *, slope: bool = False) -> AnyArray:
-        """Return L without its delay, or dL/ds, at s ``(k, m)``: a sum over the poles.
+        """Return L without its delay, or with `slope` dL/ds, at s ``(k, m)`` [1/s], by residues.
 
-        In real arithmetic, r/(s - p) = r conj(s - p)/|s - p|^2, added in sequence, so that the sum
-        has the same bits in a batch of any shape.
+        The sum over the poles is in real arithmetic, r/(s - p) = r conj(s - p)/|s - p|^2, and added
+        in sequence, so that it has the same bits in a batch of any shape.
         """
         poles, residues = self.poles[self.case], self.residues[self.case]
         total = np.zeros((2, *s.shape))
@@ -416,9 +434,9 @@ class StateLoop:
         return values
 
     def _solved(self, s: AnyArray, *, slope: bool = False) -> tuple[AnyArray, ...]:
-        """Return L without its delay, and on request dL/ds, at s ``(k, m)``, by linear solves.
+        """Return L without its delay, and with `slope` dL/ds, at s ``(k, m)`` [1/s], by solving.
 
-        They are infinite at a pole, and NaN at NaN.
+        By linear solves, not by residues. Infinite at a pole, and NaN at NaN.
         """
         block = max(1, _ENTRIES_PER_BLOCK // max(1, s.shape[1] * self.A.shape[-1] ** 2))
         if len(s) > block:
@@ -450,7 +468,10 @@ class StateLoop:
         return tuple(values)
 
     def _newton_crossovers(self, omega: FloatArray, size: float) -> FloatArray:
-        """Return frequencies [rad/s] with |L| = `size` from estimates; NaN without convergence."""
+        """Return frequencies ``(k, m)`` [rad/s] with |L| = `size`, ascending, by Newton's method.
+
+        `omega`: estimates ``(k, m)``. NaN without convergence.
+        """
         error = np.full(omega.shape, np.nan)
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON_ITERATIONS):
@@ -469,7 +490,10 @@ class StateLoop:
 
     @staticmethod
     def _fraction(values: AnyArray, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
-        """Return L as numerator and denominator: L and 1, or at a pole of L 1 and 0."""
+        """Return L as numerator and denominator ``(k, m)``: L and 1, or at a pole of L 1 and 0.
+
+        `values`: L at the frequencies `omega` [rad/s], ``(k, m)``; infinite or NaN at a pole.
+        """
         at_pole = ~np.isfinite(values) & ~np.isnan(omega)
         ones = np.ones_like(values)
         return np.where(at_pole, ones, values), np.where(at_pole, 0.0, ones)
@@ -514,7 +538,10 @@ def _terms(
     *,
     slope: bool,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return real and imaginary parts of residue/(s - pole), or of its slope."""
+    """Return real and imaginary parts of residue/(s - pole), or of -residue/(s - pole)^2 (`slope`).
+
+    All arrays broadcast; they hold real and imaginary parts of s [1/s], poles and residues.
+    """
     x, y = s_real - pole_real, s_imag - pole_imag
     size = x**2
     size += y**2
@@ -530,7 +557,10 @@ def _terms(
 
 
 def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArray:
-    """Return the finite s at which [[A - s, B], [C, D]] is singular, ``(k, n)``, NaN-filled."""
+    """Return the finite s at which [[A - s, B], [C, D]] is singular, ``(k, n + 1)``, NaN-filled.
+
+    `A`, `B`, `C`, `D`: ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``.
+    """
     from scipy.linalg.lapack import dggev  # late: it takes 0.1 s to import
 
     count, n = B.shape
@@ -538,15 +568,15 @@ def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArr
     zeros = np.full((count, n + 1), np.nan, dtype=complex)
     for k in range(count):
         rows = np.vstack([np.column_stack([A[k], B[k]]), [*C[k], D[k]]])
-        real, imag, below = dggev(rows, unit, compute_vl=0, compute_vr=0)[:3]
+        real, imag, beta = dggev(rows, unit, compute_vl=0, compute_vr=0)[:3]
         with np.errstate(all="ignore"):
-            roots = (real + 1j * imag) / below
+            roots = (real + 1j * imag) / beta
         zeros[k] = np.where(np.isfinite(roots), roots, np.nan)
     return zeros
 
 
 def _packed(frequencies: FloatArray) -> FloatArray:
-    """Return ascending rows of frequencies, NaN last, as wide as the longest row."""
+    """Return rows of frequencies ``(k, m)`` ascending, NaN last, as wide as the longest row."""
     frequencies = np.sort(frequencies, axis=-1)
     width = int(np.sum(~np.isnan(frequencies), axis=-1).max(initial=0))
     return frequencies[:, :width]
@@ -579,7 +609,11 @@ def rightmost_poles(
 
 
 def _chebyshev_derivative(count: int) -> FloatArray:
-    """Return the differentiation matrix at the Chebyshev points from 1 down to -1."""
+    """Return the differentiation matrix at n + 1 Chebyshev points from 1 to -1, n = `count`.
+
+    Shape ``(n + 1, n + 1)``: it takes values of a polynomial at the points to those of its
+    derivative.
+    """
     x = np.cos(np.pi * np.arange(count + 1) / count)
     c = np.ones(count + 1)
     c[[0, -1]] = 2.0

@@ -24,24 +24,25 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.kernels import choice
 from tvclin.kernels.choice import in_slices
 from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, workspace
-from tvclin.numerics.pieces import Pieces, flat_batch, laplace, magnitude, spread
+from tvclin.numerics.pieces import Pieces, flat_arrays, flat_batch, laplace, magnitude, spread
 
 _EPSILON = float(np.finfo(float).eps)
 _UNDERFLOW_EXPONENT = 750.0
 """Exponent at which e^-x underflows: later knots contribute nothing."""
 _ROUNDINGS_PER_TERM = 32.0
 """Roundings in one term of a transform; its knots and its exponent add to them."""
-_REAL, _COMPLEX = np.dtype(float), np.dtype(complex)
 
 
 def residues(
     poles: AnyArray, gains: tuple[AnyArray, ...], inputs: tuple[Pieces, ...], start: FloatArray
 ) -> tuple[AnyArray, FloatArray]:
-    """Return the residue of the response at each pole, at the time `start` [s], and its rounding.
+    """Return the residue of the response at each pole, and its rounding error, both ``(..., N)``.
 
-    `poles`: in 1/s, ``(..., N)``; NaN stays NaN. `gains`: for each input the residues of its
-    transfer function at the poles. `inputs`: their batches broadcast with that of the poles. Both
-    results have the shape ``(..., N)``.
+    The residue R of a pole p is the coefficient of e^(p (t - start)) in the response long after the
+    inputs. `poles`: p [1/s], ``(..., N)``; NaN stays NaN. `gains`: for each input the residues of
+    its transfer function at the poles, ``(..., N)``. `inputs`: the two input histories, whose
+    batches broadcast with that of the poles. `start`: time from which e^(p t) counts [s],
+    ``(...)``.
     """
     terms, sizes = [], []
     roundings = np.asarray(_ROUNDINGS_PER_TERM)
@@ -56,7 +57,10 @@ def residues(
 
 
 def _at_poles(transform: Any, pieces: Pieces, poles: AnyArray) -> AnyArray:
-    """Return the transform at each pole, ``(..., N)``; NaN poles stay NaN."""
+    """Return a transform of input histories at each pole ``(..., N)`` [1/s]; NaN poles stay NaN.
+
+    `transform`: function from `pieces`, the histories, and s ``(...)`` to the transform at s.
+    """
     columns = []
     for pole in np.moveaxis(poles, -1, 0):
         missing = np.isnan(pole)
@@ -81,13 +85,13 @@ class ModalSystem:
     less_wind: bool = True
 
     def select_outputs(self, rows: Sequence[int]) -> "ModalSystem":
-        """Return the system with the outputs at ascending positions."""
+        """Return the system with the outputs at the ascending positions `rows` alone."""
         last = rows[-1] == self.outputs.shape[-1] - 1
         return ModalSystem(self.poles, self.gains, self.outputs[..., rows], self.less_wind and last)
 
 
 def is_unstable(poles: AnyArray) -> BoolArray:
-    """Return which of the poles ``(..., N)`` are unstable; poles on the imaginary axis are not."""
+    """Return which poles ``(..., N)`` [1/s] are unstable; those on the imaginary axis are not."""
     size = reduce(np.maximum, np.moveaxis(np.abs(poles), -1, 0))  # quicker than along rows
     return np.asarray(np.real(poles) > MARGINAL * size[..., np.newaxis])
 
@@ -97,28 +101,22 @@ def responses(
 ) -> tuple[FloatArray, BoolArray | None]:
     """Return the outputs ``(*shape, R, n)``, and the cases whose modes are not distinct.
 
-    `inputs`: deflection and wind. `times`: times [s], ``(n,)``, in any order. `shape`: of the
-    batch, to which plants and inputs broadcast. The outputs have the units of the inputs. The
-    second result has the shape `shape`, True where two poles are too close for separate modes
-    within these times; it is None where this is nowhere the case.
+    `system`: plants as sums of N modes with R outputs. `inputs`: histories of deflection and wind.
+    `times`: times [s], ``(n,)``, in any order. `shape`: of the batch, to which plants and inputs
+    broadcast. The outputs have the units of the inputs. The second result has the shape `shape`,
+    True where two poles are too close for separate modes within these times; it is None where this
+    is nowhere the case.
     """
     histories = [spread(p, p.batch) if p.batch else p for p in inputs]
     arrays = [system.poles, *(a for h in histories for a in (h.coefficients, h.rates))]
-    dtype = _COMPLEX if any(a.dtype.kind == "c" for a in arrays) else _REAL
+    dtype = np.dtype(complex if any(a.dtype.kind == "c" for a in arrays) else float)
     plants = (
         flat_batch(system.poles, 1, dtype),
         flat_batch(system.gains, 2, dtype),
         flat_batch(system.outputs, 2, dtype),
         system.less_wind,
     )
-    first, second = (
-        (
-            flat_batch(h.knots, 1, _REAL),
-            flat_batch(h.coefficients, 3, dtype),
-            flat_batch(h.rates, 1, dtype),
-        )
-        for h in histories
-    )
+    first, second = (flat_arrays(history, dtype) for history in histories)
     case_rows = _case_rows((system.poles.shape[:-1], *(h.batch for h in histories)), shape)
     order = np.argsort(times) if np.any(times[1:] < times[:-1]) else None
     rising = times.copy() if order is None else times[order]
@@ -128,6 +126,7 @@ def responses(
     kernel = choice.fastest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
+        """Compute the outputs of the cases from `begin` up to, not including, `end`."""
         memory = workspace(dtype, plants[2].shape[1:], first, second)
         with np.errstate(all="ignore"):  # overflows are infinite
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)
@@ -140,7 +139,10 @@ def responses(
 
 
 def _case_rows(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> IntArray:
-    """Return the flat position of each case in each batch, ``(len(batches), cases)``."""
+    """Return the flat position of each case in each batch, ``(len(batches), cases)``.
+
+    `batches`: shapes of batches that broadcast to the batch of all cases, whose shape is `shape`.
+    """
     if not shape:
         return np.zeros((len(batches), 1), np.int64)
     rows = [np.arange(prod(batch)).reshape(batch) for batch in batches]

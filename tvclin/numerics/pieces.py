@@ -48,8 +48,9 @@ _POLYNOMIAL_DEGREE = 10
 def moments(z: ArrayLike, degree: int) -> AnyArray:
     """Return M_0(z) ... M_degree(z), shape ``(..., degree + 1)``, real for a real z.
 
-    The recursion z M_k = k M_(k-1) - e^(-z) loses digits upward where k > |z| and
-    downward where k < |z|, so each order is taken from the direction that is stable for it.
+    M_k(z) is the integral from 0 to 1 of x^k e^(-z x) dx. The recursion z M_k = k M_(k-1) - e^(-z)
+    loses digits upward where k > |z| and downward where k < |z|, so each order is taken from the
+    direction that is stable for it.
     """
     z = np.asarray(z)
     z = z.astype(complex if np.iscomplexobj(z) else float)
@@ -65,9 +66,13 @@ def moments(z: ArrayLike, degree: int) -> AnyArray:
 
 
 def _downward(z: AnyArray, degree: int) -> AnyArray:
+    """Return M_0(z) ... M_degree(z), ``(..., degree + 1)``, for small z, from high to low orders.
+
+    M_k(z) is the integral from 0 to 1 of x^k e^(-z x) dx, by its recursion z M_k = k M_(k-1) -
+    e^(-z).
+    """
     # What the recursion starts from is wrong by a relative 1, and each order j multiplies that by
     # |z|/j; with |z| <= degree + 1.5 so many more orders bring it below 1e-16.
-    """Return M_0(z) ... M_degree(z) by the recursion from high to low orders, for small z."""
     start = 3 * degree + 26
     result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
     decay = np.exp(-z)
@@ -80,7 +85,11 @@ def _downward(z: AnyArray, degree: int) -> AnyArray:
 
 
 def _upward(z: AnyArray, degree: int) -> AnyArray:
-    """Return M_0(z) ... M_degree(z) by the recursion from low to high orders, for large z."""
+    """Return M_0(z) ... M_degree(z), ``(..., degree + 1)``, for large z, from low to high orders.
+
+    M_k(z) is the integral from 0 to 1 of x^k e^(-z x) dx, by its recursion z M_k = k M_(k-1) -
+    e^(-z).
+    """
     result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
     with np.errstate(over="ignore", invalid="ignore"):
         decay = np.exp(-z)
@@ -124,7 +133,11 @@ class Pieces:
 
 
 def flat_batch(array: AnyArray, trailing: int, kind: Any) -> AnyArray:
-    """Return an array with its batch on one axis, C-contiguous and writeable as kernels expect."""
+    """Return an array with its batch on one axis, C-contiguous and writeable as kernels expect.
+
+    `array`: ``(..., *shape)``. `trailing`: number of the last axes, those of `shape`, which stay.
+    `kind`: dtype of the result.
+    """
     single = array.ndim == trailing
     rows = array[np.newaxis] if single else array.reshape(-1, *array.shape[array.ndim - trailing :])
     flags = rows.flags
@@ -133,29 +146,39 @@ def flat_batch(array: AnyArray, trailing: int, kind: Any) -> AnyArray:
     return np.array(rows, dtype=kind, order="C")
 
 
+def flat_arrays(pieces: Pieces, kind: Any) -> tuple[FloatArray, AnyArray, AnyArray]:
+    """Return knots ``(k, n)``, coefficients ``(k, n, rates, degree + 1)``, rates ``(k, rates)``.
+
+    For kernels: the arrays of `pieces`, with the batch on one axis. `kind`: dtype of the
+    coefficients and of the rates.
+    """
+    return (
+        flat_batch(pieces.knots, 1, np.dtype(float)),
+        flat_batch(pieces.coefficients, 3, kind),
+        flat_batch(pieces.rates, 1, kind),
+    )
+
+
 def kernel_arrays(
     pieces: Pieces, shape: tuple[int, ...]
 ) -> tuple[tuple[AnyArray, AnyArray, AnyArray], IndexArray]:
-    """Return knots, coefficients and rates for kernels, and the row of each case of `shape`.
+    """Return knots, coefficients and rates for kernels, and the row of each case of a batch.
 
-    The arrays have one row for each history of the batch; cases of one history share its row. All
-    are writeable, for a kernel is compiled anew for read-only arrays.
+    The arrays have one row for each history of `pieces`; cases of one history share its row. All
+    are writeable, for a kernel is compiled anew for read-only arrays. `shape`: of the batch of
+    cases, to which the histories broadcast.
     """
-    histories = spread(pieces, pieces.batch)
     kind = np.result_type(pieces.coefficients, pieces.rates, float)
-    coefficients, rates = (
-        flat_batch(histories.coefficients, 3, kind),
-        flat_batch(histories.rates, 1, kind),
-    )
-    arrays = flat_batch(histories.knots, 1, np.dtype(float)), coefficients, rates
+    arrays = flat_arrays(spread(pieces, pieces.batch), kind)
     which = np.arange(arrays[0].shape[0]).reshape(pieces.batch)
     return arrays, np.broadcast_to(which, shape).flatten()
 
 
 def value(pieces: Pieces, t: FloatArray) -> AnyArray:
-    """Return the values at the times ``t (..., m)``, whose leading axes broadcast with the batch.
+    """Return the values of histories at the times `t` ``(..., m)`` [s], continuous from the right.
 
-    Values are continuous from the right; shape ``broadcast(batch, t.shape[:-1]) + (m,)``.
+    Shape ``broadcast(batch, t.shape[:-1]) + (m,)``: the leading axes of the times broadcast with
+    the batch of `pieces`.
     """
     index, u = locate(pieces, t)
     result = _evaluate(at_pieces(pieces.coefficients, index, 2), pieces.rates, np.maximum(u, 0.0))
@@ -163,7 +186,7 @@ def value(pieces: Pieces, t: FloatArray) -> AnyArray:
 
 
 def add(first: Pieces, second: Pieces) -> Pieces:
-    """Return the sum of two batches of histories, on the knots of both."""
+    """Return the sum of two batches of histories, which broadcast, on the knots of both."""
     shape = np.broadcast_shapes(first.batch, second.batch)
     knots = [np.broadcast_to(p.knots, (*shape, p.knots.shape[-1])) for p in (first, second)]
     if np.array_equal(knots[0], knots[1]):
@@ -185,7 +208,10 @@ def add(first: Pieces, second: Pieces) -> Pieces:
 
 
 def before(pieces: Pieces, time: FloatArray) -> Pieces:
-    """Return the history up to `time` [s], zero from there on; unchanged for an infinite time."""
+    """Return the histories up to `time` ``(...)`` [s], zero from there on.
+
+    An infinite time leaves the histories of `pieces` as they are.
+    """
     shape = np.broadcast_shapes(pieces.batch, time.shape)
     edge = time[..., np.newaxis]
     original = np.broadcast_to(pieces.knots, (*shape, pieces.knots.shape[-1]))
@@ -199,7 +225,7 @@ def before(pieces: Pieces, time: FloatArray) -> Pieces:
 
 
 def spread(pieces: Pieces, shape: tuple[int, ...]) -> Pieces:
-    """Return the histories broadcast to a batch of the shape `shape`."""
+    """Return the histories of `pieces` broadcast to a batch of the shape `shape`."""
     return Pieces(
         np.broadcast_to(pieces.knots, (*shape, *pieces.knots.shape[-1:])),
         np.broadcast_to(pieces.coefficients, (*shape, *pieces.coefficients.shape[-3:])),
@@ -208,20 +234,26 @@ def spread(pieces: Pieces, shape: tuple[int, ...]) -> Pieces:
 
 
 def take(pieces: Pieces, index: IndexArray) -> Pieces:
-    """Return the histories at the positions `index` ``(k,)`` of the flattened batch."""
+    """Return the histories of `pieces` at the positions `index` ``(k,)`` of the flattened batch."""
     shape = pieces.batch or (1,)
     pieces, where = spread(pieces, shape), np.unravel_index(index, shape)
     return Pieces(pieces.knots[where], pieces.coefficients[where], pieces.rates[where])
 
 
 def locate(pieces: Pieces, t: FloatArray) -> tuple[IndexArray, FloatArray]:
-    """Return the piece's index at each time, and the local time [s], negative before the first."""
+    """Return the index of the piece at each time t ``(..., m)``, and the time since its knot [s].
+
+    The latter is negative before the first knot.
+    """
     index = np.maximum(_last_at_or_before(pieces.knots, t), 0)
     return index, t - at_pieces(pieces.knots, index, 0)
 
 
 def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
-    """Return the index of the last knot at or before each time; -1 before the first."""
+    """Return the index ``(..., m)`` of the last knot at or before each time; -1 before the first.
+
+    `knots`: ascending, ``(..., n)`` [s]. `t`: times ``(..., m)`` [s].
+    """
     if knots.size and not any(knots.strides[:-1]):  # one row of knots for the whole batch
         return np.searchsorted(knots[(0,) * (knots.ndim - 1)], t, side="right") - 1
     if knots.shape[-1] * t.shape[-1] <= _MAX_DIRECT_COMPARISONS:
@@ -234,7 +266,11 @@ def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
 
 
 def at_pieces(array: AnyArray, index: IndexArray, trailing: int) -> AnyArray:
-    """Take pieces ``(..., n, *trailing)`` by `index` ``(..., m)``; the leading axes broadcast."""
+    """Return the elements ``(..., m, *rest)`` of an array for pieces ``(..., n, *rest)``.
+
+    `array`: an element of shape `rest` for each of n pieces. `index`: positions of m pieces ``(...,
+    m)``. `trailing`: number of axes of `rest`. The leading axes of both broadcast.
+    """
     axis = array.ndim - 1 - trailing
     batch, count = array.shape[:axis], array.shape[axis]
     if array.size and not any(array.strides[:axis]):  # one row for the whole batch
@@ -247,7 +283,11 @@ def at_pieces(array: AnyArray, index: IndexArray, trailing: int) -> AnyArray:
 
 
 def recentred(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
-    """Return the coefficients of pieces whose local time starts at ``u (..., m)`` [s]."""
+    """Return the coefficients of terms c_k u^k e^(rate u) about a later time, of the shape of `c`.
+
+    `c`: coefficients of m pieces, lowest power first, ``(..., m, rates, order)``. `rates`: ``(...,
+    rates)`` [1/s]. `u`: new zero of the local time of each piece, ``(..., m)`` [s].
+    """
     order = c.shape[-1]
     step = u[..., np.newaxis]
     columns = []
@@ -261,7 +301,11 @@ def recentred(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
 
 
 def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
-    """Return the sum of terms ``c (..., m, rates, degree + 1)`` at local times ``u (..., m)``."""
+    """Return the sums ``(..., m)`` of terms c_k u^k e^(rate u) at m local times u [s].
+
+    `c`: coefficients at each time, ``(..., m, rates, degree + 1)``. `rates`: ``(..., rates)``
+    [1/s].
+    """
     u = u[..., np.newaxis]
     polynomial = c[..., -1]
     for k in range(c.shape[-1] - 2, -1, -1):
@@ -272,7 +316,11 @@ def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
 
 
 def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
-    """Return the coefficients of pieces on finer knots, zero before the history's first knot."""
+    """Return the coefficients of histories on finer knots, ``(..., m, rates, degree + 1)``.
+
+    They are zero before the first knot of `pieces`. `knots`: knots that include those of the
+    histories, ``(..., m)`` [s].
+    """
     index = _last_at_or_before(pieces.knots, knots)
     piece = np.maximum(index, 0)
     u = np.maximum(knots - at_pieces(pieces.knots, piece, 0), 0.0)
@@ -281,12 +329,12 @@ def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
 
 
 def _padded_degree(c: AnyArray, degree: int) -> AnyArray:
-    extra = degree + 1 - c.shape[-1]
-    return np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, extra)])
+    """Return coefficients ``(..., d + 1)``, lowest power first, with zeros up to `degree`."""
+    return np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, degree + 1 - c.shape[-1])])
 
 
 def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
-    """Return the histories of a batch as polynomials between breakpoints.
+    """Return breakpoints [s] and coefficients of the histories of a batch as polynomials.
 
     Breakpoints ``(histories, k)`` and coefficients ``(histories, k, degree + 1)``, lowest power
     first. Piecewise polynomials are exact; pieces with exponentials are divided until a polynomial
@@ -313,7 +361,10 @@ def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
 
 
 def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
-    """Return the knots with further ones between them, as the fastest rate requires."""
+    """Return knots ``(k, m)`` with further ones between them, short enough for a fast exponential.
+
+    `knots`: ``(k, n)`` [s]. `fastest`: size of the fastest rate of each history, ``(k,)`` [1/s].
+    """
     widths = np.diff(knots, axis=-1)
     parts = np.ceil(
         (widths * fastest[:, np.newaxis]).max(axis=0, initial=0.0) / _PIECE_LENGTH_TIMES_RATE
@@ -326,9 +377,10 @@ def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
 
 
 def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:
-    """Return the Laplace integral of each history at `s` [1/s], in the shape of both batches.
+    """Return the Laplace integral of f(t) e^(-s t) of each history f, in the shape of both batches.
 
-    The integral is infinite where the last piece does not decay faster than e^(-s t) grows.
+    `pieces`: the histories. `s`: ``(...)`` [1/s]. The integral is infinite where the last piece
+    does not decay faster than e^(-s t) grows.
     """
     values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
     total = (np.exp(-s[..., np.newaxis] * pieces.knots) * values).sum(axis=-1)
@@ -336,24 +388,28 @@ def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:
 
 
 def magnitude(pieces: Pieces, s: AnyArray) -> FloatArray:
-    """Return the sum of the sizes of all terms of `laplace`, its rounding over epsilon."""
+    """Return the sum of the sizes of all terms of the Laplace integral, its rounding over epsilon.
+
+    `pieces`: the histories. `s`: ``(...)`` [1/s], which broadcasts with their batch.
+    """
     sizes = Pieces(pieces.knots, np.abs(pieces.coefficients), np.real(pieces.rates))
     return laplace(sizes, np.real(s))
 
 
 def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], AnyArray]:
-    """Return the remaining integral from t on, of e^(-s (r - t)) f(r) dr, as a function of t.
+    """Return the function of t whose value is the integral from t on of e^(-s (r - t)) f(r) dr.
 
-    The function takes times ``t (..., m)``, as `value`; the integrals at the knots are computed
-    once. `s` broadcasts with the batch. Every exponential in it decays, so that an unstable mode
-    that is not excited stays exact at any later time.
+    `pieces`: histories f. `s`: ``(...)`` [1/s], which broadcasts with their batch. The function
+    takes times ``(..., m)`` [s] and returns integrals ``(..., m)``; those at the knots are computed
+    once. Every exponential in it decays, so that an unstable mode that is not excited stays exact
+    at any later time.
     """
     at_knots, diverges = _remaining_at_knots(pieces, s)
     after = np.concatenate([at_knots[..., 1:], np.zeros_like(at_knots[..., :1])], axis=-1)
     column, widths = s[..., np.newaxis], pieces.widths
 
     def at(t: FloatArray) -> AnyArray:
-        """Return the integrals from times t [s] to the end, for each s; infinite if divergent."""
+        """Return the integrals from times t ``(..., m)`` [s] on; infinite where they diverge."""
         index, u = locate(pieces, t)
         before_first = u < 0.0
         u = np.maximum(u, 0.0)
@@ -372,7 +428,11 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
 
 
 def _remaining_at_knots(pieces: Pieces, s: AnyArray) -> tuple[AnyArray, BoolArray]:
-    """Return the remaining integrals at the knots, ``(..., n)``, and their divergence."""
+    """Return the remaining integrals at the knots, ``(..., n)``, and where they diverge, ``(...)``.
+
+    The integral at a knot t of histories f is that of e^(-s (r - t)) f(r) dr from t on. `pieces`:
+    f. `s`: ``(...)`` [1/s].
+    """
     values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
     # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last piece on
     decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
@@ -385,9 +445,13 @@ def _remaining_at_knots(pieces: Pieces, s: AnyArray) -> tuple[AnyArray, BoolArra
 def integrals(
     c: AnyArray, rates: AnyArray, widths: FloatArray, s: AnyArray
 ) -> tuple[AnyArray, BoolArray]:
-    """Return each piece's integral times e^(-s u) over its width, ``(..., m)``, and its divergence.
+    """Return the integral of each piece times e^(-s u) over its width, and whether it diverges.
 
-    The term c_k u^k e^(rate u) contributes, with M_k of `moments`, over a width h and without end,
+    Both ``(..., m)``, for pieces that are sums of terms c_k u^k e^(rate u). `c`: coefficients,
+    ``(..., m, rates, degree + 1)``. `rates`: ``(..., rates)`` [1/s]. `widths`: ``(..., m)`` [s],
+    infinite for an endless piece. `s`: ``(...)`` [1/s].
+
+    A term contributes, with M_k of `moments`, over a width h and without end,
 
         c_k h^(k+1) M_k((s - rate) h),        c_k k!/(s - rate)^(k+1);
 
@@ -411,16 +475,17 @@ def integrals(
 
 
 def powers(width: FloatArray, order: int) -> AnyArray:
-    """Return width^1 ... width^order, on a new last axis."""
+    """Return width^1 ... width^order of widths ``(...)``, ``(..., order)``."""
     return np.cumprod(np.repeat(width[..., np.newaxis], order, axis=-1), axis=-1)
 
 
 def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
     """Return y with y' = pole y + f and y = 0 before the first knot; the pole joins the rates.
 
-    Where a rate is so close to the pole that their difference would cancel, the solution is written
-    as a polynomial times e^(pole u) instead of a difference of two exponentials. An endless last
-    piece is resonant for a limited time only: there it gets one more knot.
+    `pieces`: histories f. `pole`: ``(...)`` [1/s], which broadcasts with their batch. Where a rate
+    is so close to the pole that their difference would cancel, the solution is written as a
+    polynomial times e^(pole u) instead of a difference of two exponentials. An endless last piece
+    is resonant for a limited time only: there it gets one more knot.
     """
     shape = np.broadcast_shapes(pieces.batch, pole.shape)
     pieces = _split_endless(spread(pieces, shape), pole)
@@ -448,9 +513,9 @@ def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
 
 
 def _knot_states(pieces: Pieces, pole: AnyArray) -> AnyArray:
-    """Return y of the lag y' = pole y + input at each of n knots, ``(..., n)``, exactly.
+    """Return y of the lag y' = pole y + f at each of n knots, ``(..., n)``; zero at the first.
 
-    `pieces`: the input. `pole`: pole [1/s], ``(...)``. The state at the first knot is zero.
+    `pieces`: histories f. `pole`: pole [1/s], ``(...)``.
     """
     shape = np.broadcast_shapes(pieces.batch, pole.shape)
     width = np.diff(pieces.knots, axis=-1)
@@ -464,10 +529,12 @@ def _knot_states(pieces: Pieces, pole: AnyArray) -> AnyArray:
 
 
 def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyArray) -> AnyArray:
-    """Return the state y at the end of each piece from zero at its start, ``(..., m)``.
+    """Return y at the end of each piece of f, from y = 0 at its start, for y' = pole y + f.
 
-    The integral from 0 to h of e^(p (h - v)) v^k e^(lambda v) dv is expanded from the start of the
-    piece where the rate decays faster than the pole, and from its end otherwise.
+    Shape ``(..., m)``. `c`, `rates`: f of each piece is the sum of c_k u^k e^(rate u), with ``(...,
+    m, rates, degree + 1)`` and ``(..., rates)``. `widths`: ``(..., m)`` [s]. `pole`: ``(...)``
+    [1/s]. The integral from 0 to h of e^(p (h - v)) v^k e^(lambda v) dv is expanded from the start
+    of the piece where the rate decays faster than the pole, and from its end otherwise.
     """
     order, width = c.shape[-1], widths[..., np.newaxis]
     gap = (pole[..., np.newaxis] - rates)[..., np.newaxis, :]
@@ -482,7 +549,11 @@ def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyAr
 
 
 def _split_endless(pieces: Pieces, pole: AnyArray) -> Pieces:
-    """Return the pieces with the endless one split where its smallest gap from the pole matters."""
+    """Return histories with their endless last piece split where a rate is close to the pole.
+
+    `pieces`: the histories. `pole`: of the lag that they drive, ``(...)`` [1/s]. In a first piece
+    of limited width the terms with such a rate can be expanded as resonant.
+    """
     last = pieces.coefficients[..., -1:, :, :]
     gap = np.abs(pieces.rates - pole[..., np.newaxis])
     gap = np.where(np.any(last[..., 0, :, :] != 0.0, axis=-1) & (gap > 0.0), gap, np.inf)
@@ -501,7 +572,11 @@ def _split_endless(pieces: Pieces, pole: AnyArray) -> Pieces:
 
 
 def _particular_solution(c: AnyArray, gap: AnyArray) -> AnyArray:
-    """Return the polynomial a with a' + gap a = c, for each rate that differs from the pole."""
+    """Return the polynomial a with a' + gap a = c, for each rate that differs from the pole.
+
+    `c`: coefficients, lowest power first, ``(..., rates, order)``, as the result. `gap`: rate -
+    pole ``(..., rates)`` [1/s]; where it is zero, c must be.
+    """
     gap = np.where(gap == 0.0, 1.0, gap)[..., np.newaxis, :]
     result = np.zeros(c.shape, dtype=np.result_type(c, gap))
     coefficient = np.zeros_like(result[..., 0])
@@ -513,6 +588,9 @@ def _particular_solution(c: AnyArray, gap: AnyArray) -> AnyArray:
 
 def _resonant_solution(c: AnyArray, gap: AnyArray, degree: int) -> AnyArray:
     """Return the polynomial factor of e^(pole u) of the solution, for rates at or near the pole.
+
+    `c`: coefficients of the input, lowest power first, ``(..., rates, order)``. `gap`: rate - pole
+    ``(..., rates)`` [1/s]. `degree`: of the result, ``(..., rates, degree + 1)``.
 
     integral from 0 to u of c v^k e^(gap v) dv = sum over j of c gap^j/j! u^(k+j+1)/(k + j + 1).
     """

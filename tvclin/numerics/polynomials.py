@@ -17,7 +17,10 @@ _MAX_DIRECT_DEGREE = 4
 
 
 def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
-    """Return the values of a polynomial at ``s (..., m)``; the leading axes broadcast."""
+    """Return the values of a polynomial at ``s (..., m)``; the leading axes broadcast.
+
+    `polynomial`: coefficients, highest power first, ``(..., n + 1)``.
+    """
     if not polynomial.shape[-1]:
         return np.zeros_like(s)
     result = polynomial[..., 0, np.newaxis] + 0.0 * s
@@ -28,22 +31,28 @@ def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
 
 
 def on_axis(polynomial: FloatArray, omega: FloatArray) -> AnyArray:
-    """Return the values of a polynomial at j omega ``(..., m)``; the leading axes broadcast."""
-    even, odd = _halves(polynomial)
-    square = -(omega**2)
+    """Return the values of a real polynomial at j omega ``(..., m)``; the leading axes broadcast.
+
+    `polynomial`: coefficients, highest power first, ``(..., n + 1)``. `omega`: frequencies [rad/s].
+    """
+    even, odd = _parts_on_axis(polynomial)
+    square = omega**2
     values = value(even, square).astype(complex)
     values.imag = omega * value(odd, square)
     return values
 
 
 def derivative(polynomial: AnyArray) -> AnyArray:
-    """Return the coefficients of the derivative, ``(..., n)``."""
+    """Return the coefficients ``(..., n)`` of the derivative of polynomials ``(..., n + 1)``."""
     degree = polynomial.shape[-1] - 1
     return polynomial[..., :-1] * np.arange(degree, 0, -1)
 
 
 def multiply(first: AnyArray, second: AnyArray) -> AnyArray:
-    """Return the coefficients of the product; the leading axes broadcast."""
+    """Return the coefficients of the product of two polynomials, highest power first.
+
+    `first`, `second`: ``(..., m + 1)`` and ``(..., n + 1)``, whose leading axes broadcast.
+    """
     m, n = first.shape[-1], second.shape[-1]
     shape = np.broadcast_shapes(first.shape[:-1], second.shape[:-1])
     product = np.zeros((*shape, m + n - 1), dtype=np.result_type(first, second))
@@ -53,14 +62,17 @@ def multiply(first: AnyArray, second: AnyArray) -> AnyArray:
 
 
 def add(first: AnyArray, second: AnyArray) -> AnyArray:
-    """Return the sum of polynomials, which may differ in degree; the leading axes broadcast."""
+    """Return the sum of two polynomials, which may differ in degree; the leading axes broadcast.
+
+    `first`, `second`: coefficients, highest power first, ``(..., m + 1)`` and ``(..., n + 1)``.
+    """
     size = max(first.shape[-1], second.shape[-1])
     return np.asarray(_padded(first, size) + _padded(second, size))
 
 
 def squared_size(polynomial: FloatArray) -> FloatArray:
-    """Return |p(j omega)|^2 as a polynomial in omega^2."""
-    even, odd = (_alternating(half) for half in _halves(polynomial))
+    """Return |p(j omega)|^2 as a polynomial in omega^2, for real p ``(..., n + 1)``."""
+    even, odd = _parts_on_axis(polynomial)
     squares = multiply(even, even)
     if odd.shape[-1]:
         squares = add(squares, times_variable(multiply(odd, odd)))
@@ -68,21 +80,24 @@ def squared_size(polynomial: FloatArray) -> FloatArray:
 
 
 def imaginary_part(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return Im(first(j omega) conj(second(j omega)))/omega as a polynomial in omega^2."""
-    (even, odd), (even_2, odd_2) = (
-        [half * (-1.0) ** np.arange(half.shape[-1])[::-1] for half in _halves(polynomial)]
-        for polynomial in (first, second)
-    )
+    """Return Im(p(j omega) conj(q(j omega)))/omega as a polynomial in omega^2.
+
+    `first`, `second`: the real polynomials p and q, ``(..., n + 1)`` each.
+    """
+    (even, odd), (even_2, odd_2) = map(_parts_on_axis, (first, second))
     return add(multiply(odd, even_2), -multiply(even, odd_2))
 
 
 def times_variable(polynomial: AnyArray, power: int = 1) -> AnyArray:
-    """Return the polynomial times a power of its variable."""
+    """Return the coefficients of x^power p(x) of polynomials p ``(..., n + 1)``."""
     return np.concatenate([polynomial, np.zeros((*polynomial.shape[:-1], power))], axis=-1)
 
 
 def divide(polynomial: AnyArray, root: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Return quotient and remainder of the division by (s - root), by Horner's scheme."""
+    """Return quotient ``(..., n)`` and remainder ``(...)`` of p(s)/(s - root), by Horner's scheme.
+
+    `polynomial`: coefficients of p, highest power first, ``(..., n + 1)``. `root`: ``(...)``.
+    """
     columns = [polynomial[..., 0] + 0 * root]
     for k in range(1, polynomial.shape[-1]):
         columns.append(columns[-1] * root + polynomial[..., k])
@@ -90,7 +105,7 @@ def divide(polynomial: AnyArray, root: AnyArray) -> tuple[AnyArray, AnyArray]:
 
 
 def roots(polynomial: FloatArray) -> AnyArray:
-    """Return the roots, shape ``(..., n)``; real when all roots of the whole batch are real.
+    """Return the roots of polynomials ``(..., n + 1)``, ``(..., n)``; real if all of the batch are.
 
     A quadratic is solved by the sum and product of its roots, cubics and quartics by deflation; for
     higher degrees the roots are eigenvalues of the companion matrices. Two Newton steps bring small
@@ -128,7 +143,10 @@ def roots_of_each(polynomial: FloatArray) -> ComplexArray:
 
 
 def _companion_eigenvalues(monic: FloatArray) -> AnyArray:
-    """Return the roots of monic polynomials as eigenvalues of companion matrices."""
+    """Return the roots ``(..., n)`` of monic polynomials as eigenvalues of companion matrices.
+
+    `monic`: coefficients after the leading 1, ``(..., n)``.
+    """
     degree = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], degree, degree))
     companion[..., 0, :] = -monic
@@ -137,7 +155,10 @@ def _companion_eigenvalues(monic: FloatArray) -> AnyArray:
 
 
 def _low_degree_roots(monic: FloatArray) -> AnyArray:
-    """Return the roots of monic cubics and quartics, by the kernel `small_roots`."""
+    """Return the roots ``(..., n)`` of monic cubics and quartics, by the kernel `small_roots`.
+
+    `monic`: coefficients after the leading 1, ``(..., n)``.
+    """
     rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
     rows = rows.reshape(-1, rows.shape[-1])
     if np.all(rows == rows[:1]):  # one vehicle in many winds
@@ -150,30 +171,34 @@ def _low_degree_roots(monic: FloatArray) -> AnyArray:
 
 
 def bound(polynomial: FloatArray) -> FloatArray:
-    """Return an upper bound of the sizes of the roots, ``(...)``, after Fujiwara (1916)."""
+    """Return an upper bound of the sizes of the roots, ``(...)``, after Fujiwara (1916).
+
+    `polynomial`: coefficients, highest power first, ``(..., n + 1)``.
+    """
     order = np.arange(1, polynomial.shape[-1])
     sizes = np.abs(polynomial[..., 1:] / polynomial[..., :1]) ** (1.0 / order)
     return 2.0 * np.asarray(sizes.max(axis=-1, initial=0.0))
 
 
-def _halves(polynomial: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the even and the odd part, p(s) = even(s^2) + s odd(s^2), as polynomials in s^2."""
-    return polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
-
-
-def _alternating(polynomial: FloatArray) -> FloatArray:
-    """Return the polynomial p(-x), up to the sign of the whole."""
-    return polynomial * (-1.0) ** np.arange(polynomial.shape[-1])
+def _parts_on_axis(polynomial: FloatArray) -> tuple[FloatArray, ...]:
+    """Return the polynomials E and O in omega^2 of p(j omega) = E(omega^2) + j omega O(omega^2)."""
+    halves = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
+    return tuple(half * (-1.0) ** np.arange(half.shape[-1])[::-1] for half in halves)
 
 
 def _padded(polynomial: FloatArray, size: int) -> FloatArray:
+    """Return the coefficients with leading zeros, ``(..., size)``."""
     padded = np.zeros((*polynomial.shape[:-1], size), polynomial.dtype)
     padded[..., size - polynomial.shape[-1] :] = polynomial
     return padded
 
 
 def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
-    """Return two numbers by their mean and their product, without cancellation."""
+    """Return two numbers ``(..., 2)`` by their mean and their product, without cancellation.
+
+    `middle`, `product`: mean and product of both numbers, ``(...)``. Where they are complex in any
+    element of the batch, all are returned as complex numbers.
+    """
     square = middle**2 - product
     larger = middle + np.copysign(np.sqrt(np.maximum(square, 0.0)), middle)
     smaller = np.where(larger == 0.0, 0.0, product / np.where(larger == 0.0, 1.0, larger))
@@ -189,10 +214,10 @@ def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
 
 
 def _newton_step(polynomial: FloatArray, estimates: AnyArray) -> AnyArray:
-    """Return the roots after one Newton step of those that are isolated.
+    """Return the roots ``(..., n)`` after one Newton step of those that are isolated.
 
-    The errors of a cluster of roots are correlated; separate steps would destroy their accurate
-    mean.
+    `polynomial`: ``(..., n + 1)``. `estimates`: the roots before the step, ``(..., n)``. The errors
+    of a cluster of roots are correlated; separate steps would destroy their accurate mean.
     """
     residual = value(polynomial, estimates)
     slope = value(derivative(polynomial), estimates)

@@ -71,14 +71,6 @@ class Motion:
         return matrices_on_states(_finite_exponentials(self.matrix, steps), start)
 
 
-def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
-    """Return the motion of x' = A x + B f from zero initial states, f being one history.
-
-    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `pieces`: the input, not a batch.
-    """
-    return motions(A, B, [pieces])[0]
-
-
 def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Motion]:
     """Return the motions of x' = A x + B f from zero initial states, one for each input f.
 
@@ -100,7 +92,12 @@ def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Moti
 
 
 def piece_matrix(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
-    """Return M of the states of a system and of its input within a piece, as `augmented_matrix`."""
+    """Return M of [x, z]' = M [x, z] within a piece, for x' = A x + B f, ``(n + k, n + k)``.
+
+    z are the k states of the input f: one Jordan block for each of its rates, as large as f has
+    powers; f is the sum of the first elements of the blocks. `A`, `B`: ``(n, n)`` and ``(n,)``.
+    `pieces`: f, one history.
+    """
     rates, powers = pieces.rates, pieces.degree + 1
     input_matrix = np.zeros((len(A), rates.size * powers))
     input_matrix[:, ::powers] = B[:, np.newaxis]
@@ -130,17 +127,20 @@ def constant_generator(first: FloatArray, second: FloatArray, lengths: FloatArra
     """Return the constant A ``(..., n, n)`` with the same step, to order four, as one that varies.
 
     Magnus' expansion with two Gauss points (Blanes, Casas, Oteo and Ros, 2009); for equal matrices
-    the matrix itself.
-
-    `first`, `second`: A at the two `GAUSS_NODES` of each step, ``(..., n, n)``. `lengths`: lengths
-    of the steps [s], ``(...)``.
+    the matrix itself. `first`, `second`: A at the two Gauss points (`GAUSS_NODES`) of each step,
+    ``(..., n, n)``. `lengths`: lengths of the steps [s], ``(...)``.
     """
     factor = np.sqrt(3.0) / 12.0 * np.asarray(lengths)[..., np.newaxis, np.newaxis]
     return np.asarray(0.5 * (first + second) + factor * (second @ first - first @ second))
 
 
 def input_states(pieces: Pieces, times: FloatArray) -> AnyArray:
-    """Return the states z of the input at the times ``(m,)``, shape ``(m, size)``."""
+    """Return the states z ``(m, size)`` of an input f at times ``(m,)`` [s], zero before f starts.
+
+    `pieces`: f, a sum of terms c_k u^k e^(rate u). z has k! c_k for each rate and power k, with u
+    counted from the time itself, so that z' = Z z with a constant Z, and f is a sum of elements of
+    z.
+    """
     index, u = locate(pieces, times)
     c = recentred(pieces.coefficients[index], pieces.rates, np.maximum(u, 0.0))
     scale = np.array([factorial(k) for k in range(pieces.degree + 1)], dtype=float)
@@ -149,14 +149,14 @@ def input_states(pieces: Pieces, times: FloatArray) -> AnyArray:
 
 
 def matrix_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
-    """Return e^(matrix step) of one matrix for each of the steps ``(m,)``, or of each with its own.
+    """Return e^(matrix step) for each of the steps, ``(m, n, n)``.
 
-    By Taylor series, scaling and squaring, each with as many squarings as it needs: what it
-    gives does not depend on the others. One matrix is balanced first. What is beyond all numbers
-    is infinite or NaN. For ten thousand steps of a matrix of order six `scipy.linalg.expm` takes
-    four times as long, and its import half a second.
+    By Taylor series, scaling and squaring, each with as many squarings as it requires: a result
+    does not depend on the others. One matrix is balanced first. Elements that overflow are infinite
+    or NaN. For ten thousand steps of a matrix of order six `scipy.linalg.expm` takes four times as
+    long, and its import half a second.
 
-    `matrix`: ``(n, n)`` or ``(m, n, n)``. `steps`: ``(m,)``.
+    `matrix`: one for all ``(n, n)``, or one for each step ``(m, n, n)``. `steps`: ``(m,)``.
     """
     if not matrix.size:
         return np.zeros((len(steps), *matrix.shape[-2:]))
@@ -172,7 +172,7 @@ def matrix_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
         for start in range(0, len(steps), _MATRICES_PER_BLOCK):
             block = slice(start, start + _MATRICES_PER_BLOCK)
             each = matrix if matrix.ndim < _AXES_OF_MATRICES else matrix[block]
-            part = _exponential_series(each * factors[block])
+            part = exponential_series(each * factors[block])
             for k in range(int(squarings[block].max(initial=0))):
                 squared = squarings[block] > k
                 if np.all(squared):
@@ -185,8 +185,8 @@ def matrix_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
         return result
 
 
-def _exponential_series(matrix: AnyArray) -> AnyArray:
-    """Return the series of e^matrix up to the 15th power, ``(m, n, n)``.
+def exponential_series(matrix: AnyArray) -> AnyArray:
+    """Return the series of e^matrix up to the 15th power of small matrices, ``(m, n, n)``.
 
     In six products (Paterson and Stockmeyer, 1973): polynomials of third degree, by Horner's scheme
     in the fourth power.
@@ -232,7 +232,10 @@ def balanced(matrix: AnyArray) -> tuple[AnyArray, FloatArray]:
 
 
 def _finite_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
-    """Return `matrix_exponentials`; raise `InputError` where one of them overflows."""
+    """Return e^(matrix step) ``(m, n, n)`` of one matrix ``(n, n)`` [1/s] and steps ``(m,)`` [s].
+
+    Raises `InputError` where one of them overflows.
+    """
     exponentials = matrix_exponentials(matrix, steps)
     if not np.all(np.isfinite(exponentials)):
         raise InputError(
@@ -243,15 +246,15 @@ def _finite_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
 
 
 def matrices_on_states(matrices: AnyArray, states: AnyArray) -> AnyArray:
-    """Return the product of each matrix ``(m, n, n)`` with its state ``(m, n)``, ``(m, n)``."""
+    """Return the products ``(m, n)`` of matrices ``(m, n, n)`` and states ``(m, n)``."""
     return np.asarray((matrices @ states[..., np.newaxis])[..., 0])
 
 
 def peak_output(response: Motion, row: AnyArray, horizon: float) -> tuple[float, float]:
     """Return the value of largest size of ``row . state``, with its sign, and its time [s].
 
-    `row`: factors on the states of system and input, ``(n,)``. `horizon`: time for which the last
-    piece is followed [s].
+    `response`: the motion whose states are meant. `row`: factors on the states of system and input,
+    ``(n,)``. `horizon`: time for which the last piece is followed [s].
     """
     widths = np.append(np.diff(response.knots), horizon)
     values, offsets = piece_peaks(response.matrix, response.starts, widths, row)
@@ -260,12 +263,12 @@ def peak_output(response: Motion, row: AnyArray, horizon: float) -> tuple[float,
 
 
 def peak_outputs(responses: Sequence[Motion], row: AnyArray, horizon: float) -> FloatArray:
-    """Return the largest size of ``row . state`` of each motion of one system, ``(motions,)``.
+    """Return the largest size of ``row . state`` in each motion of one system, ``(motions,)``.
 
-    That of the motion with the largest is exact, as in `peak_output`; others may be too small.
+    The value of the motion with the largest is exact, as in `peak_output`; others may be too small.
 
-    `row`: factors on the states of system and input, ``(n,)``. `horizon`: time for which the last
-    piece of each is followed [s].
+    `responses`: motions of one system in several inputs. `row`: factors on the states of system and
+    input, ``(n,)``. `horizon`: time for which the last piece of each is followed [s].
     """
     widths = [np.append(np.diff(response.knots), horizon) for response in responses]
     starts = np.concatenate([response.starts for response in responses])
@@ -279,8 +282,9 @@ def piece_peaks(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the value of largest size of ``row . state`` in each piece, and its time in it [s].
 
-    Both ``(k,)``, of the pieces that begin at the states `starts` ``(k, n)`` and last `widths`
-    ``(k,)`` [s]. The largest of all is exact; those that cannot be the largest may be too small.
+    Both ``(k,)``. `matrix`: M of state' = M state, ``(n, n)``. `starts`: states at the starts of
+    the pieces, ``(k, n)``. `widths`: their durations [s], ``(k,)``. `row`: factors on the states,
+    ``(n,)``. The largest of all is exact; those that cannot be the largest may be too small.
 
     Each piece is sampled in steps that resolve its fastest mode, both its ends included. Where
     values and slopes at two samples indicate a summit between them that may be the highest, the
@@ -326,12 +330,13 @@ def _highest_samples(
     samples: FloatArray,
     bound: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the largest sample or summit of each piece, and its time in the piece [s], ``(m,)``.
+    """Return the largest sample or summit of each of m pieces, and its time in the piece [s].
 
-    `rows`: rows of value, slope and curvature, ``(3, n)``. `powers`: e^(matrix t) from the start of
-    the block to each step, ``(k, n, n)``. `states`: states at this start, ``(m, n)``. `steps`:
-    times of the samples in their piece [s], ``(k, m)``. `samples`: values, slopes and curvatures,
-    ``(k, 3, m)``. `bound`: size below which a summit is of no interest.
+    `rows`: rows of value, slope and curvature, ``(3, n)``. `matrix`: M of state' = M state.
+    `powers`: e^(M t) from the start of the block to each of k steps, ``(k, n, n)``. `states`:
+    states at this start, ``(m, n)``. `steps`: times of the samples in their piece [s], ``(k, m)``.
+    `samples`: values, slopes and curvatures, ``(k, 3, m)``. `bound`: size below which a summit is
+    of no interest.
     """
     sizes = np.abs(samples[:, 0])
     pieces = np.arange(sizes.shape[1])
@@ -358,9 +363,11 @@ def _highest_samples(
 def _candidate_summits(
     samples: FloatArray, widths: FloatArray, threshold: float
 ) -> tuple[tuple[IndexArray, IndexArray], FloatArray]:
-    """Return the samples before summits of at least `threshold`, and the steps [s] to them.
+    """Return the positions of samples before summits above `threshold`, and the time [s] to them.
 
-    A Hermite cubic, start + first x + square x^2 + cube x^3 on x from 0 to 1, has its summit at x =
+    Positions are pairs of sample and piece. `samples`: values, slopes and curvatures of k samples
+    of m pieces, ``(k, 3, m)``. `widths`: times between samples [s], ``(k - 1, m)``. A Hermite
+    cubic, start + first x + square x^2 + cube x^3 on x from 0 to 1, has its summit at x =
     first/(sqrt(square^2 - 3 first cube) - square).
     """
     values, slopes = samples[:, 0], samples[:, 1]
@@ -388,9 +395,9 @@ def _refined_summits(
 ) -> tuple[FloatArray, FloatArray]:
     """Return values at s summits, and the time [s] from sample to summit, by bracketed Newton.
 
-    `rows`: rows of value, slope and curvature, ``(3, n)``. `starts`: states at the samples before
-    the summits, ``(s, n)``. `sign`: signs of the values. `steps`: first estimates [s]. `widths`:
-    times to the next sample [s], ``(s,)``.
+    `rows`: rows of value, slope and curvature, ``(3, n)``. `matrix`: M of state' = M state.
+    `starts`: states at the samples before the summits, ``(s, n)``. `sign`: signs of the values.
+    `steps`: first estimates [s]. `widths`: times to the next sample [s], ``(s,)``.
     """
     low, high = np.zeros_like(steps), widths
     for _ in range(_SUMMIT_ITERATIONS):
@@ -405,11 +412,12 @@ def _refined_summits(
 
 
 def _modal_bounds(matrix: AnyArray, row: AnyArray, horizon: float) -> AnyArray:
-    """Return the matrix whose product with a state bounds each mode's part of ``row . state``.
+    """Return the matrix ``(n, n)`` whose product with a state bounds each share of an output.
 
-    Shape ``(n, n)``: the sum of the absolute values is not exceeded within the time `horizon` [s].
-    Where modes coincide the factors are very large or NaN and give no bound; a mode that the row
-    does not observe counts with its rounding.
+    The output is ``row . state``, with state' = `matrix` state. Within the time `horizon` [s] it
+    does not exceed the sum of the absolute values of the product. Where modes coincide the elements
+    are very large or NaN and give no bound; a mode that the row does not observe counts with its
+    rounding.
     """
     rates, vectors = np.linalg.eig(matrix)
     rounding = np.finfo(float).eps * (np.abs(row) @ np.abs(vectors))
@@ -425,8 +433,9 @@ def _modal_bounds(matrix: AnyArray, row: AnyArray, horizon: float) -> AnyArray:
 def _sample_steps(matrix: AnyArray, horizon: float) -> Iterator[tuple[float, float, AnyArray]]:
     """Yield blocks of equal steps, without end: start [s], step [s] and e^(matrix k step).
 
-    The first block is as long as one step of the next, as a motion that starts with zero slope may
-    turn soon. A step doubles when every mode that is too fast for the longer step has decayed.
+    `matrix`: M of state' = M state [1/s]. `horizon`: longest time of interest [s]. The first block
+    is as long as one step of the next, as a motion that starts with zero slope may turn soon. A
+    step doubles when every mode that is too fast for the longer step has decayed.
     """
     rates = np.linalg.eigvals(matrix)
     fastest = float(np.abs(rates).max())
@@ -445,7 +454,7 @@ def _sample_steps(matrix: AnyArray, horizon: float) -> Iterator[tuple[float, flo
 
 
 def _matrix_powers(factor: AnyArray) -> AnyArray:
-    """Return the powers from 0 to `_STEPS_PER_BLOCK`, ``(_STEPS_PER_BLOCK + 1, n, n)``."""
+    """Return the powers of a matrix from 0 to n = `_STEPS_PER_BLOCK`, ``(n + 1, ...)``."""
     powers, doubled = np.eye(len(factor))[np.newaxis], factor
     while len(powers) < _STEPS_PER_BLOCK:
         powers = np.concatenate([powers, doubled @ powers])

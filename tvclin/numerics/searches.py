@@ -14,10 +14,12 @@ Evaluate = Callable[[FloatArray, IndexArray], FloatArray]
 
 
 def first_crossing(times: FloatArray, values: FloatArray, evaluate: Evaluate) -> FloatArray:
-    """Return the first time at which values ``(..., m)`` reach zero from below; inf if never.
+    """Return the first time ``(...)`` at which a function reaches zero from below; inf if never.
 
-    The time is accurate to rounding. Where a value and its predecessor do not differ in sign, it is
-    the time of the sample.
+    `times`, `values`: samples of the function, ``(..., m)``. `evaluate`: the function itself, from
+    times and flat batch positions, both ``(k,)``, to values ``(k,)``. The result is accurate to
+    rounding. Where a nonnegative sample and its predecessor do not differ in sign, it is the time
+    of the sample.
     """
     times, values = np.broadcast_arrays(times, values)
     nonnegative = values >= 0.0
@@ -31,11 +33,12 @@ def first_crossing(times: FloatArray, values: FloatArray, evaluate: Evaluate) ->
 
 
 def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> FloatArray:
-    """Return the root between ``low (k,)`` and ``high (k,)``; `high` without a rise through zero.
+    """Return the root between `low` and `high` ``(k,)``, `high` where no value rises through zero.
 
-    By the method of Chandrupatla (1997) as `scipy.optimize.elementwise.find_root` has it, whose
-    import takes as long as a whole study: inverse quadratic interpolation where three points allow
-    it, else bisection, down to four roundings of the root.
+    `evaluate`: function from points and their positions in `low`, both ``(m,)``, to values
+    ``(m,)``. By the method of Chandrupatla (1997) as `scipy.optimize.elementwise.find_root` has it,
+    whose import takes as long as a whole study: inverse quadratic interpolation where three points
+    allow it, else bisection, down to four roundings of the root.
     """
     index, root = np.arange(low.size), high.copy()
     begin, end = evaluate(low, index), evaluate(high, index)
@@ -88,11 +91,11 @@ def grid_minimum(
 ) -> tuple[FloatArray, FloatArray]:
     """Return position and value of the minimum of functions between `low` and `high` ``(...)``.
 
-    Each function has one dip. Grids are refined, each between the neighbours of the lowest point of
-    its predecessor. `height` takes ``(..., k)`` to the same shape. A dip narrower than a sixteenth
-    of the range may be missed; a caller with a value in it keeps that if it is lower. `smooth`:
-    whether the dips have a second derivative; the vertex of the parabola through the last three
-    points then has twice the digits of the grid.
+    Each function has one dip. In each of `refinements` rounds a grid spans the neighbours of the
+    lowest point of its predecessor. `height`: the functions, from points ``(..., k)`` to values of
+    the same shape. A dip narrower than a sixteenth of the range may be missed; a caller with a
+    value in it keeps that if it is lower. `smooth`: whether the dips have a second derivative; the
+    vertex of the parabola through the last three points then has twice the digits of the grid.
     """
     for _ in range(refinements):
         x = low[..., np.newaxis] + (high - low)[..., np.newaxis] * np.linspace(
@@ -186,7 +189,12 @@ def _evolved(
     rounds: int,
     tolerance: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return a pool of points ``(n, axes)`` and its values ``(n,)`` after `rounds`, best first."""
+    """Return a pool of points ``(n, axes)`` and its values ``(n,)`` after `rounds`, best first.
+
+    `values`: function from new points and the values of the pool to the values of the new points.
+    `points`, `costs`: the pool before, and its values. `per_round`: number of new points in a
+    round. `tolerance`: difference of the values of a pool below which it has converged.
+    """
     random = np.random.default_rng(0)
     for _ in range(rounds):
         order = np.argsort(costs, kind="stable")[:POOL]

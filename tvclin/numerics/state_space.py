@@ -29,7 +29,10 @@ DIRECT: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.one
 
 
 def series(first: Matrices, second: Matrices) -> Matrices:
-    """Return A, B, C and D of the second system in series behind the first."""
+    """Return A, B, C and D of the second system in series behind the first.
+
+    `first`, `second`: A, B, C and D of each, with leading batch axes that broadcast.
+    """
     (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
     n = A1.shape[-1], A2.shape[-1]
     A = stacked(join_columns(A1, np.zeros(n)), join_columns(B2 @ C1, A2))
@@ -37,10 +40,10 @@ def series(first: Matrices, second: Matrices) -> Matrices:
 
 
 def to_steps(system: Matrices, c: FloatArray) -> Matrices:
-    """Return the discrete-time system by the bilinear rule s = c (z - 1)/(z + 1).
+    """Return A, B, C and D in discrete time by the bilinear rule s = c (z - 1)/(z + 1).
 
-    `system`: A, B, C and D in continuous time. `c`: two over the period, or its value of exact
-    mapping at one frequency [1/s], ``(...)``.
+    `system`: A, B, C and D in continuous time. `c`: two over the sampling period, or the value with
+    which the rule is exact at one frequency [1/s], ``(...)``.
     """
     A, B, C, D = system
     c = np.asarray(c)[..., np.newaxis, np.newaxis]
@@ -51,9 +54,9 @@ def to_steps(system: Matrices, c: FloatArray) -> Matrices:
 
 
 def from_steps(system: Matrices, half: FloatArray) -> Matrices:
-    """Return the system in w, z = (1 + w h/2)/(1 - w h/2), of a discrete-time system.
+    """Return A, B, C and D in w, z = (1 + w h/2)/(1 - w h/2), of a discrete-time system.
 
-    `system`: A, B, C and D. `half`: half the period [s], ``(...)``.
+    `system`: its A, B, C and D. `half`: half of the sampling period h [s], ``(...)``.
     """
     A, B, C, D = system
     half = np.asarray(half)[..., np.newaxis, np.newaxis]
@@ -64,16 +67,17 @@ def from_steps(system: Matrices, half: FloatArray) -> Matrices:
 
 
 def join_columns(*blocks: FloatArray) -> FloatArray:
-    """Return blocks concatenated along columns, their batches broadcast."""
+    """Return matrices ``(..., n, k)`` side by side, ``(..., n, sum of k)``; batches broadcast."""
     return np.concatenate(_spread(blocks), axis=-1)
 
 
 def stacked(*blocks: FloatArray) -> FloatArray:
-    """Return blocks concatenated along rows, their batches broadcast."""
+    """Return matrices ``(..., n, k)`` below each other, ``(..., sum of n, k)``; they broadcast."""
     return np.concatenate(_spread(blocks), axis=-2)
 
 
 def _spread(blocks: Sequence[FloatArray]) -> list[FloatArray]:
+    """Return matrices ``(..., n, k)`` with their leading axes broadcast to one common batch."""
     shape = np.broadcast_shapes(*(block.shape[:-2] for block in blocks))
     return [np.broadcast_to(block, (*shape, *block.shape[-2:])) for block in blocks]
 
@@ -85,7 +89,10 @@ _MAX_RELATIVE_CHANGE = 0.5
 
 
 def pade_delay(delay: float, order: int) -> Matrices:
-    """Return A, B, C, D of the Pade approximation of a delay [s], scaled to poles near 1/delay."""
+    """Return A, B, C, D of the Pade approximation e^(-s T) ~ P(s), scaled to poles near 1/T.
+
+    `delay`: T [s]; zero gives a direct connection. `order`: number of poles of P.
+    """
     if delay == 0.0:
         return DIRECT
     powers = np.arange(order, -1, -1)
@@ -104,9 +111,10 @@ def pade_keeps_stability(
 ) -> BoolArray:
     """Return whether a bound proves that the exact delay has the same number of unstable poles.
 
-    `A`, `B`, `C`: closed loops with the Pade approximation of order `order`, from what adds to the
-    command to the command that returns, H(s) = C (s - A)^-1 B; ``(..., n, n)``, ``(..., n)`` and
-    ``(..., n)``. `delay`: T [s]. False also where the bound is too coarse.
+    Shape ``(...)``; False also where the bound is too coarse. `A`, `B`, `C`: closed loops with the
+    Pade approximation P of order `order` in place of the delay, from a disturbance added to the
+    command to the command that is fed back, H(s) = C (s - A)^-1 B; ``(..., n, n)``, ``(..., n)``
+    and ``(..., n)``. `delay`: T [s].
 
     1 + L with the exact delay is (1 + L P) (1 + H (e^(-s T)/P - 1)) up to the sign of H, so that by
     Rouche's theorem both have as many unstable zeros where ``|H| |e^(-j omega T) - P| < 1`` on the

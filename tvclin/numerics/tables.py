@@ -32,9 +32,10 @@ class TableLines:
         return before, np.maximum(self.at - self.rows[before], 0.0)
 
     def values(self, columns: Sequence[Any]) -> Any:
-        """Return the numbers of a column at the times, ``(...)``; one that all tables have as is.
+        """Return one column of the tables, interpolated at the times, ``(...)``.
 
-        `columns`: column of each table, ``(n,)`` or a number.
+        `columns`: this column in each table, ``(n,)`` or a number. A number that all tables share
+        is returned as it is.
         """
         alike = all(column is columns[0] for column in columns)
         if alike and np.ndim(columns[0]) == 0:

@@ -21,7 +21,6 @@ from tvclin.numerics.propagation import (
     Motion,
     input_states,
     matrix_exponentials,
-    motion,
     motions,
     peak_output,
     peak_outputs,
@@ -103,7 +102,7 @@ def wind_response_of(
     inputs = np.zeros(pieces.rates.size * (pieces.degree + 1))
     inputs[:: pieces.degree + 1] = 1.0
     rows = np.hstack([C, D[:, np.newaxis] * inputs])
-    trajectory = motion(A, B, pieces)
+    trajectory = motions(A, B, [pieces])[0]
     decay = -np.real(np.linalg.eigvals(A)).max()
     settling_time = _DECAY_EXPONENT / decay if decay > 0.0 else 0.0
     values = trajectory.starts[:, len(A) :] @ inputs
