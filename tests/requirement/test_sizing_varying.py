@@ -236,7 +236,10 @@ def test_a_wind_that_turns_and_a_calm(configuration_i) -> None:
 def test_before_a_moment_turns_a_stable_part_without_a_limited_law_requires_nothing(
     configuration_i,
 ) -> None:
-    """With K = 1 to a part of 2e-4, the resolution of the search among flights."""
+    """With K = 1 to a part of 2e-4, the resolution of the search among flights.
+
+    With K < 1 the dead band has no exit that is known: the largest trim of all of the wind over K.
+    """
     turns = configuration_i.replace(
         time=[40.0, 60.0, 64.0, 120.0], aerodynamic_arm=[-2.0, -2.0, 9.45, 9.45]
     )
@@ -248,31 +251,44 @@ def test_before_a_moment_turns_a_stable_part_without_a_limited_law_requires_noth
     rest = wind.shift(63.0 - 4.0)
     rest = rest - rest.before(later.span[0])
     single = tv.size(later, rest, times=[63.0], placing="flight", model="fixed-path", varying=True)
-    for K, resolution in (("K = 1, varying", 2e-4), ("K = 0.5, varying", 1e-6)):
-        needed = sizing.required[K][0, 0]
-        assert needed > 0.0
-        assert needed == pytest.approx(single.required[K][0, 0], rel=resolution)
+    needed = sizing.required["K = 1, varying"][0, 0]
+    assert needed > 0.0
+    assert needed == pytest.approx(single.required["K = 1, varying"][0, 0], rel=2e-4)
+    times = np.linspace(59.0, 67.0, 4001)
+    plants = tv.Plant.from_vehicle(tv.FlightSchedule(turns).at(times), "fixed-path")
+    trim = np.abs(plants.coefficients.B * wind.shift(59.0)(times)).max()
+    assert sizing.required["K = 0.5, varying"][0, 0] == pytest.approx(trim / 0.5, rel=1e-4)
+    assert "at 63 s, parameters varying: " in " ".join(sizing.notes)
+
+
+ONE_CHANGE, TWO_CHANGES = (
+    ([40.0, 90.0], [9.0, -3.0]),  # at 77.5 s
+    ([40.0, 60.0, 62.0, 68.0, 70.0, 80.0], [9.0, 9.0, -6.0, -6.0, 6.0, 6.0]),  # at 61.2 and 69 s
+)
 
 
 @pytest.mark.parametrize(
-    ("time", "angle"),
+    ("arm", "time", "angle"),
     [
-        ([45.0, 55.0, 62.0, 68.0, 75.0, 90.0], [0.0, 0.05, 0.05, 0.08, 0.03, 0.0]),
-        ([45.0, 60.0, 73.0, 74.0, 90.0], [0.0, 0.05, 0.09, 0.09, -0.05]),
+        (ONE_CHANGE, [45.0, 55.0, 62.0, 68.0, 75.0, 90.0], [0.0, 0.05, 0.05, 0.08, 0.03, 0.0]),
+        (ONE_CHANGE, [45.0, 60.0, 73.0, 74.0, 90.0], [0.0, 0.05, 0.09, 0.09, -0.05]),
+        (TWO_CHANGES, [51.0, 55.5, 60.0], [0.0, 0.08, 0.0]),
+        (TWO_CHANGES, [57.0, 58.5, 60.0], [0.0, 0.08, 0.0]),
     ],
 )
-def test_where_a_moment_turns_the_limited_law_decides_through_all_of_a_wind(
-    configuration_i, time, angle
+def test_where_a_moment_turns_the_limited_law_decides_through_all_of_a_flight(
+    configuration_i, arm, time, angle
 ) -> None:
-    """By an integration of the report's equations, with the arm's sign change at 77.5 s.
+    """By an integration of the report's equations, also where the wind ends before the change.
 
     The search for the limit is exact to a part of 2e-4, the steps of its flights to less.
     """
-    v, begin, stop, arms = configuration_i, 40.0, 90.0, (9.0, -3.0)
-    schedule = tv.FlightSchedule(v.replace(time=[begin, stop], aerodynamic_arm=arms))
+    v, (knots, arms) = configuration_i, arm
+    stop, times = knots[-1], sorted({*time, *(t for t in knots if t > time[0])})
+    schedule = tv.FlightSchedule(v.replace(time=knots, aerodynamic_arm=arms))
     wind = tv.SampledWind(time=time, angle=angle)
     options = {"placing": "flight", "window": 100.0, "model": "drift-exact", "varying": True}
-    sizing = tv.size(schedule, wind, times=[70.0], **options)
+    sizing = tv.size(schedule, wind, times=[time[1]], **options)
     required = sizing.required["K = 1, varying"][0, 0]
 
     mV, N, per_arm = (
@@ -284,7 +300,7 @@ def test_where_a_moment_turns_the_limited_law_decides_through_all_of_a_wind(
     c1 = (along - v.weight * np.sin(v.attitude) + N) / mV
 
     def moment(t: float) -> float:
-        return float(N * per_arm * np.interp(t, [begin, stop], arms))
+        return float(N * per_arm * np.interp(t, knots, arms))
 
     def rates(t: float, x: np.ndarray, limit: float) -> list[float]:
         mu, alpha = moment(t), x[0] - x[2] - np.interp(t, time, angle)
@@ -302,11 +318,12 @@ def test_where_a_moment_turns_the_limited_law_decides_through_all_of_a_wind(
     survived = []
     for limit in required * np.array([0.998, 1.002, 1.3]):
         state = np.zeros(3)
-        for ends in pairwise(time):
+        for ends in pairwise(times):
             flight = solve_ivp(rates, ends, state, args=(limit,), rtol=1e-7, max_step=0.1)
             state = flight.y[:, -1]
         survived.append(abs(p @ state) <= limit * reach)
     assert survived == [False, True, True]
+    assert sizing.required["minimum, varying"][0, 0] < required
 
 
 def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_i) -> None:

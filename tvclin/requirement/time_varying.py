@@ -94,6 +94,9 @@ class Motion(Protocol):
     def breakpoints(self) -> FloatArray:
         """Breakpoints [s] of the equations, in addition to the breakpoints of the wind."""
 
+    def judged_at(self, ends: FloatArray) -> FloatArray:
+        """Return the times [s] at which flights are judged, of winds that end at `ends` [s]."""
+
     def at_steps(self, times: FloatArray) -> Equations:
         """Return the equations at times [s] of steps, ``(n, S, 3)``."""
 
@@ -110,7 +113,7 @@ class Encounter(Protocol):
 
 
 def step_counts(wind: History, motion: Motion) -> FloatArray:
-    """Return the number of steps between breakpoints of winds, ``(n, k)``.
+    """Return the number of steps between breakpoints of winds and motion, ``(n, k)``.
 
     It is the number that `STEP` requires, rounded up to one of four numbers in each octave, so that
     winds of similar length have the same.
@@ -125,14 +128,16 @@ def step_counts(wind: History, motion: Motion) -> FloatArray:
 
 
 def _breakpoints(wind: History, motion: Motion) -> FloatArray:
-    """Return the breakpoints [s] of winds and motion within each wind, ``(n, k + 1)``."""
+    """Return breakpoints [s] of winds and motion from each onset on, ``(n, k + 1)``.
+
+    The last one is the time at which the flight is judged, the end of the wind or later.
+    """
     knots = wind.knots.reshape(-1, wind.knots.shape[-1])
+    onset, end = (np.reshape(x, (-1, 1)) for x in (wind.onset, motion.judged_at(wind.end)))
     more = motion.breakpoints
-    if more.size:
-        more = more[(more > np.min(wind.onset)) & (more < np.max(wind.end))]
-        more = np.broadcast_to(more, (len(knots), more.size))
-        knots = np.sort(np.concatenate([knots, more], axis=-1), axis=-1)
-    return np.clip(knots, np.reshape(wind.onset, (-1, 1)), np.reshape(wind.end, (-1, 1)))
+    more = more[(more > np.min(onset)) & (more < np.max(end))]
+    more = np.broadcast_to(more, (len(knots), more.size))
+    return np.clip(np.sort(np.concatenate([knots, more, end], axis=-1), axis=-1), onset, end)
 
 
 def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
@@ -235,8 +240,10 @@ class VaryingRequirement:
     trim : ndarray
         Trim along the path: the largest deflection of ideal trim, with drift.
     required : ndarray
-        Required deflection at the dead band; zero without an unstable mode, the largest trim over K
-        where a pair alone is unstable, NaN with K < 1 for a wind that changes its sign.
+        Required deflection at the dead band; zero without an unstable mode, NaN with K < 1 for a
+        wind that changes its sign. The largest trim over K where a pair alone is unstable, and with
+        K < 1 where modes are a pair for a while or mu_alpha changes its sign: a constant limit may
+        then drive the vehicle to either side.
     minimum : ndarray
         Lower bound with the wind known: no control needs less.
     time : ndarray
@@ -276,12 +283,9 @@ def varying_requirement(
     march = times, wind, ratio, None
     peaks, limit, time = _exits(equations, march, trim_and_demand, dead_band)
     minimum = np.maximum(minimum, peaks)
-    if 0.0 < dead_band < 1.0 and np.any(equations.changes_sign):
-        _, other, other_time = _exits(equations, march, trim_and_demand.opposite, dead_band)
-        larger = (other > limit) & equations.changes_sign
-        limit, time = np.where(larger, other, limit), np.where(larger, other_time, time)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
-    never_limited = np.where(np.any(paired, axis=(1, 2)), trim, 0.0)
+    without_exit = np.any(paired, axis=(1, 2)) | equations.changes_sign
+    never_limited = np.where(without_exit, trim, 0.0)
     if dead_band == 1.0:
         limit, time = trim_and_demand.limit_of_trim_law(paired)
         required = _of_flights(motion, equations, encountered, trim_and_demand, limit, minimum)

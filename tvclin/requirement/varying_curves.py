@@ -12,7 +12,7 @@ values, the demand Hermite's cubic of two values and slopes. From them follow
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -90,12 +90,6 @@ class Curves:
         """Whether the winds change sign, ``(n,)``."""
         low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))
         return np.asarray(np.minimum(-low, high) > _OPPOSITE_FRACTION * np.maximum(-low, high))
-
-    @property
-    def opposite(self) -> Curves:
-        """Curves without the trim of the sign of the largest, ``(n,)``: of the opposite exits."""
-        counted = self.sign[:, np.newaxis, np.newaxis] * self.trim < 0.0
-        return replace(self, trim=np.where(counted, self.trim, 0.0))
 
     @property
     def largest_trim(self) -> FloatArray:

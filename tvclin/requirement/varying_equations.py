@@ -250,6 +250,10 @@ class Equations:
         """Breakpoints [s] of the equations, in addition to the breakpoints of the wind: none."""
         return np.empty(0)
 
+    def judged_at(self, ends: FloatArray) -> FloatArray:
+        """Return the times [s] at which flights are judged: at the ends [s] of their winds."""
+        return ends
+
     @property
     def drifts(self) -> bool:
         """Whether the flight path takes part in the motion."""

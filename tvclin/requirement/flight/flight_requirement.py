@@ -15,9 +15,9 @@ effect on the unstable component of a unit deflection that is constant from t on
 
 Both are marched backwards from the end of the flight, where they are the values of the vehicle
 frozen as it is there, by the rule of Runge and Kutta, and scaled to ``|p| = 1`` after each step.
-The error is of fourth order in the steps, below 1e-6 at the length taken here. Where the moment of
-a wind changes its sign, flights of the limited trim law through all of the wind decide, up to the
-end of the last interval of one sign with an unstable pole.
+The error is of fourth order in the steps, below 1e-6 at the length taken here. Where the moment
+changes its sign during a wind or after it, flights of the limited trim law decide, up to the last
+time with an unstable pole; what a wind has left then turns back before it grows again.
 
 In a sizing, pulses have their requirement at the dynamic pressure encountered, by direction.
 """
@@ -198,6 +198,31 @@ class FlightMode:
             return self
         schedule = self.schedule.between(None, stop)
         return FlightMode(schedule, self.model, self.plane, (start, stop))
+
+    def judged_at(self, ends: FloatArray) -> FloatArray:
+        """Return the times [s] at which flights are judged, of winds that end at `ends` [s].
+
+        That is the last unstable time where the moment changes its sign between both, since a
+        stable vehicle turns back what a wind has left, and later it is unstable again.
+        """
+        last_change = np.max(self.sign_changes, initial=-np.inf)
+        return np.where(ends < last_change, self.last_unstable, ends)
+
+    @cached_property
+    def sign_changes(self) -> FloatArray:
+        """Times [s] at which the moment changes its sign, up to `until_stable`, ``(k,)``."""
+        intervals = self.until_stable.schedule.one_sign_intervals
+        return np.array([interval.span[0] for interval in intervals[1:]])
+
+    def has_exit(self, begin: float, end: float) -> bool:
+        """Return whether K < 1 has an exit of the dead band in a wind from `begin` to `end` [s].
+
+        It has none where poles are a pair during the wind, or the moment changes its sign up to the
+        time at which flights are judged.
+        """
+        judged = self.judged_at(np.array(end))
+        changes = np.any((begin < self.sign_changes) & (self.sign_changes < judged))
+        return not (changes or np.any((begin <= self.paired_times) & (self.paired_times <= end)))
 
     @cached_property
     def quick_path(self) -> bool:

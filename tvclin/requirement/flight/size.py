@@ -350,7 +350,7 @@ def _plane_sizing(
             required |= _varying(_columns(along, bands))
             arises = _arising_times(placed, along, bands)
             messages += _missing(required, bands)
-            messages += _paired(mode.paired_times, inputs.times, placed, bands)
+            messages += _without_exit(mode, inputs.times, placed, bands)
         except InputError as error:
             if varying:
                 raise
@@ -436,28 +436,28 @@ def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list
     for K in bands:
         frozen, along = (required[Requirement(dead_band=K, varying=x)] for x in (False, True))
         if np.any(np.isnan(along) & ~np.isnan(frozen)):
-            return ["B changes its sign during a wind: dead bands, varying, are not defined then"]
+            return ["a wind changes its sign: dead bands below 1, varying, are not defined then"]
     return []
 
 
-def _paired(
-    paired: FloatArray, times: FloatArray, placed: list[list[PlacedWind]], bands: FloatArray
+def _without_exit(
+    mode: FlightMode, times: FloatArray, placed: list[list[PlacedWind]], bands: FloatArray
 ) -> list[str]:
-    """Return a message where K < 1 never leaves its dead band, since poles are a pair in a wind.
+    """Return a message where the dead band of K < 1 has no exit in a wind, empty elsewhere.
 
-    `paired`: times [s] at which they are. `times`, `placed`: flight times [s], and their winds.
+    `times`: flight times [s] of the rows of winds in `placed`. `bands`: all K.
     """
-    spans = [[wind.span for wind in row if not wind.calm] for row in placed]
     at = [
         time
-        for time, row in zip(times.tolist(), spans, strict=True)
-        if any(np.any((first <= paired) & (paired <= last)) for first, last in row)
+        for time, row in zip(times.tolist(), placed, strict=True)
+        if not all(wind.calm or mode.has_exit(*wind.span) for wind in row)
     ]
     if not at or np.all(bands == 1.0):
         return []
     return [
         f"at {flight_times(at)}, parameters varying: two unstable poles are a pair or equal during"
-        " a wind; K < 1 then requires the largest trim over K, so that the dead band has no exit"
+        " a wind, or the aerodynamic moment changes its sign; K < 1 then requires the largest trim"
+        " over K, so that the dead band has no exit"
     ]
 
 
