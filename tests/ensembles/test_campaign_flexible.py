@@ -132,7 +132,7 @@ def test_a_case_is_flown_again_as_the_flexible_vehicle():
     one = replay_case(plan, int(fates.argmax()))
     values = {name: np.array([value]) for name, value in one.inputs.items()}
     np.testing.assert_allclose(
-        one.planes["pitch"].made.flexible.poles, plant_of(values).poles, rtol=1e-12, atol=1e-12
+        one.planes["pitch"].batch.flexible.poles, plant_of(values).poles, rtol=1e-12, atol=1e-12
     )
     flown = one.flown()
     attitude = np.abs(flown.outputs["attitude"]).max()

@@ -80,10 +80,11 @@ class DispersedStudy(Shown):
     drivers: dict[str, float] = field(metadata=spec())
 
     def _repr_html_(self) -> str:
+        """Return the tables of `tables` in HTML, for notebooks."""
         return "".join(map(table, self.tables()))
 
     def tables(self) -> tuple[Table, Table]:
-        """Return the tables of the covering deflection and of its drivers."""
+        """Return the tables of the covering deflection [deg] and of the rank correlations."""
         r = self.required
         of_cases, of_flights = shares(r.probability, r.confidence)
         covers = degrees("dispersed.upper", r.upper, unit="deg")
@@ -213,7 +214,11 @@ def disperse_study(
 def _campaign(
     study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
 ) -> Campaign:
-    """Return the campaign of a study: its vehicle and placed wind, dispersed."""
+    """Return the campaign of a study: its vehicle and placed wind, dispersed.
+
+    `dispersions`: uncertain parameters. `cases`, `seed`, `method`: number of cases, and seed and
+    method of their random numbers. `InputError` for no study, and too many cases or none.
+    """
     instance("study", study, Study, "see Study.from_vehicle")
     if not 1 <= whole_number("cases", cases) <= _MAX_CASES:
         raise InputError(f"cases must be from 1 to {_MAX_CASES}; got {shown(cases)}")

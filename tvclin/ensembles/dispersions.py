@@ -53,11 +53,15 @@ class Dispersion:
     relative: bool = flag(True)
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for an unknown parameter or shape, and a bad spread."""
         checked_parameter("parameter", self.parameter)
         checked(self)
 
     def deviates(self, normal: FloatArray) -> FloatArray:
-        """Return deviations in units of the spread, ``(n,)``, from standard normal deviates."""
+        """Return deviations of n cases in units of the spread, ``(n,)``.
+
+        `normal`: standard normal deviates of the cases, ``(n,)``.
+        """
         from scipy.special import ndtr, ndtri
 
         if self.shape == "normal":
@@ -80,7 +84,7 @@ class Dispersed:
     possible: BoolArray
 
     def take(self, which: AnyArray) -> "Dispersed":
-        """Return the cases with these indices."""
+        """Return some of the cases; `which`: their indices, in the order of the result."""
         return Dispersed({k: v[which] for k, v in self.values.items()}, self.possible[which])
 
 
@@ -105,6 +109,7 @@ class Dispersions:
     correlation: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for a parameter twice, and a matrix of no correlation."""
         dispersions = errors.each(
             "distributions", self.distributions, Dispersion, "one for each parameter"
         )
@@ -155,8 +160,7 @@ class Dispersions:
         if drawn.ndim != 2 or drawn.shape[-1] != len(self.distributions):
             raise errors.InputError(
                 f"numbers must have a row of {len(self.distributions)} for each case; got an"
-                " array of shape"
-                f" {drawn.shape}"
+                f" array of shape {drawn.shape}"
             )
         if np.any((drawn <= 0.0) | (drawn >= 1.0)):
             raise errors.InputError("numbers must all be above 0 and below 1")
@@ -180,7 +184,11 @@ class Dispersions:
 
     @staticmethod
     def _centre(nominal: Mapping[str, Any], dispersion: Dispersion) -> float:
-        """Return the nominal value of a parameter; `InputError` where it cannot be dispersed."""
+        """Return the nominal value [SI] of the parameter of a dispersion.
+
+        `nominal`: nominal values [SI] by parameter. `InputError` where it has none, and where a
+        relative spread would be one of zero.
+        """
         if nominal.get(dispersion.parameter) is None:
             raise errors.InputError(
                 f"{dispersion.parameter} is dispersed, but has no nominal value here"
@@ -233,19 +241,25 @@ PARAMETERS = (*(name for name in NUMBERS if name != "time"), *WIND, *GAINS, *MOD
 
 
 def checked_parameter(what: str, name: Any) -> str:
-    """Return the name of a parameter that can be dispersed; `InputError` for another name."""
+    """Return the name of a parameter that can be dispersed; `InputError` for another name.
+
+    `what`: the argument or key in the error. `name`: the name to check.
+    """
     if isinstance(name, str) and _SINGLE_MODE_FACTOR.fullmatch(name):
         return name
     return errors.one_of(what, name, PARAMETERS)
 
 
 def is_mode_factor(name: str) -> bool:
-    """Return whether a parameter is a factor on modes."""
+    """Return whether a parameter, by `name`, is a factor on modes of a flexible vehicle."""
     return name in MODES or _SINGLE_MODE_FACTOR.fullmatch(name) is not None
 
 
 def mode_names(structure: Structure | None) -> dict[str, list[str]]:
-    """Return names of modes, as in "bending_1", by kind, in the order of their bands."""
+    """Return the names of the modes of a structure, as in "bending_1", by kind.
+
+    The kinds are "bending" and "slosh", for which there are modes; None has none.
+    """
     kinds = {} if structure is None else {"bending": structure.bending, "slosh": structure.slosh}
     return {
         kind: [f"{kind}_{k}" for k in range(1, len(modes) + 1)]
@@ -315,8 +329,10 @@ def draw(
 ) -> FloatArray:
     """Return random numbers in (0, 1) of the cases from `first` on, ``(count, dimension)``.
 
-    `method`: independent numbers ("plain"), a scrambled Sobol sequence ("sobol"), or a Latin
-    hypercube ("latin"), which alone needs the `size` of the whole campaign.
+    `seed`: seed of the generator; a case depends on it and on its own number alone. `count`,
+    `dimension`: number of cases, and of random numbers of each. `method`: independent numbers
+    ("plain"), a scrambled Sobol sequence ("sobol"), or a Latin hypercube ("latin"), which alone
+    needs the `size` of the campaign, its number of cases.
     """
     for name, value in (("seed", seed), ("first", first), ("count", count)):
         errors.whole_number(name, value)

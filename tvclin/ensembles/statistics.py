@@ -24,7 +24,10 @@ _PROBABILITY_TOLERANCE = 1e-12
 
 
 def shares(probability: float, confidence: float) -> tuple[str, str]:
-    """Return the labels in tables of the quantile of a sample and of its upper bound."""
+    """Return the labels in tables of the quantile of a sample and of its upper bound.
+
+    `probability`, `confidence`: of the quantile, and of the bound, both in (0, 1).
+    """
     percent = f"{100 * probability:g} %"
     return f"{percent} of the cases", f"{percent} of flights, {100 * confidence:g} % sure"
 
@@ -97,15 +100,8 @@ class Success(Shown):
 
     def line(self, name: str) -> Line:
         """Return the probability and its interval in percent, as a line with that name."""
-        percent = (
-            number(f"{name}{end}", 100.0 * probability, 2)
-            for end, probability in (
-                ("", self.estimate),
-                ("_lower", self.lower),
-                ("_upper", self.upper),
-            )
-        )
-        estimate, lower, upper = percent
+        ends = {"": self.estimate, "_lower": self.lower, "_upper": self.upper}
+        estimate, lower, upper = (number(name + k, 100.0 * p, 2) for k, p in ends.items())
         return (*estimate, " % (", *lower, " to ", *upper, " %)")
 
 
@@ -145,9 +141,8 @@ def quantile_bound(
         """Return the probability that at most `rank` values lie below the quantile."""
         return float(bdtr(rank, n, p))
 
-    upper = bisect_left(
-        range(n), c - _PROBABILITY_TOLERANCE, key=below
-    )  # counted from zero, as `sample` is
+    # Ranks are counted from zero, as `sample` is.
+    upper = bisect_left(range(n), c - _PROBABILITY_TOLERANCE, key=below)
     lower = bisect_right(range(n), 1.0 - c + _PROBABILITY_TOLERANCE, key=below) - 1
     return Quantile(
         p,
@@ -160,7 +155,11 @@ def quantile_bound(
 
 
 def success_probability(successes: int, cases: int, confidence: float = 0.9) -> Success:
-    """Return a probability of success and its two-sided Clopper-Pearson interval."""
+    """Return a probability of success and its two-sided Clopper-Pearson interval.
+
+    `successes`, `cases`: number of successful cases, and of all. `confidence`: of the interval, in
+    (0, 1). `InputError` for no case, more successes than cases, and another confidence.
+    """
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import
 
     k, n = whole_number("successes", successes), whole_number("cases", cases)
@@ -225,7 +224,8 @@ def _ranks(values: ArrayLike) -> FloatArray:
 def loss_drivers(inputs: dict[str, FloatArray], losses: ArrayLike) -> dict[str, Driver]:
     """Return the correlation of each input with the loss of flights, the strongest first.
 
-    `inputs`: dispersed values, ``(n,)`` each. Empty where no flight or every flight is lost.
+    `inputs`: dispersed values of n flights, ``(n,)`` each. `losses`: whether a flight is lost,
+    ``(n,)``. The result is empty where no flight or every flight is lost.
 
     `Driver.confidence` comes from the test of Mann and Whitney, exact for few flights without ties,
     times the number of inputs (Bonferroni).
@@ -246,7 +246,10 @@ def loss_drivers(inputs: dict[str, FloatArray], losses: ArrayLike) -> dict[str, 
         return {}
 
     def chance(values: FloatArray) -> float:
-        """Return the probability of so strong a correlation by chance, times the inputs."""
+        """Return the probability of so strong a correlation by chance, times the inputs.
+
+        `values`: values of one input, ``(n,)``.
+        """
         if not np.ptp(values):
             return 1.0
         return len(inputs) * float(mannwhitneyu(values[which], values[~which]).pvalue)
@@ -341,9 +344,10 @@ def survival_fraction(
 
     `flies`: 1 for a sounding that flies, 0 for one that does not, NaN for unknown. `required`:
     required deflections [rad], whose autocorrelation counts if all soundings fly, or none.
-    `season`: the month of a year; only soundings of the same season are compared. ``(n,)`` each.
-    The interval is by Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up
-    to the first that is not positive.
+    `times`: times of the soundings. `season`: number of the month of a year; only soundings of the
+    same season are compared. ``(n,)`` each. `confidence`: of the interval, in (0, 1). The interval
+    is by Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up to the first that
+    is not positive.
     """
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import
 
@@ -365,7 +369,8 @@ def survival_fraction(
 def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: IntArray) -> float:
     """Return the number of independent values with the information of correlated `values`.
 
-    `values`, `times`, `season`: ``(n,)``; the autocorrelation is over time within a season.
+    `values`, `times`, `season`: values, their times, and numbers of their seasons, ``(n,)`` each.
+    The autocorrelation is over time within a season.
     """
     order = np.argsort(times, kind="stable")
     values, season = values[order], season[order]

@@ -287,14 +287,17 @@ def _check_sampled(autopilot: Autopilot) -> None:
 
 
 def _limit(value: float) -> float:
-    """Return a deflection limit [rad]."""
+    """Return a checked deflection limit [rad]; `InputError` unless positive and a small angle."""
     return errors.number(
         "deflection_limit", value, errors.small_angle("a deflection", errors.positive), "rad"
     )
 
 
 def _times(start: float, stop: float, time_scale: float) -> FloatArray:
-    """Return the even times of a sampled wind, for a time scale L/V [s]."""
+    """Return the even times [s] of a sampled wind from `start` to `stop` [s], ``(n,)``.
+
+    `time_scale`: scale length over airspeed, L/V [s], of which a step is a small fraction.
+    """
     step = float(np.clip(_STEP_OVER_TIME_SCALE * time_scale, _MIN_STEP_S, _MAX_STEP_S))
     return np.linspace(start, stop, int(np.ceil((stop - start) / step)) + 1)
 
@@ -302,9 +305,10 @@ def _times(start: float, stop: float, time_scale: float) -> FloatArray:
 def _sampled_winds(
     gusts: Callable[..., History], wind: History | None, runs: int
 ) -> Iterator[History]:
-    """Yield a known wind with sampled turbulence, in parts that fit into memory.
+    """Yield winds [rad] of flights with sampled turbulence, in batches that fit into memory.
 
-    `gusts`: turbulence of `runs` flights from the number `first` on.
+    `gusts`: function that returns the turbulence of `runs` flights from the number `first` on.
+    `wind`: known wind, which is added to each, or None. `runs`: number of all flights.
     """
     total = errors.whole_number("runs", runs)
     if not 2 <= total <= _MAX_RUNS:
@@ -315,16 +319,19 @@ def _sampled_winds(
 
 
 def _compared(
-    limit: float, linear: CovarianceHistory, parts: list[FlownCases]
+    limit: float, linear: CovarianceHistory, batches: list[FlownCases]
 ) -> TurbulenceFlights:
-    """Return the comparison of flights in several parts with the linear loop."""
+    """Return the comparison of flights with the linear loop in the same turbulence.
+
+    `limit`: deflection limit [rad]. `linear`: mean and covariance of the linear loop. `batches`:
+    outcomes of the flights, batch by batch.
+    """
     arrays = {
-        item.name: np.concatenate([getattr(block, item.name) for block in parts])
+        item.name: np.concatenate([getattr(batch, item.name) for batch in batches])
         for item in fields(FlownCases)
     }
     flown = FlownCases(**arrays)
-    runs = flown.status.size
-    limited = flown.saturated_time_fraction
+    runs, limited = flown.status.size, flown.saturated_time_fraction
     below = int(np.sum(flown.peak_deflection < _AT_LIMIT * limit))
     smooth = DEFLECTION_RATE in linear.outputs
     return TurbulenceFlights(

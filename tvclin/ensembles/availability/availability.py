@@ -340,6 +340,7 @@ class AvailabilityRequest:
     gust_speed: float | None = quantity("speed", None, errors.nonzero, key=None, option=None)
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` as the class says."""
         errors.instance("flight", self.flight, FlightSchedule, "see load_schedule")
         _check_usable(self.soundings)
         checked(self)

@@ -60,6 +60,7 @@ class WindGrowth:
     height: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields, and set them to arrays; `InputError` as the class says."""
         object.__setattr__(self, "speed", errors.nonnegative("speed", self.speed, "m/s"))
         if self.height is None:
             errors.number("speed", self.speed, unit="m/s")
@@ -102,6 +103,7 @@ class PairGrowth:
     quantile: float = 0.95
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for numbers out of range."""
         object.__setattr__(self, "hours", errors.number("hours", self.hours, errors.positive, "h"))
         object.__setattr__(self, "quantile", errors.fraction("quantile", self.quantile))
 
@@ -183,7 +185,7 @@ class FlightPath:
 
     @classmethod
     def of(cls, flight: FlightSchedule) -> FlightPath:
-        """Return the path of a schedule; `InputError` without altitude, or where none is gained."""
+        """Return the path of a flight; `InputError` without altitude, or where none is gained."""
         time, height, speed, climb = checked_flight(flight)
         density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
         return cls(height, time, speed, climb, float(height[np.argmax(density * speed**2)]))

@@ -56,6 +56,7 @@ class SoundingEnsemble(WindEnsemble):
     soundings: tuple[MeasuredWind, ...] = ()
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for a sounding of another type."""
         super().__post_init__()
         errors.each("soundings", self.soundings, MeasuredWind, "see fly_through")
 
@@ -107,6 +108,7 @@ class FlightPlan:
     stop: float | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` as the class says."""
         errors.instance("flight", self.flight, FlightSchedule, "see load_schedule")
         if not isinstance(self.autopilot, GainSchedule):
             errors.instance("autopilot", self.autopilot, Autopilot, "or a GainSchedule")
@@ -123,13 +125,13 @@ class FlightPlan:
 
     @property
     def law(self) -> Autopilot:
-        """Autopilot at the breakpoints of a schedule, or the autopilot of all times."""
-        made = self.autopilot
-        return made.autopilot if isinstance(made, GainSchedule) else made
+        """Autopilot with its gains at the breakpoints of a schedule, or that of all times."""
+        given = self.autopilot
+        return given.autopilot if isinstance(given, GainSchedule) else given
 
 
 def nominal_gains(plan: FlightPlan, time: float) -> dict[str, float]:
-    """Return the nominal gains of a plan at a time of flight [s], by name."""
+    """Return the nominal gains of the autopilot of a plan at a time of flight [s], by name."""
     law = autopilot_along(plan.autopilot, plan.flight, np.asarray(time))
     return {name: float(getattr(law, name)) for name in GAINS}
 
@@ -140,15 +142,19 @@ def dispersed_flight(
     nominal: Mapping[str, Any],
     values: Mapping[str, float],
 ) -> tuple[FlightSchedule, Autopilot | GainSchedule]:
-    """Return the flight and the autopilot of a case.
+    """Return the flight and the autopilot of one dispersed case.
 
-    `nominal`, `values`: nominal and dispersed values of the parameters at the time of the vehicle
-    of the campaign, by name.
+    `plan`: nominal flight and autopilot. `dispersions`: dispersed parameters, and whether each is
+    scaled or shifted. `nominal`, `values`: nominal and dispersed values [SI] of the parameters at
+    the time of the vehicle of the campaign, by name.
     """
     relative = {d.parameter: d.relative for d in dispersions.distributions}
 
     def changed(name: str, base: Any) -> Any:
-        """Return a number over the flight, scaled or shifted by the dispersion of the case."""
+        """Return a number over the flight, scaled or shifted by the dispersion of the case.
+
+        `name`: name of the parameter. `base`: its nominal values over the flight [SI].
+        """
         centre = float(nominal[name])
         if relative[name]:
             return np.asarray(base) * (values[name] / centre)
@@ -166,26 +172,30 @@ def dispersed_flight(
     gains = {name: changed(name, getattr(law, name)) for name in relative if name in GAINS}
     if not gains:
         return flight, plan.autopilot
-    law, made = replace(law, **gains), plan.autopilot
-    return flight, replace(made, autopilot=law) if isinstance(made, GainSchedule) else law
+    law = replace(law, **gains)
+    if isinstance(plan.autopilot, GainSchedule):
+        return flight, replace(plan.autopilot, autopilot=law)
+    return flight, law
 
 
 def _with_modes(flight: FlightSchedule, factors: Mapping[str, float]) -> FlightSchedule:
-    """Return a flight with factors on its modes, by name as in `Dispersion`."""
+    """Return a flight with factors on frequencies and dampings of its modes.
+
+    `factors`: by name as in `Dispersion`. `InputError` for a flight without a structure.
+    """
     if flight.structure is None:
         raise errors.InputError("factors on modes need a flight with a structure over time")
-    made = flight.structure
-    structure = structure_with_mode_factors(
-        made.structure,
-        *(mode_factors(made.structure, factors, number) for number in ("frequency", "damping")),
-    )
-    return replace(flight, structure=replace(made, structure=structure))
+    structure = flight.structure.structure
+    numbers = [mode_factors(structure, factors, number) for number in ("frequency", "damping")]
+    changed = structure_with_mode_factors(structure, *numbers)
+    return replace(flight, structure=replace(flight.structure, structure=changed))
 
 
 def mode_factors(structure: Structure | None, values: Mapping[str, Any], number: str) -> FloatArray:
     """Return the factors on frequencies or dampings of the modes, ``(..., modes)``.
 
-    `values`: factors by name, as in `Dispersion`. `number`: "frequency" or "damping".
+    `structure`: the modes, in whose order the factors are. `values`: factors by name, as in
+    `Dispersion`. `number`: "frequency" or "damping".
     """
     ones = np.ones(np.shape(next((v for k, v in values.items() if is_mode_factor(k)), 1.0)))
     return np.stack(
@@ -206,7 +216,10 @@ _MAX_LATIN_CASES = 10**7
 
 
 def _case_count(name: str, value: object) -> int:
-    """Return a number of cases; `InputError` unless it is from 1 to `_MAX_CASES`."""
+    """Return a number of cases, `value`; `InputError` unless it is from 1 to `_MAX_CASES`.
+
+    `name`: name of the argument in the error.
+    """
     if 0 < (number := errors.whole_number(name, value)) <= _MAX_CASES:
         return number
     raise errors.InputError(f"{name} must be from 1 to 1e10; got {errors.shown(value)}")
@@ -290,6 +303,7 @@ class Campaign(Case):
     until: float | None = quantity("part", None, errors.positive)
 
     def __post_init__(self) -> None:
+        """Check the fields, and place a gust without a time; `InputError` as the class says."""
         errors.instance(
             "vehicle", complete_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle"
         )
@@ -313,7 +327,7 @@ class Campaign(Case):
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.distributions))))
 
     def _check_planes(self) -> None:
-        """Raise `InputError` for a wind, stop and outputs that do not fit together."""
+        """Raise `InputError` for a wind, a limit shape and outputs that do not fit together."""
         if self.nozzle.limit_shape is None:
             if isinstance(self.wind, ShapedWind) and self.heading is not None:
                 self.wind.in_plane(self.plane, float(np.asarray(self.vehicle.attitude)))
@@ -343,13 +357,11 @@ class Campaign(Case):
         """
         if self.nozzle.limit_shape is None or not isinstance(self.wind, ShapedWind):
             return {self.plane: self}
-        path, nozzle = (
-            float(np.asarray(self.vehicle.attitude)),
-            replace(self.nozzle, limit_shape=None),
-        )
-        windy = [name for name, peak in self.wind.peaks(path).items() if peak]
+        attitude = float(np.asarray(self.vehicle.attitude))
+        nozzle = replace(self.nozzle, limit_shape=None)
+        windy = [name for name, peak in self.wind.peaks(attitude).items() if peak]
         return {
-            name: replace(self, plane=name, nozzle=nozzle, wind=self.wind.in_plane(name, path))
+            name: replace(self, plane=name, nozzle=nozzle, wind=self.wind.in_plane(name, attitude))
             for name in dict.fromkeys((self.plane, *windy))
         }
 
@@ -372,7 +384,10 @@ class Campaign(Case):
         errors.different("dead_bands", self.dead_bands)
 
     def _check_along(self, plan: FlightPlan) -> None:
-        """Raise `InputError` for outputs and a vehicle that do not fit to a whole flight."""
+        """Raise `InputError` for outputs, vehicle and wind that do not fit to the flight of a plan.
+
+        `plan`: the flight, its autopilot, and first and last time.
+        """
         errors.instance("along", plan, FlightPlan, "of a flight and its autopilot")
         if "flight" not in self.outputs or "margins" in self.outputs or self.law != AUTOPILOT:
             raise errors.InputError(
@@ -426,7 +441,7 @@ class Campaign(Case):
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot, designed on `rigid_plant`, or that of the controller."""
+        """The autopilot, designed on `rigid_plant`, or the one that holds the controller."""
         if self.controller is not None:
             return super().autopilot
         return self.autopilot_design.autopilot(self.rigid_plant, self.nozzle.actuator)
@@ -437,7 +452,10 @@ class Campaign(Case):
         return -(-self.cases // self.chunk)
 
     def span(self, chunk: int) -> tuple[int, int]:
-        """Return the first case of a chunk and its number of cases."""
+        """Return the number of the first case of a chunk, and how many cases it has.
+
+        `chunk`: number of the chunk from zero; `InputError` if there is none of this number.
+        """
         if errors.whole_number("chunk", chunk) >= self.chunks:
             raise errors.InputError(f"chunk must be below {self.chunks}; got {errors.shown(chunk)}")
         first = chunk * self.chunk
@@ -448,6 +466,7 @@ def checkpoints(chunks: int) -> Iterator[int]:
     """Yield the numbers of finished chunks after which convergence is checked.
 
     Each number is a tenth larger than the one before, so that checks cost a fraction of the work.
+    `chunks`: number of chunks of the campaign, the last that is yielded.
     """
     end = 0
     while end < chunks:

@@ -44,11 +44,11 @@ _FLOWN_TIME_CONSTANTS = 20.0
 class ReplayedPlane:
     """A case in a plane.
 
-    `made`: its plant and wind. `law`: the law of its flight; None where nothing is flown. `share`:
+    `batch`: its plant and wind. `law`: the law of its flight; None where nothing is flown. `share`:
     the fraction of the limit that its flight has.
     """
 
-    made: Batch
+    batch: Batch
     law: Law | None
     share: float
 
@@ -84,11 +84,14 @@ class Replay:
         return self._required("")
 
     def _required(self, plane: str) -> float:
-        """Return the required deflection [rad] in a plane, signed, at nominal dynamic pressure."""
+        """Return the required deflection [rad] in a plane, signed, at nominal dynamic pressure.
+
+        `plane`: empty for the plane of the campaign.
+        """
         from tvclin.requirement.nominal_requirement import required_deflection
 
-        made = self._plane(plane).made
-        return float(required_deflection(made.plant, made.wind, self.dead_band).deflection)
+        batch = self._plane(plane).batch
+        return float(required_deflection(batch.plant, batch.wind, self.dead_band).deflection)
 
     def response(
         self, capability: float = 1.0, points: int = 401, plane: str = ""
@@ -98,18 +101,19 @@ class Replay:
         The switch is the exit of the dead band. `capability`: deflection limit normalised by the
         required deflection, positive; above 1 the constant limit drives the attitude away in the
         opposite direction. `points`: number of times, from the onset of the wind to twice its
-        duration. `InputError` when the case is impossible, or requires no deflection.
+        duration. `plane`: pitch or yaw, empty for that of the campaign. `InputError` when the case
+        is impossible, or requires no deflection.
         """
-        made = self._plane(plane).made
+        batch = self._plane(plane).batch
         required = self._required(plane) if plane else self.required
         if required == 0.0:
             raise InputError(f"case {self.case} requires no deflection")
         deflection = trim_then_hold(
-            made.plant, made.wind, capability * required, self.dead_band, "literal"
+            batch.plant, batch.wind, capability * required, self.dead_band, "literal"
         )
-        start, end = float(made.wind.onset), float(made.wind.end)
+        start, end = float(batch.wind.onset), float(batch.wind.end)
         return attitude_response(
-            made.plant, deflection, made.wind, np.linspace(start, 2.0 * end - start, points)
+            batch.plant, deflection, batch.wind, np.linspace(start, 2.0 * end - start, points)
         )
 
     @property
@@ -192,15 +196,17 @@ class Replay:
         """
         if self.campaign.along is None:
             raise InputError("the campaign flies no whole flight: give it along")
-        made = self._plane("").made
-        flights = flights_along(self.campaign, made, 0)
+        flights = flights_along(self.campaign, self._plane("").batch, 0)
         return tuple(sampled_outputs(flight, *limits_along(self.campaign)) for flight in flights)
 
     def _extremes(
-        self, made: "Callable[[str], TimeResponseData]", names: tuple[str, ...]
+        self, response_in: "Callable[[str], TimeResponseData]", names: tuple[str, ...]
     ) -> dict[str, float]:
-        """Return the largest angles [deg] of responses in all planes, and their ends [s]."""
-        planes = {plane: _extremes(partial(made, plane), names) for plane in self.planes}
+        """Return the largest angles [deg] of responses in all planes, and their ends [s], by name.
+
+        `response_in`: function from a plane to the response. `names`: names of the angles.
+        """
+        planes = {plane: _extremes(partial(response_in, plane), names) for plane in self.planes}
         if len(planes) < 2:
             return next(iter(planes.values()), {})
         return {f"{plane}_{k}": v for plane, peaks in planes.items() for k, v in peaks.items()}
@@ -237,21 +243,22 @@ class Replay:
     def flown(self, plane: str = "") -> "TimeResponseData":
         """Return the flight with limits, at the samples of its law.
 
-        It ends 20 time constants of the fastest unstable pole after the wind. `InputError` when the
-        case is impossible, or the campaign flies nothing.
+        It ends 20 time constants of the fastest unstable pole after the wind. `plane`: pitch or
+        yaw, empty for that of the campaign. `InputError` when the case is impossible, or the
+        campaign flies nothing.
         """
         replayed = self._plane(plane)
-        wind = replayed.made.wind
+        wind = replayed.batch.wind
         if self.campaign.along is not None:
             raise InputError("flights along a whole flight are those of flown_along")
         if replayed.law is None or self.campaign.nozzle.limit is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
         hardware = self.campaign.hardware
-        poles = np.real(unstable_modes(replayed.made.plant).poles)
+        poles = np.real(unstable_modes(replayed.batch.plant).poles)
         begin, rate = float(wind.onset), hardware["sample_rate"]
         end = float(wind.end) + (_FLOWN_TIME_CONSTANTS / float(poles.max()) if poles.size else 0.0)
         return fly(
-            replayed.made.flying,
+            replayed.batch.flying,
             replayed.law,
             wind,
             begin + np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate,
@@ -260,30 +267,37 @@ class Replay:
         )
 
     def _plane(self, plane: str) -> ReplayedPlane:
-        """Return the case in a plane; `InputError` for an impossible case or another plane."""
+        """Return the case in a plane; `InputError` for an impossible case or another plane.
+
+        `plane`: empty for the plane of the campaign.
+        """
         if not self.planes:
             raise InputError(f"case {self.case} cannot be flown: {self.status}")
         return self.planes[one_of("plane", plane or self.campaign.plane, self.planes)]
 
 
 def _angles(angles: dict[str, float]) -> Iterator[Row]:
-    """Yield a row for each angle [rad], in degrees."""
+    """Yield a row for each angle [rad] by name, in degrees; an infinite one is that of a loss."""
     for name, angle in angles.items():
-        unbounded = np.isinf(angle)
-        yield name, ("lost",) if unbounded else degrees(f"output.{name}", angle, unit="deg")
+        lost = np.isinf(angle)
+        yield name, ("lost",) if lost else degrees(f"output.{name}", angle, unit="deg")
 
 
 _UNITS = ("deg", "s", "dB")
 """Units at the end of the names of largest values and margins."""
 
 
-def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) -> dict[str, float]:
-    """Return the largest values of outputs of a response [deg], and its end [s].
+def _extremes(
+    response_of: "Callable[[], TimeResponseData]", names: tuple[str, ...]
+) -> dict[str, float]:
+    """Return the largest values [deg] of outputs of a response, and its end [s], by name.
 
-    It ends where the attitude exceeds `MAX_SHOWN_ATTITUDE`. Empty where the case has no response.
+    `response_of`: function that computes the response. `names`: names of the outputs, angles in
+    rad. The response ends where the attitude exceeds `MAX_SHOWN_ATTITUDE`. The result is empty
+    where the case has no response.
     """
     try:
-        response = made()
+        response = response_of()
     except InputError:
         return {}
     fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
@@ -296,7 +310,7 @@ def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) ->
 
 
 def _plain(values: dict[str, float]) -> Iterator[Row]:
-    """Yield a row for each value, in the unit of its name."""
+    """Yield a row for each value, in the unit at the end of its name, as in "until_s"."""
     for name, value in values.items():
         label, _, unit = name.rpartition("_")
         if unit not in _UNITS:
@@ -305,7 +319,10 @@ def _plain(values: dict[str, float]) -> Iterator[Row]:
 
 
 def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
-    """Return a case of a campaign, computed again, with compiled kernels or without them."""
+    """Return a case of a campaign, computed again.
+
+    `case`: its number, below that of the cases. `compiled`: whether compiled kernels are used.
+    """
     if whole_number("case", case) >= campaign.cases:
         raise InputError(
             f"case must be below {campaign.cases}, the size of the campaign; got {shown(case)}"
@@ -324,15 +341,15 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     return Replay(campaign, case, inputs, outputs, status, planes)
 
 
-def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
-    """Return the first case of a batch by plane."""
+def _planes(campaign: Campaign, batch: Batch) -> dict[str, ReplayedPlane]:
+    """Return the first case of a batch of a campaign, by plane: with wind, law and limit share."""
     flies = "flight" in campaign.outputs and campaign.along is None
-    shares = shares_of(campaign, made) if made.plane_batches else {}
+    shares = shares_of(campaign, batch) if batch.plane_batches else {}
     return {
         plane: ReplayedPlane(
             in_plane.first,
             law_of(campaign.plane_campaigns[plane], in_plane) if flies else None,
             float(np.ravel(shares.get(plane, 1.0))[0]),
         )
-        for plane, in_plane in (made.plane_batches or {campaign.plane: made}).items()
+        for plane, in_plane in (batch.plane_batches or {campaign.plane: batch}).items()
     }

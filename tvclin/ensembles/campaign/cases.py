@@ -56,13 +56,19 @@ NOT_KNOWN = (BEYOND, ENCOUNTERED_UNKNOWN, UNDECIDED)
 
 
 def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
-    """Return the random numbers in (0, 1) of cases from `first` on, ``(count, parameters)``."""
+    """Return the random numbers in (0, 1) of the cases of a campaign, ``(count, parameters)``.
+
+    `first`, `count`: number of the first case, and how many.
+    """
     dimension = len(campaign.dispersions.distributions) + (1 if campaign.wind.count else 0)
     return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
 
 
 def drawn(campaign: Campaign, rows: FloatArray) -> Dispersed:
-    """Return the dispersed values [SI] of cases from their random numbers, a row for each case."""
+    """Return the dispersed values [SI] of n cases of a campaign, ``(n,)`` each.
+
+    `rows`: random numbers in (0, 1), ``(n, parameters)``.
+    """
     parameters = len(campaign.dispersions.distributions)
     cases = campaign.dispersions.apply(campaign.nominal, rows[:, :parameters])
     if isinstance(campaign.wind, WindEnsemble):
@@ -73,7 +79,8 @@ def drawn(campaign: Campaign, rows: FloatArray) -> Dispersed:
 def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
     """Return the columns of the cases `first` to `first + count - 1`, ``(count,)`` each.
 
-    The columns are "case", the dispersed parameters, the outputs and "status".
+    The columns are "case", the dispersed parameters [SI], the outputs of the campaign, and
+    "status".
     """
     end = first + count
     batches = [
@@ -84,12 +91,15 @@ def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
 
 
 def draw_case(campaign: Campaign, case: int) -> Dispersed:
-    """Return the dispersed values [SI] of a case, ``(1,)`` each."""
+    """Return the dispersed values [SI] of a case of a campaign, by its number, ``(1,)`` each."""
     return drawn(campaign, numbers(campaign, case, 1))
 
 
 def batch(campaign: Campaign, cases: Dispersed) -> Batch:
-    """Return the batch of plants, winds and gains of cases that are all possible."""
+    """Return the batch of plants, winds and gains of cases of a campaign, which are all possible.
+
+    `cases`: their dispersed values [SI], ``(n,)`` each.
+    """
     changes = {
         k: v
         for k, v in cases.values.items()
@@ -100,7 +110,7 @@ def batch(campaign: Campaign, cases: Dispersed) -> Batch:
 
 
 def nominal(campaign: Campaign) -> dict[str, float]:
-    """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble."""
+    """Return the outputs of the nominal case of a campaign [SI], by name; {} for many winds."""
     if isinstance(campaign.wind, WindEnsemble):
         return {}
     batch = _batch(campaign, campaign.vehicle, {}, 1)
@@ -111,7 +121,11 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 
 def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
-    """Return the batch in the plane of a campaign, with `plane_batches` if both are judged."""
+    """Return the batch in the plane of a campaign, with `plane_batches` if both are judged.
+
+    `vehicle`: dispersed vehicles, a batch ``(n,)`` or one. `values`: dispersed values [SI],
+    ``(n,)`` each. `count`: number n of the cases.
+    """
     wind = campaign.wind.history(values)
     angle = np.abs(np.asarray(wind.peak))
     if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
@@ -133,7 +147,12 @@ def _plane_batch(
     wind_angle: FloatArray,
     count: int,
 ) -> Batch:
-    """Return the batch of vehicles in the plane of a campaign, in a wind of that plane."""
+    """Return the batch of vehicles in the plane of a campaign, in a wind of that plane.
+
+    `vehicle`, `values`: vehicles and dispersed values [SI] of cases, ``(n,)`` each. `wind`: winds
+    in the plane [rad]. `wind_angle`: sizes of the peaks of the winds in any plane [rad], ``(n,)``.
+    `count`: number n of the cases.
+    """
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     gains = {name: values.get(name, value) for name, value in campaign.gains.items()}
     flexible = _flexible(campaign, vehicle, values)
@@ -143,7 +162,10 @@ def _plane_batch(
 def _flexible(
     campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray]
 ) -> FlexiblePlant | None:
-    """Return the flexible plant of vehicles with dispersed modes; None in a rigid campaign."""
+    """Return the flexible plants of vehicles with dispersed modes; None for a rigid vehicle.
+
+    `values`: dispersed values by parameter, of which the factors on modes count, ``(n,)`` each.
+    """
     if vehicle.structure is None:
         return None
     model = flexible_model(vehicle.structure, campaign.model)
@@ -157,14 +179,20 @@ def _flexible(
 
 
 def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:
-    """Return the columns of a batch of cases from `first` on, from their random numbers."""
+    """Return the columns of a batch of n cases of a campaign, as `evaluate`, ``(n,)`` each.
+
+    `first`: number of the first case. `rows`: random numbers in (0, 1), ``(n, parameters)``.
+    """
     cases, count = drawn(campaign, rows), len(rows)
     index = np.arange(first, first + count, dtype=np.int64)
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}
     status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
 
     def answer(which: IndexArray, case_by_case: bool) -> None:
-        """Compute the outputs and statuses of cases by index."""
+        """Compute outputs and statuses of the cases with the indices `which`, into the columns.
+
+        `case_by_case`: whether outputs are computed that no batch has, or all others.
+        """
         selected = batch(campaign, cases.take(which))
         for name, values in compute(campaign, selected, case_by_case=case_by_case).items():
             answers[name][which] = values
@@ -180,7 +208,7 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
             )
 
     def refused(case: np.intp, error: Exception) -> None:
-        """Write the status of a case that cannot be computed."""
+        """Write the status of the case with an index that cannot be computed: why, its `error`."""
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
     divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
@@ -192,7 +220,10 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
 
 
 def _count_unknown(answers: dict[str, FloatArray], status: AnyArray) -> None:
-    """Make the angles [rad] of cases that are not known infinite, and write their status."""
+    """Make the angles [rad] of cases that are not known infinite, and write their status.
+
+    `answers`: outputs by name, ``(n,)`` each, which are changed. `status`: texts, ``(n,)``, too.
+    """
     for name, values in answers.items():
         if name.startswith(REQUIRED):
             unknown = np.isnan(values) & np.isin(status, (OK, PAIRED, ENCOUNTERED_UNKNOWN))
@@ -211,8 +242,9 @@ def divide(
 ) -> None:
     """Work on all cases at once; halve a refused batch until each bad case is a batch by itself.
 
-    `work` takes indices of cases. `refused` takes the index of a bad case and its exception. An
-    exception that no single case can cause, such as arrays of different shapes, is raised.
+    `work` takes indices of cases. `refused` takes the index of a bad case and its exception.
+    `which`: indices of the cases. An exception that no single case can cause, such as arrays of
+    different shapes, is raised.
     """
     if not which.size:
         return

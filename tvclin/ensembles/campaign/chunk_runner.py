@@ -113,6 +113,7 @@ class _Processes(ProcessPoolExecutor):
     """
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Return the future of a call of a function in a worker, where SIGINT interrupts it."""
         with _interrupts("SIG_BLOCK"):  # a process inherits the mask of the one that spawns it
             return super().submit(_interruptible, fn, *args, **kwargs)
 
@@ -131,7 +132,10 @@ def _interruptible(function: Callable[..., Any], *arguments: Any, **options: Any
 
 @contextmanager
 def _interrupts(change: str) -> Iterator[None]:
-    """Block SIGINT, or unblock it, in this thread; on Windows there is no such mask."""
+    """Block SIGINT, or unblock it, in this thread; on Windows there is no such mask.
+
+    `change`: "SIG_BLOCK" or "SIG_UNBLOCK". The mask is restored afterwards.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -143,9 +147,13 @@ def _interrupts(change: str) -> Iterator[None]:
 
 
 async def _connect(distributed: Any, address: str) -> None:
-    """Connect to a scheduler and close the connection; a `Client` that fails hangs when deleted."""
+    """Connect to a scheduler and close the connection; a `Client` that fails hangs when deleted.
+
+    `distributed`: the module of Dask. `address`: of the scheduler, as in `cluster`.
+    """
 
     async def connect() -> None:
+        """Connect and close."""
         connection = await distributed.comm.connect(address, timeout=_TIMEOUT)
         await connection.close()
 
@@ -299,13 +307,19 @@ def open_campaign(folder: str | PathLike[str]) -> CampaignResults:
 
 
 def damaged(folder: Path, manifest: Manifest) -> dict[int, str]:
-    """Return the faults, in words, of chunk files that exist but cannot be used, by chunk."""
+    """Return the faults, in words, of chunk files that exist but cannot be used, by chunk.
+
+    `folder`, `manifest`: folder of a campaign, and the manifest in it.
+    """
     chunks = (k for k in range(manifest.campaign.chunks) if chunk_file(folder, k).exists())
     return {k: fault for k in chunks if (fault := flaw(folder, manifest, k)) is not None}
 
 
 def _checked(folder: object, executor: object, progress: object) -> Path:
-    """Return the folder as a path; `InputError` for arguments that a run cannot use."""
+    """Return the folder of a run as a path; `InputError` for arguments that a run cannot use.
+
+    `executor` and `progress` are checked too: an `Executor` and a callable, or None.
+    """
     if executor is not None:
         instance("executor", executor, Executor, "such as ProcessPoolExecutor")
     if progress is not None:
@@ -320,7 +334,10 @@ def _work(
     shard: str | None,
     progress: Progress | None,
 ) -> CampaignResults:
-    """Compute the chunks of a shard that are not finished, and return the results of the folder."""
+    """Compute the chunks of a shard that are not finished, and return the results of the folder.
+
+    `manifest`: manifest of the folder. `executor`, `shard`, `progress`: as in `run_campaign`.
+    """
     campaign = manifest.campaign
     if shard is not None and campaign.until is not None:
         raise InputError(
@@ -350,7 +367,7 @@ def _work(
 
 
 def _count_work(campaign: Campaign, cases: int) -> None:
-    """Count the work of workers without numba in this process, as `cases` times a single case.
+    """Warn in this process of slow workers without numba: of `cases` times a case of a campaign.
 
     The workers themselves print no warning.
     """
@@ -359,7 +376,10 @@ def _count_work(campaign: Campaign, cases: int) -> None:
 
 
 def _groups(campaign: Campaign, chunks: range) -> Iterator[range]:
-    """Yield all chunks, or with `until` the chunks between two checkpoints of convergence."""
+    """Yield ranges of the numbers of chunks after which convergence is checked.
+
+    `chunks`: all numbers, the only range of a campaign that does not end when it has converged.
+    """
     if campaign.until is None:
         yield chunks
         return
@@ -372,13 +392,18 @@ def _groups(campaign: Campaign, chunks: range) -> Iterator[range]:
 def _finished(
     chunks: list[int], folder: str, seal: str, executor: Executor | None
 ) -> Iterator[int]:
-    """Run chunks and yield their numbers as they are finished."""
+    """Run chunks and yield their numbers as they are finished.
+
+    `chunks`: numbers of the chunks. `folder`, `seal`: of the campaign, and hash of its manifest.
+    `executor`: runs the chunks; None for this process.
+    """
     if executor is None:
         yield from (run_chunk(folder, seal, k) for k in chunks)
         return
     remaining = iter(chunks)
 
     def submit(count: int) -> Iterable[Future[int]]:
+        """Return the futures of the next `count` chunks, given to the executor."""
         return [executor.submit(run_chunk, folder, seal, k) for k in islice(remaining, count)]
 
     running: set[Future[Any]] = set()
@@ -400,7 +425,10 @@ def _finished(
 
 
 def _shard(text: str | None) -> Shard:
-    """Return the first chunk of a shard, from zero, and the step from chunk to chunk."""
+    """Return the first chunk of a shard, from zero, and the step from chunk to chunk.
+
+    `text`: "i/n", i from 1 to n, for every n-th chunk from the i-th on; None for all chunks.
+    """
     if text is None:
         return 0, 1
     match = re.fullmatch(r"(\d{1,12})/(\d{1,12})", text) if isinstance(text, str) else None

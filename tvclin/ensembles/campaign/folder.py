@@ -93,14 +93,20 @@ class Manifest:
 
 
 def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
-    """Return the manifest of a new campaign, by default with compiled kernels where available."""
+    """Return the manifest of a new campaign.
+
+    `compiled`: whether compiled kernels are used; by default where they are available.
+    """
     compiled = available() if compiled is None else compiled
     versions = _versions(compiled)
     return Manifest(campaign, versions, _seal(_manifest_content(campaign, versions)))
 
 
 def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
-    """Return the manifest of a folder, and write it where the folder has none."""
+    """Return the manifest of a folder, and write that of a campaign where the folder has none.
+
+    `compiled`: as in `new_manifest`. `InputError` where the folder holds another campaign.
+    """
     if exists(folder / NAME):
         existing = read_manifest(folder)
         if written(existing.campaign) != written(campaign):
@@ -166,12 +172,15 @@ def _versions(compiled: bool) -> dict[str, str]:
 
 
 def _manifest_content(campaign: Campaign, versions: dict[str, str]) -> dict[str, Any]:
-    """Return the document of a manifest without its hash."""
+    """Return the document of the manifest of a campaign, without its hash.
+
+    `versions`: versions of the packages that compute it, by name.
+    """
     return {"format": _FORMAT, "versions": versions, "design": written(campaign)}
 
 
 def _seal(content: dict[str, Any]) -> str:
-    """Return the SHA-256 of the document of a manifest."""
+    """Return the SHA-256 of the document of a manifest, its `content` without the hash."""
     return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
@@ -213,7 +222,11 @@ def read(record: Any) -> Any:
 def _system(
     *, inputs: Names, outputs: Names, states: Names, period: float | None, **matrices: Any
 ) -> LinearSystem:
-    """Return a system from the rows of its matrices; without states these have no rows."""
+    """Return a linear system from names of its inputs, outputs and states, and its matrices.
+
+    `period`: sample period [s], None for continuous time. `matrices`: rows of A, B, C and D, which
+    are empty lists where there are no states.
+    """
     n, m, p = len(states), len(inputs), len(outputs)
     sizes = {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m)}
     arrays = {k: np.array(matrices[k], float).reshape(size) for k, size in sizes.items()}
@@ -231,14 +244,14 @@ _SEAL, _CHUNK, _CONTENT = b"tvclin_campaign", b"tvclin_chunk", b"tvclin_content"
 
 
 def chunk_file(folder: Path, chunk: int) -> Path:
-    """Return the path of the Parquet file of a chunk."""
+    """Return the path of the Parquet file of a chunk, by number, in the folder of a campaign."""
     return folder / FOLDER / f"{chunk:08d}.parquet"
 
 
 def run_chunk(folder: str, seal: str, chunk: int) -> int:
     """Compute one chunk of the campaign in a folder and write it; return its number.
 
-    Everything a worker needs is read from the folder, once in each process.
+    `seal`: hash of the manifest, which a worker reads from the folder once in each process.
     """
     manifest = _manifest(folder, seal)
     with pinned(manifest.compiled):
@@ -248,7 +261,11 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
 
 
 def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str, AnyArray]) -> None:
-    """Write the columns of a chunk; a folder or pipe of the same name is renamed."""
+    """Write the columns of a chunk into its file; a folder or pipe of the same name is renamed.
+
+    `manifest`: manifest of the folder, whose hash stands in the file. `chunk`: number of the
+    chunk. `columns`: by name, ``(n,)`` each, as of `evaluate`.
+    """
     parquet, pyarrow = _parquet(), arrow()
     table = pyarrow.table(
         {
@@ -278,7 +295,7 @@ def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str,
 
 
 def sweep(folder: Path) -> None:
-    """Remove the temporary files of killed workers, older than `_MAX_WRITING_S`."""
+    """Remove the temporary files of killed workers in a folder, older than `_MAX_WRITING_S`."""
     for file in (folder / FOLDER).glob(".*.parquet.*"):
         with suppress(OSError):
             if time() - file.stat().st_mtime > _MAX_WRITING_S:
@@ -286,7 +303,10 @@ def sweep(folder: Path) -> None:
 
 
 def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
-    """Return the fault of the file of a chunk in words; None for a sound file."""
+    """Return the fault of the file of a chunk in words; None for a sound file.
+
+    `folder`, `manifest`: folder of the campaign, and the manifest in it.
+    """
     if not chunk_file(folder, chunk).exists():
         return "missing"
     try:
@@ -299,6 +319,7 @@ def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
 def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyArray]:
     """Return the columns of a chunk by name, ``(n,)`` each.
 
+    `folder`, `manifest`: folder of the campaign, and the manifest in it, of which the file must be.
     The hash in the file is of the returned arrays, so that damage to values, types, names or
     order raises an exception and never changes a number.
 
@@ -350,7 +371,10 @@ def _columns_digest(columns: dict[str, AnyArray]) -> str:
 
 @lru_cache(maxsize=1)
 def _manifest(folder: str, seal: str) -> Manifest:
-    """Return the manifest of a folder; `InputError` for another hash or other versions."""
+    """Return the manifest of a folder; `InputError` for another hash or other versions.
+
+    `seal`: hash of the manifest when the run began.
+    """
     manifest = read_manifest(Path(folder))
     if manifest.seal != seal:
         raise InputError(f"{folder} holds another campaign now than when this one was begun")
@@ -364,6 +388,7 @@ def arrow() -> Any:
 
 
 def _parquet() -> Any:
+    """Return the module `pyarrow.parquet`; `InputError` where it is not installed."""
     arrow()
     import pyarrow.parquet
 

@@ -127,7 +127,10 @@ REQUIRED = "required_"
 
 
 def required_name(dead_band: float, kind: str = "required") -> str:
-    """Return the name of the column of a dead band K, as in "required_K1"."""
+    """Return the name of the column of a dead band K in [0, 1], as in "required_K1".
+
+    `kind`: first part of the name, "required" or "flown".
+    """
     short = f"{dead_band:g}"
     return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
 
@@ -146,7 +149,7 @@ MOTIONS = (*_MOTIONS, *(column for name in _MOTIONS for column in plane_columns(
 
 
 def law_of(campaign: Campaign, batch: Batch) -> Law:
-    """Return the law that flies the first case: with its gains where they are dispersed."""
+    """Return the control law of a campaign for the first case of a batch, with its gains."""
     if campaign.law == AUTOPILOT and campaign.controller is not None:
         return SaturatedLaw.of(campaign.autopilot)
     options: dict[str, Any] = {}
@@ -158,7 +161,10 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
 
 
 def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return `COLUMNS` of the flights of a batch, ``(n,)`` each; of both planes, and by plane."""
+    """Return `COLUMNS` of the flights of a batch of n cases of a campaign, ``(n,)`` each.
+
+    Where both planes are judged, they are of both together, with three columns of each plane.
+    """
     limit = campaign.nozzle.limit
     assert limit is not None
     if campaign.along is not None:
@@ -189,7 +195,10 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 
 
 def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
-    """Return the fractions of the limit by plane, ``(n,)``, in the ratio of the peak winds."""
+    """Return the fractions of the limit that each plane has, ``(n,)``, in ratio of its peak winds.
+
+    `campaign`: has the limit shape. `batch`: n cases, in both planes.
+    """
     peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.plane_batches.items()}
     limit_shape = limit_shape_of(campaign.nozzle.limit_shape or "")
     total = rectangle(limit_shape, *(peaks.get(plane, 0.0) for plane in PLANES))
@@ -197,7 +206,10 @@ def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
 
 
 def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[str, Any]:
-    """Return `COLUMNS` of the flights of a batch in a plane with a deflection limit [rad]."""
+    """Return `COLUMNS` of the flights of a batch in the plane of a campaign, ``(n,)`` each.
+
+    `limit`: deflection limit [rad], ``(n,)`` or a scalar.
+    """
     dispersed = any(np.ndim(value) for value in batch.gains.values())
     chains = {name: getattr(campaign.autopilot_design, name) for name in CHAINS}
     gains_vary = dispersed and campaign.law == AUTOPILOT
@@ -214,7 +226,8 @@ def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[
 def _fates(flown: FlownCases) -> dict[str, Any]:
     """Return `COLUMNS` of m flights, ``(m,)`` each; peaks of diverged flights are infinite.
 
-    `flight_survived` is 1 or 0, and NaN where the flight is undecided.
+    `flown`: outcomes of the flights. `flight_survived` is 1 or 0, and NaN where the flight is
+    undecided.
     """
     diverged = (flown.status == "lost") | (flown.status == "rings")
     fate = np.select([flown.status == "survived", diverged], [1.0, 0.0], np.nan)
@@ -225,10 +238,10 @@ def _fates(flown: FlownCases) -> dict[str, Any]:
 
 
 def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return `COLUMNS` of n cases along their whole flights, ``(n,)`` each.
+    """Return `COLUMNS` of a batch of n cases along their whole flights, ``(n,)`` each.
 
-    They are those of the worse direction of the wind. A flight through a sounding that does not
-    reach over its whole time is never survived: `flight_survived` is 0 if it diverges, else NaN.
+    They are for the worse direction of the wind. A flight through a sounding that does not reach
+    over its whole time is never survived: `flight_survived` is 0 if it diverges, else NaN.
     """
     assert campaign.along is not None
     first, last = campaign.along.span
@@ -237,24 +250,27 @@ def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     starts = np.cumsum([0, *(len(of_case) for of_case in by_case[:-1])])
     limits = (np.full(len(flights), x) for x in limits_along(campaign))
     fates = _fates(fly_together(flights, np.arange(len(flights)), *limits))
-    known = np.array([flight.wind.known for flight in flights])
+    begins, ends = np.array([flight.wind.known for flight in flights]).T
     survived = fates.pop("flight_survived")
-    survived[((known[:, 0] > first) | (known[:, 1] < last)) & (survived != 0.0)] = np.nan
-    lost = np.maximum.reduceat(survived == 0.0, starts)
-    return {"flight_survived": np.where(lost, 0.0, np.minimum.reduceat(survived, starts))} | {
+    survived[((begins > first) | (ends < last)) & (survived != 0.0)] = np.nan
+    diverged = np.maximum.reduceat(survived == 0.0, starts)
+    return {"flight_survived": np.where(diverged, 0.0, np.minimum.reduceat(survived, starts))} | {
         name: np.maximum.reduceat(values, starts) for name, values in fates.items()
     }
 
 
 def limits_along(campaign: Campaign) -> tuple[float, float]:
-    """Return the limits of deflection [rad] and its rate [rad/s] of flights along a flight."""
+    """Return the deflection limit [rad] and the rate limit [rad/s] of a campaign along a flight."""
     limit = campaign.nozzle.limit
     assert limit is not None
     return limit, float(campaign.hardware["rate_limit"])
 
 
 def flights_along(campaign: Campaign, batch: Batch, case: int) -> list[FlownFlight]:
-    """Return the flights of a case along its whole flight, by possible directions of the wind."""
+    """Return the flights of a case along its whole flight, one for each direction of the wind.
+
+    `case`: its index in the batch. They are ready to be flown, at dispersed values.
+    """
     plan = campaign.along
     assert plan is not None
     values = {name: float(np.ravel(value)[case]) for name, value in batch.values.items()}
@@ -274,7 +290,11 @@ def flights_along(campaign: Campaign, batch: Batch, case: int) -> list[FlownFlig
 def _winds_along(
     campaign: Campaign, flight: FlightSchedule, wind: History, values: Mapping[str, float]
 ) -> list[WindAlong]:
-    """Return the wind of a case along its flight, by its possible directions."""
+    """Return the wind of a case along its flight, once for each of its possible directions.
+
+    `flight`: dispersed flight of the case. `wind`: its wind in the plane of the campaign [rad].
+    `values`: its dispersed values by name, with the index of a sounding under "wind".
+    """
     plane, sign = campaign.plane, campaign.sign
     if isinstance(campaign.wind, SoundingEnsemble):
         sounding = campaign.wind.soundings[int(values.get("wind", 0))]
@@ -321,7 +341,7 @@ def columns(campaign: Campaign) -> dict[str, str]:
 
 
 def compute(campaign: Campaign, batch: Batch, *, case_by_case: bool) -> dict[str, FloatArray]:
-    """Return the columns of a batch by name, ``(n,)`` each.
+    """Return the columns of outputs of a campaign for a batch of n cases, by name, ``(n,)`` each.
 
     `case_by_case`: compute the outputs that take a single case at a time, or else the others.
 
@@ -343,7 +363,10 @@ def compute(campaign: Campaign, batch: Batch, *, case_by_case: bool) -> dict[str
 
 
 def _with_plane_columns(campaign: Campaign, columns: dict[str, str]) -> dict[str, str]:
-    """Return units by column, with the columns of each plane where both planes are judged."""
+    """Return units by column, with columns of each plane where a campaign judges both planes.
+
+    `columns`: units by column of the limit shape, or of the only plane.
+    """
     if campaign.planes != BOTH:
         return columns
     by_plane = {k: unit for name, unit in columns.items() for k in plane_columns(name).values()}
@@ -351,7 +374,10 @@ def _with_plane_columns(campaign: Campaign, columns: dict[str, str]) -> dict[str
 
 
 def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
-    """Return the required deflections [rad] of a batch at all dead bands, ``(n,)`` by column."""
+    """Return the required deflections [rad] of a batch of n cases, ``(n,)`` by column.
+
+    There are columns for each dead band of the campaign, as of `_required_at`.
+    """
     required: dict[str, FloatArray] = {}
     for dead_band in campaign.dead_bands:
         required |= _required_at(campaign, batch, dead_band)
@@ -361,7 +387,8 @@ def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
 def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str, FloatArray]:
     """Return required deflections [rad] at the encountered dynamic pressure, ``(n,)`` by column.
 
-    Where both planes are judged there are three columns: the limit shape, pitch and yaw.
+    `batch`: n cases of the campaign. `dead_band`: K in [0, 1]. Where both planes are judged there
+    are three columns: for the limit shape, pitch and yaw.
     """
     name, vehicles = required_name(dead_band), batch.vehicle.rigid
     at_encountered = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
@@ -388,36 +415,38 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
 
 
 def _slow(campaign: Campaign) -> bool:
-    """Return whether the minimum peak is a search for each case, as three poles require."""
+    """Return whether the minimum peak is a search for each case of a campaign: with three poles."""
     return campaign.model == "drift-and-speed"
 
 
 def _forecast_free(plant: Plant, wind: History) -> FloatArray:
-    """Return the limits [rad] sufficient for a law without a forecast, ``(n,)``."""
+    """Return the limits [rad] sufficient for a law without a forecast, ``(n,)``.
+
+    `plant`, `wind`: n plants, and winds [rad] in their plane.
+    """
     return np.abs(forecast_free_limit(plant, wind).deflection)
 
 
 def _bound(
     name: str,
-    scalar: Callable[[Plant, History], Any],
+    plane_bound: Callable[[Plant, History], Any],
     vector_bound: Callable[[VectorRequirement], float],
     campaign: Campaign,
     batch: Batch,
 ) -> dict[str, Any]:
-    """Return a lower bound of the deflection [rad] by column, by `scalar` in each plane by itself.
+    """Return a lower bound of the deflection [rad] of cases by column, ``(n,)``.
 
-    `plane_bound`: function from a plant and a wind in a plane to the bound. `vector_bound`: from
-    both planes together to their bound.
-
-    Where both planes are judged, the bound is of the first case only.
+    `name`: name of its column. `plane_bound`: function from a plant and a wind in a plane to the
+    bound there. `vector_bound`: function from the requirement of both planes to their bound.
+    `batch`: n cases of the campaign; where both planes are judged, the first case alone counts.
     """
     if not batch.plane_batches:
-        return {name: scalar(batch.plant, batch.wind)}
+        return {name: plane_bound(batch.plant, batch.wind)}
     limit_shape, shape = limit_shape_of(campaign.nozzle.limit_shape or ""), (batch.count,)
     bounds = dict.fromkeys(PLANES, 0.0)
     for plane, in_plane in batch.plane_batches.items():
         first = in_plane.first
-        bounds[plane] = float(np.abs(scalar(first.plant, first.wind)))
+        bounds[plane] = float(np.abs(plane_bound(first.plant, first.wind)))
     largest = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     bound = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
     if len(batch.plane_batches) > 1:
@@ -439,18 +468,21 @@ _MARGINS = {
 
 
 def _margin_columns(campaign: Campaign) -> dict[str, str]:
-    """Return the units of the columns of margins by name."""
+    """Return the units of the columns of margins of a campaign by name."""
     peaks = {f"margin_{mode}_peak_dB": "dB" for mode in _mode_names(campaign)}
     return {"margin_stable": ""} | _MARGINS | peaks
 
 
 def _mode_names(campaign: Campaign) -> list[str]:
-    """Return the names of all modes of the nominal vehicle, in the order of their bands."""
+    """Return the names of all modes of the nominal vehicle of a campaign, bending before slosh."""
     return [k for names in mode_names(campaign.vehicle.structure).values() for k in names]
 
 
 def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return the margins of the autopilot around each vehicle, with the peaks of its modes."""
+    """Return the margins of the autopilot of a campaign by column, in dB, deg and s, ``(n,)``.
+
+    `batch`: n vehicles around which they are; a flexible one has the peaks of its modes too.
+    """
     autopilot, peaks = replace(campaign.autopilot, **batch.gains), {}
     if batch.flexible is not None and _mode_names(campaign):
         bands = autopilot.band_margins(batch.flexible)
@@ -465,11 +497,14 @@ def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 
 
 def _flown_limits(campaign: Campaign, batch: Batch) -> dict[str, float]:
-    """Return boundary limits [rad] of a case by column, flown with six degrees of freedom."""
+    """Return boundary limits [rad] by column, flown with six degrees of freedom.
+
+    They are for the first case of a batch, at all dead bands of the campaign.
+    """
     vehicle, wind = batch.first.vehicle, batch.first.wind
 
     def flown(K: float) -> float:
-        """Return the magnitude [rad] of the flown boundary limit at a dead band."""
+        """Return the magnitude [rad] of the flown boundary limit at a dead band K."""
         boundary = flown_boundary(
             vehicle, wind, K, engine="sixdof", plane=campaign.plane, tolerance=_BOUNDARY_TOLERANCE
         )

@@ -135,7 +135,7 @@ class CampaignResults(Tabled):
         return self._read([one_of("column", name, self._names)])[name]
 
     def _read(self, names: Sequence[str]) -> dict[str, AnyArray]:
-        """Return columns by name, of all finished cases, in one pass over the chunks."""
+        """Return columns by `names`, ``(n,)`` for all finished cases, in one pass over chunks."""
         values: dict[str, list[AnyArray]] = {name: [] for name in names}
         for k in self.chunks:
             columns = self._chunk(k)
@@ -233,7 +233,10 @@ class CampaignResults(Tabled):
         return self._flight_probability(1, confidence)
 
     def _flight_probability(self, which: int, confidence: float | None) -> Success | None:
-        """Return the probability of survival (`which` is 0) or loss (1) of a flight."""
+        """Return the probability of survival (`which` is 0) or loss (1) of a flight.
+
+        `confidence`: of its interval, by default that of the campaign. None without flights.
+        """
         counts = self.flights
         if counts is None:
             return None
@@ -262,13 +265,17 @@ class CampaignResults(Tabled):
     def drivers(self, output: str | None = None) -> dict[str, float]:
         """Return the rank correlation of dispersed parameters with an output, the strongest first.
 
-        A lost flight counts as worse than any number.
+        `output`: a name of `angles`, by default the first. A lost flight counts as worse than any
+        number.
         """
         drawn, values = self._drawn_and(self._output(output))
         return sensitivities(drawn, values) if values.size else {}
 
     def _drawn_and(self, output: str) -> tuple[dict[str, FloatArray], FloatArray]:
-        """Return dispersed parameters and an output, of cases in which the output is a number."""
+        """Return dispersed parameters by name, and an output, of cases where that is no NaN.
+
+        `output`: name of its column. Arrays are ``(n,)``, in SI units.
+        """
         columns = self._read([*self.campaign.dispersions.parameters, output])
         good = ~np.isnan(columns[output])
         values = {name: column[good] for name, column in columns.items()}
@@ -282,7 +289,7 @@ class CampaignResults(Tabled):
     ) -> tuple[Quantile, ...]:
         """Return the quantiles of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all cases.
 
-        Parameters as in `quantile`.
+        `output`, `probability`, `confidence`: parameters of `quantile`.
         """
         answers = self.answers(output)
         sizes = sorted({max(answers.size >> k, 1) for k in range(5)}) if answers.size else []
@@ -290,7 +297,10 @@ class CampaignResults(Tabled):
         return tuple(quantile_bound(answers[:n], *level) for n in sizes)
 
     def worst(self, count: int = 5, output: str | None = None) -> IntArray:
-        """Return the indices of the cases that require most, ``(count,)``, the worst first."""
+        """Return the indices of the cases that require most, ``(count,)``, the worst first.
+
+        `output`: the angle that counts, a name of `angles`, by default the first.
+        """
         count = whole_number("count", count)
         columns = self._read(["case", name := self._output(output)])
         values = columns[name]
@@ -319,7 +329,10 @@ class CampaignResults(Tabled):
         )
 
     def answers(self, output: str | None = None) -> FloatArray:
-        """Return an output of the cases that have an answer, ``(n,)``, in their order."""
+        """Return an output [rad] of the cases that have an answer, ``(n,)``, in their order.
+
+        `output`: a name of `angles`, by default the first.
+        """
         values = self.column(self._output(output))
         return np.asarray(values[~np.isnan(values)])
 
@@ -377,4 +390,5 @@ class ResultsInMemory(CampaignResults):
         return results
 
     def _chunk(self, chunk: int) -> dict[str, AnyArray]:
+        """Return the columns of a chunk by name, ``(n,)`` each."""
         return self.columns[chunk]

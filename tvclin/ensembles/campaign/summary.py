@@ -68,7 +68,12 @@ class CampaignSummary(Shown):
         probability: float | None = None,
         confidence: float | None = None,
     ) -> CampaignSummary:
-        """Return the summary of an output; parameters and exceptions of `CampaignResults`."""
+        """Return the summary of an output over the finished cases of `results`.
+
+        `output`: name of an angle, by default the first. `limit`: deflection limit [rad], and
+        `probability`, `confidence`: of its quantile; by default those of the campaign. Same
+        exceptions as `CampaignResults.quantile` and `success`.
+        """
         required = results.quantile(output, probability, confidence)
         name = output or results.angles[0]
         has_answer = ~np.isnan(results.column(name))
@@ -258,7 +263,11 @@ class CampaignSummary(Shown):
         return [*rows, ("driven by", _joined(driven)), ("worst cases", _joined(worst))]
 
     def _bound(self, name: str, angle: float) -> Line:
-        """Return the text of a bound [rad], which may be infinite where flights are lost."""
+        """Return the text of a bound of a quantile, `angle` [rad], or why it is infinite.
+
+        `name`: name of the number. Infinite is an unknown one, that of flights of which too many
+        are lost, and that of too few cases.
+        """
         if not np.isinf(angle):
             return _angle(name, angle)
         flights = self.results.flights
@@ -272,7 +281,10 @@ class CampaignSummary(Shown):
         )
 
     def _driven(self, survived: int, losses: int) -> str:
-        """Return the drivers of the loss of flights with the confidence of `required`, in words."""
+        """Return the drivers of the loss of flights with the confidence of `required`, in words.
+
+        `survived`, `losses`: numbers of flights that survived and that are lost.
+        """
         if not losses or not survived:
             return "nothing: every flight is lost" if losses else "nothing: no flight is lost"
         shown = [
@@ -288,14 +300,17 @@ _BOUNDS = ("lower", "estimate", "upper")
 
 
 def _angle(name: str, angle: float) -> Line:
-    """Return the text of an angle [rad], in degrees."""
+    """Return the line of an angle [rad] in degrees; "lost" for an infinite one.
+
+    `name`: name of the number, after "campaign.".
+    """
     if np.isnan(angle):
         return ("not known",)
     return ("lost",) if np.isinf(angle) else degrees(f"campaign.{name}", angle, unit="deg")
 
 
 def _with_name(name: str, line: Line) -> Line:
-    """Return a name with a value in brackets."""
+    """Return a name with a value, a line of text, in brackets behind it."""
     return (f"{name} (", *line, ")")
 
 
