@@ -100,7 +100,7 @@ def test_a_batch_requires_what_each_of_its_cases_does(configuration_i, shape, de
     pulse = tv.ShapedWind(shape, np.radians(5.0), 7.5)
     for sign, turn in (("head", -1.0), ("tail", 1.0)):
         case = tv.Case(vehicle=configuration_i, wind=pulse, sign=sign)
-        result = encountered_batch(case, values, vehicles, dead_band, "pitch", np.ones(3))
+        result = encountered_batch(case, values, vehicles, dead_band, "pitch")
         for i, weight in enumerate(weights):
             wind = SHAPES[shape](
                 peak=turn * values["wind_peak"][i], duration=values["wind_duration"][i]
@@ -461,7 +461,7 @@ def test_batches_follow_winds_that_last(name: str, duration: float) -> None:
     vehicle, wind = tv.load_vehicle(name), tv.ShapedWind("triangular", np.radians(5.0), duration)
     case = tv.Case(vehicle=vehicle, wind=wind, model="drift-exact", sign="head")
     single = case_requirement(case, 0.0).required_deflection
-    result = encountered_batch(case, {}, vehicle.rigid, 0.0, "pitch", np.ones(1))
+    result = encountered_batch(case, {}, vehicle.rigid, 0.0, "pitch")
     assert result == pytest.approx([single], rel=1e-6)
 
 
@@ -471,7 +471,7 @@ def test_slow_modes_of_many_at_once_are_those_of_each(configuration_i, dead_band
     values = {"wind_peak": np.radians([4.0, 5.0]), "wind_duration": np.array([60.0, 80.0])}
     pulse = tv.ShapedWind("triangular", np.radians(5.0), 60.0)
     case = tv.Case(vehicle=configuration_i, wind=pulse, sign="head")
-    result = encountered_batch(case, values, vehicles, dead_band, "pitch", np.ones(2))
+    result = encountered_batch(case, values, vehicles, dead_band, "pitch")
     for i, weight in enumerate([0.9, 1.1]):
         vehicle = configuration_i.replace(weight=configuration_i.weight * weight)
         peak, duration = (float(values[k][i]) for k in ("wind_peak", "wind_duration"))

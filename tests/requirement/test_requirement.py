@@ -17,6 +17,7 @@ from tvclin.boundary.limit import PAIRED_POLES
 from tvclin.boundary.open_loop import Reason, with_larger_requirements
 from tvclin.cli.app import app
 from tvclin.flights.flown_boundary import planar_verdict
+from tvclin.requirement.nominal_requirement import may_be_zero_or_infinite
 from tvclin.requirement.time_varying import batch_requirements
 from tvclin.requirement.varying_equations import Equations
 from tvclin.winds.wind_angles import NominalWind
@@ -533,3 +534,19 @@ def test_in_long_winds_the_boundary_that_governs_is_named_by_its_exit_and_flight
         assert report.limit == pytest.approx(on_wind, abs=5e-4)
         assert requirement.limit == pytest.approx(literal.limit, rel=1e-12)
         assert requirement.governs == "the boundary of the control with the exit on trim"
+
+
+@pytest.mark.parametrize("dead_band", [1.0, 0.5, 0.0])
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+def test_zero_and_infinite_requirements_are_among_those_announced(model, dead_band):
+    """Of stable vehicles, of an unstable path, and of pairs of poles."""
+    random = np.random.default_rng(11)
+    low, high = [-0.1, 1.0, -0.01, -0.01, -0.01, -0.01], [0.3, 4.0, 0.05, 0.02, 0.04, 0.02]
+    numbers = random.uniform(low, high, (150, 6)).T
+    names = ("mu_alpha", "mu_delta", "C1", "C2", "b1", "b2")
+    plants = tv.Plant(tv.Coefficients(**dict(zip(names, numbers, strict=True))), model)
+    winds = tv.TriangularWind(peak=0.05, duration=random.uniform(1.0, 20.0, 150))
+    size = np.abs(tv.required_deflection(plants, winds, dead_band).deflection)
+    ordinary = ~np.broadcast_to(may_be_zero_or_infinite(plants, winds, dead_band), size.shape)
+    assert 20 < ordinary.sum() < 150
+    assert np.all(np.isfinite(size[ordinary]) & (size[ordinary] > 0.0))

@@ -216,17 +216,14 @@ def uses_encountered_pressure(sign: str | None) -> bool:
 
 
 def encountered_batch(
-    case: Case,
-    values: Mapping[str, Any],
-    vehicle: Vehicle,
-    dead_band: float,
-    plane: str,
-    nominal: FloatArray,
-) -> FloatArray:
+    case: Case, values: Mapping[str, Any], vehicle: Vehicle, dead_band: float, plane: str
+) -> FloatArray | None:
     """Return required deflections [rad] of dispersed cases, at the pressure encountered, ``(n,)``.
 
     NaN where the requirement is not known: no horizontal wind has the angle, the wind encountered
-    is beyond linear aerodynamics, or it is too long to be followed.
+    is beyond linear aerodynamics, or it is too long to be followed. None where the case specifies
+    the nominal dynamic pressure. Zero or infinite requirements at nominal dynamic pressure stand,
+    as in a study; they are not decided here.
 
     Parameters
     ----------
@@ -240,9 +237,6 @@ def encountered_batch(
         K in [0, 1].
     plane : str
         Plane of the deflection.
-    nominal : ndarray
-        Required deflections at nominal dynamic pressure [rad]; zero and infinite ones stand, as in
-        a study.
     """
     winds: list[EncounteredWind] = []
     if isinstance(case.wind, ShapedWind):
@@ -254,7 +248,7 @@ def encountered_batch(
         assert isinstance(case.wind, FixedWind | WindEnsemble)
         winds = [_of_ensemble(case.wind.history(dict(values)), vehicle, plane)]
     if not winds:
-        return nominal
+        return None
     equations = Equations.frozen(vehicle, case.model, plane)
     requirement = [
         np.where(
@@ -264,8 +258,7 @@ def encountered_batch(
         )
         for wind in winds
     ]
-    required = np.max(requirement, axis=0)  # NaN of one is NaN of all
-    return np.where(np.isfinite(nominal) & (np.asarray(nominal) != 0.0), required, nominal)
+    return np.asarray(np.max(requirement, axis=0))  # NaN of one is NaN of all
 
 
 def _of_ensemble(winds: History, vehicle: Vehicle, plane: str) -> EncounteredWind:

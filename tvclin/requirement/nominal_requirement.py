@@ -181,6 +181,19 @@ def required_deflection(
     )
 
 
+def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> BoolArray:
+    """Return whether `required_deflection` may be zero or infinite, ``(...)``, without flights.
+
+    The limited trim law requires an infinite limit on a quick path alone: else its flights end with
+    the wind, where the highest limit, above all trim and above the demand at the end, is sufficient
+    (`time_varying`).
+    """
+    boundary = boundary_limit(plant, wind, dead_band, "literal")
+    needs = open_loop_requirements(plant, wind, dead_band, boundary)
+    largest = np.max(list(needs.values()), axis=0)
+    return np.asarray((largest == 0.0) | ~np.isfinite(largest) | has_quick_path(plant))
+
+
 def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -> FloatArray:
     """Return the required deflections [rad] of the trim law with K in some cases, else zero."""
     which = np.flatnonzero(cases)

@@ -40,7 +40,7 @@ from tvclin.requirement.encountered_requirement import (
     uses_encountered_pressure,
 )
 from tvclin.requirement.flight.flight_winds import PEAK, place
-from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.requirement.nominal_requirement import may_be_zero_or_infinite, required_deflection
 from tvclin.requirement.plane_requirement import (
     VectorRequirement,
     rectangle,
@@ -393,12 +393,22 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     name, vehicles = required_name(dead_band), batch.vehicle.rigid
     at_encountered = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
     if not batch.plane_batches:
-        nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
-        return {name: at_encountered(campaign.plane, np.abs(nominal))}
+        plant, wind, shape = batch.plant, batch.wind, (batch.count,)
+        special = np.broadcast_to(may_be_zero_or_infinite(plant, wind, dead_band), shape)
+        required = at_encountered(campaign.plane)
+        if required is None:
+            return {name: np.abs(required_deflection(plant, wind, dead_band).deflection)}
+        if np.any(special):
+            cases = np.flatnonzero(special)
+            plants, winds = plant.cases(cases, shape), wind.cases(cases, shape)
+            nominal = required_deflection(plants, winds, dead_band).deflection
+            required = np.array(np.broadcast_to(required, shape))
+            required[cases] = _or_nominal(required[cases], np.abs(nominal))
+        return {name: required}
     limit_shape = limit_shape_of(campaign.nozzle.limit_shape or "")
     nominal = two_plane_requirement(batch.plants, batch.vectors, limit_shape, dead_band)
     separate = {
-        plane: at_encountered(plane, np.abs(nominal.separate[plane]))
+        plane: _or_nominal(at_encountered(plane), np.abs(nominal.separate[plane]))
         for plane in batch.plane_batches
     }
     combined = rectangle(limit_shape, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
@@ -412,6 +422,16 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     return {name: combined} | {
         column: separate[plane] for plane, column in plane_columns(name).items()
     }
+
+
+def _or_nominal(required: FloatArray | None, nominal: FloatArray) -> FloatArray:
+    """Return required deflections [rad], but zero and infinite ones at nominal dynamic pressure.
+
+    `required`: those at the dynamic pressure encountered, ``(n,)``; None for the nominal one.
+    `nominal`: those at nominal dynamic pressure, ``(n,)``.
+    """
+    ordinary = np.isfinite(nominal) & (nominal != 0.0)
+    return nominal if required is None else np.where(ordinary, required, nominal)
 
 
 def _slow(campaign: Campaign) -> bool:
