@@ -64,6 +64,7 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     numerator = wind_numerator(autopilot, plant)
 
     def negative_gain(omega: FloatArray) -> FloatArray:
+        """Return -|G(j omega)|, to be minimised, at frequencies [rad/s]."""
         terms = loop.form.parts(omega.reshape(1, -1))
         returned, denominator = (term.reshape(omega.shape) for term in terms)
         return -np.abs(polynomials.value(numerator, 1j * omega) / (denominator + returned))
@@ -176,6 +177,7 @@ def worst_duration(
     peaks = autopilot.deflection_peaks_function(plant)
 
     def deflections(durations: FloatArray) -> FloatArray:
+        """Return the peak deflection [rad] in winds of some durations [s], ``(n,)``."""
         winds = [shape(peak=peak, duration=duration) for duration in durations.tolist()]
         instance("shape(peak, duration)", winds[0], History, "such as TriangularWind")
         return peaks(winds)
@@ -184,7 +186,10 @@ def worst_duration(
 
 
 def _worst(deflections: Callable[[FloatArray], FloatArray], durations: FloatArray) -> WorstDuration:
-    """Return the worst of the durations [s], refined between its neighbours."""
+    """Return the worst of the durations [s], refined between its neighbours.
+
+    `deflections`: function from durations to peak deflections [rad], both ``(n,)``.
+    """
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
     values = deflections(durations)
@@ -205,7 +210,8 @@ def _worst(deflections: Callable[[FloatArray], FloatArray], durations: FloatArra
 def _summits(values: FloatArray) -> list[int]:
     """Return the indices of samples next to a maximum that may be the highest of all.
 
-    A maximum exceeds the sample by no more than the sample exceeds its lower neighbour.
+    `values`: samples ``(n,)``. A maximum exceeds its sample by no more than the sample exceeds its
+    lower neighbour.
     """
     before, middle, after = values[:-2], values[1:-1], values[2:]
     bound = 2.0 * middle - np.minimum(before, after)
@@ -214,7 +220,10 @@ def _summits(values: FloatArray) -> list[int]:
 
 
 def _durations(A: FloatArray, low: float, high: float) -> FloatArray:
-    """Return durations [s] that resolve every oscillation of the closed loop A until it decays."""
+    """Return durations [s] ``(n,)`` that resolve every oscillation of a loop until it decays.
+
+    `A`: matrix of the closed loop. `low`, `high`: shortest and longest duration [s].
+    """
     grids = [np.geomspace(low, high, _GRID_DURATIONS)]
     for pole in np.linalg.eigvals(A):
         last = min(_DECAY_EXPONENT / -pole.real, high)
@@ -327,6 +336,7 @@ class TrimComparison(Shown):
         return rows(self, "wind", "peak_deflection_rate", *finite, "wind_gain", "steady_drift_rate")
 
     def _repr_html_(self) -> str:
+        """Return deflections, motions and notes as tables for a notebook."""
         title = f"Autopilot beside trim, {self.plant.model}"
         motions = lines.quantities("In this wind", self.motions())
         notes = [(note,) for note in self.notes]
@@ -430,7 +440,7 @@ _PEAKS = (
 
 
 def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
-    """Return the peaks [rad, rad/s] of the closed loop in a wind, by their names."""
+    """Return the peaks [rad, rad/s] of the loop of `plant` and `autopilot` in a wind, by name."""
     response = autopilot.wind_response(plant, wind)
     sizes = {name: abs(response.peak(name)[0]) for name in response.labels}
     return {
@@ -443,7 +453,10 @@ def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, An
 
 
 def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
-    """Return the boundary limit [rad] of each dead band; further `notes` say where none exists."""
+    """Return the boundary limit [rad] of a plant in a wind for each dead band K.
+
+    NaN where none exists, which a further entry of `notes` says.
+    """
     try:
         bands = np.array(DEAD_BANDS)
         boundary = boundary_limit(plant, wind, bands, "literal")

@@ -29,7 +29,10 @@ if TYPE_CHECKING:
 
 
 def specified_autopilot(case: Case, wind: History, criteria: Criteria) -> Autopilot:
-    """Return the autopilot of a case: by its rule, or for the minimum deflection in a wind."""
+    """Return the autopilot of a case: by its rule, or for the minimum deflection in a wind.
+
+    `criteria`: required margins of gains for the minimum deflection.
+    """
     if case.autopilot_design.design != LEAST_NOZZLE:
         return case.autopilot
     return minimum_gains(case, wind, criteria).autopilot
@@ -40,8 +43,9 @@ def minimum_gains(
 ) -> MinimumGains:
     """Return the gains for the minimum deflection with nozzle, delay and filters of a case.
 
-    `InputError` for gains and numbers of other rules in the same design; also the exceptions of
-    `minimum_deflection_gains`.
+    `winds`: one wind or several. `criteria`: required margins. `options`: further arguments of
+    `minimum_deflection_gains`, whose exceptions apply. `InputError` for gains and numbers of other
+    rules in the same design.
     """
     design = case.autopilot_design
     chains: dict[str, Any] = design.chains
@@ -169,7 +173,7 @@ def gain_trade_off(
 
 
 def _limits(gains: MinimumGains) -> dict[str, float]:
-    """Return the boundaries and the minimum in the worst wind, normalised by the largest trim."""
+    """Return the boundaries and the minimum in the worst wind of `gains`, over the largest trim."""
     problem, plant = gains.problem, gains.problem.plant.rigid
     trim, limits = problem.trims.max(), {}
     for K in DEAD_BANDS:

@@ -65,6 +65,7 @@ class GainProblem:
     sample_rate: float | None
 
     def __post_init__(self) -> None:
+        """Check plant, winds, criteria, free gains and nozzle, and that a minimum exists."""
         check_plant(self.plant)
         errors.single("plant", self.plant.batch)
         object.__setattr__(self, "winds", _checked_winds(self.winds))
@@ -253,13 +254,16 @@ def _checked_winds(winds: Any) -> tuple[History, ...]:
 
 
 def shortfall(criterion: Criterion, value: Any) -> FloatArray:
-    """Return the relative shortfall of a margin, ``(n,)``; negative where it is satisfied."""
+    """Return the relative shortfall of a margin, ``(n,)``; negative where it is satisfied.
+
+    `criterion`: limit of the margin. `value`: the margin, ``(n,)``, in the unit of the limit.
+    """
     fraction = (criterion.limit - np.asarray(value)) / max(criterion.limit, 1e-9)
     return np.asarray(-fraction if criterion.is_upper_limit else fraction)
 
 
 def highest_crossover(margins: Margins) -> FloatArray:
-    """Return the highest gain crossover [rad/s] of each loop, ``(n,)``; zero without any."""
+    """Return the highest gain crossover [rad/s] of n loops with `margins`, ``(n,)``; or zero."""
     frequencies = np.nan_to_num(margins.crossings.gain_frequencies, nan=0.0)
     return np.asarray(np.max(frequencies, axis=-1, initial=0.0))
 
@@ -290,9 +294,9 @@ def required_limits(
 ) -> FloatArray:
     """Return the limit that each row of gains requires, normalised by the largest trim, ``(n,)``.
 
-    `points`: in the unit box, ``(n, axes)``. `goal`: limit above which no accuracy is needed.
-    `scan_count`: number of limits above the required limit that are flown as well, because windows
-    of losses lie there.
+    `problem`: plant, winds and nozzle. `points`: gains in the unit box, ``(n, axes)``. `goal`:
+    limit above which no accuracy is needed. `scan_count`: number of limits above the required limit
+    that are flown as well, because windows of losses lie there.
     """
     rows = problem.autopilot(points)
     winds = with_sudden_ends(problem.winds, problem.stops)
@@ -338,7 +342,8 @@ def _survive(
 ) -> BoolArray:
     """Return whether rows of gains survive all winds with limits normalised by trim, ``(k, n)``.
 
-    `which`: indices of the rows, ``(k,)``. `limits`: ``(k, n)``.
+    `problem`: plant and nozzle. `rows`: autopilots of all rows, ``(m,)``. `which`: indices of k of
+    these rows. `winds`: batch of winds. `limits`: ``(k, n)``.
     """
     law = Autopilot(
         attitude_gain=rows.attitude_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]

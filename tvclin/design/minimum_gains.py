@@ -280,7 +280,8 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
 def _rounded(problem: GainProblem, point: FloatArray) -> FloatArray:
     """Return the point, ``(axes,)``, of the nearest gains of `_DIGITS` digits with all margins.
 
-    It is the point itself where no neighbouring gains of so few digits satisfy the criteria.
+    `point`: gains in the unit box of the problem, ``(axes,)``; it is returned itself where no
+    neighbouring gains of so few digits satisfy the criteria.
     """
     exact = problem.autopilot(point)
     names = [f"{name}_gain" for name in problem.gains]
@@ -307,10 +308,12 @@ def _cost(
     points: FloatArray,
     pool: FloatArray,
 ) -> FloatArray:
-    """Return the cost of rows of gains, ``(n,)``: required deflection relative to the largest trim.
+    """Return the cost of n rows of gains, ``(n,)``: required deflection over the largest trim.
 
-    Rows that miss a criterion cost at least `UNSATISFIED_COST`. `requirement`: function for the
-    deflection of rows that satisfy all criteria, exact below the largest cost of the pool.
+    Rows that miss a criterion of the problem cost at least `UNSATISFIED_COST`. `requirement`:
+    function for the deflection of rows that satisfy all criteria, exact below a goal. `points`:
+    gains in the unit box, ``(n, axes)``. `pool`: rising costs of the best rows so far; the last is
+    that goal.
     """
     shortfalls = problem.shortfalls(points)
     values = UNSATISFIED_COST + np.maximum(shortfalls, 0.0)
@@ -323,7 +326,11 @@ def _cost(
 
 
 def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> FloatArray:
-    """Return the peak deflections of the linear loop, normalised by the largest trim, ``(n,)``."""
+    """Return the peak deflections of the linear loop, normalised by the largest trim, ``(n,)``.
+
+    The largest over the winds of the problem. `points`: gains in the unit box, ``(n, axes)``.
+    `goal`: not used, as all peaks are exact.
+    """
     del goal
     rows = replace(problem.autopilot(points), sample_rate=None)
     after = _SETTLING_TIME_CONSTANTS / float(
@@ -334,13 +341,16 @@ def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> Floa
 
 
 def _peaks(problem: GainProblem, autopilot: Autopilot) -> FloatArray:
-    """Return the exact peak deflections of the linear loop [rad], ``(winds,)``."""
+    """Return the exact peak deflections [rad] of an autopilot's linear loop, ``(winds,)``."""
     response = replace(autopilot, sample_rate=None).wind_response_function(problem.plant)
     return np.array([abs(response(wind).peak("deflection")[0]) for wind in problem.winds])
 
 
 def _boundaries(problem: GainProblem, autopilot: Autopilot, stops: int) -> FloatArray:
-    """Return the boundaries [rad] with `stops` sudden ends of each wind, ``(winds,)``."""
+    """Return the boundaries [rad] of an autopilot in each wind of a problem, ``(winds,)``.
+
+    `stops`: number of sudden ends of each wind that must be survived as well.
+    """
     law = SaturatedLaw.of(autopilot)
     limits = [
         closed_loop_boundary(
@@ -358,7 +368,11 @@ def _boundaries(problem: GainProblem, autopilot: Autopilot, stops: int) -> Float
 
 
 def _record(problem: GainProblem, point: FloatArray, deflections: FloatArray) -> MinimumGains:
-    """Return the record of a row of gains with its deflection in each wind [rad], ``(winds,)``."""
+    """Return the record of a row of gains with its margins, active constraints and notes.
+
+    `point`: the gains in the unit box of the problem, ``(axes,)``. `deflections`: required
+    deflection in each wind [rad], ``(winds,)``.
+    """
     autopilot = problem.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(problem.plant))
     worst = int(np.argmax(deflections))
@@ -381,7 +395,10 @@ def _record(problem: GainProblem, point: FloatArray, deflections: FloatArray) ->
 
 
 def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> tuple[str, ...]:
-    """Return the names of active criteria, and of winds that require the same deflection."""
+    """Return the names of active criteria, and of winds that require the same deflection.
+
+    `margins`: of the loop of the problem. `deflections`: in each wind [rad], ``(winds,)``.
+    """
     active = [
         r.margin
         for r in problem.criteria.limits
@@ -404,7 +421,11 @@ def _notes(
     deflections: FloatArray,
     many_stops: float | None,
 ) -> tuple[str, ...]:
-    """Return the notes on gains: lean into the wind, path, winds, search range and sudden ends."""
+    """Return the notes on gains: lean into the wind, path, winds, search range and sudden ends.
+
+    `autopilot`, `point`: the gains, and their point in the unit box of the problem, ``(axes,)``.
+    `deflections`: in each wind [rad]. `many_stops`: boundary with many sudden ends [rad], or None.
+    """
     notes = []
     trim = problem.trims.max()
     if len(problem.gains) > len(("attitude", "rate")):
@@ -438,7 +459,10 @@ def _notes(
 
 
 def _refusal(problem: GainProblem, point: FloatArray) -> str:
-    """Return the sentence that no gains satisfy the criteria, with the nearest gains and bounds."""
+    """Return the sentence that no gains satisfy the criteria, with the nearest gains and bounds.
+
+    `point`: the nearest gains in the unit box of the problem, ``(axes,)``.
+    """
     autopilot = problem.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(problem.plant))
     text = f"no {' and '.join(problem.gains)} gains meet the criteria {problem.criteria.name}"

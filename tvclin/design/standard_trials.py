@@ -83,6 +83,7 @@ class LawsRequest:
     cuts: int = count(0)
 
     def __post_init__(self) -> None:
+        """Check names, sample rate and cuts."""
         checked(self)
 
 
@@ -138,6 +139,7 @@ class LawTrials(tuple[LawTrial, ...]):
     __slots__ = ()
 
     def _repr_html_(self) -> str:
+        """Return the trials as a table for a notebook."""
         caption = "Required limit of each law over full trim, and angles over the peak of the wind"
         names = ("law", "wind", "limit", "peak_angle_of_attack", "peak_attitude", "status")
         return table(record_table(caption, "trial", self, *names))
@@ -223,7 +225,10 @@ def law_trials(
     pairs = [(law, wind) for law in laws.items() for wind in winds.items()]
 
     def progress_of(pair: int) -> Callable[[int, int], None]:
+        """Return the report of progress within a pair of law and wind, by its index."""
+
         def report(done: int, total: int) -> None:
+            """Report the work on all pairs, from the work `done` of `total` on this one."""
             if progress is not None:
                 progress(pair * total + done, len(pairs) * total)
 
@@ -276,7 +281,12 @@ def _trial(
     flown: dict[str, Any],
     progress: Callable[[int, int], None],
 ) -> LawTrial:
-    """Return the trial of a law in a wind, both with their names."""
+    """Return the trial of a law in a wind, each a pair of name and value.
+
+    `plant`: the plant that flies. `cuts`: number of sudden ends of the wind. `loads`: whether to
+    fly for angle of attack and attitude. `flown`: sample rate and hardware of
+    `closed_loop_boundary`. `progress`: called with finished and total work.
+    """
     options = {"cuts": cuts, "highest": _MAX_LIMIT, "progress": progress, **flown}
     boundary = closed_loop_boundary(plant, law[1], wind[1], **options)
     loads_of_flight = (np.nan, np.nan)
@@ -303,7 +313,11 @@ def _trial(
 def _loads(
     plant: AnyPlant, law: Law, wind: History, limit: float, flown: dict[str, Any]
 ) -> tuple[float, float]:
-    """Return the largest angle of attack and attitude of a flight, relative to the peak wind."""
+    """Return the largest angle of attack and attitude of a flight, relative to the peak wind.
+
+    `plant`, `law`, `wind`: what flies. `limit`: deflection limit [rad]. `flown`: sample rate and
+    hardware of `flight_responses`.
+    """
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)
     outputs = flight_responses(plant, law, wind, times, deflection_limit=limit, **flown)
@@ -329,7 +343,7 @@ class Bounds(NamedTuple):
 
 
 def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
-    """Return the bounds of every law by wind, without a forecast and with a known wind."""
+    """Return the bounds on every law around a plant by wind: without a forecast, and wind known."""
 
     def bounds_in(wind: History) -> Bounds:
         """Return trim [deg] in a wind, and the bounds of every law over trim."""
@@ -346,19 +360,22 @@ def limit_tables(
 ) -> tuple[Table, ...]:
     """Return the tables of the required limit of each law in each wind, and of the bounds.
 
-    The limits are in degrees and normalised by the trim of the wind; the bounds hold for every law.
+    The limits of the `trials` are in degrees and normalised by the trim of the wind; the bounds
+    hold for every law.
     """
     laws = tuple(dict.fromkeys(trial.law for trial in trials))
     by_name = {(trial.wind, trial.law): trial for trial in trials}
     head = ("wind", *(law.replace("-", " ") for law in laws), "any law")
 
     def rows(unit: str, scales: Mapping[str, float]) -> Iterator[tuple[Line, ...]]:
+        """Yield the rows of limits times the scale of each wind; `unit`: end of their keys."""
         for j, (wind, entry) in enumerate(wind_bounds.items()):
             scale, key = scales[wind], f"laws.{j}"
             cells = [_limit(f"{key}.{law}{unit}", by_name[wind, law], scale) for law in laws]
             yield ((wind,), *cells, number_cell(f"{key}.any{unit}", scale * entry.no_forecast))
 
     def minimum_rows() -> Iterator[tuple[Line, ...]]:
+        """Yield the rows of trim and minimum in each wind."""
         for j, (wind, (trim, _, minimum)) in enumerate(wind_bounds.items()):
             ideal = number_cell(f"laws.{j}.ideal_deg", trim)
             deflection = number_cell(f"laws.{j}.minimum_deg", trim * minimum)
@@ -381,7 +398,7 @@ def limit_tables(
 def load_table(trials: Sequence[LawTrial]) -> Table:
     """Return the table of the largest angle of attack and attitude of each law in each wind.
 
-    Both are normalised by the peak wind angle of attack.
+    Both are normalised by the peak wind angle of attack. `trials`: one of each law in each wind.
     """
     laws = tuple(dict.fromkeys(trial.law for trial in trials))
     winds = dict.fromkeys(trial.wind for trial in trials)
@@ -392,7 +409,7 @@ def load_table(trials: Sequence[LawTrial]) -> Table:
 
 
 def scan_text(trials: Sequence[LawTrial]) -> str:
-    """Return the range and the steps of the limits that were flown, in sentences."""
+    """Return the range and the steps of the limits that `trials` flew, in sentences."""
     trial = trials[0]
     step = (trial.highest - trial.lowest) / STEPS
     return (
@@ -403,7 +420,7 @@ def scan_text(trials: Sequence[LawTrial]) -> str:
 
 
 def limit_warnings(trials: Sequence[LawTrial]) -> list[str]:
-    """Return the notes on limits that are marked by ``!`` or ``*``, with their laws and winds."""
+    """Return the notes on limits of `trials` marked by ``!`` or ``*``, with laws and winds."""
     marked = [
         f'!: "{trial.law}" in "{trial.wind}": {trial.status}'
         for trial in trials
@@ -417,9 +434,10 @@ def limit_warnings(trials: Sequence[LawTrial]) -> list[str]:
 
 
 def _limit(key: str, trial: LawTrial, scale: float) -> Line:
-    """Return the cell of a boundary times `scale`: a number, or "<" or ">" a tried limit.
+    """Return the cell of a trial's boundary times `scale`: a number, or "<" or ">" a tried limit.
 
-    ``*`` marks a boundary below which some limits survive as well, ``!`` one with a reservation.
+    `key`: key of the number. ``*`` marks a boundary below which some limits survive as well, ``!``
+    one with a reservation.
     """
     shown = number_cell(key, scale * trial.limit)
     if trial.limit > trial.highest:
@@ -440,7 +458,7 @@ def _load_cell(trial: LawTrial) -> Line:
 
 
 def _doubtful(trial: LawTrial) -> bool:
-    """Return whether the status of a boundary needs a note below the table."""
+    """Return whether the status of a trial's boundary needs a note below the table."""
     return trial.status not in (OK, NEVER, ALWAYS)
 
 

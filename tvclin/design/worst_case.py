@@ -128,6 +128,7 @@ class WorstCase(Shown):
         return lines.Table("Worst case in the box", head, tuple(rows))
 
     def _repr_html_(self) -> str:
+        """Return the table of the worst case, for a notebook."""
         return table(self.table())
 
 
@@ -208,7 +209,11 @@ def worst_case(
 
 
 def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tuple[float, float]]:
-    """Return the box with plain numbers; `InputError` for a number that the case has not."""
+    """Return the box as lower and upper number [SI] by name.
+
+    `InputError` for arguments of `worst_case` of another type, and for a number of the box that the
+    `subject`, the `autopilot` or the `wind` does not have.
+    """
     if not isinstance(subject, Vehicle | Coefficients):
         raise InputError(f"subject must be a Vehicle or Coefficients; got {type(subject).__name__}")
     single("subject", subject.batch)
@@ -253,12 +258,12 @@ class _Case:
     analyses: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
 
     def values(self, points: FloatArray) -> dict[str, FloatArray]:
-        """Return the numbers [SI] at points of the unit box, ``(n,)`` each."""
+        """Return the numbers [SI] at n points of the unit box, ``(n,)`` by name."""
         spread = self.ends[:, 0] * (1.0 - points) + self.ends[:, 1] * points
         return dict(zip(self.names, spread.T, strict=True))
 
     def plant(self, values: Mapping[str, FloatArray]) -> Plant:
-        """Return the plants with changed numbers [SI], ``(n,)``."""
+        """Return the plants with `values` [SI], ``(n,)`` by name, for the nominal ones."""
         names = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
         changed = self.subject.replace(**{k: v for k, v in values.items() if k in names})
         if isinstance(changed, Vehicle):
@@ -266,7 +271,7 @@ class _Case:
         return Plant.from_coefficients(changed, self.model)
 
     def loop(self, values: Mapping[str, FloatArray]) -> Autopilot:
-        """Return the autopilots with changed numbers [SI], ``(n,)``."""
+        """Return the autopilots with `values` [SI], ``(n,)`` by name, for the nominal ones."""
         a = self.autopilot
         factor = values.get("gain", 1.0)
         changes: dict[str, Any] = {
@@ -298,7 +303,10 @@ class _Case:
         return value
 
     def deflection(self, dead_band: float) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
-        """Return the function from parameter values to minus the required deflection [rad]."""
+        """Return the function from parameter values to minus the required deflection [rad].
+
+        `dead_band`: K. The values are ``(n,)`` by name, the result is ``(n,)``.
+        """
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
             """Return minus the required deflection [rad], ``(n,)``; -inf beyond linearity."""
@@ -316,7 +324,12 @@ class _Case:
         value: Callable[[Mapping[str, FloatArray]], FloatArray],
         proved: bool = False,
     ) -> Worst:
-        """Return the minimum of a value in the box, over corners and, unless proved, a search."""
+        """Return the minimum of a value in the box.
+
+        `corners`: of the unit box, ``(2^k, k)``. `value`: function from parameter values ``(n,)``
+        by name to ``(n,)``. `proved`: whether a corner is proved to be the minimum, so that nothing
+        is searched.
+        """
         nominal = float(value({}))
         edges = np.broadcast_to(value(self.values(corners)), len(corners))
         best = int(np.argmin(edges))
@@ -337,5 +350,5 @@ class _Case:
 
 
 def unit_of(name: str) -> str:
-    """Return the SI unit of a number of a vehicle, a wind or a loop that can be in a box."""
+    """Return the SI unit of the number `name` of a vehicle, a wind or a loop in a box."""
     return si_unit(BOX_TABLE.quantities[name])

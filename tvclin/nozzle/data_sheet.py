@@ -150,6 +150,7 @@ class FlightDuty(Shown):
     turbulence: FlightTurbulence | None = field(default=None, metadata=spec(card=False))
 
     def _repr_html_(self) -> str:
+        """Return verdict and tables for a notebook."""
         first, *rest = self.tables()
         return table(first, ((self.verdict.words,),)) + "".join(map(table, rest))
 
@@ -195,6 +196,7 @@ class FlightDuty(Shown):
         planes = len({point.plane for point in self.points}) > 1
 
         def where(item: DutyPoint | WindDuty) -> Line:
+            """Return the wind of a point or a sum, with its plane where several are flown."""
             return (f"{item.wind}, {item.plane}" if planes else item.wind,)
 
         rows: list[tuple[Line, ...]] = []
@@ -243,7 +245,10 @@ _FIXED_PATH = "fixed-path"
 
 
 def flight_reason(plant: AnyPlant, status: str) -> str:
-    """Return the reason why the flight of a plant cannot be judged; empty if it can."""
+    """Return the reason why the flight of a plant cannot be judged; empty if it can.
+
+    `status`: outcome of the flight, one of `fly_many`.
+    """
     if status == UNDECIDED:
         return "the flight has neither diverged nor settled at its end"
     if status != NO_FLIGHT:
@@ -258,7 +263,10 @@ def flight_reason(plant: AnyPlant, status: str) -> str:
 
 
 def unjudged_flights(law: str, points: Iterable[DutyPoint], model: str) -> Iterator[str]:
-    """Yield notes on flights of a law that cannot be judged: times, winds, reason and options."""
+    """Yield notes on flights of a law that cannot be judged: times, winds, reason and options.
+
+    `law`: its name. `points`: all flights. `model`: name of the model of the plants.
+    """
     rows = list(points)
     reasons: dict[str, list[DutyPoint]] = {}
     for point in rows:
@@ -286,8 +294,8 @@ def unknown_winds(
 ) -> Iterator[str]:
     """Yield notes on winds that are not known at some heights, and options that omit these.
 
-    `unknown`: by wind, the flight times [s] at which it is not known, with the reason; an empty
-    reason for the end of a sounding.
+    `schedule`: the flight. `winds`: by name. `unknown`: by wind, the flight times [s] at which it
+    is not known, with the reason; an empty reason for the end of a sounding.
     """
     for name, times in unknown.items():
         wind = winds[name]

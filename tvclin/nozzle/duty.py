@@ -199,7 +199,11 @@ def duty_of_motion(
     nozzle: NozzleData | None,
     vehicle: Vehicle | None,
 ) -> NozzleDuty:
-    """Return the duty of a nozzle in a motion; same parameters as in `nozzle_duty`."""
+    """Return the duty of a nozzle in a motion; parameters as in `nozzle_duty`.
+
+    `limit`: deflection limit [rad] or None. `window`: length [s] of the mean of the steady rate.
+    `nozzle`: engine and hinge, None without torque. `vehicle`: None on a bench.
+    """
     t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
     width = min(window, float(t[-1] - t[0]))
     turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]
@@ -229,7 +233,7 @@ def duty_of_motion(
 
 
 def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
-    """Return angles [rad] at the times `t`, ``(n,)``; `InputError` for another shape or size."""
+    """Return angles `values` [rad] at times `t`, ``(n,)``; `InputError` on `name` for others."""
     row = (errors.directions if name == "attitude" else errors.small_angle("an angle"))(
         name, values, "rad"
     )
@@ -249,8 +253,8 @@ def requirements_on_nozzle(
 ) -> dict[str, float]:
     """Return the requirements of motions on a nozzle [SI], by the names of its limits.
 
-    `travel`: travel of the whole flight [rad]. Flights keep to the rate limit, which an actuator of
-    second order may exceed by a thousandth.
+    `duties`: one for each motion. `travel`: travel of the whole flight [rad]. Flights keep to the
+    rate limit of `nozzle`, which an actuator of second order may exceed by a thousandth.
     """
     rate = max((abs(duty.rate.value) for duty in duties), default=0.0)
     required = {
@@ -328,7 +332,8 @@ class NozzleVerdict(Shown):
     ) -> Self:
         """Return the verdict on a nozzle with requirements [SI] by the names of its limits.
 
-        Where a flight diverges with the available values, the required values are not known.
+        `diverged`, `unknown`: flights that are lost, and what cannot be judged, in words. Where a
+        flight diverges with the available values, the required values are not known.
         """
         lines, diverged = [], tuple(diverged)
         for item in chosen(nozzle, *required):
@@ -383,6 +388,7 @@ class NozzleVerdict(Shown):
         return f"{word}: {self.reason}" if self.reason else word
 
     def _repr_html_(self) -> str:
+        """Return the lines of the data sheet and the verdict for a notebook."""
         return "".join(table(lines, ((self.words,),)) for lines in self.tables())
 
     def tables(self) -> tuple[Table, ...]:

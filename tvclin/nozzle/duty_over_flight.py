@@ -98,7 +98,10 @@ class FlownDuty(Shown):
 
     @classmethod
     def of(cls, case: Case, name: str, law: Law) -> Self:
-        """Return the duty of a law in the wind of a case, whose nozzle has a deflection limit."""
+        """Return the duty of a law in the wind of a case, whose nozzle has a deflection limit.
+
+        `name`: name of the law.
+        """
         limit, data, vehicle = case.nozzle.limit, case.nozzle.data, None
         assert limit is not None
         if data is not None:
@@ -284,7 +287,12 @@ class _Conditions:
         signed: bool,
         measured: bool,
     ) -> Iterator[DutyPoint]:
-        """Yield the duty of the nozzle at a flight time in a wind, by plane and sign."""
+        """Yield the duty of the nozzle at a flight time in a wind, by plane and sign.
+
+        `i`, `time`: index of the flight time, and itself [s]. `name`: name of the wind. `placed`:
+        the wind in each plane. `signed`: whether head and tail wind count separately. `measured`:
+        whether the wind lasts the flight, so that only the interval around this time counts.
+        """
         case, schedule = self.case, self.request.schedule
         vehicle = schedule.at(time)
         limits = self._limits(vehicle, placed)
@@ -304,7 +312,10 @@ class _Conditions:
                 yield self._flown(point, at_peak, history, interval)
 
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
-        """Return the share of the deflection limit [rad] by plane, in proportion to trim."""
+        """Return the share of the deflection limit [rad] by plane, in proportion to trim.
+
+        `vehicle`: frozen at its flight time. `placed`: the wind in each plane.
+        """
         case = self.case
         if len(placed) == 1:
             return dict.fromkeys(placed, self.limit)
@@ -319,7 +330,11 @@ class _Conditions:
         return {k: self.limit * size / total for k, size in sizes.items()} if total else sizes
 
     def _flown(self, point: DutyPoint, vehicle: Vehicle, wind: History, interval: Any) -> DutyPoint:
-        """Return a point with its flight, and the duty in `interval`, or of the flight if None."""
+        """Return a point with its flight, and the duty in an interval of it.
+
+        `point`: time, wind, plane and limit. `vehicle`: frozen, in the air of that wind. `wind`:
+        wind angle [rad]. `interval`: begin and end [s]; None: the entire flight.
+        """
         case = Case(
             vehicle=vehicle.replace(structure=None) if vehicle.structure else vehicle,
             model=self.case.law_model,
@@ -373,7 +388,7 @@ class _Conditions:
 
 
 def _spent(duty: NozzleDuty) -> FloatArray:
-    """Return travel [rad] and energy [J], ``(2,)``; the energy is NaN without nozzle data."""
+    """Return travel [rad] and energy [J] of a duty, ``(2,)``; NaN energy without nozzle data."""
     return np.array([duty.travel, np.nan if duty.work is None else duty.work.energy])
 
 
@@ -382,7 +397,8 @@ def _duties(
 ) -> Iterator[WindDuty]:
     """Yield the duty over the flight by wind: pulses count once, other winds and noise add up.
 
-    `intervals`: duration [s] of the interval around each flight time.
+    `points`: all flights. `winds`: by name. `intervals`: duration [s] of the interval around each
+    flight time.
     """
     for wind, plane in dict.fromkeys((point.wind, point.plane) for point in points):
         flown = [point for point in points if (point.wind, point.plane) == (wind, plane)]
@@ -409,7 +425,12 @@ def _verdict(
     unknown: tuple[str, ...],
     turbulence: FlightTurbulence | None,
 ) -> NozzleVerdict:
-    """Return the verdict from the requirements of all flights and of the theory of a known wind."""
+    """Return the verdict from the requirements of all flights and of the theory of a known wind.
+
+    `conditions`: common to all flights. `points`: all flights. `duties`: of the whole flight, by
+    wind. `unknown`: what cannot be judged, in words. `turbulence`: counted on top of each wind, or
+    None.
+    """
     nozzle = conditions.case.nozzle
     if unknown and not points:
         return NozzleVerdict.unknown_of(nozzle, unknown)
@@ -449,9 +470,8 @@ def _add_turbulence(
 ) -> None:
     """Add k standard deviations of turbulence to the requirements of flights, in place.
 
-    `required`: requirements by the key of their limit, SI and radians. `points`: flights.
-
-    Torque and power in turbulence are not known where those of the wind are within their limits.
+    `required`: requirements by the key of their limit [SI]. `points`: all flights. Torque and power
+    in turbulence are not known where those of the wind are within the limits of `nozzle`.
     """
     flown = [(point.time, point.duty) for point in points if point.duty is not None]
     for name, peak, output in (
@@ -480,7 +500,8 @@ def _in_turbulence(
 ) -> FlightTurbulence | str | None:
     """Return a law in turbulence along the flight, or the reason for which it is not known.
 
-    `peak`: largest wind angle [rad], for which a law is designed.
+    `case`: nozzle, model and autopilot. `request`: the flight. `law`: name of the law. `peak`:
+    largest wind angle [rad], for which a law is designed. `turbulence`: None: there is none.
     """
     if turbulence is None or law == AUTOPILOT:
         return request.turbulence(case, turbulence)
@@ -513,7 +534,10 @@ def _in_turbulence(
 def _turbulence_notes(
     turbulence: FlightTurbulence | None, law: str, nozzle: Nozzle
 ) -> Iterator[str]:
-    """Yield notes on what counts of turbulence."""
+    """Yield notes on what counts of turbulence, and what is not known.
+
+    `law`: its name. `nozzle`: its rate limit and data.
+    """
     if turbulence is not None:
         yield (
             f"{turbulence.request.label} of turbulence count on top of each wind: of travel from"
@@ -531,7 +555,10 @@ def _turbulence_notes(
 def _notes(
     conditions: _Conditions, points: list[DutyPoint], winds: dict[str, WindOf]
 ) -> Iterator[str]:
-    """Yield notes on omitted terms, and on how the whole flight is counted."""
+    """Yield notes on omitted terms, and on how the whole flight is counted.
+
+    `conditions`: common to all flights. `points`: all flights. `winds`: by name.
+    """
     stable = [point for point in points if not point.pole]
     if stable:
         yield f"without an unstable pole no deflection is required, as at {stable[0].time:.6g} s"

@@ -84,7 +84,7 @@ class FlownTradeOff(Shown):
         lower = {} if bounds is None else {"any law, at least": bounds}
 
         def cells(k: int) -> Iterator[Line]:
-            """Yield the cells of the row of a rate limit, by index."""
+            """Yield the cells of the row of the k-th rate limit."""
             yield degrees(f"laws.{k}.rate", rates[k])
             for name, values in (self.limits | lower).items():
                 shown = degrees(f"laws.{k}.{name}", values[k])
@@ -163,11 +163,12 @@ def flown_trade_offs(
     done = 0
 
     def advanced(winds: int, most: int) -> None:
+        """Report progress: `winds` of `most` winds of the boundary in work are flown."""
         if progress is not None:
             progress(done + winds / most, total)
 
     def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
-        """Return the flown boundary of a law at a rate limit [rad/s]."""
+        """Return the flown boundary of a law, by `name`, in a case at a rate limit [rad/s]."""
         nonlocal done
         options = {
             **case.hardware,
@@ -182,7 +183,7 @@ def flown_trade_offs(
         return boundary
 
     def answer(case: Case, minimum: RateTradeOff) -> FlownTradeOff:
-        """Return the flown trade-off of all laws in a case."""
+        """Return the flown trade-off of all laws in a case, with the `minimum` of theory."""
         boundaries = {name: [flown(case, name, float(r)) for r in minimum.rates] for name in names}
         return FlownTradeOff(
             minimum=minimum,
@@ -199,7 +200,11 @@ def flown_trade_offs(
 def _check_samples(
     cases: Mapping[str, Case], minima: Mapping[str, RateTradeOff], winds: int
 ) -> None:
-    """Raise `InputError` for too many samples; `winds`: number of flights at each rate limit."""
+    """Raise `InputError` for too many samples of all flights.
+
+    `cases`, `minima`: cases and their trade-off curves of theory by name. `winds`: number of
+    flights of a case at each rate limit.
+    """
     limits = STEPS + 1 + LEVELS * ABOVE * PARTS
     samples = 0.0
     for key, case in cases.items():
@@ -214,7 +219,7 @@ def _check_samples(
 
 
 def _minimum(case: Case, rates: ArrayLike | None) -> RateTradeOff:
-    """Return the trade-off curve of theory at the rates, or multiples of its minimum rate."""
+    """Return the trade-off of theory of a case at `rates` [rad/s], or at multiples of its least."""
     nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
     theory = partial(rate_trade_off, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
     if rates is None:

@@ -42,7 +42,7 @@ class Motion:
     def of_samples(
         cls, t: FloatArray, delta: FloatArray, alpha: FloatArray, attitude: FloatArray
     ) -> Self:
-        """Return a motion from samples, with differences as derivatives, between samples.
+        """Return a motion from n samples, with differences as derivatives, between samples.
 
         `t`: times [s], ``(n,)``. `delta`, `alpha`, `attitude`: deflection, angle of attack and
         attitude [rad], ``(n,)``.
@@ -63,10 +63,10 @@ class Motion:
 
     @classmethod
     def of_flight(cls, f: NozzleFlight) -> Self:
-        """Return the motion of a flight with its actuator, right after the start of each step.
+        """Return the motion of a flight `f` with its actuator, right after the start of each step.
 
-        Integrals take every second time, in the middle between two changes of the command.
-        Without an actuator the motion is taken from sample to sample.
+        Integrals take every second time, in the middle between two changes of the command. Without
+        an actuator the motion is taken from sample to sample.
         """
         if f.rate is None or f.acceleration is None:
             rows = (f.times, f.deflection, f.angle_of_attack, f.attitude)
@@ -113,23 +113,23 @@ class Motion:
 
 
 def largest(values: FloatArray, times: FloatArray) -> Point:
-    """Return the value of largest size, with its sign, and its time."""
+    """Return the largest of `values` in size, with its sign, and its time [s]."""
     k = int(np.argmax(np.abs(values)))
     return Point(float(values[k]), float(times[k]))
 
 
 def rms(values: FloatArray, weights: FloatArray) -> float:
-    """Return the root of the mean square, with the weights [s] of an integral over time."""
+    """Return the root mean square of `values`, with the weights [s] of an integral over time."""
     return float(np.sqrt(np.average(values**2, weights=weights)))
 
 
 def _second_derivative(t: FloatArray, values: FloatArray) -> FloatArray:
-    """Return second derivatives at the inner times, ``(n - 1,)``, from differences of slopes."""
+    """Return second derivatives of n `values` at inner times `t` [s], ``(n - 2,)``."""
     return np.diff(np.diff(values) / np.diff(t)) / ((t[2:] - t[:-2]) / 2.0)
 
 
 def _middle(values: FloatArray) -> FloatArray:
-    """Return the means of neighbouring values, ``(n,)``."""
+    """Return the means of neighbours among n values, ``(n - 1,)``."""
     return (values[1:] + values[:-1]) / 2.0
 
 
@@ -173,7 +173,7 @@ class Work(Shown):
 def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:
     """Return torque, power and energy of a motion, and notes on omitted terms.
 
-    See `nozzle_duty` for the equation; without a vehicle the nozzle is on a bench.
+    `nozzle`: engine and hinge, see `nozzle_duty` for the equation. `vehicle`: None on a bench.
     """
     engine, weights, rate = nozzle.engine, motion.weights, motion.rate
     inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)

@@ -202,7 +202,7 @@ def _sizes(output: AnyArray, state: AnyArray) -> FloatArray:
 
 
 def _summits(values: FloatArray) -> FloatArray:
-    """Return the maximum of each column of samples ``(n, m)``, by a parabola through three."""
+    """Return the maximum of each column of samples ``(n, m)``, by a parabola through it."""
     columns = np.arange(values.shape[1])
     top = np.clip(np.argmax(values, axis=0), 1, len(values) - 2)
     before, middle, after = (values[top + k, columns] for k in (-1, 0, 1))

@@ -353,9 +353,9 @@ def _with_lateral(
     numerator: FloatArray,
     below: FloatArray,
 ) -> FloatArray:
-    """Return a numerator of `_feedback` with the feedback of drift and acceleration added.
+    """Return a numerator of `_feedback` with an autopilot's feedback of drift and acceleration.
 
-    `source`: input of the plant, "deflection" or "wind". `integrators`: power of s in the
+    `plant`: rigid. `source`: its input, "deflection" or "wind". `integrators`: power of s in the
     denominator. `numerator`: of the other feedback, ``(..., n)``. `below`: denominator of the
     filters of attitude and rate.
     """
@@ -381,7 +381,7 @@ def _accelerometer(autopilot: Feedback) -> FloatArray:
 
 
 def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of a chain of filters, `name` one of `CHAINS`."""
+    """Return numerator and denominator of an autopilot's chain of filters, `name` of `CHAINS`."""
     above, below = np.ones(1), np.ones(1)
     for filter_ in getattr(autopilot, name):
         above = polynomials.multiply(above, filter_.numerator)
@@ -458,11 +458,11 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
     def delayed_form(delays: FloatArray, cases: IndexArray) -> StateLoop:
-        """Return those loops in the w plane, for margins."""
+        """Return the loops of `open_steps` in the w plane, for margins."""
         return _w_plane_loops(open_steps(delays, cases), h.ravel()[cases])
 
     def delayed_closed_poles(delays: FloatArray, cases: IndexArray) -> ComplexArray:
-        """Return the closed-loop poles z of those loops, ``(k, n)``."""
+        """Return the closed-loop poles z of the loops of `open_steps`, ``(k, n)``."""
         return open_steps(delays, cases).feedback(RETURNED, COMMAND).poles
 
     open_loop = _w_plane_loops(vehicle.to_steps(h, T).series(law), h)

@@ -71,6 +71,7 @@ class AccelerometerLaw(LinearLaw):
     plane: str = word(PLANES, "pitch")
 
     def __post_init__(self) -> None:
+        """Check autopilot, vehicle and sensor, and that the wind dominates the measurement."""
         SaturatedLaw(self.autopilot)
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         single("vehicle", self.vehicle.batch)

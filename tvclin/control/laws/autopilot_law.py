@@ -71,6 +71,7 @@ class SystemLaw(_AutopilotLaw):
     autopilot: SystemAutopilot = field(metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check that a flight measures every input of the controller."""
         instance("autopilot", self.autopilot, SystemAutopilot, "of a control.StateSpace")
         for name in self.autopilot.system.inputs:
             if name not in _MEASURED:
@@ -101,7 +102,7 @@ class SystemLaw(_AutopilotLaw):
         return LawNumbers(attitude=1.0)
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the demanded deflection [rad] of a continuous controller, before the limit."""
+        """Return the deflection [rad] of a continuous controller with `states` ``(k, ...)``."""
         system = self.autopilot.system
         values = [measured[_MEASURED.index(name)] for name in system.inputs]
         terms = [*zip(system.C[0], states, strict=True), *zip(system.D[0], values, strict=True)]
@@ -109,7 +110,7 @@ class SystemLaw(_AutopilotLaw):
 
     @property
     def _selection(self) -> FloatArray:
-        """Matrix from `Measurement` to the controller's inputs."""
+        """Matrix ``(inputs, 8)`` of zeros and ones: inputs of the controller in `Measurement`."""
         rows = [
             [float(name == field) for field in _MEASURED] for name in self.autopilot.system.inputs
         ]
@@ -147,6 +148,7 @@ class SaturatedLaw(_AutopilotLaw, LinearLaw):
     autopilot: Autopilot = field(metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check that the autopilot is one of gains, without actuator, delay and samples."""
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
         single("autopilot", self.autopilot.batch)
         a = self.autopilot
@@ -162,7 +164,7 @@ class SaturatedLaw(_AutopilotLaw, LinearLaw):
     def of(cls, autopilot: Autopilot) -> Law:
         """Return the law of an autopilot, without actuator, delay and sample rate.
 
-        That of a `SystemAutopilot` is a `SystemLaw`.
+        A `SystemAutopilot` becomes a `SystemLaw`.
         """
         instance("autopilot", autopilot, Autopilot, "see design_gains")
         if isinstance(autopilot, SystemAutopilot):

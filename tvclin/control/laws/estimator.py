@@ -55,10 +55,15 @@ class WindEstimator(Record):
     seed: int = count(0)
 
     def __post_init__(self) -> None:
+        """Check bandwidth, noise and seed."""
         checked(self)
 
     def states(self, plant: Plant) -> tuple[FloatArray, FloatArray]:
-        """Return F ``(2, 2)`` and G ``(2, 5)`` of the states q^ and d^, for the design plant."""
+        """Return F ``(2, 2)`` and G ``(2, 5)`` of s' = F s + G m, s being q^ and d^.
+
+        m are the first five of `LAW_INPUTS`. `plant`: the model, one plant with mu_alpha other than
+        zero.
+        """
         errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
         errors.single("plant", plant.batch)
         c, w = plant.coefficients, self.bandwidth
@@ -106,6 +111,7 @@ class EstimatedLaw(Law):
     plant: Plant
 
     def __post_init__(self) -> None:
+        """Check that the law has no estimator, and take its switching levels."""
         errors.instance("law", self.law, Law, "such as SaturatedLaw")
         errors.instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
         numbers = self.law.numbers
@@ -157,7 +163,11 @@ class EstimatedLaw(Law):
         return None if numbers is None else numbers._replace(estimates=True)
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the demanded deflection [rad], before the limit."""
+        """Return the demanded deflection [rad], before the limit [rad].
+
+        `measured`: its rate and angle of attack are replaced by estimates. `states`: those of the
+        estimator, q^ and d^, and of the law, ``(k, ...)``.
+        """
         alpha = measured.attitude - states[1]
         estimated = measured._replace(attitude_rate=states[0], angle_of_attack=alpha)
         return self.law.demand(estimated, states[2:], limit)

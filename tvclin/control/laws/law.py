@@ -36,7 +36,10 @@ _MEASURED_STATES = 3
 
 
 def law_rate_limit(name: str, value: ArrayLike, unit: str = "rad/s") -> float:
-    """Return the rate limit [rad/s] of a law: infinite, or from 1e-15, practically zero, to 1e9."""
+    """Return the rate limit [rad/s] of a law: infinite, or from 1e-15, practically zero, to 1e9.
+
+    `InputError` for another `value`, with `name` and `unit` of the argument.
+    """
     return unlimited(name, value, between(1e-15, 1e9), unit)
 
 
@@ -87,7 +90,11 @@ class Law(Record, ABC):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F ``(k, k)`` and G ``(k, 5)`` of the law's k states, s' = F s + G m; m: `LAW_INPUTS`."""
+        """F ``(k, k)`` and G ``(k, 5)`` of s' = F s + G m, s being k states of the law.
+
+        m are the first five of `LAW_INPUTS`: attitude, its rate, path angle, angle of attack,
+        deflection. By default k is zero.
+        """
         return np.zeros((0, 0)), np.zeros((0, 5))
 
     @property
@@ -122,14 +129,9 @@ class Law(Record, ABC):
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the demanded deflection [rad], before the limit.
 
-        Parameters
-        ----------
-        measured : Measurement
-            Measurements [rad, rad/s].
-        states : ndarray
-            States of the law, ``(k, ...)``.
-        limit : float or ndarray
-            Deflection limit [rad], which a law may use, ``(...)``.
+        Parameters ---------- measured : Measurement Measurements [rad, rad/s], numbers or ``(...)``
+        over flights. states : ndarray States of the law, ``(k, ...)``. limit : float or ndarray
+        Deflection limit [rad], which a law may use, ``(...)``.
         """
 
 
@@ -142,16 +144,16 @@ class LinearLaw(Law):
         """Gains of the law, for flights in Python and as machine code."""
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the demanded deflection [rad], before the limit: the sum over all gains."""
+        """Return the demanded deflection [rad]: the sum of gains times measurements and states."""
         return law_demand(self.numbers, measured, states, limit)
 
 
 def measured_coordinates(plant: Plant) -> UnstableCoordinates:
-    """Return the coordinates of the unstable modes as combinations of measurements.
+    """Return the coordinates of the unstable modes of a plant as combinations of measurements.
 
-    Attitude, its rate and the flight path angle are the first states of every plant; ``rows`` is
-    ``(N, 2)`` or ``(N, 3)``. `InputError` in the same cases as `unstable_coordinates`, and for a
-    plant whose unstable modes include its speed.
+    Attitude, its rate and the flight path angle are the first states of every plant; the left
+    eigenvectors are ``(N, 2)`` or ``(N, 3)``. `InputError` in the same cases as
+    `unstable_coordinates`, and for a plant whose unstable modes include its speed.
     """
     modes = unstable_coordinates(plant)
     if np.any(modes.left_eigenvectors[:, _MEASURED_STATES:]):
@@ -163,7 +165,10 @@ def measured_coordinates(plant: Plant) -> UnstableCoordinates:
 
 
 def rate_limit_angle(plant: Plant, rate_limit: float) -> float:
-    """Return the wind angle r/(p |B|) [rad] of a rate limit r [rad/s], p being the fastest pole."""
+    """Return the wind angle r/(p |B|) [rad] of a rate limit r [rad/s].
+
+    p is the fastest unstable pole [1/s] of the plant, and B its trim deflection per wind angle.
+    """
     pole = float(measured_coordinates(plant).poles[0])
     return rate_limit / (pole * abs(float(plant.coefficients.B)))
 
@@ -200,6 +205,7 @@ class FilteredLaw(Law):
     rate_filters: tuple[Filter, ...] = field(default=(), metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check law and filters, and take the switching levels of the law."""
         instance("law", self.law, Law, "such as TrimLaw")
         if any(self.law.chains):
             raise InputError("law has filters already; give all of them to one FilteredLaw")
@@ -242,7 +248,7 @@ class FilteredLaw(Law):
         return self.law.numbers
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the demanded deflection [rad], before the filters and the limit."""
+        """Return the deflection [rad] that `law` demands of `measured` values, before `limit`."""
         return self.law.demand(measured, states, limit)
 
 
@@ -277,6 +283,7 @@ class LawInPlanes:
     saturate: str = "radial"
 
     def __post_init__(self) -> None:
+        """Check that the law is continuous, without filters and noise, and the word `saturate`."""
         law = self.law
         instance("law", law, Law, "such as TrimLaw")
         if (law.engage, law.release) != (1.0, 1.0):
@@ -302,10 +309,11 @@ class LawInPlanes:
         return self.shape.plane_limits
 
     def demand(self, measured: Vectors, states: Vectors, limit: FloatArray) -> Vectors:
-        """Return the demanded deflections [rad], before the limit, ``(m,)``.
+        """Return the demanded deflections [rad], before the limit, pitch + j yaw, ``(m,)``.
 
-        `measured`: measurements of both planes in the order of `Measurement`, ``(m, 8)``. `states`:
-        states of the law, ``(m, k)``. `limit`: scale [rad] of the limit shape, ``(m,)``.
+        `measured`: measurements of both planes in the order of `Measurement`, complex ``(m, 8)``.
+        `states`: states of the law, complex ``(m, k)``. `limit`: scale [rad] of the limit shape,
+        ``(m,)``.
         """
         if not self.radial:
             limits = [limit * plane_limit for plane_limit in self.plane_limits]
@@ -324,7 +332,10 @@ class LawInPlanes:
         return np.asarray(direction * along)
 
     def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, BoolArray]:
-        """Return the limited demand [rad] and whether it is on the limit, both ``(m,)``."""
+        """Return the limited demand [rad], pitch + j yaw, and whether it is on the limit, ``(m,)``.
+
+        `demand`: pitch + j yaw [rad], ``(m,)``. `limit`: scale [rad] of the limit shape, ``(m,)``.
+        """
         if self.radial:
             with np.errstate(over="ignore"):  # the limit may be the smallest positive number
                 ratio = self.shape.gauge(demand) / limit
@@ -337,7 +348,11 @@ class LawInPlanes:
     def _by_components(
         self, measured: Vectors, states: Vectors, limits: list[FloatArray]
     ) -> Vectors:
-        """Return the demand of the scalar law on real and imaginary components [rad], ``(m,)``."""
+        """Return the demand of the scalar law on real and imaginary components [rad], ``(m,)``.
+
+        `measured` ``(m, 8)`` and `states` ``(m, k)`` are complex; `limits`: deflection limits [rad]
+        of the real and the imaginary component, ``(m,)`` each.
+        """
         real, imaginary = (
             np.asarray(self.law.demand(Measurement(*take(measured).T), take(states).T, limit))
             for take, limit in zip((np.real, np.imag), limits, strict=True)

@@ -86,6 +86,7 @@ class RecoverableAttitudeLaw(Law):
     estimator: WindEstimator | None = field(default=None, metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check the numbers; warn of an estimator slower than the unstable mode."""
         modes = measured_coordinates(self.plant)
         checked(self, "reach", "trust", "gain", "dead_band", "rate_limit", "design_peak")
         if self.design_peak is not None:
@@ -138,7 +139,11 @@ class RecoverableAttitudeLaw(Law):
         )
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the demanded deflection [rad], before the limit."""
+        """Return the demanded deflection [rad], before the limit, for each of a batch of flights.
+
+        `measured`: numbers or ``(...)``. `states`: of the estimator, ``(2, ...)``. `limit` [rad]:
+        ``(...)``.
+        """
         shape = np.broadcast_shapes(*(np.shape(value) for value in (*measured[:4], limit)))
         if not shape and states.ndim == 1:
             return law_demand(self.numbers, measured, states.tolist(), limit)

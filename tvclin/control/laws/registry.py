@@ -31,7 +31,7 @@ LINEAR_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
 
 
 def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = None) -> Law:
-    """Return the law of an autopilot's gains, canonical by default."""
+    """Return the law of an `autopilot` without filters, by default of canonical gains."""
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
     instance("autopilot", autopilot, Autopilot, "see design_gains")
@@ -43,22 +43,22 @@ def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = N
 
 
 def _trim(plant: Plant, peak: float, rate_limit: float) -> Law:
-    """Return ideal trim on a fixed path, with a gain that the rate limit allows."""
+    """Return ideal trim of `plant` on a fixed path, with a gain that peak and rate limit allow."""
     return TrimLaw.suited(Plant(plant.coefficients, "fixed-path"), peak, rate_limit)
 
 
 def _dead_band(plant: Plant, _: float, __: float, dead_band: float = 0.5) -> Law:
-    """Return the report's control with dead band K, on a fixed path."""
+    """Return the report's control with `dead_band` K, of `plant` on a fixed path."""
     return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
 
 
 def _half_relief(plant: Plant, _: float, __: float) -> Law:
-    """Return the law of half-relief gains."""
+    """Return the law of half-relief gains of `plant`."""
     return SaturatedLaw(half_relief_gains(plant.coefficients))
 
 
 def _recoverable(plant: Plant, peak: float, rate_limit: float) -> Law:
-    """Return the recoverable-attitude law for a wind peak and a rate limit."""
+    """Return the recoverable-attitude law for a wind peak [rad] and rate limit [rad/s]."""
     return RecoverableAttitudeLaw(plant, design_peak=peak, rate_limit=rate_limit)
 
 
@@ -121,7 +121,7 @@ def design_law(
 
 
 def linear_gains(law: Law) -> dict[str, float] | None:
-    """Return the gains on attitude, attitude rate and angle of attack of a law that is designed.
+    """Return the gains on attitude, attitude rate and angle of attack of a law, by name.
 
     None for a law that is not linear within the deflection limit.
     """
@@ -135,7 +135,7 @@ def linear_gains(law: Law) -> dict[str, float] | None:
 
 
 def design_notes(law: Law) -> Iterator[str]:
-    """Return notes on the design of a law for the reader of its flight."""
+    """Yield notes on the design of a law for the reader of its flight."""
     law = law.law if isinstance(law, FilteredLaw) else law
     if type(law) is TrimLaw and law.gain < TrimLaw.gain:
         yield _TRIM_NOTE.format(law.gain, TrimLaw.gain)

@@ -52,6 +52,7 @@ class TrimLaw(LinearLaw):
     gain: float = quantity("number", 10.0, nonnegative)
 
     def __post_init__(self) -> None:
+        """Check that the plant has a real unstable pole, and the gain."""
         measured_coordinates(self.plant)
         checked(self, "gain")
 
@@ -128,6 +129,7 @@ class DeadBandLaw(TrimLaw):
     dead_band: float = quantity("number", 0.5, between(0.01, 1.0))
 
     def __post_init__(self) -> None:
+        """Check plant, gain and dead band."""
         super().__post_init__()
         checked(self, "dead_band")
 

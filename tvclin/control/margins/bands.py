@@ -61,7 +61,7 @@ class Terms:
 
     @classmethod
     def of(cls, loop: Loop, plant: AnyArray) -> Terms:
-        """Return the terms of loops in matrix form, for plant poles `plant` [1/s], ``(k, n)``."""
+        """Return the terms of loops in matrix form, for poles of a `plant` [1/s], ``(k, n)``."""
         form = loop.form
         assert isinstance(form, StateLoop)
         distances = form.open_poles()[:, np.newaxis] - loop.s_to_w(plant)[..., np.newaxis]
@@ -74,9 +74,9 @@ class Terms:
         )
 
     def owner(self, omega: FloatArray, values: AnyArray | None = None) -> IndexArray:
-        """Return the index of the largest term at frequencies [rad/s] ``(k, m)``; -1 if rigid.
+        """Return the index of the largest term of k loops at m frequencies ``(k, m)``; -1 if rigid.
 
-        `values`: L at these frequencies, if known.
+        `omega`: frequencies [rad/s], ``(k, m)``. `values`: L at these frequencies, if known.
         """
         values = self.values(omega) if values is None else values
         nu = np.imag(self.loop.s_to_w(1j * omega))
@@ -90,14 +90,17 @@ class Terms:
         return np.argmax(np.nan_to_num(sizes, nan=-1.0, posinf=np.inf), axis=1) - 1
 
     def values(self, omega: FloatArray) -> AnyArray:
-        """Return L ``(k, m)`` at frequencies [rad/s] ``(k, m)``."""
+        """Return L of k loops at frequencies `omega` [rad/s], both ``(k, m)``."""
         above, below = self.form.parts(np.imag(self.loop.s_to_w(1j * omega)))
         with np.errstate(all="ignore"):
             return above / below
 
 
 def _frequencies(terms: Terms, k: int) -> FloatArray:
-    """Return rising frequencies [rad/s] around the k-th mode (or its alias), ``(loops, m)``."""
+    """Return rising search frequencies [rad/s] around a mode (or its alias), ``(loops, m)``.
+
+    `terms`: partial fractions of the loops. `k`: index of the mode.
+    """
     pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])
     width = np.maximum(np.abs(pole.real), 1e-6 * np.abs(pole))
     resonance = pole.imag + width * _OFFSETS
@@ -110,9 +113,10 @@ def _frequencies(terms: Terms, k: int) -> FloatArray:
 
 
 def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
-    """Return the peak of |L| at frequencies that the k-th mode owns, and its frequency [rad/s].
+    """Return the peak of |L| at frequencies that a mode owns, and its frequency [rad/s].
 
-    Both are NaN for a mode that owns no frequency.
+    Both ``(loops,)``; NaN for a mode that owns no frequency. `terms`: partial fractions of the
+    loops. `k`: index of the mode.
     """
     omega = _frequencies(terms, k)
     values = terms.values(omega)
@@ -128,6 +132,7 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
         form = terms.form.take(owned)
 
         def negative_gain(frequency: FloatArray) -> FloatArray:
+            """Return -|L| of the loops in which the mode owns a frequency, to be minimised."""
             above, below = form.parts(frequency)
             return -np.abs(above / below)
 
@@ -143,10 +148,10 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
 
 
 def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
-    """Return the minimum of |1 + L| within eight half-widths of the k-th pole, ``(m,)``.
+    """Return the minimum of |1 + L| within eight half-widths of a mode's pole, ``(loops,)``.
 
-    `closed`: closed-loop pole of the mode, ``(m,)``. If it lies in that range, the minimum is near
-    it and as wide as its half-width.
+    `terms`: partial fractions of the loops. `k`: index of the mode. `closed`: its closed-loop pole,
+    ``(loops,)``. If it lies in that range, the minimum is near it and as wide as its half-width.
     """
     pole, damped = (terms.loop.w_to_s(p[:, np.newaxis]) for p in (terms.poles[:, k], closed))
     half_range = _DISTANCE_HALF_WIDTHS * np.abs(pole.real)
@@ -156,6 +161,7 @@ def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
     omega = np.sort(np.nan_to_num(np.concatenate([grid, resonance], axis=-1)), axis=-1)
 
     def distance(omega: FloatArray) -> FloatArray:  # squared: smooth where it vanishes
+        """Return |1 + L|^2 at frequencies `omega` [rad/s]: smooth where it vanishes."""
         returned = terms.values(np.abs(omega))
         return np.asarray((1.0 + returned.real) ** 2 + returned.imag**2)
 
@@ -168,10 +174,10 @@ def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
 
 
 def closed_mode_poles(terms: Terms) -> AnyArray:
-    """Return the closed-loop poles of the modes, ``(k, n)``, in the variable of the loop.
+    """Return the closed-loop poles of n modes of k loops, ``(k, n)``, in the variable of the loop.
 
-    A mode's pole p is continued as the gain g rises from zero to one, by Newton's iteration on
-    (s - p)(1 + g L) = 0, which has no pole at p.
+    `terms`: their partial fractions. A mode's pole p is continued as the gain g rises from zero to
+    one, by Newton's iteration on (s - p)(1 + g L) = 0, which has no pole at p.
     """
     p = terms.poles
     s = p * (1.0 - _START_OFFSET)
@@ -345,7 +351,10 @@ def band_margins(
 
 
 def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
-    """Return the fields of the rigid band, each ``(k,)``."""
+    """Return the fields of `RigidBand` of k loops by name, each ``(k,)``.
+
+    `terms`: partial fractions of the loops. `analysis`: their crossings.
+    """
     pairs = classical_margins(_owned(terms, analysis, -1))[:3]
     pairs[..., ~analysis.stable] = np.nan
     names = (field.name for field in fields(RigidBand))
@@ -353,7 +362,11 @@ def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
 
 
 def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dict[str, Any]:
-    """Return the fields of the k-th mode's band but its name, each ``(k,)``."""
+    """Return the fields of `ModeBand` of k loops by name, except the mode's own name, ``(k,)``.
+
+    `terms`: partial fractions of the loops. `analysis`: their crossings. `k`: index of the mode.
+    `closed`: its closed-loop pole, ``(k,)``.
+    """
     pole = terms.plant[:, k]
     owned = _owned(terms, analysis, k)
     peak, frequency = mode_peak(terms, k)
@@ -381,9 +394,13 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
 
 
 def _owned(terms: Terms, analysis: LoopAnalysis, k: int) -> LoopAnalysis:
-    """Return the analysis with NaN for all crossings that the k-th mode does not own."""
+    """Return the analysis with NaN for all crossings that the k-th mode does not own; rigid: -1.
+
+    `terms`: partial fractions of the loops.
+    """
 
     def select(omega: FloatArray, values: FloatArray) -> FloatArray:
+        """Return `values` at frequencies `omega` that the mode owns, NaN at others."""
         return np.where(terms.owner(np.nan_to_num(omega)) == k, values, np.nan)
 
     phases = select(analysis.gain_frequencies, analysis.phases)

@@ -60,6 +60,7 @@ class Criterion(Record):
     source: str = field(metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check the name of the margin and its limit."""
         one_of("margin", self.margin, _UNITS)
         text("source", self.source)
         object.__setattr__(self, "limit", number(self.margin, self.limit, nonnegative))
@@ -141,6 +142,7 @@ class Criteria:
     limits: tuple[Criterion, ...]
 
     def __post_init__(self) -> None:
+        """Check that the set has a name and one or more limits."""
         text("name", self.name)
         limits = each("limits", self.limits, Criterion, "see Criteria.custom")
         object.__setattr__(self, "limits", limits)
@@ -245,21 +247,18 @@ class Criteria:
                     f"{criterion.margin} is a criterion of modes; give Autopilot.band_margins in"
                     " place of margins"
                 )
-            judgements += [
-                _judge_mode(criterion, loop, mode)
-                for mode in modes
-                if criterion.margin in _MODE_MARGINS
-            ]
+            else:
+                judgements += [_judge_mode(criterion, loop, mode) for mode in modes]
         return tuple(judgements)
 
     def are_satisfied(self, margins: Margins | BandMargins) -> Any:
-        """Return whether every criterion is satisfied, ``(...)``."""
+        """Return whether `margins` satisfy every criterion: bool, ``(...)`` of a batch."""
         verdicts = [np.asarray(judgement.satisfied) for judgement in self.judge(margins)]
         return plain_bool(np.logical_and.reduce(verdicts))
 
 
 def _judge(criterion: Criterion, margins: Margins) -> Judgement:
-    """Return the judgement of a margin of the whole loop."""
+    """Return the judgement by `criterion` of a margin of the whole loop."""
     value = np.asarray(getattr(margins, criterion.margin), dtype=float)
     surplus = value - criterion.limit
     surplus = -surplus if criterion.is_upper_limit else surplus
@@ -267,7 +266,7 @@ def _judge(criterion: Criterion, margins: Margins) -> Judgement:
 
 
 def _judge_mode(criterion: Criterion, loop: Margins, mode: ModeBand) -> Judgement:
-    """Return the judgement of a margin of one mode."""
+    """Return the judgement by `criterion` of a margin of one `mode` of a `loop`."""
     value = np.asarray(getattr(mode, _MODE_MARGINS[criterion.margin]), dtype=float)
     value = np.where(loop.stable, value, np.nan)
     applies = np.asarray(loop.stable) & ~np.isnan(value)
@@ -282,7 +281,10 @@ def plain_bool(array: Any) -> Any:
 
 
 def _gain_and_phase(gain_dB: float, phase_deg: float, name: str, source: str) -> Criteria:
-    """Return criteria with one limit for both gain margins [dB], and one for the phase [deg]."""
+    """Return criteria of a `name` and `source` with one limit for both gain margins [dB].
+
+    The phase margin has the limit `phase_deg`.
+    """
     return Criteria.custom(
         name,
         source,
@@ -305,7 +307,10 @@ _FACTORS = {"aero_margin_dB": "aero_margin", "gain_increase_dB": "gain_increase"
 
 
 def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
-    """Return the table of margins of one stable loop, their frequencies, limits and surplus."""
+    """Return the table of margins of one stable loop, their frequencies, limits and surplus.
+
+    `judged`: judgements of these margins; without one for a margin its last two cells are empty.
+    """
     by_margin = {j.criterion.margin: j for j in judged if not j.band}
     rows: list[tuple[Line, ...]] = []
     for name, label, value, unit, frequency in margins.rows():
@@ -326,7 +331,8 @@ def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
     """Return the table of margins by band; without the rigid body for an unstable loop.
 
     A mode at whose phase crossover the gain may fall or rise the least has a row for that, so that
-    the margins of the whole loop are among those of the bands.
+    the margins of the whole loop are among those of the bands. `judged`: judgements of modes;
+    without any the table has no columns for limits.
     """
     rows: list[tuple[Line, ...]] = []
     for name, label in zip(MARGINS, ("down", "up", "phase"), strict=False):

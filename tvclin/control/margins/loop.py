@@ -67,6 +67,7 @@ class Loop:
     def __init__(
         self, numerator: ArrayLike, denominator: ArrayLike, delay: ArrayLike = 0.0
     ) -> None:
+        """Check the polynomials and the delay, and set the flattened batch."""
         N = np.atleast_1d(finite("numerator", numerator))
         D = np.atleast_1d(finite("denominator", denominator))
         T = nonnegative("delay", delay, "s")
@@ -268,7 +269,7 @@ class Loop:
         return np.full((self.form.delay.size, 1), np.inf)
 
     def aliases(self, omega: FloatArray) -> FloatArray:
-        """Return the alias [rad/s] of frequencies ``(k, m)`` above half the rate, else NaN."""
+        """Return the alias [rad/s] of `omega` ``(k, m)`` [rad/s] above half the rate, else NaN."""
         return np.full(np.shape(omega), np.nan)
 
     def take(self, index: Any) -> Loop:
@@ -279,14 +280,14 @@ class Loop:
         return loop
 
     def _values(self, omega: FloatArray) -> ComplexArray:
-        """Return L ``(k, m)`` at frequencies in the variable of `form`; infinite at a pole."""
+        """Return L ``(k, m)`` at `omega` ``(k, m)``, imaginary part of the variable of `form`."""
         above, below = self.form.parts(omega)
         pole = (below == 0.0) & (above != 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(np.where(pole, np.inf, above / below))
 
     def _set(self, form: AnyLoop, batch: tuple[int, ...]) -> None:
-        """Set the fields of the frozen record."""
+        """Set the flattened batch of loops, `form`, and its shape in the frozen record."""
         object.__setattr__(self, "form", form)
         object.__setattr__(self, "batch", batch)
 
@@ -310,7 +311,7 @@ def _flat(array: FloatArray, batch: tuple[int, ...], axes: int) -> FloatArray:
 
 
 def _matrices(form: AnyLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return A, B and C of the first loop; of polynomials the companion form."""
+    """Return A, B and C of the first loop of a batch; of polynomials the companion form."""
     if isinstance(form, StateLoop):
         k = form.case[0]
         return form.A[k], form.B[k], form.C[k]
@@ -385,14 +386,15 @@ class SampledLoop(Loop):
         return self._z(self.form.closed_poles()).reshape((*self.batch, -1))
 
     def analysis(self, *, delays: bool = True) -> LoopAnalysis:
-        """Return verdict, crossings and peaks at frequencies of the s plane.
+        """Return verdict, crossings and peaks at frequencies of the s plane [rad/s].
 
-        Same parameters as `Loop.analysis`.
+        `delays`: whether delay margins are computed, which is most of the work; else they are NaN.
         """
         w_plane = super().analysis(delays=delays)
         half = 0.5 * self.period.reshape(-1)
 
         def frequency(nu: FloatArray) -> FloatArray:
+            """Return (2/h) arctan(nu h/2) [rad/s] of frequencies nu in w, ``(k, ...)``."""
             rows = half.reshape(-1, *(1,) * (nu.ndim - 1))
             return np.arctan(nu * rows) / rows
 
@@ -414,8 +416,10 @@ class SampledLoop(Loop):
     ) -> FloatArray:
         """Return the further delays [s] with which L = -1, ``(k, n)``; the smallest is exact.
 
-        A delay other than a whole number of samples changes |L| as well. Newton's iteration solves
-        ln L(omega, T) = ln(-1) for frequency and delay; a whole sample is a factor of 1/z.
+        `omega` [rad/s], `phases` [rad]: gain crossovers and phase margins of k loops, ``(k, n)``.
+        `stable`: whether each is stable, ``(k,)``. A delay other than a whole number of samples
+        changes |L| as well. Newton's iteration solves ln L(omega, T) = ln(-1) for frequency and
+        delay; a whole sample is a factor of 1/z.
         """
         margins = phases % (2.0 * np.pi) / omega
         delayed_form = self.delayed_form
@@ -455,7 +459,10 @@ class SampledLoop(Loop):
         return margins
 
     def _is_unstable(self, case: int, delays: FloatArray) -> BoolArray:
-        """Return whether a loop is unstable with further delays [s], ``(m,)``."""
+        """Return whether a loop is unstable with further delays [s], ``(m,)``.
+
+        `case`: index of the loop in the flattened batch.
+        """
         assert self.delayed_closed_poles is not None
         loop_delay = self.loop_delay.ravel()[case]
         z = self.delayed_closed_poles(loop_delay + delays, np.full(delays.size, case))
@@ -464,8 +471,9 @@ class SampledLoop(Loop):
     def _first_unstable_delay(self, case: int, maximum: float) -> float:
         """Return the smallest further delay [s] that makes a loop unstable, at most `maximum`.
 
-        Near half the sample rate |L| depends on the delay's fraction of a sample, so that it may
-        reach one at a frequency at which the present |L| is smaller.
+        `case`: index of the loop in the flattened batch. Near half the sample rate |L| depends on
+        the delay's fraction of a sample, so that it may reach one at a frequency at which the
+        present |L| is smaller.
         """
         h = float(self.period.ravel()[case])
         last = min(maximum, _MAX_SEARCHED_PERIODS * h)
@@ -497,7 +505,7 @@ class SampledLoop(Loop):
         return np.pi / self.period.reshape(-1, 1)
 
     def aliases(self, omega: FloatArray) -> FloatArray:
-        """Return the alias [rad/s] of frequencies ``(k, m)`` above half the rate, else NaN."""
+        """Return the alias [rad/s] of `omega` ``(k, m)`` [rad/s] above half the rate, else NaN."""
         rate = 2.0 * np.pi / self.period.reshape(-1, 1)
         folded = np.abs(omega - rate * np.round(omega / rate))
         return np.where(omega > 0.5 * rate, folded, np.nan)
@@ -511,7 +519,8 @@ class SampledLoop(Loop):
 def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
     """Return the sampled loop of an open loop L(z), with a delay of whole samples [s].
 
-    `InputError` for another delay, and an algebraic loop.
+    `system`: difference equations with one input and output. `InputError` for another delay, and
+    for an algebraic loop.
     """
     assert system.period is not None
     T = number("delay", delay, nonnegative, "s")

@@ -55,12 +55,12 @@ DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
 
 
 def margin(name: str, value: Any, unit: str) -> Line:
-    """Return a margin as text, with the decimals of its unit."""
+    """Return a margin as text with the decimals of its unit; `name`: key of the number."""
     return number(name, value, DIGITS[unit], unit)
 
 
 def unit_factor(unit: str) -> float:
-    """Return the factor from a margin in SI units to a unit of tables."""
+    """Return the factor from a margin in SI units to a unit of tables: 1000 for ms, else one."""
     return 1000.0 if unit == "ms" else 1.0
 
 
@@ -178,6 +178,7 @@ float or ndarray
         ]
 
     def _repr_html_(self) -> str:
+        """Return the margins and their frequencies as a card for a notebook."""
         rows: list[Row] = [("status", self.status, "")]
         for name, label, value, unit, at in self.rows():
             shown = value if np.ndim(value) else text(margin(name, value, unit)[:1])
@@ -272,7 +273,7 @@ def loop_margins(loop: Loop) -> Margins:
 
 
 def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
-    """Return the margins from the analysis of a flattened batch, in the shape of the batch."""
+    """Return the margins of loops in the shape of their batch, from its flattened analysis."""
     stable = analysis.stable
     status = np.where(analysis.marginal, MARGINAL, np.where(stable, OK, UNSTABLE))
     status = np.where(analysis.unstable_poles > 0, UNSTABLE, status)
@@ -294,12 +295,12 @@ def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
 
 
 def in_batch_shape(values: Any, batch: tuple[int, ...]) -> Any:
-    """Return numbers ``(k,)`` of flattened loops in the shape of the batch; a scalar for ``()``."""
+    """Return `values` ``(k,)`` of k loops in the shape of their batch; a scalar for ``()``."""
     array = np.asarray(values).reshape(batch)
     return array if array.ndim else array.item()
 
 
 def _trimmed(rows: FloatArray, batch: tuple[int, ...]) -> FloatArray:
-    """Return rows ``(k, n)`` without columns of NaN alone, ``batch + (m,)``."""
+    """Return `rows` ``(k, n)`` without columns of NaN alone, in the shape ``batch + (m,)``."""
     width = int(np.sum(~np.isnan(rows), axis=-1).max(initial=0))
     return rows[:, :width].reshape((*batch, width))

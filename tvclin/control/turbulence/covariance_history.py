@@ -93,12 +93,9 @@ class CovarianceHistory(Shown):
         return self._deviation_of(self._output(output)[0])
 
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
-        """Return the largest ``|mean|`` plus some standard deviations, and its time [s].
+        """Return the largest ``|mean|`` plus `sigmas` standard deviations, and its time [s].
 
-        Raises
-        ------
-        InputError
-            As `mean`, and for a number of standard deviations beyond 0 to 10.
+        Raises ------ InputError As `mean`, and for a number of standard deviations beyond 0 to 10.
         """
         k = errors.number("sigmas", sigmas, errors.between(0.0, 10.0))
         sizes = np.abs(self.mean(output)) + k * self.deviation(output)
@@ -118,14 +115,11 @@ class CovarianceHistory(Shown):
         return float(np.trapezoid(expected, self.times))
 
     def travel_deviation(self, output: str = DEFLECTION) -> float:
-        """Return the standard deviation of the travel.
+        """Return the standard deviation of the travel of an output, of the deflection in rad.
 
         It is the double integral of the covariance of ``|y'|`` at two times.
 
-        Raises
-        ------
-        InputError
-            As `travel`.
+        Raises ------ InputError As `travel`.
         """
         rate, direct = self._rate(output)
         chosen = self._moments.chosen
@@ -152,10 +146,8 @@ class CovarianceHistory(Shown):
     def crossings(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected number of crossings of +limit upwards and of -limit downwards.
 
-        Raises
-        ------
-        InputError
-            As `travel`, and for a limit that is not positive.
+        Raises ------ InputError As `travel`, and for a limit, in the SI unit of the output, that is
+        not positive.
         """
         return float(np.trapezoid(self.crossing_rate(limit, output), self.times))
 
@@ -226,10 +218,11 @@ class CovarianceHistory(Shown):
         return self.mean(output) + z * self.deviation(output)
 
     def _output(self, output: str) -> tuple[FloatArray, FloatArray]:
+        """Return row ``(..., states)`` and direct term of an output; `InputError` if unknown."""
         return self._signals[errors.one_of("output", output, self.outputs)][:2]
 
     def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct part of an output's rate; `InputError` for an output that jumps."""
+        """Return row and direct term of an output's rate; `InputError` if the output jumps."""
         return self._signals[errors.one_of("output", output, self.outputs)].smooth_rate(output)
 
     def _value(self, row: FloatArray, direct: FloatArray) -> FloatArray:
@@ -392,7 +385,7 @@ def turbulence_along(
     own_pressure = given.dynamic_pressure is None and flight.altitude is not None
 
     def law_and_plant(inside: FloatArray) -> tuple[Autopilot, AnyPlant]:
-        """Return the autopilots and the plants at times within the flight [s]."""
+        """Return the autopilots and the plants at times within the flight, `inside` [s]."""
         law = replace(autopilot_along(autopilot, flight, inside), delay=delay, sample_rate=rate)
         if frozen is None:
             return law, plants_along(flight, inside, model, plane)
@@ -423,7 +416,7 @@ def turbulence_along(
 
 
 def _constant(name: str, value: float | FloatArray) -> float:
-    """Return a number of an autopilot that must be the same along a flight."""
+    """Return the `value` of the number `name` of an autopilot, the same along a flight."""
     values = np.unique(value)
     if values.size > 1:
         raise errors.InputError(f"the {name} of the autopilot must be the same along the flight")
@@ -433,7 +426,11 @@ def _constant(name: str, value: float | FloatArray) -> float:
 def _breakpoints(
     flight: FlightSchedule, autopilot: Autopilot | GainSchedule, turbulence: Turbulence
 ) -> FloatArray:
-    """Return the times of a flight at which its data, gains or turbulence have a corner [s]."""
+    """Return the times of a flight at which its data, gains or turbulence have a corner [s].
+
+    `autopilot`: constant, or a schedule with corners at its breakpoints. `turbulence`: constant, or
+    a table over altitude.
+    """
     first, last = flight.span
     breaks = [flight.times]
     if flight.structure is not None:

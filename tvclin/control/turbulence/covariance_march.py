@@ -45,6 +45,7 @@ class VaryingLoop:
     """
 
     def __init__(self, loop_at: Callable[[FloatArray], DrivenLoop], breaks: FloatArray) -> None:
+        """Interpolate the loops between `breaks`, with nodes as close as their change requires."""
         self._starts, self._lengths, self._nodes = _interpolated(loop_at, breaks)
 
     @property
@@ -64,7 +65,7 @@ class VaryingLoop:
         return smooth.mapped(lambda values: _values_at(values, position, weights))
 
     def jump_at(self, index: int, times: FloatArray) -> Jump:
-        """Return a jump at times [s], a batch ``(n,)``."""
+        """Return the jump behind the interval `index` of a sample, at times [s] ``(n,)``."""
         position, weights = self._weights(times)
         jump = self.jumps[index]
         return Jump(jump.length, *(_values_at(values, position, weights) for values in jump[1:]))
@@ -74,11 +75,12 @@ class VaryingLoop:
         position, weights = self._weights(times)
 
         def varying(values: FloatArray) -> FloatArray:
+            """Return values at the times, ``(n, ...)``, or once if constant at all nodes."""
             first = values[0]
             return first if np.all(values == first) else _values_at(values, position, weights)
 
         def signal(output: str) -> Signal:
-            """Return the row, direct term and rate of an output at the times."""
+            """Return row, direct term and rate of an `output` at the times."""
             row, direct, rate = self._nodes.signal(output)
             if rate is not None:
                 rate = varying(rate[0] + self._slopes(row)), varying(rate[1])
@@ -87,14 +89,20 @@ class VaryingLoop:
         return {output: signal(output) for output in self.labels}
 
     def _weights(self, times: FloatArray) -> tuple[IndexArray, FloatArray]:
-        """Return the first node of the interval of each time [s], and the weights of its nodes."""
+        """Return the first node of the interval of each of n times [s], and weights of its 5 nodes.
+
+        Shapes ``(n,)`` and ``(n, 5)``.
+        """
         index = np.searchsorted(self._starts, times, side="right") - 1
         index = np.clip(index, 0, len(self._starts) - 1)
         places = np.clip((times - self._starts[index]) / self._lengths[index], 0.0, 1.0)
         return index * len(_POINTS), interpolation_factors(_POINTS, places)
 
     def _slopes(self, values: FloatArray) -> FloatArray:
-        """Return the derivatives [1/s] of a function at the nodes, from its values at them."""
+        """Return the derivatives [1/s] of a function of time at the nodes, ``(nodes, ...)``.
+
+        `values`: its values at the nodes, ``(nodes, ...)``.
+        """
         shape = (len(self._starts), len(_POINTS), *values.shape[1:])
         slopes = np.tensordot(values.reshape(shape), _DERIVATIVE, axes=(1, 1))
         lengths = self._lengths.reshape(-1, *[1] * values.ndim)
@@ -132,7 +140,11 @@ def _values_at(values: FloatArray, first: IndexArray, weights: FloatArray) -> Fl
 def _interpolated(
     loop_at: Callable[[FloatArray], DrivenLoop], breaks: FloatArray
 ) -> tuple[FloatArray, FloatArray, DrivenLoop]:
-    """Return starts and lengths of the intervals [s], and the batch of loops at all nodes."""
+    """Return starts and lengths of the intervals [s], and the batch of loops at all nodes.
+
+    `loop_at`: loops at times [s] ``(n,)``. `breaks`: rising times [s] between which the loops are
+    smooth.
+    """
     counts = np.maximum(np.ceil(np.diff(breaks) / _MAX_INTERVAL_S - 1e-9), 1.0).astype(int)
     lengths = np.repeat(np.diff(breaks) / counts, counts)
     starts = breaks[0] + np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
@@ -160,14 +172,18 @@ def _interpolated(
 
 
 def _joined(loops: list[DrivenLoop], rows: IndexArray) -> DrivenLoop:
-    """Return the loops of several batches as one, in the order of `rows`."""
+    """Return the batches of `loops` as one batch, in the order of the indices `rows`."""
     queues = [list(loop.arrays) for loop in loops]
     joined = iter([np.concatenate(arrays)[rows] for arrays in zip(*queues, strict=True)])
     return loops[0].mapped(lambda _: next(joined))
 
 
 def _fits(loops: DrivenLoop, shape: tuple[int, ...]) -> BoolArray:
-    """Return for each interval whether the polynomials have the values at the checked point."""
+    """Return for each interval whether the polynomials have the values at the checked point.
+
+    `loops`: batch of loops at the nodes and the checked point of each interval. `shape`: numbers of
+    intervals and of points in each, 6.
+    """
     fits = np.ones(shape[0], bool)
     weights = interpolation_factors(_POINTS, np.array([_CHECKED_POINT]))[0]
     for array in loops.arrays:
@@ -195,7 +211,7 @@ def march_times(
 ) -> FloatArray:
     """Return the times [s] of the steps of a covariance from `start` to `stop`, ``(n,)``.
 
-    They include the breakpoints of the wind and the ends of the intervals of a sampled loop.
+    They include the breakpoints of the `wind` and the ends of the intervals of a sampled `loop`.
     """
     if wind is not None:
         instance("wind", wind, History, "such as TriangularWind")
@@ -222,7 +238,7 @@ def march_times(
 
 
 def _sample_steps(jump: Jump) -> FloatArray:
-    """Return the lengths of the steps ahead of a jump of a sampled autopilot [s]."""
+    """Return the lengths [s] of the steps of the interval ahead of a jump, ``(steps,)``."""
     count = max(int(np.ceil(jump.length / _STEP_BETWEEN_SAMPLES_S - 1e-9)), 1)
     return np.full(count, jump.length / count)
 
@@ -248,11 +264,12 @@ def march(
     wind: History | None,
     start: FloatArray | None = None,
 ) -> Moments:
-    """Return mean and covariance of the states at the times [s].
+    """Return mean and covariance of the states of a loop at times [s], from the first on.
 
-    `wind`: known wind [rad], to which the mean is the response; without it the mean is zero.
-    `start`: covariance at the first time, after its sample; by default that of a vehicle at rest
-    and a stationary filter.
+    `loop`: constant or varying. `times`: rising, of `march_times`. `wind`: known wind [rad], to
+    which the mean is the response; without it the mean is zero. `start`: covariance at the first
+    time, after its sample, ``(states, states)``; by default that of a vehicle at rest and a
+    stationary filter.
     """
     known = np.zeros(times.size) if wind is None else np.asarray(wind(times))
     first_loop = loop if isinstance(loop, DrivenLoop) else loop.at(times[:1]).mapped(np.squeeze)
@@ -308,9 +325,9 @@ def _jumped(
 
 
 def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> list[Jump]:
-    """Return the jump of the states of a sampled loop at each time [s], behind one interval.
+    """Return the jump of the states of a sampled loop at each of n times [s], ``n`` of them.
 
-    `index`: index of the interval within a sample.
+    `loop`: constant or varying. `index`: index, within a sample, of the interval ahead of the jump.
     """
     if isinstance(loop, DrivenLoop):
         return [loop.jumps[index]] * len(times)
@@ -321,9 +338,10 @@ def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> lis
 def _jumps_before(
     loop: DrivenLoop | VaryingLoop, times: FloatArray, first: int
 ) -> list[Jump | None]:
-    """Return the jump at the begin of each step between times [s] ``(n + 1,)``, or None.
+    """Return the jump of a sampled loop at the begin of each step, or None.
 
-    `first`: number of the first of the steps; the sample before step 0 is taken already.
+    `loop`: constant or varying. `times`: ends of the steps [s], ``(n + 1,)``. `first`: number of
+    the first of the steps; the sample before step 0 is taken already.
     """
     jumps: list[Jump | None] = [None] * (len(times) - 1)
     ends = np.cumsum([_sample_steps(jump).size for jump in loop.jumps])
@@ -340,7 +358,9 @@ def _steps(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return F ``(m, n, n)``, Q ``(m, n, n)`` and the forcing g ``(m, n)`` of the wind, of m steps.
 
-    A step is x -> F x + g plus noise with the covariance Q.
+    A step of the n states is x -> F x + g plus noise with the covariance Q. `loop`: constant or
+    varying. `times`: ends of the steps [s], ``(m + 1,)``. `wind`: known wind [rad]; None: g is
+    zero.
     """
     lengths, count = np.diff(times), len(times) - 1
     if wind is None and isinstance(loop, DrivenLoop):

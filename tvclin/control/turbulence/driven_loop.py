@@ -101,6 +101,7 @@ class SensorNoise(Record):
     rate: float = quantity("number", 0.0, errors.between(0.0, _MAX_DENSITY))
 
     def __post_init__(self) -> None:
+        """Check both densities."""
         checked(self)
 
     @property
@@ -143,6 +144,7 @@ class LoadSlopes(Record):
     bandwidth: float | None = field(default=None, metadata=spec("natural frequency"))
 
     def __post_init__(self) -> None:
+        """Check that slopes are finite and broadcast, and the bandwidth."""
         shapes = {}
         for name in _SLOPES:
             if getattr(self, name) is not None:
@@ -172,7 +174,10 @@ class LoadSlopes(Record):
 
 
 def loads_at(loads: LoadSlopes, times: FloatArray, at: FloatArray) -> LoadSlopes:
-    """Return the slopes of loads interpolated at the times `at` [s]; ``loads``: at `times` [s]."""
+    """Return the slopes of loads interpolated at flight times `at` [s].
+
+    `loads`: slopes at the flight times `times` [s] ``(n,)``, or constant.
+    """
     if loads.batch not in {(), times.shape}:
         raise errors.InputError(
             f"loads along a flight must have one number, or one for each of the {times.size} times"
@@ -258,7 +263,10 @@ class DrivenLoop:
         return replace(self, A=A, noise=noise, wind=wind, rows=rows, direct=direct, jumps=jumps)
 
     def with_rows(self, rows: Mapping[str, tuple[FloatArray, FloatArray]]) -> DrivenLoop:
-        """Return the loop with further outputs: the row and the direct part of each."""
+        """Return the loop with further outputs.
+
+        `rows`: row ``(..., n)`` and direct term ``(...)`` of each by its name.
+        """
         shape = self.rows.shape[:-2]
         more = [np.broadcast_to(row, (*shape, self.A.shape[-1])) for row, _ in rows.values()]
         direct = [np.broadcast_to(direct_term, shape) for _, direct_term in rows.values()]
@@ -270,14 +278,14 @@ class DrivenLoop:
         )
 
     def row(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return the row and the direct part of an output."""
+        """Return the row ``(..., n)`` and the direct term ``(...)`` of an output."""
         k = self.labels.index(output)
         return self.rows[..., k, :], self.direct[..., k]
 
     def is_smooth(self, row: FloatArray, direct: FloatArray) -> bool:
         """Return whether an output has a rate of finite variance: no noise makes it jump.
 
-        `row`, `direct`: row of C and direct term of the output.
+        `row`, `direct`: row ``(..., n)`` of C and direct term ``(...)`` of the output.
         """
         return (
             not np.any(_times(row, self.noise))
@@ -290,12 +298,12 @@ class DrivenLoop:
         )
 
     def signal(self, output: str) -> Signal:
-        """Return an output with its rate."""
+        """Return an `output` with its rate."""
         row, direct = self.row(output)
         return Signal(row, direct, self.derivative(row) if self.is_smooth(row, direct) else None)
 
     def derivative(self, row: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the row and the direct part of the rate of an output that `is_smooth`."""
+        """Return row and direct term of the rate of a smooth output with this `row` of C."""
         return _times(row, self.A), np.sum(row * self.wind, axis=-1)
 
 
@@ -305,7 +313,7 @@ def _times(row: FloatArray, matrix: FloatArray) -> FloatArray:
 
 
 def _is_constant(row: FloatArray) -> bool:
-    """Return whether a row is the same for all of a batch, as along a flight."""
+    """Return whether a row ``(..., n)`` is the same for all of a batch, as along a flight."""
     return bool(np.all(row == row.reshape(-1, row.shape[-1])[0]))
 
 
@@ -319,11 +327,12 @@ def driven_loop(
     *,
     drift: bool = False,
 ) -> DrivenLoop:
-    """Return the loop of an autopilot and a plant behind a shaping filter.
+    """Return the loop of an autopilot and a plant behind a shaping filter of turbulence.
 
-    `shape`: A, b and c of the filter in time, to the wind angle [rad]; with leading axes for a
-    batch of plants. `speed`: of the vehicle [m/s], ``(...)``. `drift`: whether the drift
-    is a state, which has no stationary covariance.
+    `autopilot`, `plant`: one each, or a batch along a flight. `shape`: A, b and c of the filter in
+    time, to the wind angle [rad]; with leading axes for a batch of plants. `speed`: of the vehicle
+    [m/s], ``(...)``. `noise`: of the sensors. `loads`: slopes of further outputs. `drift`: whether
+    the drift is a state, which has no stationary covariance.
 
     `InputError` for a Pade approximation that hides an instability, and for an autopilot without
     actuator whose deflection follows the noise of a sensor.
@@ -365,7 +374,11 @@ def driven_loop(
 def _continuous(
     autopilot: Autopilot, plant: AnyPlant, shape: FilterMatrices, noise: SensorNoise | None
 ) -> DrivenLoop:
-    """Return a loop without samples behind a shaping filter, with the noise of its sensors."""
+    """Return a loop without samples behind a shaping filter, with the noise of its sensors.
+
+    `autopilot`, `plant`: one each, or a batch. `shape`: A, b and c of the filter, from white noise
+    to the wind angle [rad].
+    """
     loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
     if not plant.batch and pade_misleads(autopilot, plant, loop):
         raise errors.InputError(PADE_WARNING.format(autopilot.pade_order))
@@ -390,7 +403,8 @@ def _behind_filter(
     """Return A, B_w, C, D_w and N of `DrivenLoop` for a system with n states behind a filter.
 
     The states are those of the system and the m states of the shaping filter, whose output is the
-    system's input "wind". `shape`: matrices a, b and c of the filter.
+    system's input "wind". `loop`: the system. `shape`: matrices a ``(..., m, m)``, b and c of the
+    filter.
     """
     system = loop.select(("wind",), loop.outputs)
     a, b, c = shape
@@ -409,7 +423,12 @@ def _behind_filter(
 def _sampled(
     autopilot: Autopilot, plant: AnyPlant, shape: FilterMatrices, noise: SensorNoise | None
 ) -> DrivenLoop:
-    """Return a sampled loop behind a shaping filter; its states jump at each sample."""
+    """Return a sampled loop behind a shaping filter; its states jump at each sample.
+
+    `autopilot`, `plant`: one each, or a batch with one sample rate and delay. `shape`: A, b and c
+    of the filter, from white noise to the wind angle [rad]. `noise`: of the sensors. States: plant
+    with actuator and filter, the deflection command that acts, commands on their way, and the law.
+    """
     period = 1.0 / float(autopilot.sample_rate or 1.0)
     complete, rest = split_delay(float(autopilot.delay), period)
     whole, remainder = int(complete), float(rest)
@@ -473,19 +492,21 @@ def _with_states(
 ) -> DrivenLoop:
     """Return a loop with further outputs, each a state z' = pole z + row x + direct alpha_w.
 
-    `states`: the pole [1/s], the row and the direct part of each; their places are the last.
+    `states`: pole [1/s], row ``(..., n)`` and direct term of each by name; they become the last
+    states.
     """
     n, count = loop.A.shape[-1], len(states)
     unit, nothing = np.eye(count), np.zeros((count, count))
 
     def wider(matrix: FloatArray, corner: FloatArray) -> FloatArray:
-        """Return a matrix with further states, whose block at the lower right is `corner`."""
+        """Return a `matrix` with further states, whose block at the lower right is `corner`."""
         result = np.zeros((*matrix.shape[:-2], matrix.shape[-2] + len(corner), n + count))
         result[..., : matrix.shape[-2], :n] = matrix
         result[..., matrix.shape[-2] :, n:] = corner
         return result
 
     def longer(vector: FloatArray) -> FloatArray:
+        """Return a `vector` ``(..., n)`` with zeros for the further states."""
         return np.concatenate([vector, np.zeros((*vector.shape[:-1], count))], axis=-1)
 
     A, wind = wider(loop.A, np.diag([pole for pole, *_ in states.values()])), longer(loop.wind)
@@ -509,7 +530,7 @@ def checked_parts(
     noise: SensorNoise | None,
     loads: LoadSlopes | None,
 ) -> None:
-    """Raise `InputError` for arguments of another type."""
+    """Raise `InputError` for an autopilot, turbulence, noise or loads of another type."""
     errors.instance("turbulence", turbulence, Turbulence, "see Turbulence.mil_f_8785c")
     errors.instance("autopilot", autopilot, Autopilot, "see design_gains")
     if noise is not None and not isinstance(noise, SensorNoise):
@@ -521,7 +542,10 @@ def checked_parts(
 def check_single(
     function: str, autopilot: Autopilot, plant: AnyPlant, loads: LoadSlopes | None
 ) -> None:
-    """Raise `InputError` for a batch, as the function is for one loop."""
+    """Raise `InputError` for a batch, as the calling `function` is for one loop.
+
+    `autopilot`, `plant`, `loads`: the arguments that must be single.
+    """
     batches = autopilot.batch, plant.batch, () if loads is None else loads.batch
     if any(batches):
         raise errors.InputError(

@@ -226,10 +226,11 @@ class LoopCovariance(Shown):
         return [Table("Turbulence, without limits", ("quantity", "rms"), tuple(rows))]
 
     def _row(self, output: str) -> FloatArray:
+        """Return the row of an output's states; `InputError` for an unknown output."""
         return self._loop.row(one_of("output", output, self.outputs))[0]
 
     def _rate(self, output: str) -> FloatArray:
-        """Return the row of an output's rate; `InputError` for an output that jumps."""
+        """Return the row of the rate of an `output`; `InputError` for an output that jumps."""
         name = one_of("output", output, self.outputs)
         return self._loop.signal(name).smooth_rate(name)[0]
 
@@ -312,8 +313,9 @@ def turbulence_covariance(
 def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
     """Return the stationary covariance of n states at k times within a sample, and their weights.
 
-    Shapes ``(k, n, n)`` and ``(k,)``: the mean over a sample is the sum of weights times values, by
-    Simpson's rule. In continuous time k is 1. `InputError` for an unstable loop.
+    `loop`: one loop. Shapes ``(k, n, n)`` and ``(k,)``: the mean over a sample is the sum of
+    weights times values, by Simpson's rule. In continuous time k is 1. `InputError` for an unstable
+    loop.
     """
     if not loop.jumps:
         poles = np.linalg.eigvals(loop.A)
@@ -342,12 +344,16 @@ def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
 
 
 def _unstable(pole: complex) -> str:
+    """Return the begin of a message: that the loop has an unstable pole, and which."""
     imaginary = f" +- {abs(pole.imag):.6g}j" if pole.imag else ""
     return f"the loop is not stable: it has a pole at {pole.real:.6g}{imaginary}"
 
 
 def _over_a_sample(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
-    """Return the transition and the noise covariance from behind one sample to behind the next."""
+    """Return transition F and noise covariance, ``(n, n)``, from one sample of a loop to the next.
+
+    The n states are those behind a sample: x -> F x plus noise.
+    """
     n = len(loop.A)
     F, noise = np.eye(n), np.zeros((n, n))
     for jump in loop.jumps:
