@@ -56,12 +56,14 @@ def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
 def solve_with_drift(
     p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Return z of eq (18), and whether the iteration converged, for arrays of one shape.
+    """Return z = p y of eq (18) in a triangular wind, and whether the iteration converged.
 
         K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0
 
-    For b2 <= b1 the left side falls from a positive value at z = 0 and is concave, so that it has
-    one root, below p/K and 1/(1 - K), which Newton's method finds inside a bracket.
+    `p`: pole times half the duration. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1). `K1`: 1 -
+    kappa. `rho`: b1/beta. All arrays have one shape. For b2 <= b1 the left side falls from a
+    positive value at z = 0 and is concave, so that it has one root, below p/K and 1/(1 - K), which
+    Newton's method finds inside a bracket.
     """
     L = _minus_log_R(p)
     high = _upper_bracket(p, K, kappa, K1, rho, L)
@@ -91,7 +93,12 @@ def psi(x: FloatArray) -> FloatArray:
 
 
 def _residual(z: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
-    """Return the left side of the equation in z of `solve_with_drift`."""
+    """Return the left side of the equation in z of `solve_with_drift`, zero at its solution.
+
+    With x = K z: K1 (1 - e^(x - L)) - (1 - K) z - kappa [x + x^2 psi(rho x)]. `z`: boundary limit y
+    times p. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1). `K1`: 1 - kappa. `rho`: b1/beta. `L`:
+    -ln R of the triangular wind. All broadcast.
+    """
     x = K * z
     return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
 
@@ -99,7 +106,8 @@ def _residual(z: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArr
 def _upper_bracket(p: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
     """Return an upper bracket of z, where `_residual` is not positive.
 
-    It is the smaller of p/K and 1/(1 - K); for b2 > b1 it may have to be larger.
+    It is the smaller of p/K and 1/(1 - K); for b2 > b1 it may have to be larger. `p`: pole times
+    half the duration. `K`, `kappa`, `K1`, `rho`, `L`: as in `_residual`.
     """
     with np.errstate(divide="ignore", over="ignore"):
         high = np.minimum(p / K, 1.0 / (1.0 - K))
@@ -112,7 +120,7 @@ def _upper_bracket(p: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> Flo
 
 
 def _minus_log_R(p: FloatArray) -> FloatArray:
-    """Return L = -ln(2 e^(-p) - e^(-2p)), without cancellation at either end."""
+    """Return L = -ln(2 e^(-p) - e^(-2p)) for p > 0, without cancellation at either end."""
     with np.errstate(divide="ignore"):
         short = -np.log1p(-(np.expm1(-p) ** 2))
     return np.where(p < 1.0, short, p - np.log(2.0 - np.exp(-p)))

@@ -71,9 +71,10 @@ class UnstableCoordinates:
         return float(self.poles[1] / self.poles[0]) if self.poles.size > 1 else 0.0
 
     def are_recoverable(self, z: FloatArray, reach: Any) -> Any:
-        """Return whether the coordinates ``(..., N)`` are recoverable with |u| < reach ``(...)``.
+        """Return whether coordinates z [rad], ``(..., N)``, are recoverable with |u| < `reach`.
 
-        Strictly: on the edge the deflection keeps the state constant and cannot return it.
+        u is the deflection over B, and `reach` [rad], ``(...)``, its limit. Strictly: on the edge
+        the deflection keeps the state constant and cannot return it.
         """
         first = np.abs(z[..., 0]) < reach
         if self.poles.size == 1:
@@ -82,7 +83,11 @@ class UnstableCoordinates:
         return first & (low < z[..., 1]) & (z[..., 1] < high)
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
-        """Return both ends [rad] of the slow coordinate's range at a fast one, |fast| <= reach."""
+        """Return both ends [rad] of the slow coordinate's recoverable range at a fast one.
+
+        `fast`: the fast coordinate [rad]. `reach`: limit of the deflection over B [rad], at least
+        its size.
+        """
         low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high
 
@@ -118,10 +123,10 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
 def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
     """Return the rows of an unstable coordinate on states, delta and delta', ``(p, n + 2)``.
 
-    `plant`: of a batch of p, or one plant; `pole`: an unstable pole of each [1/s], ``(p,)``. `B`:
-    ``(p,)`` or a scalar. With the left eigenvector l, l A = p l, and z = l x: z' = p z + l b delta
-    + l w alpha_w + l b3 delta'', where b3 is the input of an engine with inertia. The coordinate
-    that follows the deflection alone is
+    `plant`: of a batch of p, or one plant, with n states. `pole`: an unstable pole of each [1/s],
+    ``(p,)``. `B`: trim deflection per angle of attack, ``(p,)`` or a scalar. With the left
+    eigenvector l, l A = p l, and z = l x: z' = p z + l b delta + l w alpha_w + l b3 delta'', where
+    b3 is the input of an engine with inertia. The coordinate that follows the deflection alone is
 
         z - l b3 (delta' + p delta),    with the input l b + p^2 l b3,
 

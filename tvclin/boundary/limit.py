@@ -90,7 +90,7 @@ class ExitProblem:
     shape: tuple[int, ...]
 
     def solve(self, literal: bool) -> DeadBandExit:
-        """Return the solution for the driver B alpha_w, or where `literal` for trim itself."""
+        """Return the exit of the dead band for the driver B alpha_w, or for trim if `literal`."""
         winds, which, numbers = self._arrays
         out = np.empty((3, which.size))
         self._run(switches.switches, self._filtering, winds, which, numbers, literal, out)
@@ -98,7 +98,10 @@ class ExitProblem:
         return DeadBandExit(time, demand, status == switches.JUMP, status == switches.UNREACHED)
 
     def largest_trim(self, cases: BoolArray) -> FloatArray:
-        """Return the largest trim of cases, normalised by B alpha_w,max; zero for the others."""
+        """Return the largest trim of selected `cases`, normalised by B alpha_w,max; else zero.
+
+        `cases`: whether a case is selected. Of the shape of the batch.
+        """
         trims = np.zeros(self.shape)
         winds, which, numbers = self._arrays
         selected = np.flatnonzero(cases)
@@ -140,6 +143,10 @@ class ExitProblem:
         return switches.FILTERED[winds[1].dtype.kind] if np.any(numbers[:, 2:]) else 1
 
     def _run(self, function: Any, longer: int, winds: Any, which: IndexArray, *arrays: Any) -> None:
+        """Run a kernel `function` over cases: the winds, the wind index `which` of each, `arrays`.
+
+        `longer`: time for a term of the sum, relative to that of a wind itself as trim.
+        """
         terms = longer * winds[0].shape[-1] * winds[2].shape[-1] * which.size
         seconds = (switches.PLAIN * terms, switches.COMPILED * terms)
         run(function, (winds, which, *arrays), which.size, *seconds)
@@ -172,7 +179,10 @@ class BoundaryLimit(Shown):
     status: Any = field(metadata=spec())
 
     def table(self, caption: str, axis: str, places: FloatArray, dead_bands: FloatArray) -> Table:
-        """Return limits ``(n, k)`` at n places along an axis, for each of k dead bands."""
+        """Return the table of limits ``(n, k)`` at n `places` on an axis, for each of k dead bands.
+
+        `caption`: above the table. `axis`: heading of the column of the places.
+        """
         rows: list[tuple[Line, ...]] = []
         for position, limits in zip(places, self.limit, strict=True):
             named = zip(dead_bands, limits, strict=True)
@@ -294,11 +304,11 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
 
 
 def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
-    """Return the growth rate [1/s] of the leading pole, and whether a pair of poles contributes.
+    """Return the growth rate [1/s] of a plant's leading pole, and whether a pair of poles counts.
 
-    Returned `rate`: ``(...)``, NaN where no mode is unstable. Returned `paired`: ``(...)``, true
-    where a complex pair grows comparably with the fastest real pole, or two real poles
-    coincide, so that one limit cannot satisfy both conditions (4b).
+    `rate`: ``(...)``, NaN where no mode is unstable. `paired`: ``(...)``, true where a complex pair
+    grows comparably with the fastest real pole, or two real poles coincide, so that one limit
+    cannot satisfy both conditions (4b).
     """
     poles = unstable_poles(plant)
     if not poles.shape[-1]:
@@ -316,7 +326,7 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
 
 
 def _check_wind(wind: History) -> None:
-    """Raise `InputError` for a wind that changes its sign or never ends."""
+    """Raise `InputError` for a wind that changes its sign, is zero or never ends."""
     if not np.all(wind.constant_sign):
         low, high = wind.extent
         raise InputError(

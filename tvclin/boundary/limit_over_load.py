@@ -254,7 +254,12 @@ class LoadTradeOff(TradeOff):
 
 @dataclass(frozen=True, eq=False)
 class LoadLimits:
-    """A case, with points (load, peak) that are attained, and lines (bound, slope) below them."""
+    """A case, with points (load, peak) [rad] that are attained, and lines (bound, slope) below.
+
+    `minimum_deflection`: lower bound [rad] of the limit at any load. `program`: linear program on
+    the first nodes. `no_forecast`: lower bound [rad] without a forecast, or None. A line says that
+    no deflection has a peak below bound - slope load.
+    """
 
     case: LoadCase
     minimum_deflection: float
@@ -332,7 +337,7 @@ class LoadLimits:
         return max(half_jump, self.load_floor)
 
     def points_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
-        """Return limit [rad], lower bound [rad] and slope at each load, as in `at`.
+        """Return limit [rad], lower bound [rad] and slope at each of `loads` [rad], as in `at`.
 
         The smallest and largest load are computed first, then those in between.
         """
@@ -377,7 +382,10 @@ class LoadLimits:
         return self._attained(load), *self._proved(load)
 
     def _refine(self, load: float, program: LoadProgram) -> bool:
-        """Add controls of about a load [rad] on finer nodes, and return whether they exist."""
+        """Add controls of about a `load` [rad] on finer nodes, and return whether they exist.
+
+        `program`: that of the first nodes.
+        """
         bound = load
         for fraction in _EXCESS_FRACTIONS:
             limit, (proof, _) = self._attained(load), self._proved(load)
@@ -441,7 +449,11 @@ class LoadLimits:
         return BOTH
 
     def _limit_of_turning(self, load: float) -> float:
-        """Return the constant deflection [rad] that turns the vehicle into the wind in time."""
+        """Return the constant deflection [rad] that turns the vehicle into the wind in time.
+
+        `load`: bound [rad] of the angle of attack. Zero with a rate limit, or if the load is not
+        that angle.
+        """
         if self.case.ratio or np.isfinite(self.case.rate):
             return 0.0
         free, constant = self._responses
@@ -473,7 +485,10 @@ class LoadLimits:
 
 
 def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLimits:
-    """Return a case of `load_trade_off` with its bounds; `ratio` is M, `rate` the limit [rad/s]."""
+    """Return the case of `load_trade_off` for a plant in a wind, with its first bounds.
+
+    `ratio`: M, load per deflection. `rate`: rate limit [rad/s]; infinite if none.
+    """
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     optimum = optimum_deflection(plant, wind, start if np.isfinite(start) else 0.0)
     case = LoadCase(plant, wind, optimum.deflection, ratio, rate)
@@ -499,7 +514,10 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
 
 
 def _nodes(case: LoadCase) -> FloatArray:
-    """Return nodes [s], even in the wind and in growing steps after it, with all breakpoints."""
+    """Return nodes [s] of a `case`, even in the wind and in growing steps after it.
+
+    They contain all breakpoints of the wind and of the case's reference deflection.
+    """
     wind, unstable = case.wind, case.poles[case.unstable]
     start, end = float(wind.onset), float(wind.end)
     length = end - start
@@ -519,7 +537,10 @@ def _nodes(case: LoadCase) -> FloatArray:
 
 
 def _oscillating_zeros(case: LoadCase) -> ComplexArray:
-    """Return the complex zeros [1/s] from deflection to load, where a control has no load."""
+    """Return the complex zeros [1/s] from deflection to load of a `case`, the upper of each pair.
+
+    A control without load oscillates at them.
+    """
     A, B, C, D = case.plant.matrices()
     through = D[-1, 0] + case.ratio
     if through == 0.0:

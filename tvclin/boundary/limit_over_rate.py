@@ -66,7 +66,10 @@ def margin_of(available: float | None, required: float) -> float | None:
 
 
 def lower_bound_text(name: str, deflection: float, at: str = "") -> str:
-    """Return a lower bound [rad] of the limit in words, by its name; `at`: with what it holds."""
+    """Return the sentence that a lower bound of the limit is `deflection` [rad].
+
+    `name`: of the bound, in `QUANTITIES`. `at`: text with what it holds, as " at this rate limit".
+    """
     whose = f" for a {FORECAST_FREE}" if name == NO_FORECAST else ""
     if np.isinf(deflection):
         return f"{name}{at}: no limit is sufficient{whose}"
@@ -75,9 +78,10 @@ def lower_bound_text(name: str, deflection: float, at: str = "") -> str:
 
 
 def point_table(caption: str, trade_off: TradeOff, *rows: tuple[str, str, str]) -> Table:
-    """Return the table of a nozzle's quantities, in degrees.
+    """Return the table of lower bound, available and remaining quantity of a nozzle, in degrees.
 
-    `rows`: fields of the lower bound, the available and the remaining quantity of each row.
+    `caption`: above the table. `trade_off`: record of the quantities. `rows`: names of its fields
+    for these three columns, of each row.
     """
     labels = columns(trade_off, *(available for _, available, _ in rows))
     shown = tuple(
@@ -88,9 +92,9 @@ def point_table(caption: str, trade_off: TradeOff, *rows: tuple[str, str, str]) 
 
 
 def required_rate_table(trade_off: RateTradeOff, deflection: str) -> Table:
-    """Return the required rate of a trade-off at its limit, the available and the remaining rate.
+    """Return the table of required, available and remaining rate of a trade-off at its limit.
 
-    `deflection`: what the limit is, in words.
+    `deflection`: text that says what the limit is.
     """
     return record_table(
         REQUIRED_RATE.capitalize(),
@@ -106,9 +110,9 @@ def ramped_deflection(
 ) -> FloatArray:
     """Return the minimum deflection [rad] under limits of rate and acceleration, of one pole.
 
-    `least`: d0 [rad], the minimum deflection at any rate, positive. `pole`: the unstable pole p
+    `minimum`: d0 [rad], the minimum deflection at any rate, positive. `pole`: the unstable pole p
     [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which broadcast with
-    `least`; both may be infinite. Returned: infinite where no deflection is sufficient.
+    `minimum`; both may be infinite. Returned: infinite where no deflection is sufficient.
     """
     d0, r, c = np.broadcast_arrays(
         *(np.asarray(x, dtype=float) for x in (minimum, rate, acceleration))
@@ -124,10 +128,11 @@ def ramped_deflection(
 
 
 def ramp_rate(minimum: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
-    """Return the minimum deflection rate [rad/s] at a limit `deflection`, d [rad], of one pole.
+    """Return the minimum rate [rad/s] of a ramp to a limit `deflection` d [rad], of one pole.
 
-    It is the inverse of `ramped_deflection`: d0 = d f(x) with x = p d/r, which Lambert's W solves.
-    Zero where no deflection is required, and infinite where no rate is sufficient.
+    `minimum`: d0 [rad], the minimum deflection at any rate. `pole`: the unstable pole p [1/s]. It
+    is the inverse of `ramped_deflection`: d0 = d f(x) with x = p d/r, which Lambert's W solves.
+    Zero where no deflection is required, and infinite where no rate is sufficient. All broadcast.
     """
     from scipy.special import lambertw
 
@@ -395,7 +400,12 @@ def rate_trade_off(
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    """A plant in a wind, from its onset on: its conditions and minimum deflections."""
+    """A plant in a wind, from its onset on: its conditions and minimum deflections.
+
+    `constraints`: of every unstable mode on the deflection. `unlimited`: deflection of minimum peak
+    at any rate. `acceleration`: its limit [rad/s2]; infinite if none. `no_forecast`: lower bound
+    [rad] without a forecast, at any rate; None for a wind that changes its sign.
+    """
 
     wind: History
     constraints: Constraints
@@ -440,7 +450,7 @@ class _Case:
         return cache(self._deflection)
 
     def _deflection(self, rate: float) -> float:
-        """Return `deflection` at a rate limit [rad/s], without the cache."""
+        """Return the minimum deflection [rad] at a rate limit [rad/s], the wind known; uncached."""
         deflection = self.single_pole_deflection(rate)
         if (
             self.minimum == 0.0
@@ -455,19 +465,19 @@ class _Case:
         return minimum_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
 
     def single_pole_deflection(self, rate: float) -> float:
-        """Return the minimum deflection [rad], the wind known, of the fastest pole alone."""
+        """Return the minimum deflection [rad] of the fastest pole alone, at a `rate` [rad/s]."""
         return float(ramped_deflection(self.fast_deflection, self.pole, rate, self.acceleration))
 
     def no_forecast_limit(self, rate: float) -> float:
-        """Return the bound without a forecast [rad]; zero without one."""
+        """Return the lower bound [rad] without a forecast, at a `rate` [rad/s]; else zero."""
         return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
 
     def lower_bound(self, rate: float) -> float:
-        """Return the larger of the minimum deflection and the bound without a forecast [rad]."""
+        """Return the larger of minimum deflection and bound without a forecast, at a `rate`."""
         return max(self.deflection(rate), self.no_forecast_limit(rate))
 
     def required_rate(self, limit: float) -> float:
-        """Return the minimum rate [rad/s] at a limit [rad]; infinite if none is sufficient.
+        """Return the minimum rate [rad/s] at a deflection limit [rad]; infinite if none suffices.
 
         The fastest pole alone requires a rate in closed form, which other poles can only raise.
         """
@@ -487,10 +497,11 @@ class _Case:
         return _minimum_rate(self.deflection, limit, single_pole_rate)
 
     def _decided_by_one_pole(self, d: float, rate: float) -> bool:
-        """Return whether the other unstable pole q does not raise the deflection.
+        """Return whether the other unstable pole q does not raise a deflection `d` [rad].
 
-        Its condition is satisfied by a motion to -d at a time t, after which the fast pole counts
-        e^(-p t): with v and f as above, and the demand d2 of q,
+        `d` is what the fastest pole p requires at the rate limit `rate` [rad/s]. The condition of q
+        is satisfied by a motion to -d at a time t, after which the fast pole counts e^(-p t): with
+        v and f of the module, and the demand d2 of q,
 
             (v/q) f(q v/c) (1 - e^(-q d/v) - e^(-q t) (1 - e^(-2 q d/v))) = d2.
         """
@@ -508,13 +519,18 @@ class _Case:
 
 
 def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: float) -> float:
-    """Return the minimum rate [rad/s] above `lowest` with a deflection within a limit, or inf."""
+    """Return the minimum rate [rad/s], above `lowest`, with a deflection within a `limit` [rad].
+
+    `deflection`: function of the rate [rad/s] to the minimum deflection [rad], which falls.
+    Infinite without such a rate.
+    """
     from scipy.optimize import brentq
 
     if deflection(_MAX_RATE_RATIO * lowest) > limit:
         return np.inf
 
     def excess(times: float) -> float:
+        """Return the excess over 1/limit of 1/deflection at `lowest` e^`times`."""
         return 1.0 / deflection(float(np.exp(times)) * lowest) - 1.0 / limit
 
     if excess(_NEGLIGIBLE) >= 0.0:
@@ -525,7 +541,10 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
 
 
 def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
-    """Return constraints and optima of a plant in a wind; `InputError` without a real fast pole."""
+    """Return conditions and optima of a plant in a wind; `InputError` for a fastest pair of poles.
+
+    `acceleration`: its limit [rad/s2]; infinite if none.
+    """
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
     poles = constraints.poles
@@ -539,9 +558,9 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
 
 
 def no_forecast_deflection(plant: Plant, wind: History) -> float | None:
-    """Return the bound [rad] of `forecast_free_limit`; zero without a real fastest unstable pole.
+    """Return the lower bound [rad] without a forecast, as `forecast_free_limit`, of one plant.
 
-    None for a wind that changes its sign.
+    Zero without a real fastest unstable pole; None for a wind that changes its sign.
     """
     poles = unstable_poles(plant)
     if not wind.constant_sign:

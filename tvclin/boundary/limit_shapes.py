@@ -55,7 +55,7 @@ _MAX_ENGINES = 100
 
 
 def vectors(name: str, value: ArrayLike) -> Vectors:
-    """Return `value` as complex numbers; `InputError` unless they are within 1e100 in size."""
+    """Return `value` as complex vectors pitch + j yaw; `InputError` about `name` above 1e100."""
     rule = f"numbers up to {_MAX_SIZE:g} in size, pitch + 1j*yaw"
     array = errors.array_of(name, value, "iufc", rule).astype(complex)
     good = np.maximum(np.abs(array.real), np.abs(array.imag)) <= _MAX_SIZE
@@ -65,7 +65,7 @@ def vectors(name: str, value: ArrayLike) -> Vectors:
 
 
 def scalar_product(direction: ArrayLike, vector: ArrayLike) -> FloatArray:
-    """Return the scalar product of vectors as complex numbers."""
+    """Return the scalar product Re(conj(direction) vector) of complex vectors, which broadcast."""
     return np.asarray(np.real(np.conj(direction) * vector))
 
 
@@ -74,10 +74,16 @@ class LimitShape(ABC):
 
     @abstractmethod
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the support function of the shape, max of d . vector, in the shape of vectors."""
+        """Return the support function, max of the scalar product of a point and `direction`.
+
+        `direction`: complex vectors, whose shape the result has.
+        """
 
     def farthest(self, direction: ArrayLike) -> Vectors:
-        """Return a point of the shape, or of a polygon inside, that is furthest along vectors."""
+        """Return the point of the shape that is furthest along each `direction`, complex vectors.
+
+        Without a formula it is a point of a polygon inside.
+        """
         return self.inscribed().farthest(direction)
 
     @property
@@ -91,7 +97,7 @@ class LimitShape(ABC):
         return self.support(np.array([1.0, -1.0, 1j, -1j])).reshape(2, 2).max(axis=1)
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the minimum limit that reaches vectors, in their shape and unit.
+        """Return the minimum limit that reaches each complex `vector`, in its shape and unit.
 
         Raises
         ------
@@ -114,7 +120,7 @@ class LimitShape(ABC):
         return self
 
     def reach(self, angle: ArrayLike) -> FloatArray:
-        """Return the largest deflection of a unit limit in directions [rad], a ratio."""
+        """Return the largest deflection in directions `angle` [rad], over the limit."""
         return 1.0 / self.gauge(unit_vector(errors.directions("angle", angle)))
 
     def each_plane(self) -> PolygonShape:
@@ -156,15 +162,15 @@ class CircularShape(LimitShape):
         return True
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the size of vectors."""
+        """Return the size of each `direction`, a complex vector: the support of a unit circle."""
         return np.asarray(np.abs(vectors("direction", direction)))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the size of vectors."""
+        """Return the size of each `vector`, a complex number: the gauge of a unit circle."""
         return np.asarray(np.abs(vectors("vector", vector)))
 
     def farthest(self, direction: ArrayLike) -> Vectors:
-        """Return the point of the shape that is furthest along vectors."""
+        """Return the point of the unit circle along each `direction`, a complex vector."""
         d = vectors("direction", direction)
         size = np.abs(d)
         return np.asarray(d / np.where(size < _MIN_SIZE, 1.0, size))
@@ -190,6 +196,7 @@ class EllipticShape(LimitShape):
     yaw: float
 
     def __post_init__(self) -> None:
+        """Check both half axes, and set them to floats."""
         for name in ("pitch", "yaw"):
             axis = errors.number(name, getattr(self, name), errors.between(_MIN_RATIO, _MAX_RATIO))
             object.__setattr__(self, name, axis)
@@ -200,17 +207,17 @@ class EllipticShape(LimitShape):
         return True
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the support function of the ellipse along vectors."""
+        """Return the support function of the ellipse along each `direction`, a complex vector."""
         d = vectors("direction", direction)
         return np.asarray(np.hypot(self.pitch * np.real(d), self.yaw * np.imag(d)))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the gauge of vectors: the scale of the ellipse that just contains each."""
+        """Return the gauge of each complex `vector`: the scale of the ellipse that contains it."""
         v = vectors("vector", vector)
         return np.asarray(np.hypot(np.real(v) / self.pitch, np.imag(v) / self.yaw))
 
     def farthest(self, direction: ArrayLike) -> Vectors:
-        """Return the point of the shape that is furthest along vectors."""
+        """Return the point of the ellipse furthest along each `direction`, a complex vector."""
         d = vectors("direction", direction)
         grown = self.pitch**2 * np.real(d) + 1j * self.yaw**2 * np.imag(d)
         return np.asarray(grown / np.where(np.abs(d) < _MIN_SIZE, 1.0, self.support(d)))
@@ -236,6 +243,7 @@ class PolygonShape(LimitShape):
     corners: Vectors
 
     def __post_init__(self) -> None:
+        """Check the corners, and keep them counterclockwise, without those on an edge."""
         c = vectors("corners", self.corners)
         if c.ndim != 1 or not 3 <= c.size <= _MAX_CORNERS:
             raise errors.InputError(
@@ -279,22 +287,22 @@ class PolygonShape(LimitShape):
         return np.asarray(outward / scalar_product(outward, self.corners))
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the support function of the polygon along vectors."""
+        """Return the support function of the polygon along each `direction`, a complex vector."""
         return scalar_product(direction, self.farthest(direction))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the gauge of vectors: the scale of the polygon that just contains each."""
+        """Return the gauge of each complex `vector`: the scale of the polygon that contains it."""
         v = vectors("vector", vector)
         return scalar_product(self.normals[_sector(self.corners, v)], v)
 
     def farthest(self, direction: ArrayLike) -> Vectors:
-        """Return the corner that is furthest along vectors."""
+        """Return the corner that is furthest along each `direction`, a complex vector."""
         d = vectors("direction", direction)
         return np.asarray(np.roll(self.corners, -1)[_sector(self.normals, d)])
 
 
 def _vertices(corners: Vectors) -> Vectors:
-    """Return the vertices of a convex polygon, without repeated ones and points on an edge."""
+    """Return the vertices of a convex polygon: `corners` that are not repeated and on no edge."""
     corners = corners[corners != np.roll(corners, -1)]
     while True:
         edges = np.roll(corners, -1) - corners
@@ -305,7 +313,10 @@ def _vertices(corners: Vectors) -> Vectors:
 
 
 def _sector(rays: Vectors, vector: Vectors) -> IndexArray:
-    """Return the index of the last ray before each vector; the rays go once around."""
+    """Return the index of the last of `rays` before each `vector`, all complex, in its shape.
+
+    The rays go once around zero, counterclockwise.
+    """
     turns = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
     angles = np.maximum.accumulate(np.append(0.0, turns))
     beyond_first = np.angle(vector / rays[0]) % (2.0 * np.pi)
@@ -322,6 +333,7 @@ class SquareShape(PolygonShape):
     """
 
     def __init__(self, rotation: float = 0.0) -> None:
+        """Make the square of half width one that is turned by `rotation` [rad]."""
         angle = errors.number("turn", rotation, errors.directions, "rad")
         PolygonShape.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit_vector(angle)
@@ -384,6 +396,7 @@ class ClusterEngine:
     deflection: complex = 0.0
 
     def __post_init__(self) -> None:
+        """Check all attributes, and set the numbers to complex or float."""
         for name in ("at", "deflection"):
             array = vectors(name, getattr(self, name))
             if array.ndim or abs(array) > 1e9:
@@ -441,6 +454,7 @@ class Cluster(LimitShape):
     hold_roll: bool = True
 
     def __post_init__(self) -> None:
+        """Check number and states of the engines, and that those that move trim the others."""
         engines = errors.each("engines", self.engines, ClusterEngine, "each with its place")
         if len(engines) > _MAX_ENGINES or not any(engine.state == "moving" for engine in engines):
             raise errors.InputError(
@@ -465,11 +479,11 @@ class Cluster(LimitShape):
 
     @property
     def symmetric(self) -> bool:
-        """Whether the shape is symmetric about zero."""
+        """Whether the shape is symmetric about zero: no engine stuck, all moving ones symmetric."""
         return not any(self._stuck) and all(engine.limit_shape.symmetric for engine in self._moving)
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the support function of the mean deflection along vectors."""
+        """Return the support of the mean deflection along each `direction`, a complex vector."""
         d = vectors("direction", direction)
         bias, roll = self._stuck
         free = self._sum(d, np.zeros(d.shape))
@@ -507,16 +521,21 @@ class Cluster(LimitShape):
 
     @property
     def _shares(self) -> list[tuple[ClusterEngine, float]]:
+        """Engines, each with its share of the thrust."""
         total = sum(engine.share for engine in self.engines)
         return [(engine, engine.share / total) for engine in self.engines]
 
     @property
     def _moving(self) -> list[ClusterEngine]:
+        """Engines that move, each with its share of the thrust."""
         return [engine for engine in self.engines if engine.state == "moving"]
 
     @property
     def _stuck(self) -> tuple[complex, float]:
-        """Mean deflection [rad] of engines that are stuck, and their roll moment."""
+        """Mean deflection of the engines that are stuck, over the limit, and their roll moment.
+
+        The moment is normalised by the total thrust and the largest distance from the axis.
+        """
         stuck = [(engine, share) for engine, share in self._shares if engine.state == "stuck"]
         bias = sum((engine.deflection * share for engine, share in stuck), 0j)
         roll = sum(
@@ -526,15 +545,15 @@ class Cluster(LimitShape):
         return bias, roll if self.hold_roll else 0.0
 
     def _rolls(self, sign: float) -> float:
-        """Return the largest roll moment of a sign; zero where roll is not held."""
+        """Return the largest roll moment of a `sign`, normalised as in `_stuck`; zero if free."""
         still = np.zeros((), dtype=complex)
         return float(self._sum(still, np.asarray(sign))) if self.hold_roll else 0.0
 
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
-        """Return the sum over moving engines of s_j h_j(d + rho a_j), with d of any shape.
+        """Return the sum over moving engines of s_j h_j(d + rho a_j), in the shape of d and rho.
 
-        s_j: share of the thrust. h_j: support function. a_j: arm about the roll axis, and `rho` its
-        multiplier.
+        s_j: share of the thrust. h_j: support function. `d`: complex vectors. a_j: arm about the
+        roll axis, and `rho` its multiplier.
         """
         moving = [(engine, share) for engine, share in self._shares if engine.state == "moving"]
         supports = [
@@ -544,6 +563,6 @@ class Cluster(LimitShape):
         return np.asarray(np.sum(supports, axis=0))
 
     def _arm(self, engine: ClusterEngine) -> complex:
-        """Return j r of an engine, normalised by the largest r."""
+        """Return the arm a = j r of an engine at r, over the largest r; zero on the axis."""
         largest = max(abs(member.at) for member in self.engines)
         return 1j * engine.at / largest if abs(engine.at) > _MAX_CENTRAL_RADIUS * largest else 0j

@@ -94,10 +94,10 @@ class _AfterTrim:
     modes: AnyArray
 
     def peaks(self, cases: IndexArray, limits: FloatArray, sufficient: FloatArray) -> FloatArray:
-        """Return the minimum peaks m(L) [rad] from the exit of the dead band on, ``(n,)``.
+        """Return the minimum peaks m(L) from the exit of the dead band on, ``(n,)``.
 
-        `cases`: indices of the cases. `limits`: their L [rad]. `sufficient`: deflections [rad],
-        returned in place of m(L) where they are proved to be no less.
+        `cases`: n indices of cases. `limits`: their L. `sufficient`: deflections returned in place
+        of m(L) where they are proved to be no less. All are normalised by B alpha_w,max.
         """
         poles = self.modes[cases]
         z = self.problem.demands_after_trim(cases, self.dead_band[cases] * limits, poles)
@@ -107,10 +107,10 @@ class _AfterTrim:
 def _iterated(
     after: _AfterTrim, cases: IndexArray, lower: FloatArray, highest: FloatArray
 ) -> FloatArray:
-    """Return the largest limits L [rad] that diverge, ``(n,)``, by L <- max(K L, m(L)).
+    """Return the largest limits L that diverge after trim, ``(n,)``, by L <- max(K L, m(L)).
 
-    `cases`: indices of the cases. `lower`: smallest results [rad]. `highest`: limits [rad] from
-    which the iteration starts.
+    `after`: the problem with m(L). `cases`: n indices of its cases. `lower`: smallest results.
+    `highest`: limits from which the iteration starts. All limits are normalised by B alpha_w,max.
     """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)
@@ -136,10 +136,14 @@ def _iterated(
 def _bisected(
     after: _AfterTrim, cases: IndexArray, lower: FloatArray, highest: FloatArray
 ) -> FloatArray:
-    """Return the highest limit that diverges, by a grid and bisection, or `lower` without one."""
+    """Return the highest limits that diverge after trim, ``(n,)``, by a grid and bisection.
+
+    `after`: the problem with m(L). `cases`: n indices of its cases. `lower`: result if none above
+    it diverges. `highest`: a limit that trim never exceeds. All are normalised by B alpha_w,max.
+    """
 
     def diverges(which: IndexArray, limits: FloatArray) -> BoolArray:
-        """Return whether each limit diverges, the shape of `limits`."""
+        """Return whether each of `limits` ``(c, ...)`` diverges in case `which` ``(c,)``."""
         flat = limits.ravel()
         repeated = np.repeat(cases[which], limits.size // which.size)
         return (after.peaks(repeated, flat, flat) > flat * (1.0 + _RELATIVE_ROUNDING)).reshape(
@@ -177,6 +181,7 @@ class Reason(StrEnum):
     NOTHING = "nothing"
 
     def __repr__(self) -> str:
+        """Return the text in quotes."""
         return repr(self.value)
 
     @property
@@ -258,9 +263,10 @@ def with_larger_requirements(
 
 
 def _after_trim(plant: Plant, wind: History, K: FloatArray, smallest: FloatArray) -> FloatArray:
-    """Return the largest limit [rad] that loses a vehicle after trim up to K times it, else 0.
+    """Return the largest limit [rad] that diverges after trim up to K times it, else 0.
 
-    `K`: dead band. Limits up to `smallest` [rad] count as zero. Of the shape of `smallest`.
+    `plant`, `wind`: one or a batch. `K`: dead band. `smallest`: limits [rad] up to which the result
+    is zero. Of the shape of `smallest`.
     """
     poles = unstable_poles(plant)
     if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):
@@ -275,6 +281,6 @@ def _after_trim(plant: Plant, wind: History, K: FloatArray, smallest: FloatArray
 
 
 def _has_bound(plant: Plant) -> bool:
-    """Return whether there is a bound without a forecast: the fastest pole of a plant is real."""
+    """Return whether a plant has a bound without a forecast: its fastest unstable pole is real."""
     poles = unstable_poles(plant)
     return bool(plant.batch) or (poles.size > 0 and np.imag(poles[0]) == 0.0)

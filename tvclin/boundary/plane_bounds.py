@@ -126,7 +126,10 @@ class PlanePair:
     def _remaining_integrals(
         self, history: PlaneWind
     ) -> tuple[RemainingIntegral, RemainingIntegral]:
-        """Return the discounted remaining integral in each plane, at its fast pole."""
+        """Return functions of time [s] to the remaining integral of `history` in pitch and in yaw.
+
+        It is discounted with the fast pole of the plane.
+        """
         (p, *_), (r, *_) = self.poles
         return history.pitch.remaining_integral_of(p), history.yaw.remaining_integral_of(r)
 
@@ -146,22 +149,28 @@ class PlanePair:
         return np.asarray(p * pitch(t) + 1j * (r * yaw(t)))
 
     def mode_demands(self, plane: int, t: FloatArray) -> FloatArray:
-        """Return the wind demand -B K1 W [rad] of every mode of one plane, ``(N, n)``."""
+        """Return the wind demand -B K1 W [rad] after times `t` [s] of each mode, ``(N, n)``.
+
+        `plane`: 0 is pitch and 1 yaw.
+        """
         wind = (self.wind.pitch, self.wind.yaw)[plane]
         return self._strengths[plane][:, np.newaxis] * wind.remaining_integral(self.poles[plane], t)
 
     def demands_after_trim(self, plane: int, t: float) -> FloatArray:
-        """Return the demand [rad] of every mode of one plane after trim up to `t` [s], ``(N,)``."""
+        """Return the demand [rad] of each mode of a plane after trim up to `t` [s], ``(N,)``.
+
+        `plane`: 0 is pitch and 1 yaw.
+        """
         trim, poles = (self.trim.pitch, self.trim.yaw)[plane], self.poles[plane]
         return poles * np.asarray(trim.remaining_integral(poles, np.asarray([t])))[:, 0]
 
     def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
-        """Return vectors times e^(-p time), each component with the fast pole of its plane."""
+        """Return complex vectors times e^(-p `time` [s]), with the fast pole p of each plane."""
         pitch, yaw = (np.exp(-p[0] * time) for p in self.poles)
         return np.asarray(np.real(vector) * pitch + 1j * np.imag(vector) * yaw)
 
     def moment_driver(self, t: FloatArray) -> Vectors:
-        """Return the driver -B alpha_w [rad] of the report's exit on wind."""
+        """Return the driver -B alpha_w [rad] of the report's exit on wind at `t` [s], complex."""
         pitch, yaw = (plant.coefficients.B for plant in self.plants)
         w = self.wind(t)
         return np.asarray(-pitch * np.real(w) - 1j * yaw * np.imag(w))
@@ -186,7 +195,10 @@ class PlanePair:
 def checked_batch(
     plant: Plant, wind: PlaneWind, limit_shape: LimitShape, yaw_plant: Plant | None
 ) -> tuple[int, ...]:
-    """Return the shape of the batch; `InputError` for a plant or wind without two-plane limits."""
+    """Return the shape of the batch; `InputError` for a plant or wind without two-plane limits.
+
+    `yaw_plant`: of the yaw plane; None where it is `plant`.
+    """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     if isinstance(wind, History):
         raise InputError(
@@ -217,7 +229,10 @@ def checked_batch(
 
 
 def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], FloatArray]:
-    """Return a lower bound of the gauge of S - S, as a function, from supports in directions."""
+    """Return a function of vectors to a lower bound of their gauge of S - S, for the shape S.
+
+    It is exact for a symmetric `limit_shape`, S; else of the supports in some directions.
+    """
     if limit_shape.symmetric:
         return lambda vector: limit_shape.gauge(vector) / 2.0
     directions = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
@@ -229,10 +244,11 @@ def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], Float
 
 
 def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
-    """Return the bound [rad] of the fast modes for laws that know the wind, but not when it stops.
+    """Return the lower bound [rad] for laws that know the wind, but not when it stops.
 
-    With planes that differ, it is computed for states that a constant vector returns from: up to
-    two percent too large where the poles differ by half.
+    It is that of the fast mode of each plane of `pair`, with S a `limit_shape`. With planes that
+    differ, it is computed for states that a constant vector returns from: up to two percent too
+    large where the poles differ by half.
     """
     onset, end = float(pair.wind.onset), float(pair.wind.end)
     shown = pair.times()
@@ -241,9 +257,11 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     gauge = _difference_gauge(limit_shape)
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
+        """Return the bound [rad] for a wind between `s` and `T` [s]."""
         return gauge(_between(pair, s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
+        """Return the bound [rad] for a wind between its onset and `T` [s]."""
         return limit_shape.gauge(_between(pair, np.full((1, 1), onset), T))
 
     grid = two_sided(times[:, np.newaxis], times)
@@ -260,7 +278,7 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
 
 
 def _between(pair: PlanePair, s: FloatArray, T: FloatArray) -> ComplexArray:
-    """Return the demand [rad] of the wind from s to T, zero where T is before s; they broadcast."""
+    """Return the demand [rad] of the wind of `pair` from `s` to `T` [s]; zero for T < s."""
     demand = pair.wind_demand(s) - pair.decayed(pair.wind_demand(T), np.maximum(T - s, 0.0))
     return np.where(T > s, demand, 0.0)
 
@@ -271,7 +289,11 @@ def _refined_maximum(
     step: float,
     ends: tuple[float, float],
 ) -> float:
-    """Return the largest value near a start, by grids about the best point, each narrower."""
+    """Return the largest value of `height` near a `start`, by grids about the best point.
+
+    `height`: function of two times [s] that broadcast. `start`: of both. `step`: half width [s] of
+    the first grid; each later one is narrower. `ends`: first and last time [s].
+    """
     s, T = start
     best = 0.0
     offsets = np.linspace(-1.0, 1.0, _GRID_POINTS)
@@ -359,9 +381,9 @@ def plane_optimum(
 def minimum_in_planes(
     pair: PlanePair, limit_shape: LimitShape, exit_time: float | None = None
 ) -> PlaneOptimum:
-    """Return `plane_optimum` of checked arguments, after trim up to `exit_time` [s].
+    """Return `plane_optimum` of checked arguments: plants and wind of `pair` in a `limit_shape`.
 
-    Without `exit_time` it is from the onset of the wind on.
+    The control begins after trim up to `exit_time` [s]; without it, at the onset of the wind.
     """
     if exit_time is not None:
         demands = np.concatenate([pair.demands_after_trim(plane, exit_time) for plane in (0, 1)])
@@ -382,7 +404,10 @@ def minimum_in_planes(
 
 
 def _along_a_line(pair: PlanePair) -> PlaneOptimum:
-    """Return the scalar optimum, which no deflection across it improves in a round limit shape."""
+    """Return the optimum of a `pair` in a wind of one direction, in a round limit shape.
+
+    It is scalar, for no deflection across the direction improves it.
+    """
     direction = pair.wind.direction
     onset = float(pair.wind.onset)
     best = optimum_deflection(pair.plants[0], pair.wind.component(direction), start=onset)
@@ -393,7 +418,10 @@ def _along_a_line(pair: PlanePair) -> PlaneOptimum:
 def _optimum(
     pair: PlanePair, times: FloatArray, deflections: Vectors, proof: Certificate
 ) -> PlaneOptimum:
-    """Return the record of deflections [rad] from `times` [s] on, with their certificate."""
+    """Return the record of `deflections` [rad] from `times` [s] on, with their certificate `proof`.
+
+    `pair`: plants and wind, for the size of trim.
+    """
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     status = OK if proof.gap < _MAX_GAP else NOT_CONVERGED
     return PlaneOptimum(proof.primal / scale, proof.primal, times, deflections, proof, status)
@@ -401,9 +429,10 @@ def _optimum(
 
 @dataclass(frozen=True, eq=False)
 class _Moments:
-    """The conditions, in cells that are even in e^(-p t) for every pole.
+    """The conditions on a deflection within a limit shape, constant in cells.
 
-    `demands`: of every mode of pitch and then of yaw [rad] from the start of the control, ``(k,)``.
+    The cells are even in e^(-p t) for every pole. `demands`: of every mode of pitch and then of yaw
+    [rad] from the start of the control, ``(k,)``.
     """
 
     pair: PlanePair
@@ -460,10 +489,12 @@ class _Moments:
 
 
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
-    """Return the solution of l . d -> max, N(l) <= 1 in cells, by cutting planes (Kelley 1960).
+    """Return times [s], deflections [rad] and certificate of the minimum, by cutting planes.
 
-    N(l) is the largest l . m of the moments m of any deflection v within S, attained by the v
-    furthest along l at each time. For the v_i of earlier steps a small linear program solves
+    `moments`: the conditions in cells. `onset`: start of the control [s]. It solves l . d -> max,
+    N(l) <= 1 (Kelley 1960). N(l) is the largest l . m of the moments m of any deflection v within
+    S, attained by the v furthest along l at each time. For the v_i of earlier steps a small linear
+    program solves
 
         max of l . d with l . m_i <= 1   =   min of sum w_i with sum w_i m_i = d, w >= 0
 
@@ -514,7 +545,12 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
 def _corrected(
     moments: _Moments, onset: float, best: FloatArray, deflections: Vectors, size: float
 ) -> tuple[FloatArray, Vectors, Certificate]:
-    """Return times [s], deflections [rad] that satisfy the conditions, and their certificate."""
+    """Return times [s], deflections [rad] that satisfy the conditions, and their certificate.
+
+    `moments`: the conditions in cells. `onset`: start of the control [s]. `best`: multipliers
+    ``(k,)`` of the lower bound. `deflections`: in the cells, over `size`, ``(n,)``. `size`: unit
+    [rad].
+    """
     d, cells, limit_shape = moments.demands / size, moments.cells, moments.limit_shape
     for _ in range(2):  # the second time for the rounding of the first
         missing = d - np.real(np.conj(cells) @ deflections)

@@ -84,9 +84,10 @@ def vector_requirement(
 ) -> float:
     """Return the limit [rad] of the control in both planes with exit on trim, or `separate`.
 
-    `separate`: limit [rad] of the rectangle of both planes' separate requirements, returned if it
-    is larger. The minimum of both and their bound without a forecast do not exceed it, and are not
-    computed. `InputError` where `plane_limit` raises it.
+    `pair`: plants and wind. `K`: dead band. `separate`: limit [rad] of the rectangle of both
+    planes' separate requirements, returned if it is larger. The minimum of both and their bound
+    without a forecast do not exceed it, and are not computed. `InputError` where `plane_limit`
+    raises it.
     """
     if _scalar_case(pair) is not None:  # the planes are one along it
         return separate
@@ -101,7 +102,11 @@ def vector_requirement(
 def two_plane_requirement(
     pair: PlanePair, limit_shape: LimitShape, bands: Sequence[float], literal: bool
 ) -> list[PlaneRequirement]:
-    """Return the requirement of one wind in two planes, for each dead band K."""
+    """Return the requirement of one wind in two planes, for each dead band K of `bands`.
+
+    `pair`: plants and wind. `limit_shape`: of the nozzle. `literal`: whether the exit of the dead
+    band is on trim, not on the wind.
+    """
     line = _scalar_case(pair)
     if line is not None:
         return [_unidirectional_requirement(pair, *line, limit_shape, K, literal) for K in bands]
@@ -124,7 +129,7 @@ def two_plane_requirement(
 
 
 def _check_turning(pair: PlanePair, K: float) -> None:
-    """Raise `InputError` for a wind that turns where b1 is below zero."""
+    """Raise `InputError` for a wind of `pair` that turns where b1 < 0 and the dead band `K` > 0."""
     falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
     if any(falling) and K > 0.0 and not pair.wind.unidirectional:
         raise InputError(
@@ -142,7 +147,12 @@ def _turning_requirement(
     bound: float,
     warning: str,
 ) -> PlaneRequirement:
-    """Return the requirement of a wind that turns, or of planes that differ."""
+    """Return the requirement of a wind that turns, or of planes that differ.
+
+    `pair`: plants and wind. `limit_shape`: of the nozzle. `K`: dead band. `literal`: whether its
+    exit is on trim, not on the wind. `minimum`: over all unstable poles [rad]. `bound`: lower bound
+    without a forecast [rad]. `warning`: note where the minimum is the requirement.
+    """
     shape = limit_shape if K == 0.0 else limit_shape.inside
     deflection, time, status = _dead_band_exit(pair, shape, K, literal)
     notes = [] if status == OK else [status]
@@ -170,7 +180,8 @@ def _requirement_after_trim(
     """Return the largest limit [rad] that diverges after trim up to K times it, or `minimum`.
 
     L <- max(K L, m(L)) from the largest trim on, as in `open_loop`. The rectangle of both planes'
-    separate minima is no less than m, and is tried first.
+    separate minima is no less than m, and is tried first. `pair`: plants and wind. `literal`:
+    whether the exit of the dead band is on trim, not on the wind. `minimum`: smallest result [rad].
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
@@ -180,9 +191,14 @@ def _requirement_after_trim(
     limit = float(max(heights.max(), limit_shape.gauge(pair.trim(times)).max()))
 
     def demand(limit: float, sufficient: float, solved: bool) -> float:
-        """Return m(L) [rad], or an upper bound of it that is sufficient or not to be solved."""
+        """Return m(L) [rad] at the limit L, or an upper bound of it.
+
+        The bound, of separate planes, is returned where it is `sufficient` [rad] or m is not to be
+        `solved`.
+        """
 
         def excess(t: float) -> float:
+            """Return the gauge of the driver at `t` [s] minus K L [rad]."""
             return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
         # at the end of the wind without an earlier exit of the dead band
@@ -230,7 +246,10 @@ def _governing_requirement(requirements: dict[Reason, float]) -> tuple[float, li
 
 
 def _scalar_case(pair: PlanePair) -> tuple[Plant, History] | None:
-    """Return plant and scalar wind of a wind of one direction and sign; None for all others."""
+    """Return the plant and the scalar wind along its direction; None if `pair` is no scalar case.
+
+    That takes a wind of one direction and one sign, and equal planes or a wind in only one of them.
+    """
     if not pair.wind.unidirectional:
         return None
     wind, angle = pair.wind, pair.wind.direction
@@ -246,7 +265,11 @@ def _scalar_case(pair: PlanePair) -> tuple[Plant, History] | None:
 def _unidirectional_requirement(
     pair: PlanePair, plant: Plant, wind: History, limit_shape: LimitShape, K: float, literal: bool
 ) -> PlaneRequirement:
-    """Return the scalar requirement along the direction of the wind."""
+    """Return the requirement along the direction of the wind, the gauge times the scalar one.
+
+    `pair`: plants and wind. `plant`, `wind`: of the scalar case. `limit_shape`: of the nozzle. `K`:
+    dead band. `literal`: whether its exit is on trim, not on the wind.
+    """
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
     required = open_loop_requirements(plant, wind, 1.0, boundary)
     requirements = {name: float(size) for name, size in required.items()}
@@ -280,7 +303,9 @@ def _dead_band_exit(
 ) -> tuple[complex, float, str]:
     """Return constant deflection [rad] after the exit of the dead band, exit time [s] and status.
 
-    Only new maxima of the driver's gauge are exits; of several solutions the last is returned.
+    `pair`: plants and wind. `limit_shape`: of the nozzle. `K`: dead band. `literal`: whether its
+    exit is on trim, not on the wind. Only new maxima of the driver's gauge are exits; of several
+    solutions the last is returned.
     """
     onset = np.asarray([float(pair.wind.onset)])
     if K == 0.0:
@@ -288,7 +313,10 @@ def _dead_band_exit(
     times = pair.times()
 
     def margin(t: FloatArray, floor: float = 0.0) -> FloatArray:
-        """Return the driver's gauge minus K times the gauge of the required deflection [rad]."""
+        """Return gauge of the driver, at least `floor`, minus K times that of the demand [rad].
+
+        `t`: times [s]. The demand is the constant deflection required after them.
+        """
         driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
 
@@ -431,7 +459,7 @@ def plane_limit(
 
 
 def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str) -> PlaneLimit:
-    """Return the limit of one case at dead band K."""
+    """Return the limit of one `pair` of plants and wind, at the dead band `K` and exit `switch`."""
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
     requirement = two_plane_requirement(pair, limit_shape, (K,), literal)[0]
     pitch_only = requirement.limit

@@ -29,12 +29,15 @@ _MAX_COEFFICIENT = 1e18
 
 
 def _number(kind: str, name: str, check: Callable[..., Any] = errors.finite) -> Mapping[str, Any]:
-    """Return the metadata of a coefficient, whose symbol is its label and its key."""
+    """Return the metadata of a coefficient: `name` is its label and its key in documents.
+
+    `kind`: its kind of quantity in `UNITS`. `check`: function of name, value and unit.
+    """
     return spec(kind, label=name, key=name, check=check)
 
 
 def _if_unstable(name: str) -> Callable[[Any], Any]:
-    """Return the function of coefficients to a number; None unless all vehicles are unstable."""
+    """Return the function of `Coefficients` to their property `name`; None unless all unstable."""
     return lambda c: getattr(c, name) if np.all(np.asarray(c.mu_alpha) > 0.0) else None
 
 
@@ -97,6 +100,7 @@ class Coefficients(Record):
     name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        """Check all numbers, and set each to a float or, in a batch, to an array."""
         checked = {
             name: item.check(name, getattr(self, name), item.si_unit)
             for name, item in parameters(Coefficients).items()
@@ -115,10 +119,12 @@ class Coefficients(Record):
         errors.instance("name", self.name, str, "the vehicle's")
 
     def _repr_html_(self) -> str:
+        """Return the coefficients as a table in HTML."""
         title = f"Coefficients: {self.name}" if self.name else "Coefficients"
         return card(title, card_rows(self))
 
     def __repr__(self) -> str:
+        """Return the coefficients as lines of text."""
         return lines(f"Coefficients {self.name}".strip(), card_rows(self))
 
     @classmethod
@@ -180,7 +186,7 @@ class Coefficients(Record):
         return cls(mu_alpha=beta**2, mu_delta=beta**2 / B, **others)
 
     def replace(self, **changes: Any) -> Self:
-        """Return a copy with some fields changed."""
+        """Return a copy with the fields `changes` changed; `InputError` for an unknown one."""
         unknown = set(changes) - set(self.__dataclass_fields__)
         if unknown:
             raise errors.InputError(f"Coefficients has no field {', '.join(sorted(unknown))}")

@@ -146,7 +146,11 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
 
 
 def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
-    """Return the values of a vehicle table, with its `QUANTITIES` combined to pitch_damping."""
+    """Return the numbers of a vehicle with pitch_damping [N m s/rad] in place of its sources.
+
+    `values`: numbers of `table`, the table [vehicle], in SI units by name: either pitch_damping, or
+    an aerodynamic coefficient and the numbers of the jet, whose dampings add up.
+    """
     result = {name: value for name, value in values.items() if name not in QUANTITIES}
     sources = [name for name in _SOURCES if name in values]
     if "pitch_damping" in values:

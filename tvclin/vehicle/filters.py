@@ -62,17 +62,24 @@ class Filter(Record):
     denominator: FloatArray = field(metadata=spec())
 
     def __eq__(self, other: object) -> bool:
+        """Return whether `other` is a filter with equal coefficients and an equal batch."""
         return isinstance(other, Filter) and self._bytes == other._bytes
 
     def __hash__(self) -> int:
+        """Return the hash of all coefficients."""
         return hash(self._bytes)
 
     @property
     def _bytes(self) -> tuple[tuple[int, ...], bytes, tuple[int, ...], bytes]:
+        """Shapes and coefficients of the filter, which can be compared and hashed."""
         above, below = self.numerator, self.denominator
         return above.shape, above.tobytes(), below.shape, below.tobytes()
 
     def __post_init__(self) -> None:
+        """Check both polynomials, divide them by the leading coefficient of the denominator.
+
+        Both get the shape of the batch; leading zeros of the numerator are dropped.
+        """
         above, below = finite("numerator", self.numerator), finite("denominator", self.denominator)
         for name, coefficients in (("numerator", above), ("denominator", below)):
             if not coefficients.ndim or not 0 < coefficients.shape[-1] <= _MAX_ORDER + 1:
@@ -102,12 +109,12 @@ class Filter(Record):
 
     @classmethod
     def from_coefficients(cls, numerator: ArrayLike, denominator: ArrayLike) -> Self:
-        """Return the filter of two polynomials, highest power first, as `Filter` itself."""
+        """Return the filter of a `numerator` and `denominator` in s, highest power first."""
         return cls(numerator, denominator)  # type: ignore[arg-type]
 
     @classmethod
     def low_pass(cls, frequency: ArrayLike, damping: ArrayLike | None = None) -> Self:
-        """Return w^2/(s^2 + 2 zeta w s + w^2), or w/(s + w) without a damping.
+        """Return the lag w^2/(s^2 + 2 zeta w s + w^2), or w/(s + w) without a damping.
 
         Parameters
         ----------
@@ -190,10 +197,10 @@ class Filter(Record):
         return values.reshape((*self.batch, *at.shape))
 
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return A, B, C, D with the leading axes of the batch, in controllable form.
+        """Return A, B, C, D of x' = A x + B u, y = C x + D u, with the leading axes of the batch.
 
-        The states are scaled by a frequency above all poles, so that the entries of A are of its
-        size.
+        They are in controllable form, with states scaled by a frequency above all poles, so that
+        the entries of A are of its size.
         """
         n = self.order
         below = self.denominator
@@ -214,8 +221,9 @@ class Filter(Record):
 def filter_cells(filter_: Filter, name: str) -> tuple[Line, Line, Line]:
     """Return zeros, poles and gain of a filter as cells of a table.
 
-    A complex pair has a frequency and a damping. The gain is that at s = 0; where that is zero or
-    infinite, the ratio of the leading coefficients.
+    `name`: first part of the names of the numbers. A complex pair has a frequency and a damping.
+    The gain is that at s = 0; where that is zero or infinite, the ratio of the leading
+    coefficients.
     """
     above = np.trim_zeros(filter_.numerator, "f")
     zeros = _roots_line(f"{name}.zeros", np.roots(above))
@@ -228,7 +236,10 @@ def filter_cells(filter_: Filter, name: str) -> tuple[Line, Line, Line]:
 
 
 def _roots_line(name: str, roots: AnyArray) -> Line:
-    """Return zeros or poles [1/s] as a line: frequency and damping of each pair, and real ones."""
+    """Return `roots`, zeros or poles [1/s], as a line: frequency and damping of pairs, real ones.
+
+    `name`: first part of the names of the numbers.
+    """
     line: Line = ()
     for k, root in enumerate(roots[np.imag(roots) >= 0.0]):
         line += (", ",) if k else ()
@@ -242,4 +253,5 @@ def _roots_line(name: str, roots: AnyArray) -> Line:
 
 
 def _coefficient_rows(*coefficients: Any) -> FloatArray:
+    """Return numbers or arrays that broadcast as coefficients on a new last axis, ``(..., n)``."""
     return np.stack(np.broadcast_arrays(*coefficients), axis=-1)

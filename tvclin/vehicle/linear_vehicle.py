@@ -36,9 +36,13 @@ COEFFICIENTS_TABLE = FileTable(
 
 
 def _coefficient(name: str, label: str = "") -> Field:
-    """Return the field of a coefficient of a vehicle; without value where it is not known."""
+    """Return the field of the coefficient `name`, without value where it is not known.
+
+    `label`: in tables; by default the name.
+    """
 
     def value(vehicle: LinearVehicle) -> Any:
+        """Return the coefficient of a vehicle; None where it is not known, and for no damping."""
         has_value = name in _SLOPES or (vehicle.path_known if name in _PATH_COEFFICIENTS else True)
         number = getattr(vehicle.coefficients, name)
         return number if has_value and (number or name != "damping") else None
@@ -79,6 +83,7 @@ class LinearVehicle:
     structure: ClassVar[None] = None
 
     def __post_init__(self) -> None:
+        """Check the attributes."""
         instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_beta")
         single("coefficients", self.coefficients.batch)
         text("name", self.name)
@@ -90,9 +95,11 @@ class LinearVehicle:
         return self
 
     def _repr_html_(self) -> str:
+        """Return the known coefficients as a table in HTML."""
         return card(self.name or "Coefficients", card_rows(self))
 
     def __repr__(self) -> str:
+        """Return the known coefficients as lines of text."""
         title = f"Linear vehicle {self.name}".strip()
         return lines(title, card_rows(self))
 
@@ -146,21 +153,21 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
 
 
 def coefficients_of(vehicle: AnyVehicle, plane: str = "pitch") -> Coefficients:
-    """Return the coefficients of a vehicle in a plane."""
+    """Return the coefficients of a vehicle in a `plane`, "pitch" or "yaw"; linear: in its own."""
     if isinstance(vehicle, LinearVehicle):
         return vehicle.coefficients
     return Coefficients.from_vehicle(vehicle, plane)
 
 
 def complete_vehicle(vehicle: AnyVehicle, what: str) -> Vehicle:
-    """Return the vehicle; `InputError` for a `LinearVehicle`, where `what` needs a `Vehicle`."""
+    """Return the vehicle; `InputError` that `what` needs a `Vehicle` for a `LinearVehicle`."""
     if isinstance(vehicle, LinearVehicle):
         raise InputError(incomplete_vehicle_message(what))
     return vehicle
 
 
 def _vehicle_from_table(row: Mapping[str, Any]) -> LinearVehicle:
-    """Return the vehicle of a table [coefficients]."""
+    """Return the vehicle of the table [coefficients], whose keys and values are `row`."""
     table = COEFFICIENTS_TABLE
     values = table.read(row)
     name = values.get("name", "")

@@ -96,6 +96,7 @@ class BendingMode(_Batched):
     tank_slopes: tuple[Number, ...] = ()
 
     def __post_init__(self) -> None:
+        """Check all numbers, and set each to a float or, in a batch, to an array."""
         _set_checked(self)
         for name, unit in (("tank_displacements", ""), ("tank_slopes", "1/m")):
             sequence = getattr(self, name)
@@ -145,6 +146,7 @@ class SloshTank(_Batched):
     )
 
     def __post_init__(self) -> None:
+        """Check all numbers, and set each to a float or, in a batch, to an array."""
         if (self.pendulum_length is None) == (self.frequency is None):
             raise InputError("a slosh tank needs a pendulum_length or a frequency, and not both")
         _set_checked(self)
@@ -178,6 +180,7 @@ class Engine(_Batched):
     )
 
     def __post_init__(self) -> None:
+        """Check all numbers, and set each to a float or, in a batch, to an array."""
         _set_checked(self)
         _ = self.batch  # refuses shapes that do not broadcast
         if np.any(np.asarray(self.inertia_about_gimbal) == 0.0):
@@ -226,6 +229,7 @@ class Structure(_Batched):
     thrust_follows: bool = True
 
     def __post_init__(self) -> None:
+        """Check the elements; a mode has displacements and slopes at all tanks, or none."""
         for name, kind in (("bending", BendingMode), ("slosh", SloshTank)):
             maker = f"{kind.__name__}(...)"
             object.__setattr__(self, name, each(name, getattr(self, name), kind, maker))
@@ -285,9 +289,11 @@ class Structure(_Batched):
         return ", ".join(words)
 
     def _repr_html_(self) -> str:
+        """Return modes, tanks and engine as a table in HTML."""
         return card("Structure", self._rows())
 
     def __repr__(self) -> str:
+        """Return modes, tanks and engine as lines of text."""
         return lines("Structure", self._rows())
 
     @property
@@ -300,7 +306,10 @@ class Structure(_Batched):
 
 
 def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) -> Any:
-    """Return the elements at flat positions of a batch broadcast to `shape`, ``(k,)`` or one."""
+    """Return `value`, a structure or a part of it, for some cases of a batch of a `shape`.
+
+    `cases`: flat positions ``(k,)`` in the batch, to which all numbers broadcast, or one position.
+    """
     if isinstance(value, Filter):
         rows = [
             np.broadcast_to(row, (*shape, row.shape[-1]))
@@ -322,7 +331,7 @@ def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) ->
 
 
 def _set_checked(value: Any) -> None:
-    """Replace the numbers of a frozen value by checked arrays; a default None stays."""
+    """Replace the numbers of `value`, a frozen part of a structure, by checked ones; None stays."""
     optional = {item.name for item in fields(value) if item.default is None}
     for item in fields_of(value):
         value_si = item.si_value(value)
@@ -333,7 +342,7 @@ def _set_checked(value: Any) -> None:
 
 
 def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Yield the shapes of all numbers in a value, with their names."""
+    """Yield name and shape of every number in `value`, a structure or a part called `name`."""
     if isinstance(value, Filter):
         yield name, value.batch
     elif is_dataclass(value):
@@ -349,7 +358,8 @@ def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
 def _element_tables(caption: str, name: str, elements: Sequence[Any]) -> Iterator[Table]:
     """Yield the table of elements of one kind, a column each; nothing without elements.
 
-    `name`: name of an element.
+    `caption`: above the table. `name`: heading of a column, before the number of the element, and
+    first part of the names of the numbers. `elements`: modes, tanks or engines.
     """
     if not elements:
         return

@@ -35,6 +35,7 @@ _MAX_VELOCITY = 11.2e3
 
 
 def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
+    """Return angles `value` [`unit`: rad] as an array; `InputError` about `name` from 90 deg on."""
     array = errors.finite(name, value, unit)
     beyond = array[np.abs(array) > np.pi / 2]
     if beyond.size:
@@ -141,6 +142,7 @@ class Vehicle:
     structure: Structure | None = None
 
     def __post_init__(self) -> None:
+        """Check all numbers, and set each to a float or, in a batch, to an array."""
         errors.text("name", self.name)
         errors.text("numbers_from", self.numbers_from)
         checked, faults = {}, errors.Faults()
@@ -162,9 +164,11 @@ class Vehicle:
                 object.__setattr__(self, "structure", None)
 
     def _repr_html_(self) -> str:
+        """Return the numbers of the vehicle as a table in HTML."""
         return card(self.name or "Vehicle", card_rows(self))
 
     def __repr__(self) -> str:
+        """Return the numbers of the vehicle, and the parts of its structure, as lines of text."""
         title = f"Vehicle {self.name}".strip()
         flexible = [] if self.structure is None else [("structure", self.structure.parts, "")]
         return lines(title, [*card_rows(self), *flexible])
@@ -219,7 +223,7 @@ class Vehicle:
         return cls(normal_force_slope=force * lift, axial_force=force * axial, **others)
 
     def replace(self, **changes: Any) -> Self:
-        """Return a copy with some fields changed."""
+        """Return a copy with the fields `changes` changed; `InputError` for an unknown one."""
         unknown = set(changes) - set(self.__dataclass_fields__)
         if unknown:
             raise errors.InputError(f"Vehicle has no field {', '.join(sorted(unknown))}")
@@ -248,7 +252,10 @@ class Vehicle:
 
 
 def _check_size(name: str, array: FloatArray) -> None:
-    """Raise `InputError` for sizes whose products could overflow or underflow."""
+    """Raise `InputError` about `name` for sizes in `array` whose products could overflow.
+
+    Other than the numbers that may be near zero, they must not be tiny either.
+    """
     size = np.abs(array)
     tiny = (size < _MIN_SIZE) & (size > 0.0) & (name not in _UNBOUNDED_BELOW)
     if np.any(tiny | (size > _MAX_SIZE)):
@@ -267,7 +274,10 @@ AIR_FORCES = ("normal_force_slope", "axial_force")
 
 
 def at_pressure(vehicle: Vehicle, ratio: ArrayLike) -> Vehicle:
-    """Return a vehicle whose normal and axial force are those at q/q_n times its own pressure."""
+    """Return the vehicle with normal and axial force times `ratio`.
+
+    `ratio`: q/q_n, the dynamic pressure over that of the vehicle's own numbers.
+    """
     return vehicle.replace(
         **{name: np.multiply(getattr(vehicle, name), ratio) for name in AIR_FORCES}
     )

@@ -110,7 +110,10 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
 
 
 def read_vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
-    """Return the text of a vehicle file and its name in messages; as `load_vehicle`."""
+    """Return the text of a vehicle file and its name in messages.
+
+    `source`: one of `list_vehicles`, or a path. `InputError` as in `load_vehicle`.
+    """
     path, text = a_path("vehicle", source, "a name or a path"), fspath(source)
     if text in list_vehicles():
         resource = files("tvclin.vehicle").joinpath("shipped", f"{text}.toml")
@@ -125,7 +128,7 @@ def read_vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
 
 
 def source_tables(source: str | PathLike[str]) -> dict[str, Any]:
-    """Return the tables of a vehicle or study file by heading; empty for a schedule in CSV."""
+    """Return the tables of the vehicle or study file `source` by heading; empty for CSV."""
     return {} if is_csv(source) else tables_of(*read_vehicle_text(source))
 
 
@@ -141,7 +144,7 @@ def is_schedule(source: str | PathLike[str]) -> bool:
 
 
 def is_schedule_document(document: Mapping[str, Any]) -> bool:
-    """Return whether the tables of a TOML file make a flight schedule."""
+    """Return whether `document`, the tables of a TOML file by heading, is a flight schedule."""
     return "schedule" in document and document.keys() <= SCHEDULE_HEADINGS
 
 
@@ -164,7 +167,7 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
 
 
 def missing_time_message(source: str) -> str:
-    """Return the message on a flight schedule without the time of flight."""
+    """Return the message that the flight schedule `source` needs a time of flight."""
     return (
         f"{called(source)} is a flight schedule: give the time of flight of its vehicle, as --at 52"
         ' of a command, time_s in [study], or load_schedule("flight.csv").at(52) in Python; tvclin'
@@ -173,7 +176,7 @@ def missing_time_message(source: str) -> str:
 
 
 def incomplete_vehicle_message(what: str) -> str:
-    """Return the message on an answer that coefficients alone do not permit."""
+    """Return the message that `what`, an answer, needs more than the coefficients of a vehicle."""
     return (
         f"{what} needs a whole vehicle, with weight, thrust and velocity; write a file with:"
         " tvclin init FILE"
@@ -181,7 +184,11 @@ def incomplete_vehicle_message(what: str) -> str:
 
 
 def table_of(text: str, source: str, table: FileTable) -> dict[str, Any]:
-    """Return a table of a vehicle file with its keys; empty where [flight] is missing."""
+    """Return the table of a vehicle file that `table` declares; empty where [flight] is missing.
+
+    `text`: of the file. `source`: its name in messages. `InputError` for other headings, and for a
+    file without [vehicle].
+    """
     document, source = tables_of(text, source), called(source)
     if COEFFICIENTS in document:
         raise InputError(
@@ -203,7 +210,7 @@ def template() -> str:
 
 
 def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
-    """Return the vehicle of a table of keys with units; `heading` names it in messages."""
+    """Return the vehicle of a table `row` of keys with units; `heading` names it in messages."""
     table = replace(VEHICLE_TABLE, heading=heading)
     values = _with_weight(damping_of(table.read(row), table), table)
     table.need(values, _REQUIRED)
@@ -214,7 +221,7 @@ def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle
 
 
 def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
-    """Return the keys and values of a vehicle's table, as `build_vehicle` takes them."""
+    """Return the keys and values of a vehicle's table in SI units, as for `build_vehicle`."""
     numbers = {name: getattr(vehicle, name) for name in NUMBERS}
     defined = {name: float(value) for name, value in numbers.items() if value is not None}
     words = {key: getattr(vehicle, key) for key in ("name", "numbers_from")}
@@ -230,7 +237,7 @@ def vehicle_file(vehicle: Vehicle) -> str:
 
 
 def numbers_as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:
-    """Return the numbers of a vehicle file in its own units, by name; empty for other files."""
+    """Return number and unit of each key of the vehicle file `source`, by name; empty if none."""
     tables = source_tables(source)
     vehicle = tables.get("study", {}).get("vehicle")
     row = (source_tables(vehicle) if isinstance(vehicle, EditedSource) else tables).get("vehicle")
@@ -238,7 +245,10 @@ def numbers_as_written(source: str | PathLike[str]) -> dict[str, tuple[float, st
 
 
 def _with_weight(values: dict[str, Any], table: FileTable) -> dict[str, Any]:
-    """Return the values with the weight m g in place of a mass."""
+    """Return the numbers of a vehicle with its weight m g [N] in place of a mass m [kg].
+
+    `values`: numbers in SI units by name. `table`: their declaration, for messages.
+    """
     if "mass" not in values:
         if "weight" not in values:
             raise InputError(
@@ -254,7 +264,7 @@ def _with_weight(values: dict[str, Any], table: FileTable) -> dict[str, Any]:
 
 
 def build_structure(document: Mapping[str, Any]) -> Structure:
-    """Return the structure of the tables of a vehicle file, all of which are optional."""
+    """Return the structure of `document`, the tables of a vehicle file; all are optional."""
     engine = ENGINE_TABLE.one(document) if ENGINE_TABLE.name in document else None
     sensors = SENSORS_TABLE.read(SENSORS_TABLE.one(document))
     return Structure(
@@ -270,7 +280,10 @@ def build_structure(document: Mapping[str, Any]) -> Structure:
 def _built_elements(
     table: FileTable, document: Mapping[str, Any], make: Callable[..., Any]
 ) -> tuple[Any, ...]:
-    """Return the values built from the rows of a repeated table; messages name the row."""
+    """Return what `make` returns of each row of the repeated `table` in `document`.
+
+    Messages name the row.
+    """
     values = []
     for k, row in enumerate(table.each(document), start=1):
         with naming(f"{table.name} {k}"):
@@ -279,7 +292,7 @@ def _built_elements(
 
 
 def bending_mode(**numbers: Any) -> BendingMode:
-    """Return the bending mode of a row, with tank slopes in any unit."""
+    """Return the bending mode of `numbers` of [[bending]] by name, with tank slopes in any unit."""
     slopes = {key: numbers.pop(key) for key in _TANK_SLOPES if key in numbers}
     if len(slopes) > 1:
         raise InputError(f"tank_slopes is given twice, as {' and '.join(slopes)}; keep one")
@@ -291,7 +304,10 @@ def bending_mode(**numbers: Any) -> BendingMode:
 
 
 def _sensor_lag(name: str, sensors: Mapping[str, float]) -> Filter | None:
-    """Return the lag of a sensor by its frequency and damping; None without a frequency."""
+    """Return the lag of the sensor `name`, by its frequency and damping; None without a frequency.
+
+    `sensors`: numbers of [sensors] in SI units, by name.
+    """
     frequency, damping = sensors.get(f"{name}_frequency"), sensors.get(f"{name}_damping")
     if frequency is None:
         if damping is not None:

@@ -102,9 +102,10 @@ def _linear_program(
     right: FloatArray,
     last: tuple[float, float | None] = (-1, 1),
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return x that minimises cost . x under rows x = right and |x| <= 1, and prices of the rows.
+    """Return x of minimum `cost` . x under rows x = right and |x| <= 1, and the rows' prices.
 
-    `last`: bounds of the last variable. None where the program has no solution.
+    `cost`: ``(k,)``. `rows`: ``(n, k)``. `right`: ``(n,)``. `last`: bounds of the last variable in
+    place of -1 and 1; None is infinite. None where the program has no solution.
     """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
@@ -114,7 +115,10 @@ def _linear_program(
 
 
 def initial_cells(window: Window) -> FloatArray:
-    """Return breakpoints [s] of cells: even in e^(-p u/4) for every pole, and in each period."""
+    """Return breakpoints [s] of cells up to the end of a `window`, ``(k + 1,)``, from zero on.
+
+    They are even in e^(-p u/4) for every pole p, and even in each period of a complex pair.
+    """
     c = window.constraints
     last = min(window.end, TRUNCATED / c.decays.min())
     parts = [np.array([0.0, last])]
@@ -129,9 +133,10 @@ def initial_cells(window: Window) -> FloatArray:
 
 
 def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, IndexArray]:
-    """Return the times [s] at which levels change between -1 and 1, and indices of uncertain cells.
+    """Return times [s] at which levels change between -1 and 1, and indices of uncertain cells.
 
-    A cell at neither level is uncertain: its level gives the fraction that is at each.
+    `cells`: breakpoints [s], ``(k + 1,)``. `levels`: deflection over its peak, ``(k,)``. A cell at
+    neither level is uncertain: its level gives the fraction that is at each.
     """
     full = np.flatnonzero(np.abs(levels) > 1.0 - 1e-6)
     times: list[float] = []
@@ -159,7 +164,10 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
 
 
 def split_cells(cells: FloatArray, uncertain: IndexArray) -> FloatArray:
-    """Return breakpoints [s] with uncertain cells and their neighbours divided into 16."""
+    """Return breakpoints [s] with `uncertain` cells and their neighbours divided into 16.
+
+    `cells`: breakpoints [s], ``(k + 1,)``. `uncertain`: indices of cells.
+    """
     selected = np.unique(np.concatenate([uncertain - 1, uncertain, uncertain + 1]))
     selected = selected[(selected >= 0) & (selected < cells.size - 1)]
     selected = selected[np.isfinite(cells[selected + 1])]
@@ -205,8 +213,9 @@ def best_multipliers(window: Window) -> SignedSum:
 def _with_last_switch(window: Window) -> SignedSum | None:
     """Return the optimal sum without the slowest real pole, with one more switch for that pole.
 
-    No deflection has a smaller peak than the faster poles require. So this is the solution if their
-    conditions are not changed by the switch. None without such a pole or switch.
+    `window`: the functions e_i and their demands. No deflection has a smaller peak than the faster
+    poles require. So this is the solution if their conditions are not changed by the switch. None
+    without such a pole or switch.
     """
     c = window.constraints
     slowest, row = int(np.argmin(np.real(c.poles))), int(np.argmin(c.decays))
@@ -235,7 +244,10 @@ def _with_last_switch(window: Window) -> SignedSum | None:
 
 
 def _from_grid(window: Window) -> SignedSum:
-    """Return the sum of smallest residual by Newton's iteration from the optima on grids."""
+    """Return the sum of smallest residual by Newton's iteration from the optima on grids.
+
+    `window`: the functions e_i and their demands.
+    """
     cells, best = initial_cells(window), None
     for _ in range(_GRID_REFINEMENTS):
         levels, prices = grid_optimum(window.constraints, cells)
@@ -254,13 +266,19 @@ def _from_grid(window: Window) -> SignedSum:
 
 
 def _is_underflowing(window: Window, multipliers: FloatArray) -> bool:
-    """Return whether a multiplier is too small, relative to the largest, to be computed."""
+    """Return whether one of `multipliers` ``(n,)`` is too small, relative to the largest.
+
+    `window`: the functions e_i, by whose sizes they are weighted.
+    """
     sizes = np.abs(multipliers) * window.sizes
     return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())
 
 
 def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
-    """Return multipliers ``(n,)`` whose sum is zero, or as small as possible, at the times [s]."""
+    """Return multipliers ``(n,)`` whose sum lambda . e is smallest, or zero, at `times` [s].
+
+    `window`: the functions e_i and their demands.
+    """
     c = window.constraints
     if not times.size:
         return c.demands / window.sizes**2
@@ -274,10 +292,10 @@ def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
 
 
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
-    """Return starting multipliers with their best scale and sign, by ascending residual.
+    """Return the sum of each of `guesses`, multipliers ``(n,)``, at its best scale and sign.
 
-    The residual, not the dual value, orders them: the latter does not change with very small
-    multipliers.
+    `window`: the functions e_i and their demands. They ascend by residual, not by the dual value,
+    which does not change with very small multipliers.
     """
     trials = []
     for guess in guesses:
@@ -290,7 +308,10 @@ def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
 
 
 def _misfit(window: Window, candidate: SignedSum) -> float:
-    """Return the largest relative violation of a condition by the deflection L1 sgn(lambda . e)."""
+    """Return the largest relative violation of a condition by the deflection L1 sgn(lambda . e).
+
+    `window`: the functions e_i and their demands. `candidate`: the sum lambda . e.
+    """
     demands = window.constraints.demands
     with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
         sizes = candidate.norm * window.sizes + np.abs(demands)
@@ -299,9 +320,10 @@ def _misfit(window: Window, candidate: SignedSum) -> float:
 
 
 def _newton(window: Window, current: SignedSum) -> SignedSum:
-    """Return the result of Newton's iteration, with steps in the logarithms of the multipliers.
+    """Return the sum lambda . e after Newton's iteration from `current`, a sum.
 
-    A switch moves in proportion to the logarithms. Where such a step does not reduce the residual,
+    `window`: the functions e_i and their demands. Steps are in the logarithms of the multipliers,
+    for a switch moves in proportion to these. Where such a step does not reduce the residual,
     perhaps because a multiplier has the wrong sign, a plain step is tried.
     """
     for _ in range(_NEWTON_STEPS):
@@ -319,7 +341,11 @@ def _newton(window: Window, current: SignedSum) -> SignedSum:
 def _shortened(
     window: Window, current: SignedSum, step: FloatArray, geometric: bool
 ) -> SignedSum | None:
-    """Return the result of the longest fraction of a step that reduces the residual, or None."""
+    """Return the sum after the longest fraction of a step that reduces the residual, or None.
+
+    `window`: the functions e_i and their demands. `current`: the sum before. `step`: of its
+    multipliers, ``(n,)``. `geometric`: whether the step is in their logarithms.
+    """
     misfit = _misfit(window, current)
     for halvings in range(_STEP_LENGTHS):
         length = 0.5**halvings
@@ -337,7 +363,10 @@ def _shortened(
 def _in_logarithms(
     constraints: Constraints, multipliers: FloatArray, step: FloatArray
 ) -> FloatArray:
-    """Return each multiplier times e^(step/multiplier), ``(n,)``; a pair is one complex number."""
+    """Return each multiplier times e^(step/multiplier), ``(n,)``; a pair is one complex number.
+
+    `constraints`: which of the `multipliers` ``(n,)`` are a pair. `step`: plain change, ``(n,)``.
+    """
     size, change = constraints.complex_values(multipliers), constraints.complex_values(step)
     still = size == 0.0
     with np.errstate(over="ignore", invalid="ignore"):
@@ -346,7 +375,11 @@ def _in_logarithms(
 
 
 def _newton_step(window: Window, current: SignedSum) -> FloatArray:
-    """Return the Newton step ``(n,)``, with columns scaled: multipliers differ by many decades."""
+    """Return the Newton step ``(n,)`` of the multipliers of the sum `current`.
+
+    `window`: the functions e_i and their demands. Columns are scaled, for multipliers differ by
+    many decades.
+    """
     # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
     c = window.constraints
     slopes = np.abs(current.multipliers @ c.slopes(current.zeros))

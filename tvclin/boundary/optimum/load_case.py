@@ -90,12 +90,12 @@ class LoadCase:
         return float(np.abs(self.poles).max())
 
     def column(self, values: AnyArray) -> FloatArray:
-        """Return values of modes ``(..., k)`` as real numbers ``(..., m)``; a pair has two."""
+        """Return complex `values` of modes ``(..., k)`` as reals ``(..., m)``; a pair has two."""
         components = np.stack([values.real, values.imag], axis=-1)
         return components.reshape(*values.shape[:-1], -1)[..., self._components]
 
     def matrix(self, values: AnyArray) -> FloatArray:
-        """Return the real matrices ``(..., m, m)`` that multiply modes by numbers ``(..., k)``."""
+        """Return real matrices ``(..., m, m)`` that multiply modes by `values`, ``(..., k)``."""
         k = values.shape[-1]
         product = np.zeros((*values.shape[:-1], 2 * k, 2 * k))
         even = 2 * np.arange(k)
@@ -104,7 +104,7 @@ class LoadCase:
         return product[..., self._components, :][..., self._components]
 
     def load(self, times: FloatArray) -> FloatArray:
-        """Return the load [rad] of the reference deflection at times [s] of any shape."""
+        """Return the load [rad] of the reference deflection at `times` [s], in their shape."""
         flat = times.ravel()
         angle = attitude_responses(self.plant, self.reference, self.wind, flat, [_NAME])[_NAME]
         return (angle + self.ratio * self.reference(flat)).reshape(times.shape)
@@ -246,6 +246,7 @@ class LoadWeights:
 
         `first`: at the first node, ``(k,)``. `near_ends`, `far_ends`: density [1/s] at the end of
         each cell near the node that is reached, and at the other. `nodes`: weights of those nodes.
+        `widths`: of the cells [s], ``(n,)``.
         """
         decay, start_weights, end_weights = convolution_weights(
             self.case.rates, widths[:, np.newaxis]
@@ -258,7 +259,7 @@ class LoadWeights:
         return weights
 
     def _density(self, x: FloatArray) -> FloatArray:
-        """Return the density h [1/s] at fractions x of the cells, ``(n, q)``."""
+        """Return the density h [1/s] at fractions `x` ``(n, q)`` of the n cells, ``(n, q)``."""
         c = self.case
         start, end = self.density_ends[:, :, np.newaxis]
         here = start * (1.0 - x) + end * x

@@ -203,7 +203,7 @@ class LoadProgram:
         return rows, base, base
 
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
-        """Inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
+        """Return inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
 
         `aim`: `PEAK` or `LOAD`, the last variable, which is minimised. `bound`: bound [rad] of the
         other.
@@ -214,6 +214,7 @@ class LoadProgram:
         count, unknowns = loads.shape[1], self._variables
 
         def under(rows: Any, minimised: bool) -> Any:
+            """Return sparse `rows`, from which the last variable is subtracted if `minimised`."""
             return sparse.hstack([rows[:, :-1], np.full((rows.shape[0], 1), -float(minimised))])
 
         identity = sparse.eye(unknowns, count, format="csr")
@@ -237,7 +238,7 @@ class LoadProgram:
         return sparse.vstack(parts).tocsr(), np.concatenate(values)
 
     def _solution(self, result: Any, bound: float) -> Solution:
-        """Return the solution of a solved program at a load bound [rad]."""
+        """Return the solution of a solved program, `result` of linprog, at a load `bound` [rad]."""
         first, last = self._levels
         u = self._corrected(result.x[: self._variables] * self._unit)
         ends = np.stack([first @ u, last @ u])
@@ -260,7 +261,10 @@ class LoadProgram:
         )
 
     def _corrected(self, u: FloatArray) -> FloatArray:
-        """Return the variables [rad] after the smallest change that satisfies the conditions."""
+        """Return the variables [rad] after the smallest change that satisfies the conditions.
+
+        `u`: variables of the deflection [rad], as the program has them to its tolerance.
+        """
         case = self.case
         first, last = self._levels
         _, near, far = convolution_weights(case.rates, self.widths[:, np.newaxis])
@@ -339,7 +343,10 @@ class LoadProgram:
 
 
 def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
-    """Return the complex prices of the modes at the onset, ``(k,)``; zero for stable modes."""
+    """Return the complex `prices` of the modes of a `case` at the onset, ``(k,)``.
+
+    They are real numbers, two for an unstable pair; zero for stable modes.
+    """
     values, row = np.zeros(case.poles.size, dtype=complex), 0
     for i in np.flatnonzero(case.unstable):
         pair = bool(case.poles[i].imag)

@@ -156,7 +156,7 @@ def optimum_deflection(
 
 
 def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
-    """Return the deflection of minimum peak that satisfies the conditions, from `start` [s] on."""
+    """Return the deflection of minimum peak that satisfies `constraints`, from `start` [s] on."""
     if not np.any(constraints.demands):
         zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
         proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -190,8 +190,8 @@ def certify(
 ) -> Certificate:
     """Return the certificate of a deflection that switches between two limits.
 
-    `multipliers`: lambda, ``(n,)``; any of them bounds every peak from below. `switches`: switch
-    times [s] after the start, ``(k,)``. `limit`: first deflection [rad].
+    `window`: the conditions. `multipliers`: lambda, ``(n,)``; any of them bounds every peak from
+    below. `switches`: switch times [s] after the start, ``(k,)``. `limit`: first deflection [rad].
     """
     constraints = window.constraints
     summed = window.signed(multipliers)
@@ -207,7 +207,10 @@ def certify(
 
 
 def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
-    """Return switch times [s] after the start, and multipliers of any scale, lambda . d > 0."""
+    """Return switch times [s] after the start, and multipliers of any scale, lambda . d > 0.
+
+    `window`: the functions e_i and their demands d.
+    """
     c = window.constraints
     if c.demands.size == 1:
         return np.zeros(0), np.sign(c.demands)
@@ -218,7 +221,10 @@ def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
 
 
 def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
-    """Return the switch time [s] of eqs (C5), and multipliers whose sum changes its sign then."""
+    """Return the switch time [s] of eqs (C5), and multipliers whose sum changes its sign then.
+
+    `c`: conditions of two real poles.
+    """
     poles, demands = np.real(c.poles), c.demands
     time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
     # Without a switch before the end one constant satisfies both, and so their sum.
@@ -232,7 +238,8 @@ def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
 def _limit(window: Window, switches: FloatArray) -> float:
     """Return the first deflection [rad] that satisfies the conditions with the switches, (C5a).
 
-    It is a least-squares fit of all conditions, each divided by its size, to reduce rounding.
+    `window`: the conditions. `switches`: times [s], ``(k,)``. It is a least-squares fit of all
+    conditions, each divided by its size, to reduce rounding.
     """
     moments = _moments(window, switches).sum(axis=1) / window.sizes
     demands = window.constraints.demands / window.sizes
@@ -242,7 +249,8 @@ def _limit(window: Window, switches: FloatArray) -> float:
 def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     """Return switch times [s] and limit [rad] after Newton's iteration on the conditions.
 
-    Times that come from nearly dependent conditions (a short horizon) are made exact to rounding.
+    `window`: the conditions. `switches`: times [s], ``(k,)``, from nearly dependent conditions (a
+    short horizon); they are made exact to rounding.
     """
     # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
     # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
@@ -265,7 +273,10 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _violation(window: Window, switches: FloatArray, limit: float) -> float:
-    """Return the largest violation of a condition, relative to the sizes of its terms."""
+    """Return the largest violation of a condition, relative to the sizes of its terms.
+
+    `window`: the conditions. `switches`: times [s], ``(k,)``. `limit`: first deflection [rad].
+    """
     demands = window.constraints.demands
     pieces = limit * _moments(window, switches)
     sizes = np.abs(pieces).sum(axis=1) + np.abs(demands)
@@ -273,7 +284,10 @@ def _violation(window: Window, switches: FloatArray, limit: float) -> float:
 
 
 def _moments(window: Window, switches: FloatArray) -> FloatArray:
-    """Return the moments of the pieces of a unit deflection, +1 first, ``(n, k + 1)``."""
+    """Return the moments of the pieces of a unit deflection, +1 first, ``(n, k + 1)``.
+
+    `window`: the functions e_i. `switches`: times [s] at which it changes its sign, ``(k,)``.
+    """
     signs = (-1.0) ** np.arange(switches.size + 1)
     knots = np.concatenate([[0.0], switches, [window.end]])
     return window.constraints.moments(knots) * signs
@@ -282,15 +296,15 @@ def _moments(window: Window, switches: FloatArray) -> FloatArray:
 def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = None) -> FloatArray:
     """Return the peak [rad] of `optimum_deflection` from the onset of the wind on, for each case.
 
-    `wind`: one wind or a batch, of winds that end; batches broadcast. `sufficient`: peaks [rad],
-    which broadcast with the batch. With three poles, where this peak is proved to be no less than
-    the minimum, it is returned in its place: the search takes a tenth of a second. Returned: of the
-    shape of the batch; zero without an unstable pole, and infinite where the deflection does not
-    reach one. `InputError` for a wind that is zero or never ends.
+    `plant`: one or a batch. `wind`: one wind or a batch, of winds that end; batches broadcast.
+    `sufficient`: peaks [rad], which broadcast with the batch. With three poles, where this peak is
+    proved to be no less than the minimum, it is returned in its place: the search takes a tenth of
+    a second. Returned: of the shape of the batch; zero without an unstable pole, and infinite where
+    the deflection does not reach one. `InputError` for a wind that is zero or never ends.
 
     With z_i = p_i d_i, d_i of eq (C1): one pole requires ``|z|``, two real ones the reach on whose
-    edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
-    lambda . e, over the directions of lambda.
+    edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of lambda .
+    e, over the directions of lambda.
     """
     instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
@@ -369,7 +383,10 @@ def peaks_for_demands(
 
 
 def _onset_moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray:
-    """Return the Laplace transforms of the winds from their onset at the poles, ``(n, m)``."""
+    """Return the Laplace transforms of winds from their onset at `poles` ``(n, m)`` [1/s].
+
+    `wind`: one or a batch. `shape`: of the batch of n cases.
+    """
     winds, which = kernel_arrays(wind.pieces, shape)
     filled = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
     transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))
@@ -428,25 +445,31 @@ def _proved(
 
 
 def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
-    """Return an upper bound of `_pair_peaks`, ``(n,)``: the demand over a lower bound of the norms.
+    """Return upper bounds [rad] of `_pair_peaks`, ``(n,)``: demands over lower bounds of the norms.
 
-    min integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
+    `poles`: sigma + j omega [1/s], ``(n,)``. `demands`: of eq (C1) [rad s], ``(n,)``.
+
+        integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
     """
     sigma, omega = np.real(poles), np.imag(poles)
     return np.abs(demands) / (0.5 * (1.0 / sigma - 1.0 / np.hypot(sigma, 2.0 * omega)))
 
 
 def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
-    """Return the minimum peaks of complex pairs ``(n,)``, by the dual.
+    """Return the minimum peaks [rad] of complex pairs ``(n,)``, by the dual.
 
-    For lambda of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and
+    `poles`: sigma + j omega [1/s], ``(n,)``. `demands`: d of eq (C1) [rad s], ``(n,)``. For lambda
+    of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and
 
         peak = max over phi of |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du
     """
     k = np.real(poles) / np.imag(poles)
 
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
-        """Return minus the quotient at phi = pi/2 - zero, times (sigma^2 + omega^2)/omega."""
+        """Return minus the quotient at phi = pi/2 - `zero`, times (sigma^2 + omega^2)/omega.
+
+        `i`: indices of pairs ``(c,)``. `zero`: first zero of the cosine [rad], for each pair.
+        """
         toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (zero - 0.5 * np.pi))))
         return -toward / _norm(zero, k[i, np.newaxis])
 
@@ -468,8 +491,8 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
 def _norm(zero: FloatArray, k: FloatArray) -> FloatArray:
     """Return the integral of e^(-k x) ``|cos(x + phi)|`` over x > 0, times 1 + k^2.
 
-    `zero`: the first zero x = pi/2 - phi. The integral is exact up to there, and from there on a
-    geometric series of half waves.
+    `zero`: the first zero x = pi/2 - phi. `k`: decay sigma/omega. The integral is exact up to the
+    zero, and from there on a geometric series of half waves.
     """
     series = (1.0 + np.exp(-k * np.pi)) / -np.expm1(-k * np.pi)
     return np.exp(-k * zero) * (1.0 + series) - np.cos(zero) + k * np.sin(zero)

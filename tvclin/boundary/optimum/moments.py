@@ -79,7 +79,7 @@ class Constraints:
         return self.real_rows(-column * np.exp(-column * u))
 
     def moments(self, knots: FloatArray) -> FloatArray:
-        """Return the integrals of e_i between the times ``(k + 1,)``, shape ``(n, k)``.
+        """Return the integrals of e_i between the times `knots` ``(k + 1,)``, shape ``(n, k)``.
 
         The last may be infinite.
         """
@@ -113,7 +113,11 @@ class Constraints:
 
 
 def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> Constraints:
-    """Return the conditions of poles ``(m,)``, one per conjugate pair, with their demands."""
+    """Return the conditions of `poles` ``(m,)``, one per conjugate pair, with their demands.
+
+    `demands`: d [rad s] of each pole, ``(m,)``, complex for a pair. `horizon`: time [s] after which
+    the deflection is zero; infinite if never.
+    """
     bare = Constraints(poles, np.zeros(0), horizon)
     return Constraints(poles, bare.real_rows(demands), horizon)
 
@@ -123,11 +127,11 @@ def constraints_of(
 ) -> Constraints:
     """Return the conditions (C1) on a deflection between `start` and `horizon`.
 
-    `wind`: one wind, which must end. `start`: first time [s] at which the deflection may differ
-    from zero. `horizon`: time [s] from which the deflection is zero again; never by default.
-    `InputError` for batches, a wind that is zero or never ends, a horizon not after the start or
-    before the end of the wind, a start so late that the deflection would overflow, and unstable
-    poles that the deflection cannot reach.
+    `plant`: one plant. `wind`: one wind, which must end. `start`: first time [s] at which the
+    deflection may differ from zero. `horizon`: time [s] from which the deflection is zero again;
+    never by default. `InputError` for batches, a wind that is zero or never ends, a horizon not
+    after the start or before the end of the wind, a start so late that the deflection would
+    overflow, and unstable poles that the deflection cannot reach.
 
     d_i = -(N_wind(p)/N_deflection(p)) e^(p start) L(alpha_w)(p): D_i of eq (C1), moved to the
     start, with a ratio K1_i = (beta_i + b2)/(beta_i + b1) for each pole of its own.
@@ -153,6 +157,7 @@ def constraints_of(
 
 
 def _check_single(plant: Plant, wind: History) -> None:
+    """Raise `InputError` unless `plant` and `wind` are one each, and the wind ends."""
     instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
     single("plant", plant.batch)
@@ -161,7 +166,10 @@ def _check_single(plant: Plant, wind: History) -> None:
 
 
 def _check_times(wind: History, start: float, horizon: float | None) -> tuple[float, float]:
-    """Raise `InputError` for times that do not fit the constraints."""
+    """Return `start` and `horizon` [s], infinite for None; `InputError` if that is too early.
+
+    It must be after the start, and not before the end of the `wind`.
+    """
     begin = number("start", start, unit="s")
     if horizon is None or (isinstance(horizon, float) and np.isposinf(horizon)):
         return begin, np.inf
@@ -222,7 +230,10 @@ class Window:
         return -np.expm1(-decays * self.end) / decays
 
     def zeros(self, multipliers: FloatArray) -> FloatArray:
-        """Return the times [s] at which lambda . e changes its sign, rising."""
+        """Return the times [s] at which lambda . e changes its sign, rising.
+
+        `multipliers`: lambda, ``(n,)``.
+        """
         c = self.constraints
         values, slopes = multipliers @ self.values, multipliers @ self.slopes
         sides, rises = np.sign(values), np.sign(slopes)
@@ -239,7 +250,10 @@ class Window:
         return _refined(multipliers, c.basis, times, crossed) if crossed.size else np.zeros(0)
 
     def signed(self, multipliers: FloatArray) -> SignedSum:
-        """Return the sum lambda . e with its changes of sign and the moments of its sign."""
+        """Return the sum lambda . e with its changes of sign and the moments of its sign.
+
+        `multipliers`: lambda, ``(n,)``.
+        """
         zeros = self.zeros(multipliers)
         knots = np.concatenate([[0.0], zeros, [self.end]])
         moments = self.constraints.moments(knots)
@@ -248,7 +262,10 @@ class Window:
         return SignedSum(multipliers, zeros, signs, float(np.abs(areas).sum()), moments @ signs)
 
     def tail(self, multipliers: FloatArray) -> float:
-        """Return a bound of the integral of |lambda . e| past the end of a cut window."""
+        """Return a bound of the integral of |lambda . e| past the end of a cut window.
+
+        `multipliers`: lambda, ``(n,)``.
+        """
         c = self.constraints
         if np.isinf(self.end) or np.isfinite(c.horizon):
             return 0.0
@@ -273,7 +290,10 @@ class SignedSum:
 
 
 def decay_spaced_times(decay: float, last: float, count: int) -> FloatArray:
-    """Return times [s] from zero on, even in e^(-decay u/4), up to `last` or 100 decay times."""
+    """Return `count` times [s] from zero up to `last` or 100/decay [s], even in e^(-decay u/4).
+
+    `decay`: rate [1/s].
+    """
     reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
     return -4.0 / decay * np.log1p(-np.linspace(0.0, reach, count))
 
@@ -290,10 +310,16 @@ def _refined(
     times: FloatArray,
     intervals: IndexArray,
 ) -> FloatArray:
-    """Return the zeros [s] of lambda . function, each in the interval from ``times[intervals]``."""
+    """Return the zeros [s] of lambda . function, one in each of some intervals between times.
+
+    `multipliers`: lambda, ``(n,)``. `function`: of times [s] to n rows, with one change of sign in
+    each interval. `times`: in order [s]. `intervals`: indices of the times at which the intervals
+    begin.
+    """
     sign = np.sign(multipliers @ function(times[intervals + 1]))
 
     def rising(u: FloatArray, k: IndexArray) -> FloatArray:
+        """Return lambda . function at `u` [s], with the sign that makes it rise in interval `k`."""
         return np.asarray(sign[k] * (multipliers @ function(u)))
 
     return roots_between(times[intervals], times[intervals + 1], rising)

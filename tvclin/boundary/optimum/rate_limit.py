@@ -136,7 +136,10 @@ class RateProgram:
         return np.inf if result is None else float(result.x[-1]) * self.unit / self.nodes[-1]
 
     def _values(self, solution: FloatArray) -> FloatArray:
-        """Return the deflection over `unit` at all nodes, ``(k,)``, the first zero."""
+        """Return the deflection over `unit` at all nodes, ``(k,)``, zero at the first.
+
+        `solution`: variables of a program, which begin with the other values.
+        """
         return np.append(0.0, solution[: self.nodes.size - 1])
 
     @cached_property
@@ -177,8 +180,8 @@ class RateProgram:
     ) -> Any:
         """Return the result of minimum peak, rate or total motion (`aim`); None if infeasible.
 
-        With a solution `around`, the result is 1e8 times the change from it, each variable of it
-        within `max_change`.
+        `peak`: bound over `unit`. With a solution `around`, the result is 1e8 times the change from
+        it, each variable of it within `max_change`.
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
@@ -332,7 +335,9 @@ def _refined(
 ) -> tuple[RateProgram, float, float]:
     """Return the program on nodes that are fine enough, the peak in units, and its last change.
 
-    The peak is infinite where the rate is too small.
+    `constraints`: conditions of the case. `switches`: times [s] at which the deflection without
+    rate limit switches. `rate`: limit [rad/s]. `unit`: [rad] of values. `steps`: intervals to begin
+    with. The peak is infinite where the rate is too small.
     """
     nodes = _first_nodes(constraints, switches, steps)
     change, lowest = np.inf, np.inf
@@ -352,7 +357,10 @@ def _refined(
 
 
 def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> FloatArray:
-    """Return nodes [s], even in e^(-p u/4) for every pole, with the switches without rate limit."""
+    """Return nodes [s], even in e^(-p u/4) for every pole, with the switches without rate limit.
+
+    `constraints`: conditions with the poles. `switches`: times [s]. `steps`: about their number.
+    """
     last = min(constraints.horizon, _SPAN_OVER_TIME_CONSTANT / constraints.decays.min())
     share = max(steps // constraints.poles.size, 8)
     parts = [np.array([0.0, last]), switches[switches < last]]
@@ -368,7 +376,9 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
 def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
     """Return the nodes [s], with more in intervals that are neither at the peak nor at full rate.
 
-    Intervals whose prices show that no improvement is possible are not split.
+    `program`: on the present nodes. `values`: its deflection over `unit` at them, ``(k,)``.
+    `prices`: multipliers of the conditions, ``(n,)``: intervals in which these show that no
+    improvement is possible are not split.
     """
     nodes, peak, slope = program.nodes, np.abs(values).max(), program.rate / program.unit
     at_peak = np.abs(values) > peak * (1.0 - _ACTIVE_DISTANCE)

@@ -45,7 +45,7 @@ def switch_time(
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
 
     def excess(t: float) -> float:
-        """Return the difference of the two sides, with cancellation only between exact terms."""
+        """Return the difference of the two sides at `t` [s]; only exact terms cancel."""
         (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
         return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
 
@@ -53,14 +53,18 @@ def switch_time(
 
 
 def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
-    """Return 1 - 2 E + F of eq (C5) as two terms; for early switches both are counted from zero."""
+    """Return 1 - 2 E + F of eq (C5) as a constant and a term that moves with the switch.
+
+    `pole`: p [1/s]. `t`: switch time [s]. `horizon`: H [s]. For early switches both are counted
+    from zero.
+    """
     if pole * t < 0.5:
         return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
     return 1.0 + math.exp(-pole * horizon), -2.0 * math.exp(-pole * t)
 
 
 def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
-    """Return the zero between 0 and `last` of a function; infinite without a change of sign."""
+    """Return the zero between 0 and `last` of `excess`; infinite without a change of sign."""
     ends = excess(0.0), excess(last)
     if ends[0] == 0.0 or ends[0] * ends[1] >= 0.0:
         return np.inf
@@ -125,6 +129,7 @@ def longest_single_pole_duration(
     b1, b2, K, latest = (np.broadcast_to(a, shape).ravel() for a in (b1, b2, K, latest))
 
     def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
+        """Return sqrt(y) - 1 for durations `tau` [s] of the vehicles with indices `k`."""
         quotient = np.expm1(-tau * b1[k] / 2.0) / np.expm1(-tau * b2[k] / 2.0)
         return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)
 
@@ -189,7 +194,7 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
 
 
 def _checked_poles(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
-    """Return the two poles [1/s] and the ratio of K1 as float arrays; all positive."""
+    """Return slow pole `beta1`, fast pole `beta2` [1/s] and `K1_ratio` as positive float arrays."""
     b1, b2 = positive("beta1", beta1, "1/s"), positive("beta2", beta2, "1/s")
     K = positive("K1_ratio", K1_ratio)
     together(beta1=b1, beta2=b2, K1_ratio=K)
