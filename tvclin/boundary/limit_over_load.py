@@ -28,7 +28,6 @@ from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.limit_over_rate import (
     TradeOff,
     lower_bound_text,
-    margin_of,
     no_forecast_deflection,
     point_table,
     ramped_deflection,
@@ -43,7 +42,7 @@ from tvclin.linear.deflections import ConstantDeflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.winds.histories import History, Piecewise, linear_pieces
+from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import linear_notes
 
 RELATIVE_GAP = 1e-4
@@ -163,7 +162,7 @@ class LoadTradeOff(TradeOff):
     @derived("angle", infinite="-", card=False)
     def remaining_load(self) -> float | None:
         """Remaining load [rad]: the structure's limit minus the required load."""
-        return margin_of(self.load, self.required_load)
+        return None if self.load is None else self.load - self.required_load
 
     @property
     @derived()
@@ -178,13 +177,9 @@ class LoadTradeOff(TradeOff):
             return None
         if self.limit is None:
             return False if np.isinf(self._proved) else None
-        return (
-            True
-            if self.limit >= self.lower_bound
-            else None
-            if self._proved <= self.limit
-            else False
-        )
+        if self.limit >= self.lower_bound:
+            return True
+        return None if self._proved <= self.limit else False
 
     @property
     def _proved(self) -> float:
@@ -341,18 +336,14 @@ class LoadLimits:
 
         The smallest and largest load are computed first, then those in between.
         """
-        results: dict[int, tuple[float, float, float]] = {}
-        order = np.argsort(loads, kind="stable")
-        pending = [(0, loads.size - 1)]
-        for k in (0, loads.size - 1):
-            results[int(order[k])] = self.at(float(loads[order[k]]))
-        while pending:
-            low, high = pending.pop(0)
-            if high - low < 2:
-                continue
-            k = (low + high) // 2
-            results[int(order[k])] = self.at(float(loads[order[k]]))
-            pending += [(low, k), (k, high)]
+        order, pending = np.argsort(loads, kind="stable"), [(0, loads.size - 1)]
+        positions = [0, loads.size - 1]
+        for low, high in pending:  # which grows
+            if high - low > 1:
+                middle = (low + high) // 2
+                positions.append(middle)
+                pending += [(low, middle), (middle, high)]
+        results = {int(order[k]): self.at(float(loads[order[k]])) for k in positions}
         return [results[k] for k in range(loads.size)]
 
     def at(self, load: float) -> tuple[float, float, float]:
@@ -369,12 +360,10 @@ class LoadLimits:
         for multiple in _PEAKS_OVER_PROOF:  # mixed with ones that have less load
             program = self.dense_program
             for _ in range(2):
-                limit, (proof, _) = self._attained(load), self._proved(load)
-                solved = (
-                    program.solve(LOAD, min(multiple * proof, _MAX_DEFLECTION))
-                    if np.isinf(limit)
-                    else None
-                )
+                if np.isfinite(self._attained(load)):
+                    break
+                peak = min(multiple * self._proved(load)[0], _MAX_DEFLECTION)
+                solved = program.solve(LOAD, peak)
                 if solved is None:
                     break
                 self.points.append((solved.load, solved.peak))
@@ -440,13 +429,9 @@ class LoadLimits:
         """
         if load < self.load_floor:
             return LEAST_LOAD
-        for floor, words in (
-            (self.minimum_deflection, ANGLE),
-            (self._limit_of_turning(load), TURN),
-        ):
-            if limit <= floor * (1.0 + _RELATIVE_TOLERANCE):
-                return words
-        return BOTH
+        floors = {ANGLE: self.minimum_deflection, TURN: self._limit_of_turning(load)}
+        labels = (k for k, floor in floors.items() if limit <= floor * (1.0 + _RELATIVE_TOLERANCE))
+        return next(labels, BOTH)
 
     def _limit_of_turning(self, load: float) -> float:
         """Return the constant deflection [rad] that turns the vehicle into the wind in time.
@@ -464,24 +449,15 @@ class LoadLimits:
         """Angle of attack [rad] without control, and its largest change by a unit deflection."""
         case, start = self.case, float(self.case.wind.onset)
         times = np.linspace(start, float(case.wind.end), 1001)[1:]
-        none = Piecewise(linear_pieces([start], [0.0], 0.0))
-        name = "angle_of_attack"
-        free = attitude_responses(case.plant, none, case.wind, times, [name])[name]
-        unit = ConstantDeflection(limit=1.0, start=start)
-        change = attitude_responses(case.plant, unit, 0.0 * case.wind, times, [name])[name]
+        unit, calm, name = (
+            ConstantDeflection(limit=1.0, start=start),
+            0.0 * case.wind,
+            "angle_of_attack",
+        )
+        free = attitude_responses(case.plant, calm, case.wind, times, [name])[name]
+        change = attitude_responses(case.plant, unit, calm, times, [name])[name]
         size = np.maximum.accumulate(np.abs(change))
         return free, np.where(size > 0.0, size, np.inf)
-
-    def no_forecast_limits(self, loads: FloatArray, lower_bounds: FloatArray) -> FloatArray:
-        """Return lower bounds [rad] of the limit of laws without a forecast, ``(n,)``.
-
-        `loads`: bounds of the load [rad], ``(n,)``. `lower_bounds`: lower bounds [rad] of the limit
-        with the wind known, ``(n,)``. Infinite below `no_forecast_load`.
-        """
-        assert self.no_forecast is not None
-        return np.where(
-            loads < self.no_forecast_load, np.inf, np.maximum(lower_bounds, self.no_forecast)
-        )
 
 
 def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLimits:
@@ -608,11 +584,8 @@ def load_trade_off(
     [0.199, 0.258, 0.308]
     """
     angle = errors.small_angle("a load", errors.positive)
-    nozzle_limit = (
-        None
-        if limit is None
-        else errors.number("limit", limit, errors.small_angle("a limit", errors.positive), "rad")
-    )
+    limit_check = errors.small_angle("a limit", errors.positive)
+    nozzle_limit = None if limit is None else errors.number("limit", limit, limit_check, "rad")
     load_limit = None if load is None else errors.number("load", load, angle, "rad")
     M = errors.number("moment_ratio", moment_ratio, errors.finite)
     if 0.0 < abs(M) < _MIN_MOMENT_RATIO:
@@ -620,23 +593,16 @@ def load_trade_off(
             f"moment_ratio must be zero or at least {_MIN_MOMENT_RATIO:g}; got {M:.6g}"
         )
     rate = errors.unlimited("rate_limit", rate_limit, errors.between(*RATE_RANGE), "rad/s")
-    load_bounds = (
-        None if loads is None else angle("loads", errors.one_row("loads", loads, "rad"), "rad")
-    )
+    if loads is not None:
+        load_bounds = angle("loads", errors.one_row("loads", loads, "rad"), "rad")
     case = load_limits(plant, wind, M, rate)
-    if load_bounds is None:
+    if loads is None:
         low, high = max(1.05 * case.minimum_load, 0.2 * case.load_of_minimum), case.load_of_minimum
         load_bounds = np.linspace(min(low, high), high, _POINTS)
         if load_limit is not None:
             load_bounds = np.unique(np.append(load_bounds, load_limit))
-    points = dict(zip(load_bounds.tolist(), case.points_at(load_bounds), strict=True))
-    limits, lower_bounds, slopes = np.array([points[a] for a in load_bounds.tolist()]).T
+    limits, lower_bounds, slopes = np.array(case.points_at(load_bounds)).T
     no_forecast = case.no_forecast
-    lower_bound = (
-        case.minimum_deflection
-        if load_limit is None
-        else case.points_at(np.array([load_limit]))[0][0]
-    )
     front = LoadTradeOff(
         loads=load_bounds,
         limits=limits,
@@ -645,7 +611,9 @@ def load_trade_off(
         set_by=tuple(case.set_by(a, d) for a, d in zip(load_bounds, limits, strict=True)),
         no_forecast_bounds=None
         if no_forecast is None
-        else case.no_forecast_limits(load_bounds, lower_bounds),
+        else np.where(
+            load_bounds < case.no_forecast_load, np.inf, np.maximum(lower_bounds, no_forecast)
+        ),
         minimum_deflection=case.minimum_deflection,
         load_of_minimum=case.load_of_minimum,
         minimum_load=case.minimum_load,
@@ -654,7 +622,7 @@ def load_trade_off(
         rate_limit=rate,
         limit=nozzle_limit,
         load=load_limit,
-        lower_bound=lower_bound,
+        lower_bound=case.minimum_deflection if load_limit is None else case.at(load_limit)[0],
         required_load=case.minimum_load
         if nozzle_limit is None
         else case.required_load(nozzle_limit),

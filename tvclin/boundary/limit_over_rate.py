@@ -60,11 +60,6 @@ _MAX_RATE_RATIO = 1e4
 """Largest rate over the smallest one, at which the angle is within 5e-5 of the minimum."""
 
 
-def margin_of(available: float | None, required: float) -> float | None:
-    """Return the available quantity minus the required one; None if none is available."""
-    return None if available is None else available - required
-
-
 def lower_bound_text(name: str, deflection: float, at: str = "") -> str:
     """Return the sentence that a lower bound of the limit is `deflection` [rad].
 
@@ -160,7 +155,7 @@ class TradeOff(Shown):
     @derived("angle", infinite="-", card=False)
     def remaining(self) -> float | None:
         """Remaining angle [rad]: available minus required."""
-        return margin_of(self.limit, self.lower_bound)
+        return None if self.limit is None else self.limit - self.lower_bound
 
     @property
     def beyond_linear(self) -> str:
@@ -221,7 +216,7 @@ class RateTradeOff(TradeOff):
     @derived("angular rate", label="remaining", infinite="-", card=False)
     def remaining_rate(self) -> float | None:
         """Remaining rate [rad/s]: available minus required."""
-        return margin_of(self.rate_limit, self.required_rate)
+        return None if self.rate_limit is None else self.rate_limit - self.required_rate
 
     @property
     @derived()
@@ -344,29 +339,19 @@ def rate_trade_off(
     >>> (front.limits / front.minimum_deflection).round(2).tolist()
     [1.28, 1.02]
     """
-    c = errors.unlimited(
-        "acceleration_limit", acceleration_limit, errors.between(*RATE_RANGE), "rad/s2"
-    )
-    angle, turning = (
-        errors.small_angle("a deflection", errors.positive),
-        errors.between(*RATE_RANGE),
-    )
+    angle, check = errors.small_angle("a deflection", errors.positive), errors.between(*RATE_RANGE)
+    c = errors.unlimited("acceleration_limit", acceleration_limit, check, "rad/s2")
     nozzle_limit = None if limit is None else errors.number("limit", limit, angle, "rad")
     nozzle_rate = (
-        None if rate_limit is None else errors.number("rate_limit", rate_limit, turning, "rad/s")
+        None if rate_limit is None else errors.number("rate_limit", rate_limit, check, "rad/s")
     )
-    requested = (
-        None
-        if rates is None
-        else turning("rates", errors.one_row("rates", rates, "rad/s"), "rad/s")
-    )
+    if rates is not None:
+        at = check("rates", errors.one_row("rates", rates, "rad/s"), "rad/s")
     case = _case_of(plant, wind, c)
-    minimum_rate = case.minimum_rate
-    no_forecast = case.no_forecast
-    usual = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
-    if nozzle_rate is not None:
-        usual = np.unique(np.append(usual, nozzle_rate))
-    at = usual if requested is None else requested
+    minimum_rate, no_forecast = case.minimum_rate, case.no_forecast
+    if rates is None:
+        at = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
+        at = at if nozzle_rate is None else np.unique(np.append(at, nozzle_rate))
     limits = np.array([case.deflection(float(rate)) for rate in at])
     bounds = (
         None
@@ -383,14 +368,8 @@ def rate_trade_off(
         acceleration_limit=c,
         limit=nozzle_limit,
         rate_limit=nozzle_rate,
-        lower_bound=case.lower_bound(nozzle_rate)
-        if nozzle_rate is not None
-        else max(case.minimum, no_forecast or 0.0),
-        required_rate=(
-            case.required_rate(nozzle_limit)
-            if nozzle_limit is not None
-            else max(minimum_rate, case.pole * (no_forecast or 0.0))
-        ),
+        lower_bound=case.lower_bound(nozzle_rate),
+        required_rate=case.required_rate(nozzle_limit),
         angle=abs(float(wind.peak)),
     )
     return (
@@ -438,11 +417,9 @@ class _Case:
                 f"acceleration_limit must be above {p**2 * self.fast_deflection:.6g} rad/s2, or no"
                 f" deflection survives this wind; got {c:.6g} rad/s2"
             )
-        return (
-            p * self.fast_deflection
-            if np.isinf(c)
-            else -c / p * float(np.log1p(-(p**2) * self.fast_deflection / c))
-        )
+        if np.isinf(c):
+            return p * self.fast_deflection
+        return -c / p * float(np.log1p(-(p**2) * self.fast_deflection / c))
 
     @cached_property
     def deflection(self) -> Callable[[float], float]:
@@ -472,21 +449,25 @@ class _Case:
         """Return the lower bound [rad] without a forecast, at a `rate` [rad/s]; else zero."""
         return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
 
-    def lower_bound(self, rate: float) -> float:
-        """Return the larger of minimum deflection and bound without a forecast, at a `rate`."""
+    def lower_bound(self, rate: float | None) -> float:
+        """Return the larger [rad] of minimum deflection and bound without a forecast.
+
+        `rate`: limit [rad/s] at which they are; None for any rate.
+        """
+        if rate is None:
+            return max(self.minimum, self.no_forecast or 0.0)
         return max(self.deflection(rate), self.no_forecast_limit(rate))
 
-    def required_rate(self, limit: float) -> float:
-        """Return the minimum rate [rad/s] at a deflection limit [rad]; infinite if none suffices.
+    def required_rate(self, limit: float | None) -> float:
+        """Return the minimum rate [rad/s] at a deflection limit [rad], or at any for None.
 
-        The fastest pole alone requires a rate in closed form, which other poles can only raise.
+        Infinite if none is sufficient. The fastest pole alone requires a rate in closed form, which
+        other poles can only raise.
         """
-        if self.minimum == 0.0:
-            return 0.0
-        lowest = (
-            max(self.minimum_rate, self.pole * (self.no_forecast or 0.0))
-            or self.pole * self.minimum
-        )
+        lowest = max(self.minimum_rate, self.pole * (self.no_forecast or 0.0))
+        if limit is None or self.minimum == 0.0:
+            return lowest if limit is None else 0.0
+        lowest = lowest or self.pole * self.minimum
         single_pole_rate = _minimum_rate(
             lambda r: max(self.single_pole_deflection(r), self.no_forecast_limit(r)), limit, lowest
         )
