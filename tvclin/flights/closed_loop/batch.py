@@ -61,12 +61,10 @@ def frequency(actuator: Actuator | None) -> FloatArray:
 
 
 def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
-    """Return the number of substeps of each part of a sample, ``(p, parts)``.
+    """Return the number of substeps of each part of a sample, ``(p, parts)``; 1 for short samples.
 
-    It is one if the samples of the law are short enough for the nozzle.
-
-    `frequencies`: natural frequencies of the nozzles [rad/s], ``(p,)``. `lengths`: lengths of a
-    sample and of its parts before and after the command [s], ``(p, 1 + parts)``.
+    `frequencies`: natural frequencies of the nozzles [rad/s], ``(p,)``. `lengths`: lengths [s] of a
+    sample and of its parts before and after the arrival of the command, ``(p, 1 + parts)``.
     """
     angles = frequencies[:, np.newaxis] * lengths
     substeps = np.maximum(np.ceil(SUBSTEPS * angles[:, 1:] - 1e-9), 1.0)
@@ -74,21 +72,25 @@ def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
 
 
 def with_wind(moving: LinearSystem, terms: int) -> LinearSystem:
-    """Return a vehicle with its nozzle in a wind that is a polynomial of `terms` coefficients."""
+    """Return a vehicle with nozzle whose further states generate a polynomial wind over time.
+
+    `moving`: vehicle with nozzle and the inputs command and wind. `terms`: number of coefficients
+    of the polynomial.
+    """
     return connect([moving, polynomial_input("wind", terms)], INPUTS[:1], ())
 
 
 def with_ramp(plant: LinearSystem) -> LinearSystem:
-    """Return a plant whose deflection is linear in time, without wind."""
+    """Return a plant without wind and with two further states, which make its deflection linear."""
     return connect([plant, polynomial_input("deflection", 2)], (), ())
 
 
 def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
-    """Return J of `Steps`, ``(p, parts, N, N + 1 + terms)``: the transition over each part.
+    """Return J of `Steps`, ``(p, parts, N, N + 1 + terms)``: transitions over parts of a sample.
 
-    It acts on the N states, the command, and the `terms` coefficients of the wind's polynomial.
+    They act on the N states, the command, and the `terms` coefficients of the wind's polynomial.
     `driven`: result of `with_wind`. `vehicle`: number of states without the nozzle. `parts`:
-    lengths of the parts of a sample [s], ``(p, parts)``.
+    lengths of the parts [s], ``(p, parts)``.
     """
     steps = driven.to_steps(parts.T)
     order = len(driven.states) - terms
@@ -101,11 +103,11 @@ def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: in
 
 
 def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> FloatArray:
-    """Return the ramp of `Steps`, ``(p, parts, n, 2)`` or ``(p, parts, n, 4)``.
+    """Return the response of n states to a linear deflection in a part of a sample, `Steps.ramp`.
 
-    It is the step of a plant with the deflection a + (b - a) t/h. `ramp`: result of `with_ramp`.
-    `parts`: lengths h of the parts of a sample [s], ``(p,
-    parts)``.
+    The deflection is a + (b - a) t/h, and the columns are those of a and b, ``(p, parts, n, 2)``;
+    of a plant with the input deflection_acceleration also of the rates before and after, ``(p,
+    parts, n, 4)``. `ramp`: result of `with_ramp`. `parts`: lengths h [s], ``(p, parts)``.
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
     moved = ramp.to_steps(parts.T).A
@@ -120,10 +122,11 @@ def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> Fl
 
 
 def sensed_rows(plant: LinearSystem) -> FloatArray:
-    """Return the rows of measured attitude, rate, path and angle of attack, ``(p, 4, n + 1)``.
+    """Return the output rows of p plants for a law, on n states and the wind, ``(p, 4, n + 1)``.
 
-    They act on the states and the wind. With lateral sensors rows of drift rate, drift and
-    acceleration follow, ``(p, 7, n + 1)``.
+    They are attitude, attitude rate, flight path angle and angle of attack, as the sensors of the
+    plant measure them. With lateral sensors rows of drift rate, drift and acceleration follow,
+    ``(p, 7, n + 1)``.
     """
     columns = {name: k for k, name in enumerate(plant.outputs)}
     names = ["attitude", "attitude_rate", "flight_path_angle", "angle_of_attack"]
@@ -153,7 +156,7 @@ class Hardware:
 
     @property
     def batch(self) -> tuple[int, ...]:
-        """Shape of the batch, without the rate limit."""
+        """Shape of the batch of sample periods, delays and actuators, without the rate limit."""
         actuators = () if self.actuator is None else self.actuator.batch
         return np.broadcast_shapes(actuators, np.shape(self.length), np.shape(self.delay))
 
@@ -162,8 +165,8 @@ class Hardware:
     ) -> Hardware:
         """Return the hardware of selected vehicles, with the rate limits of selected flights.
 
-        `which`, `flights`: flat indices of vehicles and flights. `shape`, `flown`: shapes of the
-        batches of vehicles and of flights.
+        `which`, `shape`: flat indices of the vehicles, and shape of their batch. `flights`,
+        `flown`: flat indices of the flights, and shape of their batch.
         """
         actuator = self.actuator
         if actuator is not None:
@@ -222,7 +225,7 @@ class Batch:
         return replace(self, hardware=replace(self.hardware, delay=delay))
 
     def only(self, mask: BoolArray) -> Batch:
-        """Return the flights of a mask, with only their vehicles and winds."""
+        """Return the flights at which a mask ``(m,)`` is true, with their vehicles and winds."""
         shape, where = self.vehicles, np.flatnonzero(mask)
         (fleet, vehicle), (winds, encountered) = (
             np.unique(a[where], return_inverse=True) for a in self.indices
@@ -250,17 +253,24 @@ def one_flight(
     gain: float = 1.0,
     until: float = np.inf,
 ) -> Batch:
-    """Return the batch of a single flight; same parameters as `Batch`."""
+    """Return the batch of one flight of a law in a wind, of shape ``()``.
+
+    `limit`: deflection limit [rad]. `gain`: factor on the demand of the law. `until`: end of the
+    flight [s]; infinite until it is decided.
+    """
     return Batch(plant, hardware, wind, law_batch(law, ()), limit, (), gain, until)
 
 
 def elements(array: float | FloatArray, shape: tuple[int, ...], which: IntArray) -> FloatArray:
-    """Return the elements `which` of an array broadcast to a shape and flattened."""
+    """Return the elements with flat indices `which` of an array that is broadcast to a shape."""
     return np.asarray(np.broadcast_to(array, shape).ravel()[which])
 
 
 def indices_in(batch: tuple[int, ...], shape: tuple[int, ...]) -> IntArray:
-    """Return the index of each element of a shape in a smaller batch that broadcasts to it."""
+    """Return the flat index into a `batch` of each element of a larger `shape`, flattened.
+
+    The batch broadcasts to the shape.
+    """
     index = np.arange(int(np.prod(batch)), dtype=np.int64).reshape(batch)
     return np.broadcast_to(index, shape).flatten()
 
@@ -272,7 +282,7 @@ _IDEAL_BANDWIDTH = 1e100
 
 
 def flights(batch: Batch, *, track: bool = False) -> Flights:
-    """Return the arrays of the flights of a batch at their start, in equilibrium.
+    """Return the arrays of the kernel for the flights of a batch at their start, in equilibrium.
 
     `track`: whether the samples of a single flight are recorded. All arrays are writable: the
     kernel would be compiled again for others.
@@ -280,18 +290,16 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     batch_shape, (vehicle, encountered) = batch.vehicles, batch.indices
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind.pieces))
     terms = pieces.shape[2]
-    steps = _steps(batch, batch_shape, terms)
-    judges, criteria_index = (
-        outcome_criteria(batch.plant),
-        indices_in(batch.plant.batch, batch_shape),
-    )
+    plant = batch.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
+    steps = _steps(batch, plant, terms)
+    judges = outcome_criteria(batch.plant)
+    criteria_index = indices_in(batch.plant.batch, batch_shape)
     cases, noise = _cases(batch, judges, criteria_index)
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
     if len(memory.states) > 1:
         cases.memory[:] = np.arange(vehicle.size)
     N = steps.joint.shape[2]
-    plant = batch.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
     now = equilibrium(vehicle.size, len(plant.states), steps, terms, memory.states.shape[1])
     now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
@@ -316,22 +324,25 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     )
 
 
-def _steps(batch: Batch, batch_shape: tuple[int, ...], terms: int) -> Steps:
-    """Return the steps of vehicles in winds of `terms` polynomial coefficients.
+def _steps(batch: Batch, plant: LinearSystem, terms: int) -> Steps:
+    """Return the transition matrices over a sample of the p vehicles of a batch of flights.
 
-    A sample has a part before and a part after the arrival of a delayed command.
+    A sample has a part before and a part after the arrival of a delayed command. `plant`: their
+    plants with lateral sensors, ``(p,)``. `terms`: number of coefficients of a wind's polynomial.
     """
-    hardware, all_vehicles = batch.hardware, np.arange(int(np.prod(batch_shape)))
-    plant = batch.system.cases(all_vehicles, batch_shape)
-    length, delay = (spread_to(a, batch_shape) for a in (hardware.length, hardware.delay))
+    hardware, shape = batch.hardware, batch.vehicles
+    length, delay = (spread_to(a, shape) for a in (hardware.length, hardware.delay))
     nozzle = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
-    moving = nozzle.cases(all_vehicles, batch_shape)
-    timing = Timing.of(hardware, batch_shape, length, delay)
+    moving = nozzle.cases(np.arange(length.size), shape)
+    timing = Timing.of(hardware, shape, length, delay)
     return steps_of(with_wind(moving, terms), with_ramp(plant), plant, timing, terms)
 
 
 class Timing(NamedTuple):
-    """Lengths of the samples of p vehicles and of their parts; fields as in `Steps`."""
+    """Lengths of the samples of p vehicles and of their parts; fields as in `Steps`.
+
+    `pace`: bandwidth of a first-order nozzle [1/s], ``(p, 1)``.
+    """
 
     lengths: FloatArray
     substeps: IntArray
@@ -342,13 +353,28 @@ class Timing(NamedTuple):
     def of(
         cls, hardware: Hardware, shape: tuple[int, ...], length: FloatArray, delay: FloatArray
     ) -> Timing:
-        """Return the timing of samples of a length and a delay [s], each ``(p,)``."""
+        """Return the timing of the samples of p vehicles.
+
+        `hardware`: gives the actuators. `shape`: shape of the batch of vehicles. `length`, `delay`:
+        sample periods and computing delays [s], ``(p,)``.
+        """
         late, rest = split_delay(delay, length)
         parts = [length - rest, rest] if np.any(rest) else [length]
         lengths = np.stack([length, *parts], axis=-1)
         substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
         pace = np.minimum(spread_to(quickness(hardware.actuator), shape), _IDEAL_BANDWIDTH)
         return cls(lengths, substeps, pace[:, np.newaxis], late.astype(np.int64))
+
+    @property
+    def short(self) -> FloatArray:
+        """Lengths of the substeps of each part of a sample [s], ``(p, parts)``."""
+        return self.lengths[:, 1:] / self.substeps
+
+    def steps(self, joint: FloatArray, fine: FloatArray, ramp: FloatArray) -> Steps:
+        """Return the `Steps` of these samples with the transition matrices of their vehicles."""
+        lengths, substeps, pace, late = self
+        quick = np.where(self.short > 0.0, pace * self.short, 0.0)
+        return Steps(joint, fine, substeps, ramp, lengths, self.short, quick, late)
 
 
 def steps_of(
@@ -357,30 +383,22 @@ def steps_of(
     """Return the transition matrices of p vehicles in winds of `terms` polynomial coefficients.
 
     `driven`, `ramp`: results of `with_wind` and `with_ramp`, ``(p,)``; ``(parts, p)`` if the
-    matrices differ between the parts of a sample, see `Steps`. `plant`: the
-    plants, ``(p,)``. `timing`: samples and parts of the same vehicles.
+    matrices differ between the parts of a sample. `plant`: plants without nozzle, ``(p,)``.
+    `timing`: samples and parts of the vehicles.
     """
-    lengths, n = timing.lengths, len(plant.states)
-    short = lengths[:, 1:] / timing.substeps
-    joint = joint_steps(driven, n, lengths[:, 1:], terms)
-    return Steps(
-        joint=joint,
-        fine=joint_steps(driven, n, short, terms) if np.any(timing.substeps > 1) else joint,
-        substeps=timing.substeps,
-        ramp=ramp_steps(ramp, plant, short),
-        lengths=lengths,
-        short=short,
-        quick=np.where(short > 0.0, timing.pace * short, 0.0),
-        late=timing.late,
-    )
+    lengths, n, short = timing.lengths[:, 1:], len(plant.states), timing.short
+    joint = joint_steps(driven, n, lengths, terms)
+    fine = joint_steps(driven, n, short, terms) if np.any(timing.substeps > 1) else joint
+    return timing.steps(joint, fine, ramp_steps(ramp, plant, short))
 
 
 def _cases(
     batch: Batch, judges: OutcomeCriteria, criteria_index: IntArray
 ) -> tuple[Cases, FloatArray]:
-    """Return the `Cases` of m flights, and the noise of their measured attitude rates [rad/s].
+    """Return the numbers of each of m flights, and rows of noise of their attitude rates [rad/s].
 
-    `criteria_index`: index of each vehicle's criteria in `judges`.
+    `batch`: the flights. `judges`: outcome criteria of the different plants. `criteria_index`:
+    index of each vehicle's criteria in `judges`, ``(p,)``.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
     h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]
@@ -416,9 +434,10 @@ def _cases(
 
 
 def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> FlightStates:
-    """Return the state of m flights in equilibrium.
+    """Return the state of `m` flights in equilibrium, with all numbers zero.
 
-    `n`: states of the plant. `terms`: coefficients of the wind. `memory`: states of the laws.
+    `n`: number of states of the plant. `steps`: transition matrices of the vehicles. `terms`:
+    number of coefficients of the wind's polynomial. `memory`: number of states of the laws.
     """
     N, late = steps.joint.shape[2], int(steps.late.max(initial=0))
     return FlightStates(
@@ -441,10 +460,10 @@ def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Flight
 
 
 def widened(rows: FloatArray, width: int, count: int) -> FloatArray:
-    """Return rows over the vehicle's states, cut or padded with zeros to `width` columns.
+    """Return rows on the states of a vehicle, cut or padded with zeros to `width` columns.
 
-    `count`: number of the sensors' states, whose columns are zero. The last two columns belong to
-    deflection and deflection rate.
+    `rows`: coefficients on states, deflection and deflection rate, ``(..., n + 2)``. `count`:
+    number of states of lateral sensors, whose columns are zero and precede the last two.
     """
     rows = np.insert(rows, [rows.shape[-1] - 2] * count, 0.0, axis=-1)
     wide = np.zeros((*rows.shape[:-1], width))
@@ -469,7 +488,11 @@ def samples_in(span: FloatArray, period: FloatArray) -> IntArray:
 
 
 def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return a row of noise [rad/s] for each level and seed, and the row of each flight."""
+    """Return rows of noise [rad/s], one for each level and seed, and the row of each flight.
+
+    `laws`: laws of the flights, with their noise. `samples`: number of samples of each flight,
+    ``(m,)``.
+    """
     sources = list(dict.fromkeys(laws.noise))
     rows_of_laws = [sources.index(noise) for noise in laws.noise]
     sequence = np.array(rows_of_laws, dtype=np.int64)[laws.which]

@@ -50,7 +50,7 @@ def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
 
 
 def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> FloatArray:
-    """Return sample rates [Hz]; `InputError` if one is too low for its actuator."""
+    """Return sample rates [Hz] of laws; `InputError` if one is too low for its actuator."""
     rates = errors.within(
         "sample_rate", errors.positive("sample_rate", sample_rate, "Hz"), *_SAMPLE_RATES, "Hz"
     )
@@ -68,9 +68,9 @@ def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> Flo
 
 
 def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
-    """Return the delays [s]; `InputError` if one is negative or longer than 10000 samples.
+    """Return computing delays [s]; `InputError` if one is negative or longer than 10000 samples.
 
-    `length`: sample periods [s].
+    `length`: sample periods [s], which broadcast with the delays.
     """
     delays = errors.nonnegative("delay", delay, "s")
     errors.together(delay=delays, sample_rate=length)
@@ -92,7 +92,7 @@ def check_samples(span: float, length: float) -> None:
 
 
 def check_fastest_pole(plant: AnyPlant, length: float) -> None:
-    """Raise `InputError` if the fastest pole is too large for a sample period `length` [s]."""
+    """Raise `InputError` if a plant has too fast a pole for a sample period `length` [s]."""
     pole = float(fastest_poles(plant))
     if not pole * length <= MAX_POLE_TIMES_SAMPLE:
         raise errors.InputError(
@@ -121,7 +121,7 @@ def check_rate_limit(rate_limit: float) -> float:
 
 
 def check_not_lost(time: float, states: FloatArray) -> None:
-    """Raise `InputError` if a state at a time [s] exceeds `LOST`."""
+    """Raise `InputError` if the size of a state of a flight at a time [s] exceeds `LOST`."""
     if not np.abs(states).max() <= LOST:
         raise errors.InputError(
             f"the flight is lost and grows without bounds; ask for times before t = {time:.6g} s"

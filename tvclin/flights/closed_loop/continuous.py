@@ -38,13 +38,16 @@ class Equations(Protocol):
         """Magnitude of each state that corresponds to an angle of one."""
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
-        """Return the derivatives of the states."""
+        """Return the derivatives of the states `x` at a time `t` [s], ``(n,)``.
+
+        `deflection`: deflection [rad]. `gust`: wind angle [rad].
+        """
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
-        """Return the angle of attack [rad]."""
+        """Return the angle of attack [rad] at times `t` [s], states `x`, wind angles `gust`."""
 
     def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
-        """Return the measurements of the lateral sensors, by name."""
+        """Return the measurements of the lateral sensors, by name, for times `t` and states `x`."""
 
 
 class Regime(NamedTuple):
@@ -87,7 +90,7 @@ class Loop:
 
     @cached_property
     def memory(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the law's states."""
+        """Matrices F and G of the law's states x, with x' = F x + G y for the measurements y."""
         return self.law.states
 
     @property
@@ -105,7 +108,12 @@ class Loop:
     def measured(
         self, t: Any, states: FloatArray, wind: Any, regime: Regime | None = None
     ) -> Measurement:
-        """Return the measurements of the law; the deflection is NaN without an actuator."""
+        """Return the measurements of the law; the deflection is NaN without an actuator.
+
+        `t`: time [s]. `states`: all states of the loop, ``(n, ...)``. `wind`: wind angle [rad].
+        `regime`: regime of the nozzle, within which the deflection is smooth; without it, it is
+        clipped.
+        """
         path = states[2] if "flight_path_angle" in self.equations.states else 0.0 * states[0]
         alpha = self.equations.angle_of_attack(t, states[: self.order], wind)
         deflection = np.nan if self.actuator is None else self.nozzle(states, regime)
@@ -113,30 +121,46 @@ class Loop:
         return Measurement(states[0], states[1], path, alpha, deflection, **lateral)
 
     def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
-        """Return the deflection [rad]; with a regime it is smooth beyond the regime's end."""
+        """Return the deflection [rad]; with a regime it is smooth beyond the regime's end.
+
+        `states`: all states of the loop, ``(n, ...)``.
+        """
         position = states[self.order]
         if regime is None:
             return np.clip(position, -self.limit, self.limit)
         return regime.stop * self.limit + 0.0 * position if regime.stop else position
 
     def demand(self, states: FloatArray, measured: Measurement) -> Any:
-        """Return the demand of the law, times the gain [rad]."""
+        """Return the demand of the law [rad], times the gain.
+
+        `states`: all states of the loop, ``(n, ...)``. `measured`: measurements of the law.
+        """
         memory = states[self.order + self.servo :]
         return self.gain * self.law.demand(measured, memory, self.limit)
 
     def command(self, states: FloatArray, measured: Measurement, regime: Regime) -> Any:
-        """Return the command [rad]: the demand, or the full limit of the regime's mode."""
+        """Return the command [rad]: the demand, or the full limit of the regime's mode.
+
+        `states`: all states of the loop, ``(n, ...)``. `measured`: measurements of the law.
+        """
         return regime.mode * self.limit if regime.mode else self.demand(states, measured)
 
     def deflection(self, states: FloatArray, measured: Measurement, mode: float) -> Any:
-        """Return the deflection [rad] of a law in a mode."""
+        """Return the deflection [rad]: that of the actuator, or else the limited command.
+
+        `states`: all states of the loop, ``(n, ...)``. `measured`: measurements of the law. `mode`:
+        sign of the full limit that the law commands, or zero.
+        """
         if self.actuator is not None:
             return self.nozzle(states)
         demand = mode * self.limit if mode else self.demand(states, measured)
         return np.clip(demand, -self.limit, self.limit)
 
     def pull(self, states: FloatArray, command: Any) -> Any:
-        """Return the unlimited s' of a first-order nozzle, or s'' of a second-order nozzle."""
+        """Return the unlimited s' of a first-order nozzle s, or s'' of a second-order nozzle.
+
+        `states`: all states of the loop, ``(n, ...)``. `command`: commanded deflection [rad].
+        """
         assert self.actuator is not None
         w, order = float(np.asarray(self.actuator.natural_frequency)), self.order
         if self.actuator.damping is None:
@@ -145,7 +169,10 @@ class Loop:
         return w * w * (command - states[order]) - drag * states[order + 1]
 
     def rates(self, t: float, states: FloatArray, regime: Regime, gust: Any) -> FloatArray:
-        """Return the derivatives of the states in a wind ``gust(t)``."""
+        """Return the derivatives of all states at a time `t` [s] in a wind ``gust(t)`` [rad].
+
+        `regime`: active limits of law and nozzle.
+        """
         order = self.order
         wind = gust(t)
         measured = self.measured(t, states, wind, regime)
@@ -199,7 +226,11 @@ class End(NamedTuple):
 
 
 def mode_at(loop: Loop, t: float, states: FloatArray, mode: float, gust: Any) -> float:
-    """Return the mode of the law at a time: +1 or -1 if it commands the full limit, else 0."""
+    """Return the mode of the law at a time `t` [s]: +1 or -1 if it commands the full limit, else 0.
+
+    `states`: all states of the loop. `mode`: mode before that time. `gust`: wind angle [rad] as a
+    function of the time.
+    """
     demand = loop.demand(states, loop.measured(t, states, gust(t)))
     law, limit = loop.law, loop.limit
     return next_mode(law.engage * limit, law.release * limit, float(demand), mode)
@@ -210,7 +241,9 @@ def regime_after_jump(
 ) -> Regime:
     """Return the regime after a possible jump of the command, with the rate limited or not.
 
-    It is where what the nozzle is drawn to points on, and the rate is at its limit that way.
+    The rate is limited if it is at its limit in the direction of the nozzle's pull. `t`: time [s].
+    `states`: all states of the loop. `regime`: regime before. `gust`: wind angle [rad] as a
+    function of the time.
     """
     if loop.actuator is None or loop.rate_limit == np.inf:
         return regime
@@ -222,7 +255,10 @@ def regime_after_jump(
 
 
 def ends_of(loop: Loop, regime: Regime, gust: Any) -> list[End]:
-    """Return the ends of a regime."""
+    """Return the events that can end a regime of a loop.
+
+    `gust`: wind angle [rad] as a function of the time.
+    """
     ends = [_mode_end(loop, regime, gust, sign) for sign in _signs(regime.mode)]
     if loop.servo and loop.rate_limit < np.inf:
         ends += [_rate_end(loop, regime, gust, sign) for sign in _signs(regime.rate)]
@@ -232,10 +268,14 @@ def ends_of(loop: Loop, regime: Regime, gust: Any) -> list[End]:
 
 
 def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
-    """Return the end of a mode: demand below `release` if engaged, else above `engage`."""
+    """Return the end of a mode: demand below `release` if engaged, else above `engage`.
+
+    `gust`: wind angle [rad] as a function of the time. `sign`: sign of the full limit that is left
+    or reached.
+    """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the demand is beyond the threshold; positive after the end."""
+        """Return by how much [rad] the demand at a time `t` [s] is beyond the threshold."""
         demand = sign * loop.demand(states, loop.measured(t, states, gust(t), regime))
         if regime.mode:
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
@@ -245,10 +285,12 @@ def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
 
 
 def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
-    """Return the end of a rate regime: it is entered at the limit r, and left by the pull.
+    """Return the end of a rate regime, which begins and ends by the pull of the nozzle.
 
-    First order, s' = pull: held where |pull| > r, let go where |pull| < r. Second order, s'' =
-    pull: held where |s'| > r, let go where the pull changes its sign.
+    First order, s' = pull: held where ``|pull| > r``, let go where ``|pull| < r``, r the rate
+    limit. Second order, s'' = pull: held where ``|s'| > r``, let go where the pull changes its
+    sign. `gust`: wind angle [rad] as a function of the time. `sign`: sign of the rate that is left
+    or reached.
     """
     max_rate, order, first = loop.rate_limit, loop.order, loop.servo == 1
     then = regime._replace(rate=0.0 if regime.rate else sign)
@@ -256,6 +298,7 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
         return End(lambda t, x: sign * x[order + 1] - max_rate, max_rate, then)
 
     def pull(t: Any, states: FloatArray) -> Any:
+        """Return the pull in the direction of the sign, at a time `t` [s]."""
         measured = loop.measured(t, states, gust(t), regime)
         return sign * loop.pull(states, loop.command(states, measured, regime))
 
@@ -268,7 +311,11 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
 
 
 def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
-    """Return the event at which the deflection leaves its limit, or if free, reaches it."""
+    """Return the event at which the deflection leaves its limit, or if free, reaches it.
+
+    `loop`: gives the limit. `regime`: active limits. `sign`: sign of the limit that is left or
+    reached.
+    """
     limit, order = loop.limit, loop.order
     if regime.stop:
         return End(lambda t, x: limit - sign * x[order], limit, regime._replace(stop=0.0))
@@ -296,6 +343,7 @@ def first_missed_end(result: Any, ends: list[End]) -> tuple[float, Regime] | Non
     for end in ends:
 
         def distance(t: Any, end: End = end) -> Any:
+            """Return the distance to the end of the regime at times `t` [s], negative beyond it."""
             return -end.past(t, result.sol(t))
 
         values = -end.past(times, states)
@@ -397,7 +445,11 @@ class ContinuousFlight:
         gust: Any,
         ends: list[End],
     ) -> Any:
-        """Return the solver's result from a state to the end of the regime or of the span."""
+        """Return the solver's result from a state to the end of the regime or of the span.
+
+        `rates`: derivatives of the states. `span`: start and end [s]. `gust`: wind angle [rad] as a
+        function of the time. `ends`: events that can end the regime.
+        """
         from scipy.integrate import solve_ivp
 
         factor = 1.0 if self.loop.actuator is None else _ACTUATOR_FACTOR
@@ -420,7 +472,10 @@ class ContinuousFlight:
         return result
 
     def rows(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
-        """Return plant states and deflection at times [s] ``(m,)``, shape ``(n + 1, m)``."""
+        """Return n plant states and deflection [rad] at times [s] ``(m,)``, shape ``(n + 1, m)``.
+
+        `arcs`: result of `ContinuousFlight.arcs`.
+        """
         starts = np.array([arc.start for arc in arcs])
         index = np.searchsorted(starts, times, side="right") - 1
         loop, order = self.loop, self.loop.order
@@ -446,7 +501,10 @@ class ContinuousFlight:
         return _MAX_STEP_TIMES_POLE / self.loop.fastest if self.loop.fastest else np.inf
 
     def _check_law(self, start: float, rest: FloatArray) -> None:
-        """Raise `InputError` for a law that depends on the deflection without an actuator."""
+        """Raise `InputError` for a law that depends on the deflection without an actuator.
+
+        `start`: start of the flight [s]. `rest`: states in equilibrium.
+        """
         if np.isnan(self.loop.demand(rest, self.loop.measured(start, rest, 0.0))):
             raise InputError(
                 "a law that looks at the deflection needs an actuator or a sample_rate"
@@ -454,11 +512,14 @@ class ContinuousFlight:
 
 
 def _with_evaluation_limit(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Return the equations of one flight; they raise `InputError` after too many evaluations."""
+    """Return the function `rates`, which raises `InputError` after too many evaluations.
+
+    `rates`: derivatives of the states of one flight, of the time [s], the states and more.
+    """
     evaluations = count(1)
 
     def counted(t: float, *state: Any) -> FloatArray:
-        """Return the rates of the states; `InputError` after too many evaluations."""
+        """Return the derivatives of the states at a time `t` [s], and count the evaluation."""
         if next(evaluations) > _MAX_EVALUATIONS:
             raise InputError(
                 f"the flight takes more than {_MAX_EVALUATIONS} evaluations of its equations, at"
@@ -473,6 +534,7 @@ def _event(end: End) -> Any:
     """Return the solver's event function of the end of a regime, which rises through zero."""
 
     def past(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
+        """Return the event function of the end; positive after it."""
         return float(end.past(t, states))
 
     past.terminal = True  # type: ignore[attr-defined]
@@ -481,9 +543,13 @@ def _event(end: End) -> Any:
 
 
 def _flight_end(max_attitude: float) -> Any:
-    """Return the event function of a flight's end, a millionth beyond `LOST` or the attitude."""
+    """Return the event function of a flight's end, a millionth beyond `LOST` or the attitude.
+
+    `max_attitude`: largest attitude [rad].
+    """
 
     def remaining(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
+        """Return the smaller distance of the states from their limits; negative beyond one."""
         to_loss = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
         return min(to_loss, max_attitude * (1.0 + 1e-6) - abs(float(states[0])))
 
@@ -492,9 +558,10 @@ def _flight_end(max_attitude: float) -> Any:
 
 
 def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
-    """Return the piece of a history after a breakpoint as a function, smooth beyond its end.
+    """Return the piece of a history after a time [s] as a function, smooth beyond the piece's end.
 
-    It hides the next jump from the solver, and takes half the time of ``history(t)``.
+    `start`: the time, such as a breakpoint. It hides the next jump from the solver, and takes half
+    the time of ``history(t)``.
     """
     pieces = history.pieces
     k = int(np.searchsorted(pieces.knots, start, side="right")) - 1
@@ -504,6 +571,7 @@ def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
     coefficients = pieces.coefficients[k, :, ::-1]
 
     def value(t: Any) -> Any:
+        """Return the piece at times `t` [s]."""
         u = t - knot
         terms = [np.polyval(c, u) * np.exp(r * u) for c, r in zip(coefficients, rates, strict=True)]
         return np.real(sum(terms))

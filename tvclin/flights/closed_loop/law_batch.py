@@ -75,7 +75,10 @@ class LawBatch:
         return [law.rate_noise for law in self.laws] or [(0.0, 0)] * len(self.numbers)
 
     def memory(self, lengths: FloatArray) -> Memory:
-        """Return the steps of lengths [s] ``(m,)`` of the states of laws and filters."""
+        """Return the step matrices of the states of laws and filters.
+
+        `lengths`: lengths of the steps [s], one for each flight, ``(m,)``.
+        """
         integral = any(law is not None and law.first_state for law in self.numbers)
         systems = [law.state_space for law in self.laws] or [attitude_integral(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
@@ -107,22 +110,23 @@ _TYPES = {float: np.float64, bool: np.bool_}
 
 
 def law_rows(numbers: Sequence[LawNumbers]) -> AnyArray:
-    """Return the numbers of laws as a structured array, for machine code."""
+    """Return the numbers of laws as a structured array for machine code, ``(laws,)``."""
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
     return np.array(numbers, dtype=kinds)
 
 
 def shape_of(law: Any) -> tuple[int, ...]:
-    """Return the shape of a law, a batch of gains, or an array of laws."""
+    """Return the batch shape of a law, an autopilot with a batch of gains, or an array of laws."""
     if isinstance(law, Law):
         return ()
     return law.batch if isinstance(law, Autopilot) else np.shape(_array(law))
 
 
 def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
-    """Return the laws of a batch of flights of this shape.
+    """Return the laws of a batch of flights of a shape.
 
-    `InputError` for another type than a law, and for an autopilot with an actuator or a delay.
+    `law`: a law, an array of laws, or an autopilot with a batch of gains, which broadcast to the
+    shape. `InputError` for another type, and for an autopilot with an actuator or a delay.
     """
     if isinstance(law, SystemAutopilot):
         law = SystemLaw(law)
@@ -179,9 +183,9 @@ def _batch_of_gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
 def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
     """Return the step matrices of one law and its filters, padded to `size` states.
 
-    `lengths`: lengths of the steps [s], ``(m,)``. `chains`: filters of the sensors and the demand.
-    The law's states precede the states of each chain. The output of a controller in state space
-    takes the place of the attitude among the law's inputs.
+    `system`: the law in state space. `chains`: filters of the sensors and the demand. `lengths`:
+    lengths of the steps [s], ``(m,)``. The law's states precede the states of each chain. The
+    output of a controller in state space takes the place of the attitude among the law's inputs.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
     first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]

@@ -35,7 +35,7 @@ class OutcomeCriteria(NamedTuple):
 
 
 def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
-    """Return the outcome criteria of a batch of plants, flattened."""
+    """Return the criteria of loss and survival of a batch of plants, flattened to p plants."""
     fast, slow, reach = _unstable_poles(plant)
     two, B = ~np.isnan(slow), np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()
     slow = np.where(two, slow, fast)

@@ -33,14 +33,21 @@ from tvclin.winds.histories import History
 
 
 def flown(batch: Batch, *, track: bool = False) -> Flights:
-    """Return the flights of a batch at their ends; with `track` one flight with its samples."""
+    """Return the flights of a batch at their ends, as arrays of the kernel.
+
+    `track`: whether the samples of a single flight are recorded.
+    """
     f = flights(batch, track=track)
     finish(f, batch.laws)
     return f
 
 
 def finish(f: Flights, laws: LawBatch) -> None:
-    """Step flights to their ends, in place."""
+    """Step flights of laws to their ends, in place.
+
+    `f`: the flights, changed in place. `laws`: their laws; one without numbers is evaluated by
+    Python.
+    """
     if not isinstance(f.laws.numbers, np.ndarray) and None in laws.numbers:
         _in_python(f, laws)
         return
@@ -61,7 +68,11 @@ def finish(f: Flights, laws: LawBatch) -> None:
 
 
 def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: FloatArray) -> None:
-    """Step flights in both planes to their common ends, in place; see `kernels.plane_flights`."""
+    """Step m flights in both planes to their common ends, in place; see `kernels.plane_flights`.
+
+    `pitch`, `yaw`: flights of both planes, changed in place. `normals`: normals of the limit shape,
+    ``(k, 2)``; empty for a circle. `limit`: deflection limits [rad], ``(m,)``.
+    """
     fly = choice.fastest(fly_in_planes, 2.0 * float(_last(pitch).sum()) * kernel.PLAIN)
     take = _plain if fly is fly_in_planes else _compact
     with np.errstate(all="ignore"):  # a lost flight may overflow
@@ -69,7 +80,10 @@ def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: F
 
 
 def _in_python(f: Flights, laws: LawBatch) -> None:
-    """Step flights of laws without numbers, which Python evaluates for all flights at once."""
+    """Step flights to their ends, in place; Python evaluates each law for all its flights at once.
+
+    `f`: the flights, changed in place. `laws`: their laws, without numbers for the kernel.
+    """
     stepper, k = Stepper(f), 0
     engage, release = (
         np.array([getattr(law, name) for law in laws.laws], float)[f.cases.law]
@@ -87,30 +101,39 @@ def _in_python(f: Flights, laws: LawBatch) -> None:
 
 
 class Stepper:
-    """Kernel of flights whose demand is computed outside, one sample at a time."""
+    """Kernel of the flights `f`, whose demands are computed outside, one sample at a time."""
 
     def __init__(self, f: Flights) -> None:
+        """Choose plain Python or machine code by the length of the flights, changed in place."""
         self._look = choice.fastest(kernel.look, float(_last(f).sum()) * kernel.PLAIN)
         compiled = self._look is not kernel.look  # both, as machine code takes other arrays
         self._advance = machine_code(kernel.advance) if compiled else kernel.advance
         self._flights = _compact(f) if compiled else f
 
     def look(self, k: int) -> int:
-        """Evaluate measurements and outcomes at sample k; return the number of active flights."""
+        """Evaluate measurements and outcomes at sample `k`; return the number of active flights."""
         return self._look(self._flights, k)
 
     def advance(self, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray) -> None:
-        """Step the active flights by a sample, with demands [rad] and switch levels, ``(m,)``."""
+        """Step the active ones of m flights by the sample with number `k`, in place.
+
+        `demand`: demands [rad], ``(m,)``. `engage`, `release`: demands over the limit at which the
+        full limit is commanded, and is no longer, ``(m,)``.
+        """
         self._advance(self._flights, k, demand, engage, release)
 
 
 def _last(f: Flights) -> IntArray:
-    """Return the smallest number of samples of each flight, ``(m,)``."""
+    """Return the smallest number of samples of each of the flights `f`, ``(m,)``."""
     return np.where(f.cases.finish < NEVER, f.cases.finish, f.cases.ends + f.cases.settling)
 
 
 def _demand(law: Any, f: Flights, flights: IntArray) -> FloatArray:
-    """Return the demand [rad] of a law in its flights; plain floats for one, in half the time."""
+    """Return the demands [rad] of a law in k of the flights `f`, ``(k,)``.
+
+    `flights`: indices of the k flights. A single flight is evaluated with plain floats, in half the
+    time.
+    """
     order = len(law.states[0])
     states, limit = f.now.states[flights, :order], f.cases.limit[flights]
     if flights.size > 1:
@@ -122,7 +145,7 @@ def _demand(law: Any, f: Flights, flights: IntArray) -> FloatArray:
 
 
 def _plain(f: Flights) -> Flights:
-    """Return the flights with the laws as a list, for plain Python."""
+    """Return the flights `f` with the numbers of their laws as a list, for plain Python."""
     numbers = f.laws.numbers
     if isinstance(numbers, np.ndarray):
         numbers = [LawNumbers._make(row) for row in numbers.tolist()]
@@ -130,7 +153,7 @@ def _plain(f: Flights) -> Flights:
 
 
 def _compact(f: Flights) -> Flights:
-    """Return the flights with the laws as a structured array, for machine code."""
+    """Return the flights `f` with the numbers of their laws as an array, for machine code."""
     if isinstance(f.laws.numbers, np.ndarray):
         return f
     return f._replace(laws=f.laws._replace(numbers=law_rows(f.laws.numbers)))
@@ -159,9 +182,9 @@ class Tracked(NamedTuple):
 
 
 def tracked(flight: Batch, times: FloatArray) -> Tracked:
-    """Return one sampled flight at times [s] up to its end.
+    """Return states, deflection and nozzle motion of one sampled flight at times [s] up to its end.
 
-    `InputError` if its states exceed `LOST`.
+    `flight`: batch of this flight. `InputError` if its states exceed `LOST`.
     """
     actuator, f = flight.hardware.actuator, flown(flight, track=True)
     n = len(flight.system.states)
@@ -180,14 +203,17 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
 def outputs_of(plant: LinearSystem, rows: FloatArray, gusts: FloatArray) -> FloatArray:
     """Return the outputs of a plant at m times, ``(outputs, m)``.
 
-    `rows`: states and deflection [rad], ``(n + 1, m)``. `gusts`: wind [rad], ``(m,)``.
+    `rows`: n states and deflection [rad], ``(n + 1, m)``. `gusts`: wind angles [rad], ``(m,)``.
     """
     direct = plant.D[:, : len(VEHICLE_INPUTS)] @ np.stack([rows[-1], gusts])
     return np.asarray(plant.C @ rows[:-1] + direct)
 
 
 def _check(f: Flights, order: int) -> None:
-    """Raise `InputError` if states of a flight exceed `LOST`."""
+    """Raise `InputError` if the recorded flight `f` has a state that exceeds `LOST`.
+
+    `order`: number of states of the plant, which come first.
+    """
     track = _written(f)
     with np.errstate(invalid="ignore"):
         beyond = ~(np.abs(track[:, :order]).max(axis=1) <= LOST)
@@ -201,8 +227,8 @@ def _rows(
 ) -> FloatArray:
     """Return the n states of the plant and the deflection [rad] at m times, ``(n + 1, m)``.
 
-    They are zero before the onset. `at`: substeps of the times. `bare`: system of the plant without
-    its actuator. `times`: flight times [s].
+    They are zero before the onset of the wind. `at`: substeps of the times. `bare`: the plant
+    without its `actuator`. `times`: flight times [s].
     """
     y, first, slope = at.y, at.first, at.slope
     n = len(bare.states)
@@ -264,7 +290,10 @@ class _Substeps(NamedTuple):
 
 
 def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _Substeps:
-    """Return the substeps of times [s]; the first n states of the system are the plant's."""
+    """Return the substeps that contain m times [s] of a recorded flight `f`.
+
+    `system`: plant with nozzle, whose first `n` states are the plant's.
+    """
     N, order = f.now.y.shape[1], len(system.states)
     limit, track = float(f.cases.limit[0]), _written(f)
     begins = track[:, -1]
@@ -296,7 +325,7 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
 
 
 def _written(f: Flights) -> FloatArray:
-    """Return the rows of the track that were written."""
+    """Return the rows of the track of a single flight `f` that were written, ``(k, N + 4)``."""
     return f.track[~np.isnan(f.track[:, -1])]
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,10 +27,6 @@ from tvclin.flights.closed_loop.outcomes import SETTLING
 from tvclin.kernels.control_laws import LawNumbers, law_demand
 from tvclin.kernels.flights import MEASURED, Flights
 from tvclin.linear.system import split_delay
-
-if TYPE_CHECKING:
-    from tvclin.flights.closed_loop.batch import Batch
-
 
 _DIFFERENCE_OVER_REACH = 1e-7
 """State of a finite difference, over the recoverable set: far below every limit and dead band."""
@@ -47,7 +43,7 @@ def dominant_pole(batch: Batch) -> complex:
     """Return the dominant pole log(z)/h [1/s] of one loop, with imaginary part >= 0.
 
     z is the eigenvalue of largest modulus of its step at equilibrium. The imaginary part is the
-    frequency of the samples, at most half their rate.
+    frequency of the samples, at most half their rate. `batch`: batch of one flight.
     """
     values = np.linalg.eigvals(equilibrium_step(batch)).astype(complex)
     worst = values[np.abs(values).argmax()]
@@ -59,8 +55,8 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     """Return the largest growth rate [1/s] of an oscillation of each of m loops, ``(m,)``.
 
     Slow modes do not count: real positive eigenvalues of the step, and frequencies below a tenth of
-    the fastest unstable pole, such as the pole of the path. `f`: flights of the batch, at any
-    sample.
+    the fastest unstable pole, such as the pole of the path. `batch`: the loops. `f`: arrays of
+    their flights, at any sample.
     """
     # Flights that differ in their limit alone have the same loop, unless their law depends on it.
     laws, of_flight = np.unique(f.cases.law, return_inverse=True)
@@ -82,15 +78,19 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
 
 
 def equilibrium_step(batch: Batch) -> FloatArray:
-    """Return the step matrix M of one loop at equilibrium, ``(n, n)``.
+    """Return the step matrix M of one loop at equilibrium over a sample, ``(n, n)``.
 
     It acts on the states of vehicle, nozzle and law, and the pending commands, latest first.
+    `batch`: batch of one flight.
     """
     return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]
 
 
 def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the step matrices of flights `cases` at equilibrium, ``(k, n, n)``."""
+    """Return the step matrices of k flights at equilibrium, ``(k, n, n)``.
+
+    `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         steps = _composed(batch, f, cases)
     # A gain whose step overflows is unstable.
@@ -103,8 +103,9 @@ def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """Return the step matrices of k flights, ``(k, n, n)``, on the states of `equilibrium_step`.
 
-    Each signal is rows of coefficients on these states. The last `command_count` commands [rad],
-    of which all but one are pending, are states.
+    `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights. Each signal is
+    rows of coefficients on these states. The last `command_count` commands [rad], of which all but
+    one are pending, are states.
     """
     k, arrays = cases.size, (f.now.y, f.now.states, f.now.commands)
     order, law_order, command_count = (array.shape[1] for array in arrays)
@@ -113,9 +114,11 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     x, law_states, pending = np.split(np.eye(size), [order, order + law_order])
 
     def per_case(rows: FloatArray) -> FloatArray:
+        """Return the rows of the laws of the k flights, from those of all laws."""
         return rows[f.cases.memory[cases]]
 
     def spread(rows: FloatArray) -> FloatArray:
+        """Return rows of coefficients that are the same in all k flights, ``(k, rows, n)``."""
         return np.broadcast_to(rows, (k, *rows.shape[-2:]))
 
     shown = f.vehicles.shown[vehicles, :, :n] @ x[:n]
@@ -145,7 +148,10 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the derivatives of demands by measurements and law states, ``(k, 8 + s)``."""
+    """Return the derivatives of k demands by measurements and law states, ``(k, 8 + s)``.
+
+    `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
+    """
     reach = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
     small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]
     slopes = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
@@ -166,6 +172,7 @@ def _of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> 
     """Return the derivatives of a demand by measurements and law states, ``(8 + s,)``.
 
     `numbers`: numbers of the law. `small`: finite difference. `limit`: deflection limit [rad].
+    `width`: 8 + s.
     """
     rows = (small * np.eye(width + 1, width)).tolist()
     values = [law_demand(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
@@ -209,8 +216,8 @@ _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
 def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, float]:
     """Return the gain reduction and increase, factors above one, until the loop is unstable.
 
-    Infinite if it never is. `batch`: one flight with a stable loop. `name`: "gain" or
-    "effectiveness". `pole`: fastest unstable pole of the plant [1/s].
+    Infinite if it never is. `batch`: one flight with a stable loop. `name`: "gain" of the law or
+    "effectiveness" of the nozzle. `pole`: fastest unstable pole of the plant [1/s].
     """
     hardware = batch.hardware
     samples, rest = split_delay(hardware.delay, hardware.length)
@@ -228,10 +235,9 @@ def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, fl
 def linear_delay_margin(batch: Batch, pole: float) -> float:
     """Return the smallest further delay [s] with which the loop is unstable.
 
-    `batch`: one flight with a stable loop. `pole`: fastest unstable pole of the plant [1/s].
-
     The delay is f + n samples. With the fraction f included in l, n = arg(l)/theta samples bring a
-    mode to the unit circle where ``|l| = 1``; f is the root for which n is a whole number.
+    mode to the unit circle where ``|l| = 1``; f is the root for which n is a whole number. `batch`:
+    one flight with a stable loop. `pole`: fastest unstable pole of the plant [1/s].
     """
     from scipy.optimize import brentq
 
@@ -257,9 +263,14 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
 
 
 def _response(batch: Batch, name: str, samples: float) -> Response:
-    """Return l at angles of z on the unit circle, with `samples` whole samples of further delay."""
+    """Return the loop response l as a function of the angles theta [rad] of z = e^(j theta).
+
+    `batch`: one flight. `name`: "gain" or "effectiveness", the factor by which the loop is opened.
+    `samples`: whole samples of further delay.
+    """
 
     def step(gain: float, effectiveness: float) -> FloatArray:
+        """Return the step matrix with a factor on the demand and one on the control moment."""
         plant = batch.plant.with_effectiveness(effectiveness)
         return equilibrium_step(replace(batch, gain=np.asarray(gain), plant=plant))
 
@@ -270,7 +281,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         dD = step(1.0, 2.0) - M_1 - dA
 
     def response(angles: Any) -> ComplexArray:
-        """Return the frequency response of the opened loop at angles on the unit circle [rad]."""
+        """Return l at angles [rad] on the unit circle, in their shape."""
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)
         M = A_1 + delay * D_1
@@ -282,7 +293,11 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
 
 
 def _angles(batch: Batch, pole: float, samples: float) -> FloatArray:
-    """Return rising angles theta [rad] up to pi that resolve l(z) at z = e^(j theta)."""
+    """Return rising angles theta [rad] up to pi that resolve l(z) at z = e^(j theta).
+
+    `batch`: one flight. `pole`: fastest unstable pole of the plant [1/s]. `samples`: delay in
+    samples, whose phase turns l.
+    """
     logarithmic = np.geomspace(
         _MIN_FREQUENCY_OVER_POLE * pole * float(batch.hardware.length), np.pi, _LOGARITHMIC_ANGLES
     )
@@ -291,7 +306,7 @@ def _angles(batch: Batch, pole: float, samples: float) -> FloatArray:
 
 
 def _roots(function: Callable[[Any], Any], angles: FloatArray) -> list[float]:
-    """Return the angles at which a function changes its sign."""
+    """Return the zeros [rad] of a function between neighbouring `angles` of different sign."""
     from scipy.optimize import brentq
 
     above = function(angles) > 0.0

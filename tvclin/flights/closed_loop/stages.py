@@ -90,7 +90,10 @@ class Stages:
     surfaces: dict[Any, Surface | None]
 
     def plants_at(self, times: FloatArray, flight: IntArray) -> AnyPlant:
-        """Return the plants at times [s] of flights, at their ends after them."""
+        """Return the plants at times [s] of the flights with indices `flight`, each ``(n,)``.
+
+        After the end of a flight they are those at its end.
+        """
         inside = np.minimum(times, self.stops[flight])
         return self.flown_plants(inside, flight, self.pressure_at(inside, flight))
 
@@ -145,9 +148,10 @@ class Stages:
         return self.laws.lateral_sensors
 
     def batch(self, which: IntArray, limit: FloatArray, rate_limit: FloatArray) -> Batch:
-        """Return the batch of flights through winds of indices ``(m,)``, with limits [rad, rad/s].
+        """Return the batch of m flights with limits, in equilibrium at their starts.
 
-        `limit`, `rate_limit`: limits of deflection and deflection rate, ``(m,)``.
+        `which`: index of the wind of each flight, ``(m,)``, which also selects its vehicle.
+        `limit`, `rate_limit`: limits of deflection [rad] and deflection rate [rad/s], ``(m,)``.
         """
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
         vehicle = self.first[self.flight_of_wind[which]]
@@ -166,7 +170,11 @@ class Stages:
         )
 
     def flights(self, batch: Batch, *, track: bool = False) -> Flights:
-        """Return the arrays of the flights of a batch of `batch` at their start, in equilibrium."""
+        """Return the arrays of the kernel for flights at their start, in equilibrium.
+
+        `batch`: result of `Stages.batch`. `track`: whether the samples of a single flight are
+        recorded.
+        """
         steps, (knots, pieces) = self.steps, self._pieces
         order, memory, cases = steps.joint.shape[2], self._memory, self._cases(batch)
         now = equilibrium(
@@ -223,18 +231,9 @@ class Stages:
     @cached_property
     def steps(self) -> Steps:
         """Steps of all stages."""
-        timing, arrays = self._timing, self._arrays
-        short = timing.lengths[:, 1:] / timing.substeps
-        return Steps(
-            joint=arrays["joint"],
-            fine=arrays.get("fine", arrays["joint"]),
-            substeps=timing.substeps,
-            ramp=arrays["ramp"],
-            lengths=timing.lengths,
-            short=short,
-            quick=np.where(short > 0.0, timing.pace * short, 0.0),
-            late=timing.late,
-        )
+        arrays = self._arrays
+        fine = arrays.get("fine", arrays["joint"])
+        return self._timing.steps(arrays["joint"], fine, arrays["ramp"])
 
     @cached_property
     def _arrays(self) -> dict[str, FloatArray]:
@@ -258,7 +257,7 @@ class Stages:
         return added > self.times.size / _SAMPLES_PER_BREAK
 
     def _in_pressure(self, interval: IntArray, pressure: FloatArray) -> dict[str, FloatArray]:
-        """Return the arrays of all stages, interpolated in time and dynamic pressure.
+        """Return the arrays of all n stages by name, interpolated in time and dynamic pressure.
 
         `interval`: number of the interval of each sample in which its vehicle is smooth, ``(n,)``;
         negative for none. `pressure`: q/q_n at the places within each sample, ``(places, n)``.
@@ -296,9 +295,10 @@ class Stages:
         return arrays
 
     def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
-        """Return the interpolant of the interval of a sample in the range of a dynamic pressure.
+        """Return the interpolant in time and pressure for the interval that contains a sample.
 
-        None where it does not converge, and for a range in which a vehicle is impossible.
+        `sample`: index of the sample. `pressure`: values of q/q_n that its range includes. None
+        where it does not converge, and for a range in which a vehicle is impossible.
         """
         flight = int(self.flight[sample])
         breaks = self.vehicle_breaks[flight]
@@ -317,10 +317,10 @@ class Stages:
     def _arrays_in(
         self, flight: int, times: FloatArray, pressure: FloatArray, change: FloatArray
     ) -> dict[str, FloatArray]:
-        """Return the arrays of stages that begin at times [s], by name.
+        """Return the arrays of stages of one flight that begin at times [s], by name.
 
-        `pressure`: q/q_n in the middle of each part, and `change` from there to its second Gauss
-        point.
+        `flight`: index of the flight. `pressure`: q/q_n in the middle of each part of a sample.
+        `change`: its change from there to the second Gauss point of the part.
         """
         places = self._places(times)
         parts = len(places) // 2 - 1
@@ -329,9 +329,9 @@ class Stages:
         return self._assembled(places, which, (pressure + sides * change).ravel(), middle=True)
 
     def _places(self, times: FloatArray) -> FloatArray:
-        """Return the times [s] at which stages that begin at times are assembled, ``(places, m)``.
+        """Return the times [s] of the matrices of stages that begin at `times`, ``(places, m)``.
 
-        They are the first Gauss point of each part of a sample, the second ones, its begin, and its
+        They are the first Gauss point of each part of a sample, the second ones, its start, and its
         middle.
         """
         lengths = self._timing.lengths[0, 1:, np.newaxis]
@@ -342,8 +342,8 @@ class Stages:
     def _interval(self, breaks: Sequence[FloatArray], *, crossing: bool = False) -> IntArray:
         """Return the number of the smooth interval of the samples of all flights, ``(n,)``.
 
-        It is -1 for a sample with a breakpoint inside, unless `crossing`. `breaks`: times [s]
-        between which each flight is smooth.
+        `breaks`: times [s] between which each flight is smooth. `crossing`: whether a sample with a
+        breakpoint inside has the number of its start, and not -1.
         """
         numbers, before = np.empty(self.times.size, np.int64), 0
         ends = (self.times + self.period) * (1.0 - 1e-15)
@@ -360,7 +360,8 @@ class Stages:
     ) -> dict[str, FloatArray]:
         """Return the arrays of stages that begin at times [s], by name.
 
-        `sample`: index of a sample of the same flight for each. `middle`: as in `_assembled`.
+        `sample`: index of a sample of the flight of each time. `middle`: whether A and gust input
+        in the middle of the samples are among the arrays.
         """
         places = self._places(times)[: None if middle else -1]
         flight = np.tile(self.flight[sample], len(places))
@@ -371,7 +372,7 @@ class Stages:
     def _assembled(
         self, places: FloatArray, flight: IntArray, pressure: FloatArray, *, middle: bool
     ) -> dict[str, FloatArray]:
-        """Return the arrays of stages by name, ``(m, ...)``.
+        """Return the arrays of m stages by name, ``(m, ...)``.
 
         `places`: times [s] as `_places` gives them, ``(places, m)``. `flight`, `pressure`: indices
         of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places include
@@ -386,10 +387,14 @@ class Stages:
         blocks = [*plant_blocks(plants, actuator, self.sensors), polynomial_input("wind", terms)]
 
         def at_place(first: int) -> LinearSystem:
+            """Return the plants at the m times of the place with index `first`."""
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
         def at_nodes(made: LinearSystem) -> LinearSystem:
-            """Return the constant systems of the parts of samples, ``(parts, m)``."""
+            """Return the equivalent constant systems of the parts of samples, ``(parts, m)``.
+
+            `made`: systems at all places, of which those at both Gauss points are used.
+            """
             count = lengths.size
             first, second = (
                 _in_parts(made.cases(np.arange(k * count, (k + 1) * count), shape), lengths.shape)
@@ -410,7 +415,7 @@ class Stages:
 
     @cached_property
     def _criteria(self) -> dict[str, FloatArray]:
-        """Rows, reach and ratio of the outcome criteria of all stages, as in `Vehicles`.
+        """Outcome criteria of all stages: judges, reach and ratio as in `Vehicles`, by name.
 
         Those of samples at which no flight is judged are NaN.
         """
@@ -422,6 +427,7 @@ class Stages:
         rows, width = np.flatnonzero(judged), self.steps.joint.shape[2]
 
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
+            """Return the criteria at times [s] of judged samples with the indices `index`."""
             criteria = outcome_criteria(self.plants_at(times, self.flight[rows[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))
             return {"judges": judges, "reach": criteria.reach, "ratio": criteria.ratio}
@@ -436,7 +442,7 @@ class Stages:
 
     @cached_property
     def _memory(self) -> Memory:
-        """Return the steps of the states of laws and filters of all stages, or one for all."""
+        """Step matrices of the states of laws and filters, of all stages or one for all."""
         laws, count = self.laws, self.times.size
         integral = attitude_integral(bool(np.any(laws.integral_gain)))
         chains = Chains(laws.attitude_filters, laws.rate_filters, laws.filters)
@@ -452,8 +458,8 @@ class Stages:
     def _judged(self) -> tuple[IntArray, IntArray]:
         """Samples after which flights through each wind are judged, and for which they settle.
 
-        Both are ``(w,)``. In a wind that lasts until the end of the flight they are the settling
-        time before the end.
+        Both are ``(w,)``. In a wind that lasts until the end of the flight the first is the
+        settling time before that end.
         """
         h, flight = self.period, self.flight_of_wind
         samples, ends = self.samples[flight], self._ends[0] - self.first[flight]
@@ -476,7 +482,7 @@ class Stages:
         return self.first[flight] + np.stack([np.minimum(ends, samples), samples])
 
     def _cases(self, batch: Batch) -> Cases:
-        """Return the numbers of each flight; outcomes are judged after its wind."""
+        """Return the numbers of each of m flights, which are judged after their winds."""
         count, (vehicle, wind) = batch.shape[0], batch.indices
         flight, (ends, settling) = self.flight_of_wind[wind], self._judged
         zeros, several = np.zeros(count, np.int64), len(self._memory.states) > 1
@@ -526,9 +532,10 @@ class Stages:
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
-    """Return a system, or a flat batch of systems, as a batch of the shape (substeps, samples)."""
+    """Return a system, or a flat batch of systems, as a batch of a shape (parts, samples)."""
 
     def shaped(matrix: FloatArray) -> FloatArray:
+        """Return a matrix, or a flat batch of matrices, as a batch of the shape."""
         tail = matrix.shape[-2:]
         return np.broadcast_to(matrix, (int(np.prod(shape)), *tail)).reshape(*shape, *tail)
 
