@@ -112,13 +112,16 @@ class History(Record, ABC):
         return self.remaining_integral_of(s)(t)
 
     def remaining_integral_of(self, s: ArrayLike) -> Callable[[ArrayLike], AnyArray]:
-        """Return `remaining_integral` at `s` as a function of times, precomputed at the knots."""
+        """Return `remaining_integral` as a function of times [s], precomputed at the knots.
+
+        `s`: poles [1/s] of unstable modes, which broadcast with ``batch``.
+        """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
             integral = algebra.remaining_integral(self.pieces, s)
 
         def at(t: ArrayLike) -> AnyArray:
-            """Return the remaining integrals from times [s] on, ``(batch, times)``."""
+            """Return the remaining integrals from the times `t` [s] on, ``(batch, times)``."""
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):
                 values = _finite_values(integral(times.ravel()), s)
@@ -127,15 +130,18 @@ class History(Record, ABC):
 
         return at
 
-    def __add__(self, other: object) -> History:
-        if not isinstance(other, History):
+    def __add__(self, addend: object) -> History:
+        """Return the sum of two histories, whose batches broadcast."""
+        if not isinstance(addend, History):
             return NotImplemented
-        return Piecewise(algebra.add(self.pieces, other.pieces))
+        return Piecewise(algebra.add(self.pieces, addend.pieces))
 
-    def __sub__(self, other: object) -> History:
-        return self + (-other) if isinstance(other, History) else NotImplemented
+    def __sub__(self, subtrahend: object) -> History:
+        """Return the difference of two histories, whose batches broadcast."""
+        return self + (-subtrahend) if isinstance(subtrahend, History) else NotImplemented
 
     def __neg__(self) -> History:
+        """Return the history with the opposite sign."""
         return self * -1.0
 
     def __mul__(self, factor: ArrayLike) -> History:
@@ -192,7 +198,10 @@ class History(Record, ABC):
         return Piecewise(Pieces(p.knots[0], p.coefficients[0], p.rates[0]))
 
     def cases(self, index: IndexArray, shape: tuple[int, ...]) -> History:
-        """Return the histories at flat positions ``(k,)`` of the batch broadcast to `shape`."""
+        """Return the histories at flat positions of the batch, as a batch ``(k,)``.
+
+        `index`: the positions, ``(k,)``. `shape`: shape to which the batch is broadcast first.
+        """
         return Piecewise(algebra.take(algebra.spread(self.pieces, shape), index))
 
     @cached_property
@@ -314,21 +323,23 @@ class History(Record, ABC):
 
     @property
     def _linear(self) -> bool:
+        """Whether all pieces are linear in time."""
         return self.pieces.degree <= 1 and not np.any(self.pieces.rates)
 
-    def _refined_peak(
-        self, times: FloatArray, where: IndexArray, largest: FloatArray
-    ) -> FloatArray:
-        """Return the peak after refinement between the sample times around the largest."""
+    def _refined_peak(self, times: FloatArray, at: IndexArray, largest: FloatArray) -> FloatArray:
+        """Return the peak [rad], shape ``batch``, refined around the largest of several samples.
+
+        `times`: sample times [s], ``(..., m)``. `at`: index of the sample of largest size,
+        ``(..., 1)``. `largest`: its value [rad], shape ``batch``.
+        """
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
-        here = np.take_along_axis(times, where, axis=-1)
-        tolerance = _RELATIVE_ROUNDING * (
-            times[..., -1:] - times[..., :1]
-        )  # rates that are alike repeat a time
-        before = np.sum(times < here - tolerance, axis=-1, keepdims=True) - 1
-        after = np.sum(times <= here + tolerance, axis=-1, keepdims=True)
-        at = np.concatenate([np.maximum(before, 0), where, np.minimum(after, last)], axis=-1)
+        peak_time = np.take_along_axis(times, at, axis=-1)
+        # Rates that are alike repeat a time.
+        tolerance = _RELATIVE_ROUNDING * (times[..., -1:] - times[..., :1])
+        before = np.sum(times < peak_time - tolerance, axis=-1, keepdims=True) - 1
+        after = np.sum(times <= peak_time + tolerance, axis=-1, keepdims=True)
+        at = np.concatenate([np.maximum(before, 0), at, np.minimum(after, last)], axis=-1)
         bracket, sign = np.take_along_axis(times, at, axis=-1), np.asarray(np.sign(largest))
         low, middle, high = np.moveaxis(np.real(algebra.value(self.pieces, bracket)), -1, 0) * sign
         inside = np.asarray((middle > low) & (middle > high))
@@ -336,13 +347,12 @@ class History(Record, ABC):
             return largest
         pieces, peak_sign = algebra.take(self.pieces, np.flatnonzero(inside)), sign[inside]
 
-        def below(t: FloatArray) -> FloatArray:
+        def negative_size(t: FloatArray) -> FloatArray:
+            """Return minus the size of the values at times `t` [s], a row for each case."""
             return -peak_sign[:, np.newaxis] * np.real(algebra.value(pieces, t))
 
-        refined = np.zeros(self.batch)
-        refined[inside] = (
-            -peak_sign * grid_minimum(below, bracket[inside, 0], bracket[inside, 2])[1]
-        )
+        refined, ends = np.zeros(self.batch), (bracket[inside, 0], bracket[inside, 2])
+        refined[inside] = -peak_sign * grid_minimum(negative_size, *ends)[1]
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 
@@ -353,29 +363,35 @@ class Piecewise(History):
     arrays: Pieces
 
     def _pieces(self) -> Pieces:
+        """Return the pieces."""
         return self.arrays
 
     def __repr__(self) -> str:
+        """Return the number of pieces and the range of the knots [s], as text."""
         n = self.knots.shape[-1]
         low, high = np.min(self.knots, initial=np.inf), np.max(self.knots, initial=-np.inf)
         return f"Piecewise({n} pieces from {low:.6g} s to {high:.6g} s)"
 
 
 def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pieces:
-    """Return linear pieces that start at ``knots (..., n)`` with values and slopes [1/s]."""
+    """Return linear pieces that begin at `knots` [s] with values and slopes [1/s], ``(..., n)``."""
     coefficients = np.stack(np.broadcast_arrays(values, slopes), axis=-1).astype(float)
     return Pieces(np.asarray(knots, float), coefficients[..., np.newaxis, :], np.zeros(1))
 
 
 def _scaled(pieces: Pieces, factor: AnyArray) -> Pieces:
+    """Return pieces times factors, which broadcast with their batch."""
     factor = factor[..., np.newaxis, np.newaxis, np.newaxis]
     return Pieces(pieces.knots, pieces.coefficients * factor, pieces.rates)
 
 
 def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
-    """Return the response of a chain of lags: num/den = c0 + c1/(s-p1) + c2/((s-p1)(s-p2)) + ...
+    """Return the response of a filter num(s)/den(s) to a history, by a chain of lags.
 
-    Unlike partial fractions it needs no distinct poles.
+        num/den = c0 + c1/(s - p1) + c2/((s - p1)(s - p2)) + ...
+
+    Unlike partial fractions it needs no distinct poles. `pieces`: of the history. `num`, `den`:
+    coefficients, highest power first, ``(..., m)``, ``(..., n)`` with m <= n.
     """
     poles = polynomials.roots(den)
     order = poles.shape[-1]
@@ -394,7 +410,7 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
 
 
 def _laplace_variable(s: ArrayLike) -> AnyArray:
-    """Return s as a float or complex array; `InputError` beyond the largest size."""
+    """Return s [rad/s] as a float or complex array; `InputError` beyond the largest size."""
     rule = f"numbers up to {_MAX_LAPLACE_VARIABLE:g} in size, real or complex"
     array = array_of("s", s, "iufc", rule)
     if not np.all(np.abs(array) <= _MAX_LAPLACE_VARIABLE):
@@ -403,13 +419,14 @@ def _laplace_variable(s: ArrayLike) -> AnyArray:
 
 
 def _finite_values(values: AnyArray, s: AnyArray) -> AnyArray:
-    """Return the values; raise `InputError` where e^(-s t) overflows to NaN."""
+    """Return transforms at `s`; `InputError`, which names `s`, where e^(-s t) overflows to NaN."""
     if np.any(np.isnan(values)):
         raise InputError(f"s must be such that e^(-s t) does not overflow; got {shown(s)}")
     return values
 
 
 def _real_if_real(values: AnyArray, s: AnyArray) -> AnyArray:
+    """Return transforms at `s`: their real part where `s` is real, since the history is."""
     return values if np.iscomplexobj(s) else np.real(values)
 
 

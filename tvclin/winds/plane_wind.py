@@ -28,7 +28,10 @@ _MAX_VEER_TURNS = 100.0
 
 
 def unit_vector(angle: ArrayLike) -> ComplexArray:
-    """Return e^(j angle), with components below rounding set to zero, exact along an axis."""
+    """Return e^(j angle) of angles [rad], in their shape, exact along both axes.
+
+    Components below rounding are set to zero.
+    """
     components = np.stack([np.cos(angle), np.sin(angle)])
     components = np.where(np.abs(components) < _ROUNDING, 0.0, components)
     return np.asarray(components[0] + 1j * components[1])
@@ -61,6 +64,7 @@ class PlaneWind:
     yaw: History
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` as the class says."""
         for name in ("pitch", "yaw"):
             instance(name, getattr(self, name), History, "such as TriangularWind")
         broadcast(pitch=self.pitch.batch, yaw=self.yaw.batch)
@@ -153,7 +157,10 @@ class PlaneWind:
         )
 
     def component(self, angle: ArrayLike) -> History:
-        """Return the wind component along directions [rad] from the pitch plane, as a history."""
+        """Return the wind component [rad] along directions, as a history.
+
+        `angle`: directions [rad] from the pitch plane, pi/2 is yaw; broadcasts with ``batch``.
+        """
         direction = unit_vector(directions("angle", angle))
         broadcast(wind=self.batch, angle=direction.shape)
         return self.pitch * np.real(direction) + self.yaw * np.imag(direction)
@@ -222,7 +229,11 @@ class PlaneWind:
 def _veering_component(
     wind: History, direction: FloatArray, rates: FloatArray, shape: tuple[int, ...]
 ) -> Piecewise:
-    """Return the wind times cos(direction + rates (t - onset)), two terms for each of its own."""
+    """Return the wind times cos(direction + rates (t - onset)), exact: two terms for each term.
+
+    `wind`: wind angle [rad]. `direction`: at its onset [rad]. `rates`: rates of veer [rad/s].
+    `shape`: shape of the batch to which all three broadcast.
+    """
     p = algebra.spread(wind.pieces, shape)
     rates = np.broadcast_to(rates, shape)[..., np.newaxis]
     phase = np.broadcast_to(direction - rates[..., 0] * wind.onset, shape)[..., np.newaxis]
@@ -240,7 +251,10 @@ def _veering_component(
 
 
 def _squared(wind: History) -> Piecewise:
-    """Return the square of a wind [rad^2], from all products c u^i e^(a u) d u^k e^(b u)."""
+    """Return the square of a wind [rad^2], exact: all products of two terms of a piece.
+
+    Two terms c u^i e^(a u) and d u^k e^(b u) make one of power i + k and rate a + b.
+    """
     p = wind.pieces
     c, order = p.coefficients, p.degree + 1
     products = np.zeros((*c.shape[:-1], c.shape[-2], 2 * order - 1), dtype=c.dtype)

@@ -39,7 +39,7 @@ _AREA_ROUNDING = 1e-12
 
 
 def checked_peak(peak: ArrayLike) -> FloatArray:
-    """Return `peak` as a float array; `InputError` unless it is a wind angle, and not zero."""
+    """Return peaks [rad] as a float array; `InputError` for zero, and beyond 90 degrees."""
     peak = errors.small_angle("a wind angle", errors.nonzero)("peak", peak)
     if np.any(np.abs(peak) < _MIN_PEAK):
         raise errors.InputError(
@@ -49,13 +49,19 @@ def checked_peak(peak: ArrayLike) -> FloatArray:
 
 
 def checked_duration(name: str, value: ArrayLike) -> FloatArray:
-    """Return a duration as a float array; `InputError` unless it is between 1 ns and 1e9 s."""
+    """Return a duration `value` [s] as a float array; `InputError` unless from 1 ns to 1e9 s.
+
+    `name`: name of the argument in the error.
+    """
     value = errors.positive(name, value, "s")
     return errors.within(name, value, MIN_DURATION, MAX_DURATION, "s")
 
 
 def checked_interval(name: str, value: ArrayLike) -> FloatArray:
-    """Return an interval of a duration [s], which may be zero; `InputError` below 1 ns."""
+    """Return an interval `value` [s] as a float array; `InputError` between zero and 1 ns.
+
+    It may be zero, and at most 1e9 s. `name`: name of the argument in the error.
+    """
     value = errors.within(name, errors.nonnegative(name, value, "s"), 0.0, MAX_DURATION, "s")
     if np.any((value > 0.0) & (value < MIN_DURATION)):
         raise errors.InputError(
@@ -73,16 +79,17 @@ def check_end(wind: History) -> None:
 
 
 def set_fields(wind: History, **checked: FloatArray) -> None:
-    """Set the checked fields of a frozen wind, all in the shape of its batch."""
+    """Set the checked fields of a frozen wind, by name, all broadcast to the shape of its batch."""
     errors.together(**checked)
     for name, value in zip(checked, np.broadcast_arrays(*checked.values()), strict=True):
         object.__setattr__(wind, name, errors.plain(value))
 
 
 def piecewise_linear(time: FloatArray, angle: FloatArray) -> Pieces:
-    """Return the pieces of linear interpolation between points ``(..., n)``, zero outside.
+    """Return the pieces of linear interpolation between points, zero outside.
 
-    Two points at one time are a jump.
+    `time`, `angle`: coordinates of the points, times [s] and angles [rad], ``(..., n)``. Two points
+    at one time are a jump.
     """
     width, rise = np.diff(time, axis=-1), np.diff(angle, axis=-1)
     slope = np.where(width > 0.0, rise, 0.0) / np.where(width > 0.0, width, 1.0)
@@ -117,6 +124,7 @@ class SampledWind(History):
     angle: FloatArray
 
     def __post_init__(self) -> None:
+        """Check the samples, and set them to arrays; `InputError` as the class says."""
         time, angle = (
             errors.finite("time", self.time, "s"),
             errors.finite("angle", self.angle, "rad"),
@@ -133,15 +141,17 @@ class SampledWind(History):
         object.__setattr__(self, "angle", angle)
 
     def _pieces(self) -> Pieces:
+        """Return the lines between the samples, and zero after them."""
         return piecewise_linear(self.time, self.angle)
 
     def __repr__(self) -> str:
+        """Return the number of samples and their range of time, as text."""
         time = self.time
         return f"SampledWind({time.size} samples from {time[0]:.6g} s to {time[-1]:.6g} s)"
 
 
 def _check_sample_times(time: FloatArray) -> None:
-    """Raise `InputError` for times that decrease, or occur more than twice."""
+    """Raise `InputError` for times [s], ``(n,)``, that decrease, or occur more than twice."""
     step = np.diff(time)
     thrice = np.append(False, (step[1:] == 0.0) & (step[:-1] == 0.0))
     invalid = (step < 0.0) | thrice
@@ -154,7 +164,10 @@ def _check_sample_times(time: FloatArray) -> None:
 
 
 def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
-    """Raise `InputError` for angles beyond 90 degrees, and for a wind that is zero."""
+    """Raise `InputError` for angles [rad] beyond 90 degrees, and for a wind that is zero.
+
+    `time`, `angle`: sample times [s], ``(n,)``, and wind angles at them, ``(..., n)``.
+    """
     if np.any(np.abs(angle) >= np.pi / 2):
         raise errors.InputError(
             "angle must be a wind within 90 degrees; got a largest size of"
@@ -176,6 +189,7 @@ class Pulse(History):
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
+        """Check peak and duration, and set them to one shape; `InputError` as each class says."""
         set_fields(
             self, peak=checked_peak(self.peak), duration=checked_duration("duration", self.duration)
         )
@@ -200,6 +214,7 @@ class RectangularWind(Pulse):
     """
 
     def _pieces(self) -> Pieces:
+        """Return the constant piece, and zero after it."""
         return _vertices_to_pieces((0.0, self.duration), (self.peak, self.peak))
 
 
@@ -224,6 +239,7 @@ class TriangularWind(Pulse):
     """
 
     def _pieces(self) -> Pieces:
+        """Return the lines of rise and fall, and zero after them."""
         return _vertices_to_pieces((0.0, self.duration / 2, self.duration), (0.0, self.peak, 0.0))
 
 
@@ -251,12 +267,14 @@ class AsymmetricTriangularWind(Pulse):
     peak_time: float | FloatArray
 
     def __post_init__(self) -> None:
+        """Check the fields, and set them to one shape; `InputError` as the class says."""
         peak, duration = checked_peak(self.peak), checked_duration("duration", self.duration)
         peak_time = errors.nonnegative("peak_time", self.peak_time, "s")
         set_fields(self, peak=peak, duration=duration, peak_time=peak_time)
         errors.nonnegative("duration - peak_time", duration - peak_time, "s")
 
     def _pieces(self) -> Pieces:
+        """Return the lines of rise and fall, and zero after them."""
         return _vertices_to_pieces((0.0, self.peak_time, self.duration), (0.0, self.peak, 0.0))
 
 
@@ -285,18 +303,21 @@ class TrapezoidalWind(History):
     fall: float | FloatArray
 
     def __post_init__(self) -> None:
+        """Check the fields, and set them to one shape; `InputError` as the class says."""
         peak, rise = checked_peak(self.peak), checked_interval("rise", self.rise)
         hold, fall = checked_interval("hold", self.hold), checked_interval("fall", self.fall)
         set_fields(self, peak=peak, rise=rise, hold=hold, fall=fall)
         checked_duration("rise + hold + fall", rise + hold + fall)
 
     def _pieces(self) -> Pieces:
+        """Return the lines of rise, constant peak and fall, and zero after them."""
         top = self.rise + self.hold
         times = (0.0, self.rise, top, top + self.fall)
         return _vertices_to_pieces(times, (0.0, self.peak, self.peak, 0.0))
 
 
 def _vertices_to_pieces(times: tuple[ArrayLike, ...], angles: tuple[ArrayLike, ...]) -> Pieces:
+    """Return the lines between vertices at times [s] with angles [rad], each of them a batch."""
     time, angle = (np.stack(np.broadcast_arrays(*row), axis=-1) for row in (times, angles))
     return piecewise_linear(time, angle)
 
@@ -327,6 +348,7 @@ class OneMinusCosineGust(Pulse):
     """
 
     def _pieces(self) -> Pieces:
+        """Return the half waves of rise and fall, and zero after them."""
         duration = np.asarray(self.duration)
         knots = np.stack([np.zeros_like(duration), duration / 2, duration], axis=-1)
         return _half_waves(np.asarray(self.peak), duration / 2, knots, [_RISE, _FALL, _ZERO])
@@ -366,6 +388,7 @@ class LayeredGust(History):
     plateau: float | FloatArray
 
     def __post_init__(self) -> None:
+        """Check the fields, and set them to one shape; `InputError` as the class says."""
         peak, blend = checked_peak(self.peak), checked_interval("blend", self.blend)
         plateau = errors.nonnegative("plateau", self.plateau, "s")
         set_fields(self, peak=peak, blend=blend, plateau=plateau)
@@ -384,7 +407,9 @@ def _half_waves(
 ) -> Pieces:
     """Return pieces (c0 + c1 cos(omega u)) peak, omega being pi over the `half_wave` [s].
 
-    `shape`: coefficients of the rates 0, j omega and -j omega, of each piece.
+    `peak`: peaks [rad]; `half_wave`: duration of half a wave, zero for a jump; `knots`: times at
+    which pieces begin [s], ``(..., n)``. `shape`: coefficients of the rates 0, j omega and
+    -j omega, which make c0 and c1, of each of the n pieces.
     """
     coefficients = peak[..., np.newaxis, np.newaxis] * np.array(shape)
     omega = np.pi / np.where(half_wave > 0.0, half_wave, 1.0)
@@ -445,7 +470,10 @@ def equivalent_triangle(wind: History) -> History:
 
 
 def _check_area(area: FloatArray, peak: FloatArray, minimum: FloatArray) -> None:
-    """Raise `InputError` for an area without the sign of the peak."""
+    """Raise `InputError` for the area [rad s] of a wind without the sign of its peak [rad].
+
+    `minimum`: size [rad s] up to which an area counts as zero.
+    """
     area, peak, minimum = np.broadcast_arrays(area, peak, minimum)
     invalid = np.sign(peak) * area <= minimum
     if np.any(invalid):

@@ -82,6 +82,7 @@ class ShapedWind:
     count = 0
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` as the class says."""
         one_of("shape of the wind", self.shape, SHAPES)
         object.__setattr__(self, "peak", number("peak of the wind", self.peak))
         object.__setattr__(self, "duration", number("duration of the wind", self.duration))
@@ -94,6 +95,8 @@ class ShapedWind:
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
         """Return the component of the wind in a plane, without a heading; itself without one.
+
+        `attitude`: attitude of the flight above the horizontal [rad].
 
         Raises
         ------
@@ -133,7 +136,10 @@ class ShapedWind:
         )
 
     def with_gust_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
-        """Return the wind with the peak angle of its gust from a speed [m/s], as `with_speed`.
+        """Return the wind with the peak angle of its gust from a wind speed [m/s], by eq (B1e).
+
+        `vehicle`, `plane`: vehicle whose speed and attitude count, and plane of the angle, for a
+        wind without a heading.
 
         Raises
         ------
@@ -156,16 +162,12 @@ class ShapedWind:
         """
         number("factor", factor, nonzero)
 
-        def scaled_speed(speed: float | None) -> float | None:
-            return None if speed is None else speed * factor
-
-        return replace(
-            self,
-            peak=self.peak * factor,
-            gust=None if self.gust is None else self.gust * factor,
-            speed=scaled_speed(self.speed),
-            gust_speed=scaled_speed(self.gust_speed),
-        )
+        scaled = {
+            name: getattr(self, name) * factor
+            for name in ("peak", "gust", "speed", "gust_speed")
+            if getattr(self, name) is not None
+        }
+        return replace(self, **scaled)
 
     def peaks(self, attitude: float) -> dict[str, float]:
         """Return the peak angle [rad] in each plane for a flight of an attitude [rad].
@@ -236,7 +238,11 @@ class ShapedWind:
         return abs(float(self.history({}).peak))
 
     def history(self, values: dict[str, Any]) -> History:
-        """Return the winds of cases with dispersed values, with the gust."""
+        """Return the wind angles [rad] of cases, with the gust.
+
+        `values`: dispersed "wind_peak" [rad] and "wind_duration" [s], ``(n,)``; what is missing has
+        its nominal value.
+        """
         numbers = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
         duration = numbers["wind_duration"]
         wind: History = SHAPES[self.shape](peak=numbers["wind_peak"], duration=duration)
@@ -244,7 +250,9 @@ class ShapedWind:
         return wind if gust is None else wind + gust
 
     def gust_history(self, values: Mapping[str, Any]) -> History | None:
-        """Return the gust of cases with dispersed values, in the time of the wind.
+        """Return the gust of cases in the time of the wind, as angles [rad]; None without a gust.
+
+        `values`: dispersed values as in `history`, of which the duration shifts the gust.
 
         Raises
         ------
@@ -260,7 +268,10 @@ class ShapedWind:
 
 
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
-    """Return the wind in one plane, of a wind with peaks [rad] in both, and its gust there."""
+    """Return the wind angle [rad] in one plane, of a wind with a heading, with its gust there.
+
+    `peaks`: peak angles [rad] of the wind by plane, as `ShapedWind.peaks` returns them.
+    """
     peak, size = peaks[plane], math.copysign(math.hypot(*peaks.values()), wind.peak)
     if peak == 0.0:
         return wind.history({"wind_peak": size}) * 0.0
@@ -315,6 +326,7 @@ class WindEnsemble:
     angle: FloatArray
 
     def __post_init__(self) -> None:
+        """Check the samples, and set them to arrays; `InputError` as the class says."""
         checked = SampledWind(time=self.time, angle=self.angle)
         if checked.angle.ndim != 2:
             raise InputError(

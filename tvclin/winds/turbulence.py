@@ -135,6 +135,7 @@ class Turbulence(Record):
     cutoff_wavelength: float | None = quantity("length", None, errors.between(*_LENGTH_RANGE))
 
     def __post_init__(self) -> None:
+        """Check the fields, and set them to arrays; `InputError` as the class says."""
         checked(self, "spectrum", "component", "cutoff_wavelength")
         intensity = errors.within("intensity", self.intensity, 0.0, _MAX_INTENSITY, "m/s")
         length = LENGTHS[self.spectrum] if self.length is None else self.length
@@ -436,8 +437,9 @@ class Turbulence(Record):
     ) -> SampledWind:
         """Return the wind angles w/V [rad] of `samples` as histories, a batch ``(runs,)``.
 
-        Between the times they are straight; a step well below L/V keeps the spectrum. Same
-        parameters and exceptions as `samples`.
+        Between the times [s] they are straight; a step well below L/V keeps the spectrum. `speed`
+        [m/s], `altitude` [m], the `seed`, and the number of the `first` run are those of `samples`,
+        with its exceptions.
         """
         wind = self.samples(times, speed, altitude=altitude, seed=seed, first=first, runs=runs)
         angle = wind / _SPEEDS("speed", speed, "m/s")
@@ -445,6 +447,6 @@ class Turbulence(Record):
 
 
 def _square_root(covariance: FloatArray) -> FloatArray:
-    """Return S with S S' = P of positive semidefinite matrices P, ``(..., n, n)``."""
+    """Return S with S S' = P of positive semidefinite covariances P, ``(..., n, n)`` both."""
     values, vectors = np.linalg.eigh(covariance)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[..., np.newaxis, :])

@@ -82,7 +82,10 @@ def read_turbulence(
 
 
 def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> Turbulence:
-    """Return the turbulence over altitude of the tables [[turbulence.level]] of a study file."""
+    """Return the turbulence over altitude of the tables [[turbulence.level]] of a study file.
+
+    `rows`: the tables. `spectrum`, `component`: names as in `Turbulence`.
+    """
     levels: list[Mapping[str, float]] = [LEVEL_TABLE.read(row) for row in rows]
     if any(level.keys() != levels[0].keys() for level in levels):
         raise InputError("[[turbulence.level]] must have a length in each level, or in none")
@@ -91,20 +94,30 @@ def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> 
 
 
 def _over_altitude(columns: Mapping[str, FloatArray], spectrum: str, component: str) -> Turbulence:
-    """Return the turbulence of columns of numbers in SI units."""
+    """Return the turbulence of columns of a table over altitude.
+
+    `columns`: altitude [m], intensity [m/s] and perhaps length [m], ``(n,)``. `spectrum`,
+    `component`: names as in `Turbulence`.
+    """
     return Turbulence(
         columns["intensity"], columns.get("length"), spectrum, component, columns["altitude"]
     )
 
 
 def _fit(headings: Headings) -> float:
-    """Return the number of known columns of a line of names with altitude and intensity."""
+    """Return how well the headings of a line fit: the number of known columns among them.
+
+    Zero unless altitude and intensity are among these.
+    """
     names = {_column(heading)[0] for heading in headings} - {None}
     return float(len(names)) if {"altitude", "intensity"} <= names else 0.0
 
 
 def _column(heading: Heading) -> tuple[str | None, float | None]:
-    """Return the column of a name and the factor of its unit; None for what is not known."""
+    """Return the name of the column of a heading, and the factor of its unit to SI.
+
+    Each is None where it is not known.
+    """
     words = heading.words
     for size in (2, 1):
         name = _COLUMNS.get(" ".join(words[:size]))

@@ -85,7 +85,8 @@ def wind_triangle(
 def pressure_in_winds(path: ArrayLike, along: ArrayLike, across: ArrayLike = 0.0) -> FloatArray:
     """Return q/q_n, the dynamic pressure in horizontal winds over the nominal one.
 
-    Parameters as in `wind_triangle`.
+    `path`: angle Theta_n of the path above the horizontal [rad]. `along`, `across`: wind speeds
+    over the speed of the vehicle.
     """
     return np.asarray((np.cos(path) - along) ** 2 + np.sin(path) ** 2 + np.square(across))
 
@@ -150,8 +151,9 @@ def angle_in_plane(
 ) -> FloatArray:
     """Return the wind angle of attack [rad] in a plane, of a wind [m/s] along it.
 
-    In pitch the wind is along the flight, which climbs at its attitude [rad]; in yaw it is across,
-    at right angles. Raise `InputError` as `angle_from_speed`.
+    `velocity`: speed of the vehicle relative to the air [m/s]. In pitch the wind is along the
+    flight, which climbs at its attitude [rad]; in yaw it is across, at right angles. Raise
+    `InputError` as `angle_from_speed`.
     """
     return angle_from_speed(speed, velocity, np.pi / 2 if plane == "yaw" else attitude)
 
@@ -235,14 +237,20 @@ def within_linear(angles: ArrayLike) -> BoolArray:
 
 
 def beyond_linear(angle: float, subject: str = WIND) -> str:
-    """Return why nothing is known at an angle of attack [rad]; "" up to `MAX_LINEAR_ANGLE`."""
+    """Return why nothing is known at an angle of attack [rad]; "" up to `MAX_LINEAR_ANGLE`.
+
+    `subject`: beginning of the sentence, `WIND` or `ATTACK`.
+    """
     if within_linear(angle):
         return ""
     return f"{subject} {np.degrees(abs(float(angle))):.4g} deg, and {BEYOND_LINEAR}"
 
 
 def linear_notes(angle: float, subject: str = WIND) -> tuple[str, ...]:
-    """Return notes on an angle of attack [rad]: no validity of linear theory, or doubtful."""
+    """Return a note on an angle of attack [rad] where linear theory is invalid, or doubtful.
+
+    `subject`: beginning of the sentence, `WIND` or `ATTACK`. Empty for a small angle.
+    """
     if beyond := beyond_linear(angle, subject):
         return (beyond,)
     if doubtfully_linear(angle):
@@ -286,11 +294,11 @@ class NominalWind:
         return _history_values(self.history, times), np.ones(times.shape)
 
     def between(self, start: float, stop: float) -> NominalWind:
-        """Return the winds from a time to another [s], and none before and after."""
+        """Return the winds from a start to a stop time [s], zero before and after."""
         return NominalWind(self.history.before(stop) - self.history.before(start))
 
     def of(self, cases: IndexArray, count: int) -> NominalWind:
-        """Return the winds of selected cases of a batch."""
+        """Return the winds of some cases, by their indices, of a batch of `count`."""
         history = self.history
         return NominalWind(history.cases(cases, (count,))) if history.batch else self
 
@@ -404,34 +412,35 @@ class EncounteredWind:
         return not np.any(np.isfinite(self.history.onset))
 
     def _with(self, change: Callable[[History], History]) -> EncounteredWind:
+        """Return the winds with angle and speed changed by a function of histories."""
         angle, speed = (None if x is None else change(x) for x in (self.angle, self.speed))
         return replace(self, angle=angle, speed=speed)
 
     def of(self, cases: IndexArray, count: int) -> EncounteredWind:
-        """Return the winds of selected cases of a batch of `count`."""
+        """Return the winds of some cases, by their indices, of a batch of `count`."""
 
         def selected(x: FloatArray) -> FloatArray:
+            """Return the numbers `x` of the cases; a scalar is the same in all."""
             return x[cases] if np.size(x) > 1 else x
 
-        def winds(x: History | None) -> History | None:
-            return None if x is None or not x.batch else x.cases(cases, (count,))
-
-        return replace(
-            self,
-            path=selected(self.path),
-            angle=winds(self.angle) or self.angle,
-            speed=winds(self.speed) or self.speed,
-            of_angle=(selected(self.of_angle[0]), selected(self.of_angle[1])),
-        )
+        pitch, yaw = map(selected, self.of_angle)
+        winds = replace(self, path=selected(self.path), of_angle=(pitch, yaw))
+        return winds._with(lambda x: x.cases(cases, (count,)) if x.batch else x)
 
 
 def _broadcast_column(x: Any, times: FloatArray) -> FloatArray:
-    """Return numbers ``(n,)`` with trailing axes for the axes of the times."""
+    """Return numbers `x`, ``(n,)`` or a scalar, with trailing axes, to broadcast with times.
+
+    `times`: times [s], ``(n, ...)``.
+    """
     return np.reshape(x, (-1,) + (1,) * (times.ndim - 1))
 
 
 def _history_values(history: History | None, times: FloatArray) -> FloatArray:
-    """Return values of histories at times ``(n, ...)``; zeros for None."""
+    """Return values at times [s], ``(n, ...)``, of a batch ``(n,)`` of histories, or of one.
+
+    `history`: None for zeros.
+    """
     if history is None:
         return np.zeros(times.shape)
     flat = times.reshape(len(times), -1)

@@ -51,6 +51,7 @@ _FILE_TABLE = FileTable("[wind]", words=("file", "unit"))
 def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
     """Return the winds of [wind], or of each [[wind]] except soundings, which need a flight.
 
+    `document`: the study file as nested tables. `folder`: where files of winds are searched.
     Without [wind] the gust of [gust] is the wind. `wind_for_vehicle` replaces peaks that are given
     as a speed.
     """
@@ -67,12 +68,18 @@ def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | Win
 
 
 def is_wind_from_gust(document: Mapping[str, Any]) -> bool:
-    """Return whether the gust of [gust] is itself the wind, not added to a wind or an archive."""
+    """Return whether the [gust] of a study file is itself the wind, not on top of another wind.
+
+    `document`: the file as nested tables.
+    """
     return "gust" in document and not {"wind", "availability"} & document.keys()
 
 
 def peak_speed_of(document: Mapping[str, Any]) -> float | None:
-    """Return the peak speed [m/s] of the first shaped wind; None where its peak is an angle."""
+    """Return the peak speed [m/s] of the first shaped wind; None where its peak is an angle.
+
+    `document`: study file as nested tables.
+    """
     if is_wind_from_gust(document):
         return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed")
     if "wind" not in document:
@@ -82,17 +89,20 @@ def peak_speed_of(document: Mapping[str, Any]) -> float | None:
 
 
 def is_wind_measured(document: Mapping[str, Any]) -> bool:
-    """Return whether all winds of [[wind]] are soundings, so that the first is the case's wind."""
+    """Return whether all winds of [[wind]] are soundings, so that the first is the case's wind.
+
+    `document`: study file as nested tables.
+    """
     return "wind" in document and not _shaped_tables(document)
 
 
 def _shaped_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the tables of winds that are no soundings."""
+    """Return the tables of winds in a study file, `document`, that are no soundings."""
     return [table for table in wind_tables(document) if SOUNDING not in table]
 
 
 def _gust_as_wind(document: Mapping[str, Any]) -> ShapedWind:
-    """Return the gust of [gust] as a wind of the shape one-minus-cosine."""
+    """Return the [gust] of a study file, `document`, as a wind of the shape one-minus-cosine."""
     values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
     for name in ("plateau", "peak_time"):
         if name in values:
@@ -101,7 +111,11 @@ def _gust_as_wind(document: Mapping[str, Any]) -> ShapedWind:
 
 
 def wind_values(table: FileTable, row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a table of a wind, with a placeholder for a peak given as a speed."""
+    """Return the values [SI] of a table of a wind, with a placeholder for a peak by its speed.
+
+    `table`: specification of the keys. `row`: the table in the file. `InputError` unless it has
+    one of both peaks.
+    """
     values = table.read(row)
     if ("peak_speed" in values) == ("peak" in values):
         raise InputError(
@@ -113,7 +127,7 @@ def wind_values(table: FileTable, row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the table [wind], or each table [[wind]]."""
+    """Return the table [wind] of a study file, `document`, or each of its tables [[wind]]."""
     entry = document.get("wind", {})
     rows = entry if isinstance(entry, list) else [entry]
     if not all(isinstance(row, dict) for row in rows):
@@ -122,7 +136,7 @@ def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def directed_winds(document: Mapping[str, Any]) -> list[int]:
-    """Return the indices of the winds that need the direction of flight."""
+    """Return the indices of the winds of a study file, `document`, that need an azimuth."""
     tables = wind_tables(document) if "wind" in document else []
     return [
         k
@@ -132,7 +146,7 @@ def directed_winds(document: Mapping[str, Any]) -> list[int]:
 
 
 def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
-    """Return the wind of the table [wind]; a file of winds is searched in the folder."""
+    """Return the wind of a table [wind]; a file of winds is searched in the folder."""
     if "file" in table:
         values = _FILE_TABLE.read(table)
         unit = values.get("unit")
@@ -170,7 +184,8 @@ def wind_for_vehicle(
 ) -> ShapedWind | WindEnsemble:
     """Return a wind with its peak, and with the gust of [gust], as wind angles of a vehicle.
 
-    Speeds become angles in a plane by eq (B1e).
+    `document`: study file as nested tables. `wind`: its wind, of `winds_of`. Speeds become angles
+    in a plane by eq (B1e).
     """
     speed = peak_speed_of(document)
     if speed is not None and isinstance(wind, ShapedWind):
@@ -204,8 +219,8 @@ def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
 def _sampled_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
     """Return the times [s] of the first column of a file, and the winds [rad] of the others.
 
-    The winds are ``(winds, n)``. `unit`: unit in [wind], for columns whose names have none; by
-    default degrees.
+    Times are ``(n,)``, winds ``(winds, n)``. `path`: the file. `unit`: unit in [wind], for columns
+    whose names have none; by default degrees.
     """
     missing = "names: a first column time_s and one for each wind"
     sheet = read_sheet(path, "a file of winds", _fit_of_winds, missing)
@@ -225,13 +240,17 @@ def _sampled_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray
 
 
 def _fit_of_winds(headings: Headings) -> float:
+    """Return 1 if the first heading of a line is a time with a known unit, else 0."""
     first, *units = headings[0].words or [""]
     unit = unit_of(" ".join(units), WRITTEN["time"])
     return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
 
 
 def _column(sheet: Sheet, heading: Heading) -> FloatArray:
-    """Return the numbers of a column; an error names the line of a missing one."""
+    """Return the numbers in the column of a sheet under a heading, ``(n,)``, in the file's unit.
+
+    An `InputError` names the line of a missing number.
+    """
     values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
     sheet.text.require(
         ~np.isnan(values), sheet.line, lambda _: f"there is no number in {heading.text}"
