@@ -70,6 +70,7 @@ class Soundings:
     utc_offset: float = 0.0
 
     def __post_init__(self) -> None:
+        """Check the arrays, and set all fields; `InputError` as the class says."""
         for name, (low, high, unit) in RANGES.items():
             object.__setattr__(
                 self, name, errors.within(name, getattr(self, name), low, high, unit)
@@ -124,6 +125,7 @@ class Soundings:
             )
 
     def __repr__(self) -> str:
+        """Return number, station and dates of the soundings, as text."""
         where = f" of {self.station}" if self.station else ""
         if not len(self):
             return f"Soundings(none{where})"
@@ -133,9 +135,11 @@ class Soundings:
         return f"Soundings({len(self)}{where} from {first} to {last}{unusable_text})"
 
     def __len__(self) -> int:
+        """Return the number of soundings, usable or not."""
         return int(self.times.size)
 
     def __iter__(self) -> Iterator[WindProfile]:
+        """Iterate over the profiles of usable soundings, in the order of their times."""
         return (self[i] for i in np.flatnonzero(self.usable).tolist())
 
     def __getitem__(self, index: Any) -> Any:
@@ -217,7 +221,7 @@ class Soundings:
     def select(
         self, *, month: int | None = None, year: int | None = None, hour: int | None = None
     ) -> Self:
-        """Return the soundings of a month, a year or an hour of the day, in local time."""
+        """Return the soundings of a month (from 1), a year or an hour of the day, in local time."""
         hours = (self.local_times - self.local_times.astype("datetime64[D]")).astype(int) // 60
         keep = np.ones(len(self), dtype=bool)
         for name, value, numbers in (
@@ -233,7 +237,10 @@ class Soundings:
     def from_profiles(
         cls, profiles: Iterable[WindProfile], times: ArrayLike, station: str = ""
     ) -> Self:
-        """Return the soundings of profiles and their times [UTC], in the order of the times."""
+        """Return the soundings of profiles and their times [UTC], in the order of the times.
+
+        `times`: one for each profile, such as 2024-02-15T12. `station`: name of the station.
+        """
         iterable = isinstance(profiles, Iterable) and not isinstance(profiles, np.ndarray)
         entries = list(profiles) if iterable else profiles
         sequence = errors.each("profiles", entries, WindProfile, "see read_sounding")
@@ -249,7 +256,7 @@ class Soundings:
         return soundings._selected(np.argsort(soundings.times, kind="stable"))
 
     def _profile(self, index: int) -> WindProfile:
-        """Return the profile of a sounding; `InputError` with the reason if unusable."""
+        """Return the profile of a sounding by its `index`; `InputError` with why it is unusable."""
         time = self.times[index]
         if self.why[index]:
             raise errors.InputError(f"the sounding of {time} cannot be used: {self.why[index]}")
@@ -262,7 +269,7 @@ class Soundings:
         )
 
     def _selected(self, index: IndexArray) -> Self:
-        """Return the soundings at positions ``(k,)``."""
+        """Return the soundings at the positions `index`, ``(k,)``, in their order."""
         offsets, levels = gather(self.offsets, index)
         return replace(
             self,
@@ -274,7 +281,10 @@ class Soundings:
 
 
 def gather(offsets: IntArray, index: IndexArray) -> tuple[IntArray, IntArray]:
-    """Return the offsets of selected rows of a flat array, and the positions of their elements."""
+    """Return new offsets of rows selected from a flat array, and the positions of their elements.
+
+    `offsets`: where each of n rows begins, and the end, ``(n + 1,)``. `index`: rows, ``(k,)``.
+    """
     counts = np.diff(offsets)[index]
     new_offsets = np.concatenate([[0], np.cumsum(counts)])
     return new_offsets, np.arange(new_offsets[-1]) + np.repeat(
@@ -322,7 +332,11 @@ class SoundingFilter:
 
     @classmethod
     def of(cls, months: Any, years: Any, station: Any, utc_offset: Any) -> SoundingFilter:
-        """Return the filter of the arguments of `read_soundings`; `InputError` if invalid."""
+        """Return the filter of arguments of `read_soundings`; `InputError` if invalid.
+
+        `months`: numbers from 1 to 12, and `years`: first and last; None for all. `station`: its
+        name, or None. `utc_offset`: local time minus UTC [h].
+        """
         offset = errors.number("utc_offset", utc_offset, errors.between(-14, 14), "h")
         name = None if station is None else errors.text("station", station)
         chosen = _integers("months", months, "from 1 to 12, as [2]") if months is not None else ()
@@ -366,21 +380,24 @@ class SoundingCollection:
     counted: dict[str, list[Any]] = field(default_factory=dict)
 
     def count(self, remark: str, where: str = "", times: int = 1) -> None:
-        """Add occurrences of a remark to its count."""
+        """Add a number of `times` to the count of a remark; `where`: place of the first of them."""
         if times:
             self.counted.setdefault(remark, [0, where])[0] += times
 
-    def add(self, other: SoundingCollection) -> None:
-        """Append the soundings and counts of another file."""
-        self.pieces += other.pieces
-        self.why += other.why
-        for name, file in other.stations.items():
+    def add(self, addition: SoundingCollection) -> None:
+        """Append the soundings and counts of another collection, such as that of one file."""
+        self.pieces += addition.pieces
+        self.why += addition.why
+        for name, file in addition.stations.items():
             self.stations.setdefault(name, file)
-        for remark, (times, where) in other.counted.items():
+        for remark, (times, where) in addition.counted.items():
             self.count(remark, where, times)
 
     def soundings(self, utc_offset: float) -> Soundings:
-        """Return all soundings in the order of their times, without repeated times."""
+        """Return all soundings in the order of their times, without repeated times, with notes.
+
+        `utc_offset`: local time minus UTC [h]. `InputError` for soundings of two stations.
+        """
         if len(self.stations) > 1:
             (a, where), (b, second_file) = list(self.stations.items())[:2]
             raise errors.InputError(
@@ -398,7 +415,7 @@ class SoundingCollection:
         self.count(
             "soundings of a time that was there already, left out", times=int(repeated.sum())
         )
-        every_sounding = Soundings(
+        soundings = Soundings(
             height=height,
             east=east,
             north=north,
@@ -408,7 +425,7 @@ class SoundingCollection:
             why=tuple(self.why),
             utc_offset=utc_offset,
         )
-        unique = every_sounding[order[~repeated]]
+        unique = soundings[order[~repeated]]
         unusable = [
             f"{when} UTC, {why}" for when, why in zip(unique.times, unique.why, strict=True) if why
         ]
@@ -421,7 +438,10 @@ class SoundingCollection:
 
 
 def _integers(name: str, values: Any, rule: str) -> list[int]:
-    """Return a sequence as integers; `InputError` with `rule` otherwise."""
+    """Return a sequence of `values` as integers; `InputError` for anything else.
+
+    `name`: name of the argument in the error. `rule`: what it must be, after "must be".
+    """
     row = isinstance(values, Iterable) and not isinstance(values, str | bytes)
     items: list[Any] = list(values) if row and getattr(values, "ndim", True) else [None]
     if not all(isinstance(item, int | np.integer) and not isinstance(item, bool) for item in items):

@@ -66,7 +66,7 @@ _SOUNDING_SPACING = 1e6
 
 
 def soundings_in(text: Text) -> list[SoundingEntry]:
-    """Return the soundings of a station file, one entry for each header."""
+    """Return the soundings in the lines of a station file, one entry for each header."""
     headers = [i for i, line in enumerate(text.lines) if line.startswith("#")]
     if not headers:
         raise text.error(1, "an IGRA file begins each sounding with a line # and the station")
@@ -82,7 +82,7 @@ def is_derived(header: str) -> bool:
 
 
 def derived_error(name: str) -> InputError:
-    """Return the error about a file of derived parameters."""
+    """Return the error about a file of derived parameters, by its name."""
     return InputError(
         f"{name} holds derived parameters of IGRA in other columns; take the file that ends in"
         " -data"
@@ -90,7 +90,10 @@ def derived_error(name: str) -> InputError:
 
 
 def _station_sounding(text: Text, first: int, end: int) -> SoundingEntry:
-    """Return the sounding below a header of a station file."""
+    """Return the sounding below a header in the text of a station file.
+
+    `first`, `end`: indices of the line of the header, and of the line after the last level.
+    """
     match = _HEADER_LINE.match(text.lines[first])
     if is_derived(text.lines[first]):
         raise derived_error(text.source)
@@ -103,7 +106,11 @@ def _station_sounding(text: Text, first: int, end: int) -> SoundingEntry:
 
 
 def _station_levels(text: Text, first: int, end: int, title: str, count: int) -> Levels:
-    """Return the levels below a header; errors name malformed and missing lines."""
+    """Return the levels of a sounding in the text of a station file; an error names the line.
+
+    `first`, `end`: indices of the line of its header, and of the line after its last level.
+    `title`: station and time. `count`: number of levels that the header announces.
+    """
     line = np.array([i + 1 for i in range(first + 1, end) if text.lines[i].strip()], dtype=np.int64)
     if line.size != count:
         raise text.error(
@@ -127,7 +134,10 @@ def _station_levels(text: Text, first: int, end: int, title: str, count: int) ->
 def read_station(
     path: Path, accepted: SoundingFilter, progress: Progress | None = None
 ) -> SoundingCollection:
-    """Return the soundings of a station file, plain or in a zip, that pass a filter."""
+    """Return the soundings of a station file, plain or in a zip, that pass a filter.
+
+    `accepted`: the filter. `progress`: called with the bytes read and the bytes of the file.
+    """
     if _DERIVED_SUFFIX in path.name.lower():
         raise derived_error(called(path))
     stream = _StationStream(called(path), accepted)
@@ -147,7 +157,7 @@ def read_station(
 
 
 def is_station(path: Path) -> bool:
-    """Return whether a file is a station file: a zip, or a text that begins with a header."""
+    """Return whether a path is a station file: a zip, or a text that begins with a header."""
     if path.suffix.lower() == ".zip":
         return True
     try:
@@ -159,7 +169,7 @@ def is_station(path: Path) -> bool:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
-    """Open a station file, and give its size [bytes]."""
+    """Open the station file at a path, plain or in a zip; give the file and its size [bytes]."""
     import zipfile
     from io import BufferedReader
 
@@ -187,7 +197,10 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
 
 
 def _lines(file: IO[bytes], name: str) -> Iterator[bytes]:
-    """Yield the lines of a file; `InputError` for a line longer than `_MAX_LINE_BYTES`."""
+    """Yield the lines of a file; `InputError` for a line longer than `_MAX_LINE_BYTES`.
+
+    `name`: name of the file in the error.
+    """
     try:
         for number, line in enumerate(iter(partial(file.readline, _MAX_LINE_BYTES), b""), start=1):
             if len(line) == _MAX_LINE_BYTES:
@@ -200,12 +213,19 @@ def _lines(file: IO[bytes], name: str) -> Iterator[bytes]:
 
 
 def _no_zip(name: str) -> InputError:
+    """Return the error about a damaged zip, by its name."""
     return InputError(f"{name} is no zip that can be read; load it down again")
 
 
 @dataclass
 class _StationStream:
-    """Parser of a station file, line by line, with checks in blocks of levels."""
+    """Parser of a station file, line by line, with checks in blocks of levels.
+
+    `name`: name of the file. `accepted`: filter of the soundings. `number`, `headers`: numbers of
+    the lines and headers so far. `accepting`: whether levels are of an accepted sounding. `lines`,
+    `numbers`: lines of a block of levels, and their numbers. `heads`: time, line, announced count
+    and index of the first level of each sounding of the block.
+    """
 
     name: str
     accepted: SoundingFilter
@@ -213,7 +233,6 @@ class _StationStream:
     number: int = 0
     headers: int = 0
     accepting: bool = False
-    announced: int = 0
     lines: list[bytes] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
     heads: list[tuple[Any, int, int, int]] = field(default_factory=list)
@@ -230,7 +249,7 @@ class _StationStream:
             self.numbers.append(self.number)
 
     def _head(self, line: bytes) -> None:
-        """Parse a header, and decide whether its levels are accepted."""
+        """Parse the line of a header, and decide whether its levels are accepted."""
         if len(self.lines) > _LEVELS_PER_BLOCK:
             self.end()
         self.accepting = False
@@ -250,7 +269,11 @@ class _StationStream:
             self.heads.append((time, self.number, int(count), len(self.lines)))
 
     def _time(self, date: str, hour: int, release: bytes) -> Any:
-        """Return the nominal time, without an hour the release or noon; None without a date."""
+        """Return the nominal time [UTC] of a sounding; None for an impossible date.
+
+        `date`: as 2024-02-15. `hour`: 99 for a missing one, in place of which the time of
+        `release`, HHMM, counts, or noon.
+        """
         note, minutes = "", 60 * hour
         if hour == _MISSING_HOUR:
             released = release.isdigit() and release != _MISSING_RELEASE and int(release) % 100 < 60
@@ -309,7 +332,11 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
 
 
 def _numbers(letters: NDArray[np.uint8], valid: BoolArray) -> FloatArray:
-    """Return integers in their columns, NaN where missing; clear `valid` for malformed ones."""
+    """Return integers of n lines, ``(n,)``, NaN where missing; clear `valid` for malformed ones.
+
+    `letters`: codes of the letters in the columns of the integer, ``(n, columns)``. `valid`:
+    whether a line is well-formed, ``(n,)``, which is changed.
+    """
     digit = (letters >= ord("0")) & (letters <= ord("9"))
     minus = letters == ord("-")
     unbroken = digit[:, 1:] >= digit[:, :-1]  # no digit is followed by another letter
@@ -343,7 +370,11 @@ class Rows:
 def collect_levels(
     collection: SoundingCollection, rows: Rows, times: NDArray[np.datetime64], why: list[str]
 ) -> None:
-    """Add soundings to a collection; `why` has the reason why each is already invalid, or ""."""
+    """Check levels of n soundings, and add these to a collection.
+
+    `rows`: the levels. `times`: times [UTC] of the soundings, ``(n,)``. `why`: reason why each is
+    invalid already, or "", to which those found here are added.
+    """
     invalid = np.array([bool(reason) for reason in why], dtype=bool)
     checks: Faults = [(rows.broken, lambda _: _BROKEN)]
     checks += level_faults(rows.speed, height=rows.height, direction=rows.direction)

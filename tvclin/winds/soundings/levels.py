@@ -10,6 +10,7 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import InputError
+from tvclin.base.lines import plural
 from tvclin.base.sheet import Text
 from tvclin.winds.soundings.profile import WindProfile
 
@@ -52,7 +53,8 @@ class Levels:
     ) -> Levels:
         """Return levels by speed [m/s] and the direction from which the wind blows [rad].
 
-        `more`: the other fields. `InputError` for values that are no wind.
+        `line`: line of each level in `text`. `more`: the other fields. `InputError` for values that
+        are no wind.
         """
         for invalid, message in level_faults(speed, direction=direction):
             text.require(~invalid, line, message)
@@ -137,7 +139,8 @@ def profile_of(levels: Levels) -> WindProfile:
     height = np.asarray(convert(levels.height))
     without_height = int(np.sum(~measured & ~np.isnan(levels.east + levels.north)))
     if without_height:
-        notes.append(f"{count_of_levels(without_height)} with a wind but without a height left out")
+        levels_without = plural(without_height, "level")
+        notes.append(f"{levels_without} with a wind but without a height left out")
     notes += _gap_notes(height[ascending], height[measured & ~has_wind])
     if levels.geopotential:
         notes.append("geopotential heights made geometric")
@@ -151,7 +154,11 @@ def profile_of(levels: Levels) -> WindProfile:
 
 
 def _ascending_levels(levels: Levels, index: IndexArray) -> tuple[IndexArray, list[str]]:
-    """Return the levels that lie above all before them, and notes on the others."""
+    """Return the indices of levels that lie above all before them, and notes on the others.
+
+    `index`: indices of the levels that count, ``(n,)``. `InputError` for descending heights, of
+    which a balloon may have some.
+    """
     height = levels.height[index]
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], height]))[:-1]
     repeated, descending = height == highest, height < highest
@@ -164,10 +171,10 @@ def _ascending_levels(levels: Levels, index: IndexArray) -> tuple[IndexArray, li
         )
     notes = []
     if np.any(repeated):
-        count, first = count_of_levels(int(np.sum(repeated))), height[np.argmax(repeated)]
+        count, first = plural(int(np.sum(repeated)), "level"), height[np.argmax(repeated)]
         notes.append(f"{count} given twice, from {first:.6g} m on: the first is kept")
     if np.any(descending):
-        notes.append(f"{count_of_levels(int(np.sum(descending)))} where the balloon sank left out")
+        notes.append(f"{plural(int(np.sum(descending)), 'level')} where the balloon sank left out")
     return index[~(repeated | descending)], notes
 
 
@@ -184,14 +191,9 @@ def _gap_notes(height: FloatArray, windless: FloatArray) -> list[str]:
         widths = height[bridged] - height[bridged - 1]
         widest = bridged[np.argmax(widths)]
         notes.append(
-            f"{count_of_levels(windless.size - outside)} without a wind bridged by straight lines,"
+            f"{plural(windless.size - outside, 'level')} without a wind bridged by straight lines,"
             f" the longest from {height[widest - 1]:.6g} to {height[widest]:.6g} m"
         )
     if outside:
-        notes.append(f"{count_of_levels(outside)} without a wind below or above all winds left out")
+        notes.append(f"{plural(outside, 'level')} without a wind below or above all winds left out")
     return notes
-
-
-def count_of_levels(count: int) -> str:
-    """Return the text "1 level" or "3 levels" for a count."""
-    return f"{count} level{'s' * (count != 1)}"

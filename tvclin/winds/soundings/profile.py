@@ -68,7 +68,8 @@ def wind_angles_along(
 ) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and wind angles [rad] of a flight through a wind [m/s] over heights [m].
 
-    The flight is linear between its times. In yaw the wind is at right angles to it. With a
+    `height`, `wind`: heights of the levels and winds there, ``(n,)``, along the flight in the plane
+    "pitch", and at right angles to it in "yaw". The flight is linear between its times. With a
     `largest` angle [rad] only the longest interval below it is returned.
     """
     time, path, speed, climb = checked_flight(flight)
@@ -107,14 +108,17 @@ def wind_angles_along(
 
 
 def longest_interval(times: FloatArray, good: BoolArray) -> slice:
-    """Return the slice of the longest interval of time in which all elements are good."""
+    """Return the slice of the longest interval of times [s] in which all elements are `good`."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
     runs = [slice(a, b) for a, b in ends.reshape(-1, 2).tolist()]
     return max(runs, key=lambda run: times[run.stop - 1] - times[run.start], default=slice(0, 0))
 
 
 def checked_flight(flight: FlightPath) -> list[FloatArray]:
-    """Return the four checked arrays of a flight; `InputError` if malformed or not ascending."""
+    """Return time [s], height [m], speed [m/s] and path angle [rad] of a flight, ``(n,)`` each.
+
+    `InputError` for a flight that is malformed, or does not ascend.
+    """
     try:
         values = {name: getattr(flight, name) for name in _FLIGHT_ARRAYS}
     except AttributeError:
@@ -172,6 +176,7 @@ class WindProfile(Record):
     notes: tuple[str, ...] = field(default=(), metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check the levels, and set them to arrays; `InputError` as the class says."""
         for name, (low, high, unit) in RANGES.items():
             array = errors.within(name, getattr(self, name), low, high, unit)
             object.__setattr__(self, name, array)
@@ -192,6 +197,7 @@ class WindProfile(Record):
         )
 
     def __repr__(self) -> str:
+        """Return the number of levels, their range of height and the source, as text."""
         low, high = self.height[0], self.height[-1]
         named = f", {self.source}" if self.source else ""
         return f"WindProfile({self.height.size} levels from {low:.6g} to {high:.6g} m{named})"
@@ -271,7 +277,7 @@ class WindProfile(Record):
         )
 
     def between(self, low: float, high: float) -> Self:
-        """Return the profile between two heights [m], which become its first and last level.
+        """Return the profile between heights `low` and `high` [m], its new first and last level.
 
         Raises
         ------
@@ -286,8 +292,8 @@ class WindProfile(Record):
         note = f"cut to {bottom:.6g} to {top:.6g} m"
         return self._changed(height, *self.at(height), note)
 
-    def __sub__(self, other: object) -> WindProfile:
-        """Return the difference to another profile, at the heights of both.
+    def __sub__(self, mean: object) -> WindProfile:
+        """Return the difference to another profile, such as a mean wind, at the heights of both.
 
         A flight path that is biased for the other wind encounters this difference.
 
@@ -296,20 +302,19 @@ class WindProfile(Record):
         InputError
             For profiles without a height in common.
         """
-        if not isinstance(other, WindProfile):
+        if not isinstance(mean, WindProfile):
             return NotImplemented
-        low = max(self.height[0], other.height[0])
-        high = min(self.height[-1], other.height[-1])
+        low, high = max(self.height[0], mean.height[0]), min(self.height[-1], mean.height[-1])
         if not low < high:
             raise errors.InputError(
-                f"the wind taken out is known from {other.height[0]:.6g} to"
-                f" {other.height[-1]:.6g} m, and the other one from {self.height[0]:.6g} to"
+                f"the wind taken out is known from {mean.height[0]:.6g} to"
+                f" {mean.height[-1]:.6g} m, and the other one from {self.height[0]:.6g} to"
                 f" {self.height[-1]:.6g} m: no height is in both"
             )
-        heights = np.union1d(self.height, other.height)
+        heights = np.union1d(self.height, mean.height)
         height = heights[(heights >= low) & (heights <= high)]
-        east, north = (a - b for a, b in zip(self.at(height), other.at(height), strict=True))
-        note = f"without the wind of {other.source}" if other.source else "a mean wind taken out"
+        east, north = (a - b for a, b in zip(self.at(height), mean.at(height), strict=True))
+        note = f"without the wind of {mean.source}" if mean.source else "a mean wind taken out"
         return self._changed(height, east, north, note)
 
     def smoothed(self, thickness: float) -> Self:
@@ -323,12 +328,8 @@ class WindProfile(Record):
         InputError
             For a thickness below a millimetre or beyond 1000 km.
         """
-        half = (
-            errors.number(
-                "thickness", thickness, errors.between(_MIN_THICKNESS, _MAX_THICKNESS), "m"
-            )
-            / 2
-        )
+        allowed = errors.between(_MIN_THICKNESS, _MAX_THICKNESS)
+        half = errors.number("thickness", thickness, allowed, "m") / 2
         low = np.maximum(self.height - half, self.height[0])
         high = np.minimum(self.height + half, self.height[-1])
         east, north = (
@@ -416,11 +417,15 @@ class WindProfile(Record):
         }
 
     def _changed(self, height: FloatArray, east: FloatArray, north: FloatArray, note: str) -> Self:
+        """Return the profile with other levels [m] and winds [m/s], ``(k,)``, and one more note."""
         notes = (*self.notes, note)
         return replace(self, height=height, east=east, north=north, notes=notes)
 
     def _integral(self, wind: FloatArray, height: FloatArray) -> FloatArray:
-        """Return the integral of a component from the lowest level to heights [m^2/s]."""
+        """Return the integral [m^2/s] of a wind from the lowest level to heights [m], ``(k,)``.
+
+        `wind`: component at the levels [m/s], ``(n,)``.
+        """
         widths = np.diff(self.height)
         cumulative = np.concatenate([[0.0], np.cumsum(widths * (wind[1:] + wind[:-1]) / 2)])
         level = np.clip(np.searchsorted(self.height, height, side="right") - 1, 0, widths.size - 1)
@@ -456,6 +461,7 @@ class Climb:
     flight_path_angle: FloatArray
 
     def __post_init__(self) -> None:
+        """Check the arrays, and set them; `InputError` as the class says."""
         for item, array in zip(fields(self), checked_flight(self), strict=True):
             object.__setattr__(self, item.name, array)
 

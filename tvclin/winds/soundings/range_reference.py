@@ -65,6 +65,7 @@ class RangeReference:
     source: str = ""
 
     def __repr__(self) -> str:
+        """Return site, month and number of levels, as text."""
         return f"RangeReference({self.site}, {self.month}, {self.height.size} levels)"
 
     def speed(self, percentile: float) -> FloatArray:
@@ -152,7 +153,10 @@ def worst_month(
 
 
 def _month(text: Text, first: int, end: int) -> RangeReference:
-    """Return the statistics of a month from the lines below its title."""
+    """Return the statistics of a month from the lines of a table below its title.
+
+    `first`, `end`: indices of the line of the title, and of the line after the last row.
+    """
     head = "\n".join(text.lines[first + 1 : first + 5])
     month, station = re.match(r"\s*(\w+)\s*\n", head), re.search(r"Station\s*=\s*(.*)", head)
     if not month or not station or not re.search(r"\bKM\b", head):
@@ -176,7 +180,10 @@ def _month(text: Text, first: int, end: int) -> RangeReference:
 
 
 def _check_rows(text: Text, line: IntArray, table: dict[str, FloatArray]) -> None:
-    """Raise an error about the first row with missing or impossible numbers."""
+    """Raise `InputError` about the first row with missing or impossible numbers.
+
+    `text`: the file. `line`: line of each of n rows. `table`: columns by name, ``(n,)`` each.
+    """
     complete = ~np.isnan(np.sum(list(table.values()), axis=0))
     text.require(complete, line, lambda _: "a number is missing")
     bounded = np.max(np.abs(list(table.values())), axis=0) <= _MAX_NUMBER
@@ -201,7 +208,10 @@ def _probability(percentile: float) -> float:
 
 
 def _pearson_quantile(probability: float, skew: FloatArray) -> FloatArray:
-    """Return the quantile of the Pearson type III distribution of zero mean and unit deviation."""
+    """Return quantiles of Pearson type III distributions of zero mean and unit deviation, ``(n,)``.
+
+    `probability`: of the quantiles, in (0, 1). `skew`: skewness of each distribution, ``(n,)``.
+    """
     from scipy.special import gammaincinv, ndtri  # late: import time
 
     symmetric = np.abs(skew) < _MIN_SKEWNESS

@@ -11,19 +11,20 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, shown
+from tvclin.base.lines import plural
 from tvclin.base.sheet import Text
-from tvclin.winds.soundings.levels import Levels, SoundingEntry, count_of_levels
+from tvclin.winds.soundings.levels import Levels, SoundingEntry
 
 _LISTS = ("wind_u", "wind_v")
 
 
 def soundings_in(text: Text) -> list[SoundingEntry]:
-    """Return the sounding of the lists wind_u and wind_v of (height m, m/s)."""
+    """Return the sounding in a text with the lists wind_u and wind_v of (height m, m/s)."""
     return [SoundingEntry(lambda: _read(text))]
 
 
 def _read(text: Text) -> Levels:
-    """Return levels with the winds of wind_u and wind_v, at the heights of both.
+    """Return levels with the winds of the lists wind_u and wind_v in a text, at all heights.
 
     Each wind is interpolated linearly; heights that only one list reaches are omitted.
     """
@@ -39,12 +40,12 @@ def _read(text: Text) -> Levels:
         height=common,
         east=np.interp(common, z_u, u),
         north=np.interp(common, z_v, v),
-        notes=(f"{count_of_levels(cut)} that only one list reaches left out",) if cut else (),
+        notes=(f"{plural(cut, 'level')} that only one list reaches left out",) if cut else (),
     )
 
 
 def _lists(text: Text) -> dict[str, tuple[int, Any]]:
-    """Return line and value of each list, by its name."""
+    """Return line and value of the lists wind_u and wind_v in a text, JSON or Python, by name."""
     content = "\n".join(text.lines)
     try:
         table = json.loads(content)
@@ -61,7 +62,10 @@ def _lists(text: Text) -> dict[str, tuple[int, Any]]:
 
 
 def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
-    """Return line and value of the lists that Python code assigns or passes by name."""
+    """Return line and value of the lists that Python code assigns or passes by name, by name.
+
+    `text`: the file, for errors. `content`: its code, which is parsed and not executed.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about escapes in strings of no interest
@@ -94,7 +98,10 @@ def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
 
 
 def _literal(text: Text, name: str, value: ast.expr) -> Any:
-    """Return the value of a literal; an error names the line of any other expression."""
+    """Return the value of a literal; an error names the line of any other expression.
+
+    `text`: the file, and `name`: the list, for the error. `value`: the expression.
+    """
     try:
         return ast.literal_eval(value)
     except (ValueError, TypeError, RecursionError, MemoryError):
@@ -102,7 +109,10 @@ def _literal(text: Text, name: str, value: ast.expr) -> Any:
 
 
 def _pairs(text: Text, name: str, line: int, value: Any) -> tuple[int, FloatArray, FloatArray]:
-    """Return line, heights [m] and winds [m/s] of a list of pairs."""
+    """Return line, heights [m] and winds [m/s], ``(n,)``, of a list of pairs.
+
+    `text`, `name`, `line`: file, name and line of the list, for errors. `value`: the list.
+    """
     try:
         pairs = np.array(value, dtype=float)
     except (TypeError, ValueError, OverflowError):

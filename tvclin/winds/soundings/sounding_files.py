@@ -111,7 +111,7 @@ def read_sounding(
 def soundings_in(
     text: Text, format: str | None, units: str | None, above_ground: float | None
 ) -> list[SoundingEntry]:
-    """Return the soundings of a text; parameters as in `read_sounding`."""
+    """Return the soundings in a text; `format`, `units`, `above_ground` as in `read_sounding`."""
     name = recognised_format(text) if format is None else errors.one_of("format", format, READERS)
     if name in _TABLES:
         reading = TableOptions.of(units, above_ground, assumed=name == "openrocket")
@@ -122,7 +122,10 @@ def soundings_in(
 
 
 def not_a_table_error(source: str, name: str) -> errors.InputError:
-    """Return the error about units or a site elevation for a format that has its own."""
+    """Return the error about units or a site elevation for a format that has its own.
+
+    `source`: name of the file. `name`: name of the format.
+    """
     return errors.InputError(
         "units and above_ground in [sounding] are for tables of the formats"
         f" {' and '.join(_TABLES)}; {source} is of the format {name}"
@@ -130,7 +133,7 @@ def not_a_table_error(source: str, name: str) -> errors.InputError:
 
 
 def recognised_format(text: Text) -> str:
-    """Return the format of a file by its content; `InputError` for an unknown format."""
+    """Return the name of the format of a text by its content; `InputError` for an unknown one."""
     content = "\n".join(text.lines[:200])
     if re.search(r"^#\w{11} \d{4} \d\d \d\d ", content, flags=re.MULTILINE):
         return "igra"
@@ -156,7 +159,10 @@ def recognised_format(text: Text) -> str:
 
 
 def _entry_at(text: Text, entries: list[SoundingEntry], time: str | None) -> SoundingEntry:
-    """Return the sounding of a time, by default the first."""
+    """Return the sounding of a time; `InputError`, which names those of the text, for another.
+
+    `entries`: soundings in the text. `time`: as "2024-01-15 12" [UTC]; None for the first.
+    """
     if time is None:
         return entries[0]
     times = [entry.time for entry in entries if entry.time]
@@ -270,9 +276,10 @@ def read_soundings(
 
 
 def _times_by_name(path: Path) -> dict[str, Any]:
-    """Return times [UTC] by the names of files, from a list of dates."""
+    """Return times [UTC] by the names of files, from the list of dates at a path."""
 
     def fit(headings: Headings) -> float:
+        """Return 1 for a line of the headings file and time, else 0."""
         return float([heading.text for heading in headings] == ["file", "time"])
 
     sheet = sheet_in(read_lines(path, "a list of dates"), fit, "names file,time")
@@ -310,13 +317,14 @@ def _add_single(
     file: Path,
     reading: tuple[str | None, str | None, float | None],
     sounding_filter: SoundingFilter,
-    given_time: Any,
+    listed_time: Any,
     default_time: Any,
 ) -> None:
     """Add the soundings of a file to the collection; a page without a sounding is counted.
 
-    `reading`: format, units and elevation of the site, as in `read_sounding`. `given_time`,
-    `default_time`: time [UTC] of a single sounding, and of one without any time; or None.
+    `reading`: format, units and elevation of the site, as in `read_sounding`. `sounding_filter`:
+    which times and stations are read. `listed_time`, `default_time`: time [UTC] that counts for a
+    single sounding, and for one that is without any time; or None.
     """
     name = called(file.name)
     try:
@@ -326,7 +334,7 @@ def _add_single(
         collection.count("files without a sounding, left out", str(error))
         return
     for entry in entries:
-        time = _entry_time(text, entry, file, given_time if len(entries) == 1 else None)
+        time = _entry_time(text, entry, file, listed_time if len(entries) == 1 else None)
         if time is None and default_time is not None and len(entries) == 1:
             time = default_time
             collection.count("files without a date, taken in their order as one a day")
@@ -343,7 +351,11 @@ def _add_entry(
     name: str,
     sounding_filter: SoundingFilter,
 ) -> None:
-    """Add a sounding to the collection, or the reason why it cannot be used."""
+    """Add a sounding to the collection, or the reason why it cannot be used.
+
+    `entry`: the sounding. `time`: its time [UTC]. `name`: name of its file. `sounding_filter`:
+    which station is read.
+    """
     times = np.array([time])
     try:
         profile = profile_of(entry.levels())
@@ -362,10 +374,14 @@ def _add_entry(
     collection.why.append("")
 
 
-def _entry_time(text: Text, entry: SoundingEntry, file: Path, given_time: Any) -> Any:
-    """Return the time [UTC]: given, of the entry, of its first lines, or of the file's name."""
-    if given_time is not None:
-        return given_time
+def _entry_time(text: Text, entry: SoundingEntry, file: Path, listed_time: Any) -> Any:
+    """Return the time [UTC] of a sounding, or None where it has none.
+
+    `listed_time`: the time from a list, or None; then that of the entry, of the first lines of the
+    text, or in the name of the file counts.
+    """
+    if listed_time is not None:
+        return listed_time
     if entry.time:
         return np.datetime64(entry.time.replace(" ", "T"), "m")
     header = wind_table.header_index(text)
@@ -382,7 +398,7 @@ def _entry_time(text: Text, entry: SoundingEntry, file: Path, given_time: Any) -
 
 
 def _month(name: str, value: object) -> int:
-    """Return the number of a month; `InputError` otherwise."""
+    """Return the number of a month, `value`; `InputError`, which names `name`, for another."""
     return int(errors.within(name, errors.whole_number(name, value), 1, 12))
 
 
@@ -426,6 +442,7 @@ class SoundingReading:
     bias_month: int | None = count(None, _month, shown="all")
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` as the class says."""
         checked(self)
         if self.bias_month is not None and self.bias is None:
             raise errors.InputError("bias_month needs bias, the file of a station")
@@ -446,16 +463,11 @@ class SoundingReading:
 
     def profile(self, file: Path) -> WindProfile:
         """Return the sounding of a file; same exceptions as `read_sounding`."""
-        from tvclin.winds.soundings.sounding_files import read_sounding
-
         return read_sounding(file, time=self.time, **self.table)
 
     @cached_property
     def mean_wind(self) -> WindProfile | None:
         """The mean wind for which the flight path is biased."""
-        from tvclin.winds.soundings.igra import is_station
-        from tvclin.winds.soundings.sounding_files import read_sounding, read_soundings
-
         if self.bias is None:
             return None
         file = Path(self.bias)

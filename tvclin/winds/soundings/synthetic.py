@@ -129,10 +129,8 @@ def power_law_shear(change: ArrayLike, thickness: ArrayLike) -> FloatArray:
     G. H. Fichtl (1972), NTRS 19720036021: mean, standard deviation and percentiles of the shear
     over intervals below 1 km go with the 0.7 power of the interval.
     """
-    change, layer = (
-        errors.nonnegative("change", change, "m/s"),
-        errors.nonnegative("thickness", thickness, "m"),
-    )
+    change = errors.nonnegative("change", change, "m/s")
+    layer = errors.nonnegative("thickness", thickness, "m")
     if np.any(layer > _SHEAR_LAYER):
         raise errors.InputError(
             f"thickness must be at most {_SHEAR_LAYER:g} m; got {layer.max():.6g} m"
@@ -178,16 +176,12 @@ def synthetic_profile(
     The package has no envelopes or shears of its own.
     """
     z, w = errors.finite("height", height, "m"), errors.nonnegative("speed", speed, "m/s")
-    layer, drop = (
-        errors.positive("thickness", thickness, "m"),
-        errors.positive("change", change, "m/s"),
-    )
+    layer = errors.positive("thickness", thickness, "m")
+    drop = errors.positive("change", change, "m/s")
     _ascending("height and speed", z, w, z)
     _ascending("thickness and change", layer, drop, layer, drop)
-    centre, angle = (
-        errors.number("peak_height", peak_height, unit="m"),
-        errors.bearing("azimuth", azimuth),
-    )
+    centre = errors.number("peak_height", peak_height, unit="m")
+    angle = errors.bearing("azimuth", azimuth)
     if not z[0] <= centre <= z[-1]:
         raise errors.InputError(
             f"peak_height must be within the envelope, {z[0]:.6g} to {z[-1]:.6g} m; got"
@@ -210,7 +204,10 @@ def synthetic_profile(
 
 
 def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: FloatArray) -> None:
-    """Raise `InputError` unless two rows have one length and the given rows ascend."""
+    """Raise `InputError` unless two rows have one length, and all rows of `rising` ascend.
+
+    `names`: names of the rows in the error. `first`, `second`: the rows.
+    """
     if first.ndim != 1 or first.shape != second.shape or not first.size:
         raise errors.InputError(
             f"{names} must be two lists of one length; got shapes {first.shape} and {second.shape}"
@@ -220,15 +217,15 @@ def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: Float
 
 
 def soundings_in(text: Text) -> list[SoundingEntry]:
-    """Return the wind of [synthetic] with each [[gust]], by `synthetic_profile` and `add_gust`.
+    """Return the wind of a text with [synthetic] and each [[gust]], as its only sounding.
 
-    Directions are those from which they blow.
+    By `synthetic_profile` and `add_gust`; directions are those from which they blow.
     """
     return [SoundingEntry(lambda: _synthetic_levels(text))]
 
 
 def _synthetic_levels(text: Text) -> Levels:
-    """Return the levels of the profile of [synthetic] with each [[gust]]."""
+    """Return the levels of the profile of a text: of [synthetic] with each [[gust]]."""
     document = tables_of("\n".join(text.lines), text.source)
     check_known(f"table in {text.source}", document, [_SYNTHETIC_TABLE.name, _GUST_TABLE.name])
     profile = synthetic_profile(
@@ -248,7 +245,10 @@ def _synthetic_levels(text: Text) -> Levels:
 
 
 def _values_with_azimuth(table: FileTable, row: dict[str, Any]) -> dict[str, Any]:
-    """Return the values of a table in SI units, with the azimuth towards which it blows."""
+    """Return the values of a table [SI] by name, with the azimuth towards which it blows [rad].
+
+    `table`: specification of the keys. `row`: the table in the file, from keys to values.
+    """
     check_known(f"key in {table.heading}", row, table.keys)
     values: dict[str, Any] = {}
     for key, value in row.items():

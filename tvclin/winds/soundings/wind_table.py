@@ -115,18 +115,25 @@ class _Column:
 
 
 def soundings_in(text: Text, reading: TableOptions = TableOptions()) -> list[SoundingEntry]:
-    """Return the sounding of a table with units in its header."""
+    """Return the sounding of a text that is a table with units in its header.
+
+    `reading`: units and site elevation that the file does not say.
+    """
     return [SoundingEntry(lambda: _read(text, reading))]
 
 
 def header_index(text: Text) -> int | None:
-    """Return the index of the line that names a height and a wind, or None."""
+    """Return the index of the line of a text that names a height and a wind, or None."""
     head = head_of(text, _header_score)
     return None if head is None else head[0]
 
 
 def _header_score(headings: Headings) -> float:
-    """Return the number of wind columns of a line with a height; a third without known unit."""
+    """Return how well a line of headings fits a table of winds, as a number.
+
+    It is the number of its quantities, of which one without a known unit counts a third; zero
+    without a height.
+    """
     weights: dict[str, float] = {}
     for column in filter(None, map(_wind_column, headings)):
         weight = 1.0 if column.factor is not None else 1 / 3
@@ -135,7 +142,7 @@ def _header_score(headings: Headings) -> float:
 
 
 def _wind_column(heading: Heading) -> _Column | None:
-    """Return the column of a name; None for a name that is no height and no wind."""
+    """Return the column of a heading; None for one that is no height and no wind."""
     words = heading.words
     while words and words[0] == "wind":
         words = words[1:]
@@ -158,7 +165,10 @@ def _wind_column(heading: Heading) -> _Column | None:
 
 
 def _read(text: Text, reading: TableOptions) -> Levels:
-    """Return the levels of a table, with notes on assumptions and conversions."""
+    """Return the levels of a table in a text, with notes on assumptions and conversions.
+
+    `reading`: units and site elevation that the file does not say.
+    """
     sheet = sheet_in(
         text,
         _header_score,
@@ -189,7 +199,10 @@ def _read(text: Text, reading: TableOptions) -> Levels:
 
 
 def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _Column], list[str]]:
-    """Return the columns to read by quantity, with their factors, and texts of assumed units."""
+    """Return the columns to read by quantity, with their factors, and texts of assumed units.
+
+    `reading`: units and site elevation that the `sheet` does not say.
+    """
     candidates = [column for column in map(_wind_column, sheet.headings) if column is not None]
     units = reading.units
     if reading.assumed:
@@ -219,9 +232,10 @@ def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _C
 
 
 def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None) -> list[_Column]:
-    """Return the columns except heights above another reference.
+    """Return the columns of a sheet except heights above another reference, sea or ground.
 
-    `ground`: elevation of the site [m], None for heights above the sea.
+    `candidates`: columns of heights and winds. `ground`: elevation of the site [m], for heights
+    above the ground; None for heights above the sea.
     """
     heights = [column for column in candidates if column.quantity == "height"]
     above_sea = [column for column in heights if not column.ground]
@@ -242,7 +256,10 @@ def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None)
 def _missing_columns_error(
     sheet: Sheet, candidates: list[_Column], usable: list[str]
 ) -> InputError:
-    """Return the error on a header without a height or a complete wind."""
+    """Return the error on the header of a sheet without a height or a complete wind.
+
+    `candidates`: columns of heights and winds in it. `usable`: quantities with a known unit.
+    """
     for column in candidates:
         if column.factor is None and column.quantity not in usable:
             name, kind = column.quantity, _KINDS[column.quantity]
@@ -262,7 +279,10 @@ def _missing_columns_error(
 
 
 def _values(sheet: Sheet, column: _Column, notes: list[str]) -> FloatArray:
-    """Return the numbers of a column in SI units, NaN for missing values."""
+    """Return the numbers in a column of a sheet in SI units, ``(n,)``, NaN for missing values.
+
+    A note on numbers that stand for a missing value is appended to `notes`.
+    """
     assert column.factor is not None
     heading = column.heading
     values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
@@ -274,7 +294,12 @@ def _values(sheet: Sheet, column: _Column, notes: list[str]) -> FloatArray:
 
 
 def _compare_components(sheet: Sheet, values: dict[str, FloatArray], notes: list[str]) -> None:
-    """Remove components given besides speed and direction, if they agree with these."""
+    """Remove components given besides speed and direction, if they agree with these.
+
+    `values`: columns of the sheet by quantity, in SI units, ``(n,)``, from which both are removed.
+    `notes`: a note on their difference is appended. An `InputError` names the line of a difference
+    that is too large.
+    """
     east, north = (values.pop(name) for name in _PAIRS[1])
     expected = wind_components(values["speed"], values["direction"])
     difference = np.hypot(east - expected[0], north - expected[1])

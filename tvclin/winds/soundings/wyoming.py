@@ -27,7 +27,10 @@ def soundings_in(text: Text) -> list[SoundingEntry]:
 
 
 def _list_entry(text: Text, header: int) -> SoundingEntry:
-    """Return the sounding below a header, with title and time of the lines above."""
+    """Return the sounding below a header of a text list, with title and time of the lines above.
+
+    `header`: index of the line of the header.
+    """
     title, time = "", ""
     for line in text.lines[max(header - 6, 0) : header]:
         match = _TITLE.match(re.sub(r"<[^>]*>", "", line[:_MAX_TITLE_WIDTH]).strip())
@@ -38,7 +41,10 @@ def _list_entry(text: Text, header: int) -> SoundingEntry:
 
 
 def _read(text: Text, header: int, title: str) -> Levels:
-    """Return the levels below a header; errors name the line."""
+    """Return the levels below a header of a text list; errors name the line.
+
+    `header`: index of the line of the header. `title`: station and time.
+    """
     if re.search(r"\S\s{2,}\S", text.lines[header]) is None:
         raise text.error(
             header + 1,
@@ -70,14 +76,21 @@ def _read(text: Text, header: int, title: str) -> Levels:
 
 
 def _fields(header: str) -> dict[str, slice]:
-    """Return the columns of each field: from the end of the name before to the end of its own."""
+    """Return the columns of each field by name: from the end of the name before to its own end.
+
+    `header`: line of the names, which stand flush right.
+    """
     names = list(re.finditer(r"\S+", header))
     starts = [0, *(name.end() for name in names)]
     return {name[0]: slice(start, name.end()) for start, name in zip(starts, names, strict=False)}
 
 
 def _after_units(text: Text, header: int, speed: str) -> int:
-    """Return the index of the first level, below the line of units and the rule."""
+    """Return the index of the line of the first level, below the line of units and the rule.
+
+    `header`: index of the line of names. `speed`: name of the speed, SKNT [kt] or SPED [m/s], whose
+    unit is checked.
+    """
     i = header + 1
     while i < len(text.lines) and re.match(r"\s*(-{5,}|hPa\b)", text.lines[i]):
         words = text.lines[i].split()
@@ -90,7 +103,10 @@ def _after_units(text: Text, header: int, speed: str) -> int:
 
 
 def _lines_of(text: Text, first: int) -> IntArray:
-    """Return the line numbers of the levels from `first` on, up to a blank line or rule."""
+    """Return the numbers of the lines of levels in a text, up to a blank line or rule, ``(n,)``.
+
+    `first`: index of the first of these lines.
+    """
     line = []
     for i in range(first, len(text.lines)):
         content = text.lines[i].strip()
