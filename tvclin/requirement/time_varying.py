@@ -136,8 +136,9 @@ def _breakpoints(wind: History, motion: Motion) -> FloatArray:
     onset, end = (np.reshape(x, (-1, 1)) for x in (wind.onset, motion.judged_at(wind.end)))
     more = motion.breakpoints
     more = more[(more > np.min(onset)) & (more < np.max(end))]
-    more = np.broadcast_to(more, (len(knots), more.size))
-    return np.clip(np.sort(np.concatenate([knots, more, end], axis=-1), axis=-1), onset, end)
+    rows = max(len(knots), len(end))
+    columns = [np.broadcast_to(x, (rows, x.shape[-1])) for x in (knots, more, end)]
+    return np.clip(np.sort(np.concatenate(columns, axis=-1), axis=-1), onset, end)
 
 
 def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
