@@ -47,15 +47,15 @@ print(
 )
 
 # %% [markdown]
-# In comparison: the boundary limits of trim with a dead band, and the least limit of any law that
-# does not know when the wind will end.
+# In comparison: the boundary limits of trim with a dead band, and the lower bound of every law
+# without a forecast that must survive the wind even if it stops for good at any instant.
 
 # %%
 B = plant.coefficients.B * wind.peak
 rows = {
     "trim, then hold, K = 1": abs(tv.boundary_limit(plant, wind, dead_band=1.0).deflection),
     "trim, then hold, K = 0.5": abs(tv.boundary_limit(plant, wind, dead_band=0.5).deflection),
-    "any law without a forecast": abs(B * tv.forecast_free_limit(plant, wind).limit),
+    "lower bound, no forecast": abs(B * tv.forecast_free_limit(plant, wind).limit),
     "the whole wind known": best.peak,
 }
 for name, peak in rows.items():

@@ -157,6 +157,11 @@ def test_the_question_counts_the_pressure_at_the_peak_of_a_head_wind(tmp_path: P
         (question,) = [one for one in questions(findings) if one.name == "load"]
         assert question.yes is yes
         assert question.required_deflection == pytest.approx(at_peak, rel=1e-3)
+        assert question.whose == (
+            "within this load the lower bound, wind known, by the peak pressure of a head wind"
+            " throughout, requires"
+        )
+        assert question.text.startswith("the limit covers the bound") is (yes is None)
 
 
 def test_a_load_below_what_any_deflection_leaves_is_not_met(tmp_path: Path) -> None:

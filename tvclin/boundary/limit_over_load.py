@@ -24,7 +24,7 @@ from tvclin.base import errors
 from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.fields import array_table, derived, spec
 from tvclin.base.lines import NONE_SUFFICIENT, Table
-from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
+from tvclin.base.quantities import FORECAST_FREE, NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.limit_over_rate import (
     TradeOff,
     lower_bound_text,
@@ -110,8 +110,8 @@ class LoadTradeOff(TradeOff):
         Condition that sets each limit: the minimum angle, turning in time into the wind, or both
         together; the minimum load where no angle is sufficient.
     no_forecast_bounds : ndarray or None
-        Lower bound [rad] of laws that survive if the wind stops at any instant, ``(n,)``; None
-        for a wind that changes its sign.
+        Lower bound [rad] of laws that survive if the wind stops for good at any instant,
+        ``(n,)``; None for a wind that changes its sign.
     minimum_deflection, load_of_minimum : float
         Minimum deflection [rad] at any load, and the load [rad] of its control.
     minimum_load, no_forecast_load : float
@@ -189,7 +189,7 @@ class LoadTradeOff(TradeOff):
 
     @property
     def requires_forecast(self) -> bool:
-        """Whether every law that does not know when the wind stops exceeds the load."""
+        """Whether a law exceeds the load that must survive a stop of the wind at any instant."""
         return self.load is not None and self.load < self.no_forecast_load
 
     @property
@@ -235,11 +235,11 @@ class LoadTradeOff(TradeOff):
         what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
         yield f"the load is {what}, during the wind and after it"
         if self.no_forecast_bounds is None:
-            yield "the wind changes its sign: there is no bound for laws without a forecast"
+            yield f"the wind changes its sign: there is no {NO_FORECAST}"
         elif np.isfinite(self.no_forecast_load) and self.no_forecast_load > 0.0:
             half = np.degrees(self.no_forecast_load)
             more = ", more than this load" * self.requires_forecast
-            yield f"a law without a forecast bears {half:.4g} deg at least{more}"
+            yield f"a {FORECAST_FREE} bears {half:.4g} deg at least{more}"
         if np.any(self.limits > self.lower_bounds * (1.0 + 2.0 * RELATIVE_GAP)):
             gaps = 1.0 - self.lower_bounds / np.maximum(self.limits, 1e-300)
             worst, at = np.max(gaps), np.degrees(self.loads[np.argmax(gaps)])
@@ -570,7 +570,7 @@ def load_trade_off(
     -----
     Without a limit of the deflection the minimum load of a wind without jumps is zero; a jump at
     the onset leaves its size, a later one half of it. A wind that may stop at its peak is such a
-    jump: half of it is the minimum load of a law without a forecast. With a rate limit or M the
+    jump: half of it is the minimum load of a law that must survive that. With a rate limit or M the
     minimum load is that of a computed control, on nodes that resolve the oscillating zeros of the
     load too; its lower bound may be less.
 

@@ -286,7 +286,7 @@ class RateTradeOff(TradeOff):
         if self.minimum_deflection == 0.0:
             yield "the wind excites no unstable pole: neither angle nor rate is required"
         elif self.no_forecast_bounds is None:
-            yield "the wind changes its sign: there is no bound for laws without a forecast"
+            yield f"the wind changes its sign: there is no {NO_FORECAST}"
         else:
             yield "these are lower bounds: a control may require more angle and more rate"
 

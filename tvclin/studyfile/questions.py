@@ -10,6 +10,7 @@ from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, degrees, minimum_limit, number, significant, text
 from tvclin.base.quantities import (
     BUDGET,
+    FORECAST_FREE,
     NOMINAL,
     OF_RAMP,
     REQUIRED,
@@ -256,7 +257,12 @@ def _rate(findings: Findings) -> Question:
 
 
 def _load(findings: Findings) -> Question:
-    """Return the question whether the limit and the load limit admit a control of known wind."""
+    """Return the question whether the limit and the load limit admit a control of known wind.
+
+    Its number is a lower bound with the wind known: by the peak pressure of a head wind throughout,
+    where that sets the requirement, which is no bound of the flight; NOT MET stands on the nominal
+    one.
+    """
     name, front, rates = "load", findings.loads, findings.rates
     if front is None:
         none = rates is not None and np.isinf(rates.lower_bound)
@@ -264,15 +270,20 @@ def _load(findings: Findings) -> Question:
         return Question(name, False if none else None, (words,))
     line: Line = ("for this load, of a control that knows the wind",)
     yes, head, ratio = front.above_lower_bound, findings.head, findings.study.plane_ratio
+    pressure = NOMINAL
     if head is not None and head.loads is not None:
         nominal = minimum_limit(degrees("answer.calm_load", front.lower_bound * ratio, unit="deg"))
-        line, front = (*line, _at_peak(findings), *nominal), head.loads
+        covered, front = yes, head.loads
         yes = _also(yes, front.above_lower_bound)
+        if covered and yes is None and front.limit is not None:
+            line = (f"the limit covers the bound of this load {NOMINAL}, and not the larger one",)
+        line = (*line, _at_peak(findings), *nominal)
+        pressure = f"by the peak pressure of a {findings.study.direction} wind throughout"
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
     if yes and front.requires_forecast:
-        line = (*line, "; a law that does not know when the wind stops bears more")
-    whose = "within this load any control requires"
+        line = (*line, f"; a {FORECAST_FREE} bears more")
+    whose = f"within this load the {WIND_KNOWN}, {pressure}, requires"
     return Question(name, yes, line, front.lower_bound * ratio, whose)
 
 

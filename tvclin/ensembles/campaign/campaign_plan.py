@@ -254,7 +254,7 @@ class Campaign(Case):
         Case i is drawn from the seed and i alone.
     outputs : tuple of str
         Outputs computed for each case: "required" (`required_deflection` at each dead band),
-        "forecast-free" (the minimum for any law without a forecast), "minimum" (appendix C),
+        "forecast-free" (the lower bound without a forecast), "minimum" (that of appendix C),
         "margins" (whether the loop of the autopilot is stable, its margins, and the peak of each
         mode of a flexible vehicle),
         "flight" (survival and peaks of a flight of the law with its nozzle), "flown" (the boundary

@@ -535,7 +535,9 @@ def _with_bounds(
     said.extend(status for status in statuses if status not in (OK, STABLE))
     no_forecast = np.nan
     if PAIRED_POLES in statuses:
-        said.append("no bound of laws without a forecast is known where two modes grow as a pair")
+        said.append(
+            "no lower bound without a forecast is known for two unstable poles that are a pair"
+        )
     else:
         no_forecast = value_or_nan(lambda: _no_forecast(plant, wind, law))
     return FrozenRequirement(

@@ -234,8 +234,8 @@ class SizingRequest:
     dead_bands : tuple of float
         Dead band K, from 0 to 1; may be given several times.
     law : str
-        Column 'no forecast': bound, the lower bound for all laws without a forecast, or flown, what
-        such a law needs in flight (slow).
+        Column 'no forecast': bound, the lower bound of laws that must survive a stop of the wind at
+        any instant, or flown, what the recoverable-attitude law requires in flight (slow).
     varying : bool, optional
         Whether parameters vary during the wind, or are frozen at each flight time.
     count : str, optional
