@@ -48,11 +48,10 @@ def card_rows(record: Any) -> Iterator[Row]:
 
 
 def card(title: str, rows: Iterable[Row]) -> str:
-    """Return a table in HTML, all texts escaped.
+    """Return a table in HTML of `rows` of name, value and unit under a `title`, all texts escaped.
 
-    `title`: caption of the table. `rows`: name, value and unit of each line. Numbers are shown to
-    six digits, arrays of more than six numbers by their range and shape, an angle to a thousandth
-    of a degree.
+    Numbers are shown to six digits, arrays of more than six numbers by their range and shape, an
+    angle to a thousandth of a degree.
     """
     lines = "".join(
         f'<tr><th scope="row" style="text-align:left">{escape(name)}</th>'
@@ -254,9 +253,9 @@ class Columns:
 
 
 def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) -> tuple[Column, ...]:
-    """Return fields of a record as columns in SI units.
+    """Return the fields `names` of a record as columns in SI units.
 
-    `names`: names of the fields. `axes`: names of the axes of their values, as in `Column`.
+    `axes`: names of the axes of their values, as in `Column`.
     """
     return tuple(
         Column(item.name, np.asarray(item.si_value(record)), item.si_unit or "1", axes)

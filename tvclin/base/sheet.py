@@ -123,7 +123,7 @@ class Heading:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Letters and digits of the name, with and without a symbol in parentheses after it."""
+        """Name in letters and digits, with and without the symbol in parentheses after it."""
         return letters(self.name), letters(_SYMBOL.sub("", self.name))
 
     @property
@@ -156,7 +156,7 @@ class Sheet:
 
     @property
     def places(self) -> tuple[str, ...]:
-        """Name of each row in messages."""
+        """Name of each row in messages: the file and the line number."""
         return tuple(f"{self.text.source}, line {n}" for n in self.line)
 
     def error(self, message: str) -> InputError:
@@ -164,7 +164,7 @@ class Sheet:
         return self.text.error(self.head + 1, message)
 
     def find(self, *names: str) -> Heading | None:
-        """Return the column of the first available one of several names; None without any.
+        """Return the heading of the first of `names` that the file has; None without any.
 
         A column of exactly that name precedes columns with a symbol after it.
         """

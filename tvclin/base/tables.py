@@ -57,7 +57,7 @@ class FileTable:
         return (*self.keys, *self.words, *self.lists)
 
     def spelled(self, name: str) -> str:
-        """Return the possible keys of a name, the SI unit first."""
+        """Return the possible keys of a `name`, as "weight_N or weight_lbf", the SI unit first."""
         return " or ".join(key for key, (of, _) in self.keys.items() if of == name) or name
 
     def made(self, document: Mapping[str, Any], make: Callable[[dict[str, Any]], _T]) -> _T | None:
@@ -117,7 +117,7 @@ class FileTable:
         return {self.fields.get(name, name): value for name, value in values.items()}
 
     def units(self, table: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
-        """Return the numbers of a table in their own units, by name, with the unit."""
+        """Return number and unit, as they are written, of each key of a `table`, by name."""
         keys = self.keys
         return {
             keys[key][0]: (float(value), written(key.removeprefix(keys[key][0]).strip("_")))

@@ -78,7 +78,7 @@ _DIMENSIONLESS_KINDS = ("percent", "part", "hundredths")
 
 
 def written(suffix: str) -> str:
-    """Return the suffix of a key as a unit of tables: lbf/deg, slug ft2."""
+    """Return the `suffix` of a key as a unit of tables: of lbf_per_deg lbf/deg."""
     return suffix.replace("_per_", "/").replace("per_", "1/").replace("_", " ")
 
 
@@ -232,7 +232,7 @@ def _key(unit: str) -> str:
 
 
 def _respelled(unit: str) -> str:
-    """Return the key of a unit whose components have their usual spelling."""
+    """Return the key of a unit with the usual spelling of its components: of m/sec that of m/s."""
     text = re.sub(r"[\s_]+", " ", unit.lower()).replace(" per ", "/")
     words = (_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text))
     key = _key("".join(words))

@@ -35,7 +35,7 @@ _MAX_RATE = 1e9
 
 
 def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
-    """Return the boundary limit y of eq (12), normalised, in a triangular wind without drift.
+    """Return the boundary limit y of eq (12) in a triangular wind without drift, over static trim.
 
     `p`: fast pole times half the duration [-], positive. `K`: dead band, 0 to 1, of the same shape.
     """
@@ -162,7 +162,7 @@ def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:
 
 
 def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
-    """Return y_BR of a triangular wind without drift, eq (12) in closed form.
+    """Return the boundary limit y_BR of a triangular wind without drift, eq (12) in closed form.
 
     Parameters
     ----------
@@ -174,8 +174,8 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     Returns
     -------
     float or ndarray
-        y_BR, to a relative 1e-15. The exit of the dead band is at a = y_BR K tau/2, which is
-        never later than tau/2.
+        y_BR, the limit over static trim, to a relative 1e-15. The exit of the dead band is at
+        a = y_BR K tau/2, which is never later than tau/2.
 
     Raises
     ------

@@ -93,7 +93,7 @@ class UnstableCoordinates:
 
 
 def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
-    """Return the coordinates of the unstable modes of a plant.
+    """Return poles, left eigenvectors and wind strengths of the unstable modes of a plant.
 
     `plant`: one plant with one or two real unstable poles. `InputError` for a batch, a plant
     without an unstable pole, and one with more than two or a pair.

@@ -129,7 +129,10 @@ class ExitProblem:
 
     @cached_property
     def _arrays(self) -> tuple[Any, IndexArray, FloatArray]:
-        """Winds normalised by their peaks, the wind index of each case, and its parameters."""
+        """Winds over their peaks, the wind index of each of n cases, and its parameters.
+
+        The parameters are pole, dead band K and the filter from wind to trim, ``(n, m)``.
+        """
         winds, which = kernel_arrays((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
         filtering = self.plant.trim_filter
         numbers = (self.pole, self.dead_band, *filtering)
@@ -138,7 +141,7 @@ class ExitProblem:
 
     @property
     def _filtering(self) -> int:
-        """Ratio of the time to compute trim to that where trim is the wind itself."""
+        """Time of the kernel where trim is filtered wind, relative to trim that is the wind."""
         winds, _, numbers = self._arrays
         return switches.FILTERED[winds[1].dtype.kind] if np.any(numbers[:, 2:]) else 1
 

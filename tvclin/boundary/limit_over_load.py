@@ -183,7 +183,7 @@ class LoadTradeOff(TradeOff):
 
     @property
     def _proved(self) -> float:
-        """Proved lower bound [rad] of the limit at the load."""
+        """Proved lower bound [rad] of the limit at the load limit `load`, or at any."""
         at = np.flatnonzero(self.loads == self.load)
         return float(self.lower_bounds[at[0]]) if at.size else self.lower_bound
 
@@ -301,7 +301,7 @@ class LoadLimits:
 
     @property
     def _programmed(self) -> bool:
-        """Whether the minimum load exceeds the minimum load in a jump of the wind."""
+        """Whether the minimum load takes linear programs, and is not that of a jump of the wind."""
         case = self.case
         return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
 

@@ -116,7 +116,7 @@ class LimitShape(ABC):
 
     @property
     def inside(self) -> LimitShape:
-        """Shape itself, or where its gauge is slow, a polygon inside it of almost its size."""
+        """The shape, or where its gauge takes a search, a polygon inside it of almost its size."""
         return self
 
     def reach(self, angle: ArrayLike) -> FloatArray:
@@ -282,7 +282,7 @@ class PolygonShape(LimitShape):
 
     @cached_property
     def normals(self) -> Vectors:
-        """Normals of the edges, divided by their distance from zero, ``(n,)``."""
+        """Outward normals of the edges, complex, over their distance from zero, ``(n,)``."""
         outward = -1j * (np.roll(self.corners, -1) - self.corners)
         return np.asarray(outward / scalar_product(outward, self.corners))
 

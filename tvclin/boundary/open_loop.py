@@ -62,12 +62,12 @@ ROUNDING = 1e-9
 
 
 def limit_after_trim(problem: ExitProblem, poles: AnyArray, lower: FloatArray) -> FloatArray:
-    """Return the largest limit that loses the vehicle after trim, at least `lower`, ``(...)``.
+    """Return the largest limit that diverges after trim up to K times it, at least `lower`.
 
-    `problem`: plants with a moment, and winds of one sign. `poles`: all unstable poles [1/s], the
-    fastest first, ``(..., N)``; NaN for no pole. `lower`: smallest limit of interest, normalised by
-    B alpha_w,max, ``(...)``. Returned: normalised by B alpha_w,max; `lower` for K = 0, K = 1, and
-    fewer than two modes.
+    `problem`: plants with a moment, winds of one sign, and K. `poles`: all unstable poles [1/s],
+    the fastest first, ``(..., N)``; NaN for no pole. `lower`: smallest limit of interest,
+    ``(...)``. Limits are normalised by B alpha_w,max. Returned: ``(...)``; `lower` for K = 0, K =
+    1, and fewer than two modes.
     """
     shape, count = problem.shape, poles.shape[-1]
     K = np.broadcast_to(problem.dead_band, shape).ravel()

@@ -106,7 +106,7 @@ class PlanePair:
 
     @cached_property
     def _strengths(self) -> tuple[FloatArray, FloatArray]:
-        """Factors -B K1 p [1/s] of every mode of each plane, ``(N,)``."""
+        """Factors -B K1 p [1/s] from remaining wind integral to demand, ``(N,)`` in each plane."""
         pitch, yaw = (
             np.asarray(-wind_over_deflection(plant, poles) * poles)
             for plant, poles in zip(self.plants, self.poles, strict=True)
@@ -463,7 +463,7 @@ class _Moments:
 
     @cached_property
     def cells(self) -> Vectors:
-        """Moments of a unit deflection in each cell, ``(k, n)``."""
+        """Integrals of a p e^(-p t) over each cell, complex ``(k, n)``, of k poles p and axes a."""
         decayed = np.exp(-self.poles[:, np.newaxis] * self.edges)
         return self.axes[:, np.newaxis] * (decayed[:, :-1] - decayed[:, 1:])
 
@@ -483,7 +483,10 @@ class _Moments:
         return (self.poles * self.axes)[:, np.newaxis] * decay, weights
 
     def norm(self, multipliers: FloatArray) -> float:
-        """Return the support-function norm N of multipliers ``(k,)``, by Gauss quadrature."""
+        """Return N, the integral of the support of lambda . a p e^(-p t) over time, by quadrature.
+
+        `multipliers`: lambda, ``(k,)``, of the k poles p with unit vectors a.
+        """
         values, weights = self.nodes
         return float(weights @ self.limit_shape.support(multipliers @ values))
 

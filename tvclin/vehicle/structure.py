@@ -266,7 +266,7 @@ class Structure(_Batched):
         return [*tables, *([Table("Sensors", head, sensors)] if sensors else [])]
 
     def _rows(self) -> list[Row]:
-        """Return names, values and units of the structure for a card."""
+        """Return label, value and unit of every number of modes, tanks and engine, for a card."""
         elements: dict[str, Any] = {
             f"bending {k}": mode for k, mode in enumerate(self.bending, start=1)
         }

@@ -179,7 +179,7 @@ def split_cells(cells: FloatArray, uncertain: IndexArray) -> FloatArray:
 def best_multipliers(window: Window) -> SignedSum:
     """Return the sum lambda . e whose sign is the optimal deflection, scaled so that L1 = peak.
 
-    `window`: the functions e_i and their demands, which must not all be zero.
+    `window`: the poles' exponentials e_i, and their demands d_i, which must not all be zero.
 
     Where a real pole p is so fast that the others count only after p t = 700, their multipliers
     cannot be distinguished from zero. The influence of the fast pole on the peak has then ended
@@ -213,9 +213,9 @@ def best_multipliers(window: Window) -> SignedSum:
 def _with_last_switch(window: Window) -> SignedSum | None:
     """Return the optimal sum without the slowest real pole, with one more switch for that pole.
 
-    `window`: the functions e_i and their demands. No deflection has a smaller peak than the faster
-    poles require. So this is the solution if their conditions are not changed by the switch. None
-    without such a pole or switch.
+    `window`: the poles' exponentials e_i, and their demands d_i. No deflection has a smaller peak
+    than the faster poles require. So this is the solution if their conditions are not changed by
+    the switch. None without such a pole or switch.
     """
     c = window.constraints
     slowest, row = int(np.argmin(np.real(c.poles))), int(np.argmin(c.decays))
@@ -246,7 +246,7 @@ def _with_last_switch(window: Window) -> SignedSum | None:
 def _from_grid(window: Window) -> SignedSum:
     """Return the sum of smallest residual by Newton's iteration from the optima on grids.
 
-    `window`: the functions e_i and their demands.
+    `window`: the poles' exponentials e_i, and their demands d_i.
     """
     cells, best = initial_cells(window), None
     for _ in range(_GRID_REFINEMENTS):
@@ -268,7 +268,7 @@ def _from_grid(window: Window) -> SignedSum:
 def _is_underflowing(window: Window, multipliers: FloatArray) -> bool:
     """Return whether one of `multipliers` ``(n,)`` is too small, relative to the largest.
 
-    `window`: the functions e_i, by whose sizes they are weighted.
+    `window`: the poles' exponentials e_i, by whose sizes they are weighted.
     """
     sizes = np.abs(multipliers) * window.sizes
     return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())
@@ -277,7 +277,7 @@ def _is_underflowing(window: Window, multipliers: FloatArray) -> bool:
 def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
     """Return multipliers ``(n,)`` whose sum lambda . e is smallest, or zero, at `times` [s].
 
-    `window`: the functions e_i and their demands.
+    `window`: the poles' exponentials e_i, and their demands d_i.
     """
     c = window.constraints
     if not times.size:
@@ -294,8 +294,8 @@ def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
     """Return the sum of each of `guesses`, multipliers ``(n,)``, at its best scale and sign.
 
-    `window`: the functions e_i and their demands. They ascend by residual, not by the dual value,
-    which does not change with very small multipliers.
+    `window`: the poles' exponentials e_i, and their demands d_i. They ascend by residual, not by
+    the dual value, which does not change with very small multipliers.
     """
     trials = []
     for guess in guesses:
@@ -310,7 +310,7 @@ def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
 def _misfit(window: Window, candidate: SignedSum) -> float:
     """Return the largest relative violation of a condition by the deflection L1 sgn(lambda . e).
 
-    `window`: the functions e_i and their demands. `candidate`: the sum lambda . e.
+    `window`: the poles' exponentials e_i, and their demands d_i. `candidate`: the sum lambda . e.
     """
     demands = window.constraints.demands
     with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
@@ -322,9 +322,9 @@ def _misfit(window: Window, candidate: SignedSum) -> float:
 def _newton(window: Window, current: SignedSum) -> SignedSum:
     """Return the sum lambda . e after Newton's iteration from `current`, a sum.
 
-    `window`: the functions e_i and their demands. Steps are in the logarithms of the multipliers,
-    for a switch moves in proportion to these. Where such a step does not reduce the residual,
-    perhaps because a multiplier has the wrong sign, a plain step is tried.
+    `window`: the poles' exponentials e_i, and their demands d_i. Steps are in the logarithms of the
+    multipliers, for a switch moves in proportion to these. Where such a step does not reduce the
+    residual, perhaps because a multiplier has the wrong sign, a plain step is tried.
     """
     for _ in range(_NEWTON_STEPS):
         step = _newton_step(window, current)
@@ -343,8 +343,8 @@ def _shortened(
 ) -> SignedSum | None:
     """Return the sum after the longest fraction of a step that reduces the residual, or None.
 
-    `window`: the functions e_i and their demands. `current`: the sum before. `step`: of its
-    multipliers, ``(n,)``. `geometric`: whether the step is in their logarithms.
+    `window`: the poles' exponentials e_i, and their demands d_i. `current`: the sum before. `step`:
+    of its multipliers, ``(n,)``. `geometric`: whether the step is in their logarithms.
     """
     misfit = _misfit(window, current)
     for halvings in range(_STEP_LENGTHS):
@@ -377,8 +377,8 @@ def _in_logarithms(
 def _newton_step(window: Window, current: SignedSum) -> FloatArray:
     """Return the Newton step ``(n,)`` of the multipliers of the sum `current`.
 
-    `window`: the functions e_i and their demands. Columns are scaled, for multipliers differ by
-    many decades.
+    `window`: the poles' exponentials e_i, and their demands d_i. Columns are scaled, for
+    multipliers differ by many decades.
     """
     # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
     c = window.constraints

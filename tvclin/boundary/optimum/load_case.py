@@ -71,7 +71,7 @@ class LoadCase:
 
     @cached_property
     def rates(self) -> AnyArray:
-        """Decay rates [1/s] of the modes in the direction in which they are summed, ``(k,)``."""
+        """Decay rates [1/s] of modes, ``(k,)``: s of unstable ones, summed backward; else -s."""
         return np.where(self.unstable, self.poles, -self.poles)
 
     @cached_property
@@ -90,12 +90,18 @@ class LoadCase:
         return float(np.abs(self.poles).max())
 
     def column(self, values: AnyArray) -> FloatArray:
-        """Return complex `values` of modes ``(..., k)`` as reals ``(..., m)``; a pair has two."""
+        """Return complex numbers of k modes as real ones of m, a pair having two: ``(..., m)``.
+
+        `values`: ``(..., k)``.
+        """
         components = np.stack([values.real, values.imag], axis=-1)
         return components.reshape(*values.shape[:-1], -1)[..., self._components]
 
     def matrix(self, values: AnyArray) -> FloatArray:
-        """Return real matrices ``(..., m, m)`` that multiply modes by `values`, ``(..., k)``."""
+        """Return matrices ``(..., m, m)`` that multiply the modes by complex `values` ``(..., k)``.
+
+        They act on the m real numbers of the k modes, a pair having two.
+        """
         k = values.shape[-1]
         product = np.zeros((*values.shape[:-1], 2 * k, 2 * k))
         even = 2 * np.arange(k)
@@ -223,13 +229,13 @@ class LoadWeights:
 
     @cached_property
     def _before(self) -> ComplexArray:
-        """Weights before each node, discounted by the unstable modes, ``(n + 1, k)``."""
+        """Sums of weights before each node, decayed with the unstable modes, ``(n + 1, k)``."""
         start, end = self.density_ends
         return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property
     def _after(self) -> ComplexArray:
-        """Weights from each node on, discounted by the stable modes, ``(n + 1, k)``."""
+        """Sums of weights from each node on, decayed with the stable modes, ``(n + 1, k)``."""
         (start, end), nodes = self.density_ends[:, ::-1], self.node_weights[::-1]
         first = self.case.shares * nodes[0]
         return self._discounted(first, start, end, nodes[1:], self.widths[::-1])[::-1]
@@ -259,7 +265,11 @@ class LoadWeights:
         return weights
 
     def _density(self, x: FloatArray) -> FloatArray:
-        """Return the density h [1/s] at fractions `x` ``(n, q)`` of the n cells, ``(n, q)``."""
+        """Return the density h [1/s] of the deflection's weight in the load, ``(n, q)``.
+
+        `x`: fractions of the n cells, ``(n, q)``. h is M times the weight of the load, and of each
+        mode the weights of load ahead or behind, decayed to that time.
+        """
         c = self.case
         start, end = self.density_ends[:, :, np.newaxis]
         here = start * (1.0 - x) + end * x

@@ -118,7 +118,7 @@ class LoadProgram:
 
     @cached_property
     def _levels(self) -> tuple[Any, Any]:
-        """Matrices from the variables to the deflection at start and end of each cell."""
+        """Sparse matrices from the variables to the deflection at start and at end of each cell."""
         from scipy import sparse  # late: it takes 0.1 s to import
 
         n = self.widths.size
@@ -131,7 +131,7 @@ class LoadProgram:
 
     @property
     def _variables(self) -> int:
-        """Number of the variables of the deflection."""
+        """Number of the program's variables that are values of the deflection."""
         return int(self._levels[0].shape[1])
 
     @cached_property

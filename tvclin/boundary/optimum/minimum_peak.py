@@ -190,8 +190,9 @@ def certify(
 ) -> Certificate:
     """Return the certificate of a deflection that switches between two limits.
 
-    `window`: the conditions. `multipliers`: lambda, ``(n,)``; any of them bounds every peak from
-    below. `switches`: switch times [s] after the start, ``(k,)``. `limit`: first deflection [rad].
+    `window`: the conditions, moments of the poles' exponentials. `multipliers`: lambda, ``(n,)``;
+    any of them bounds every peak from below. `switches`: switch times [s] after the start,
+    ``(k,)``. `limit`: first deflection [rad].
     """
     constraints = window.constraints
     summed = window.signed(multipliers)
@@ -209,7 +210,7 @@ def certify(
 def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
     """Return switch times [s] after the start, and multipliers of any scale, lambda . d > 0.
 
-    `window`: the functions e_i and their demands d.
+    `window`: the poles' exponentials e_i, and their demands d_i.
     """
     c = window.constraints
     if c.demands.size == 1:
@@ -238,8 +239,8 @@ def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
 def _limit(window: Window, switches: FloatArray) -> float:
     """Return the first deflection [rad] that satisfies the conditions with the switches, (C5a).
 
-    `window`: the conditions. `switches`: times [s], ``(k,)``. It is a least-squares fit of all
-    conditions, each divided by its size, to reduce rounding.
+    `window`: the conditions, moments of the poles' exponentials. `switches`: times [s], ``(k,)``.
+    It is a least-squares fit of all conditions, each divided by its size, to reduce rounding.
     """
     moments = _moments(window, switches).sum(axis=1) / window.sizes
     demands = window.constraints.demands / window.sizes
@@ -249,8 +250,8 @@ def _limit(window: Window, switches: FloatArray) -> float:
 def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     """Return switch times [s] and limit [rad] after Newton's iteration on the conditions.
 
-    `window`: the conditions. `switches`: times [s], ``(k,)``, from nearly dependent conditions (a
-    short horizon); they are made exact to rounding.
+    `window`: the conditions, moments of the poles' exponentials. `switches`: times [s], ``(k,)``,
+    from nearly dependent conditions (a short horizon); they are made exact to rounding.
     """
     # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
     # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
@@ -275,7 +276,8 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
 def _violation(window: Window, switches: FloatArray, limit: float) -> float:
     """Return the largest violation of a condition, relative to the sizes of its terms.
 
-    `window`: the conditions. `switches`: times [s], ``(k,)``. `limit`: first deflection [rad].
+    `window`: the conditions, moments of the poles' exponentials. `switches`: times [s], ``(k,)``.
+    `limit`: first deflection [rad].
     """
     demands = window.constraints.demands
     pieces = limit * _moments(window, switches)
@@ -286,7 +288,8 @@ def _violation(window: Window, switches: FloatArray, limit: float) -> float:
 def _moments(window: Window, switches: FloatArray) -> FloatArray:
     """Return the moments of the pieces of a unit deflection, +1 first, ``(n, k + 1)``.
 
-    `window`: the functions e_i. `switches`: times [s] at which it changes its sign, ``(k,)``.
+    `window`: the poles' exponentials e_i. `switches`: times [s] at which it changes its sign,
+    ``(k,)``.
     """
     signs = (-1.0) ** np.arange(switches.size + 1)
     knots = np.concatenate([[0.0], switches, [window.end]])
@@ -397,12 +400,12 @@ def _onset_moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> An
 
 
 def _is_sufficient(poles: AnyArray, demands: AnyArray, peak: FloatArray) -> BoolArray:
-    """Return whether a peak is proved to suffice for a real pole p and two others, ``(n,)``.
+    """Return whether a `peak` [rad] is proved to suffice for a pole p and two others, ``(n,)``.
 
-    `poles` and `demands`: ``(n, 3)``. Let a constant deflection c act up to T, and the optimal one
-    of the two other poles from then on, whose moment at p is at most peak e^(-p T)/p. That bounds c
-    to an interval. If at both its ends the two other poles require no more than the peak, a c of
-    the interval satisfies all conditions.
+    `poles` [1/s], `demands` [rad s]: ``(n, 3)``, the real pole p first. Let a constant deflection c
+    act up to T, and the optimal one of the two other poles from then on, whose moment at p is at
+    most peak e^(-p T)/p. That bounds c to an interval. If at both its ends the two other poles
+    require no more than the peak, a c of the interval satisfies all conditions.
     """
     proved = _proved(poles, demands, peak, _SPANS, _pair_peak_bounds)
     unproved = np.flatnonzero(~proved)
@@ -421,7 +424,9 @@ def _proved(
 ) -> BoolArray:
     """Return whether the proof of `_is_sufficient` succeeds with one of T = span/p, ``(n,)``.
 
-    `pair_peaks`: function of poles and demands of complex pairs to bounds of their minimum peaks.
+    `poles` [1/s], `demands` [rad s]: ``(n, 3)``, the real pole p first. `peak`: to be proved
+    sufficient [rad], ``(n,)``. `spans`: of p T. `pair_peaks`: function of poles and demands of
+    complex pairs to bounds of their minimum peaks [rad].
     """
     p, others = np.real(poles[:, 0]), poles[:, 1:]
     rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0

@@ -61,27 +61,30 @@ class Constraints:
 
     @cached_property
     def decays(self) -> FloatArray:
-        """Decay rate [1/s] of each function e_i, ``(n,)``."""
+        """Decay rate [1/s] of each exponential e_i, ``(n,)``."""
         return np.repeat(np.real(self.poles), self._rows)
 
     @cached_property
     def pulsations(self) -> FloatArray:
-        """Angular frequency [rad/s] of each function e_i, ``(n,)``; zero at real poles."""
+        """Angular frequency [rad/s] of each exponential e_i, ``(n,)``; zero at real poles."""
         return np.repeat(np.imag(self.poles), self._rows)
 
     def basis(self, u: FloatArray) -> FloatArray:
-        """Return e_i at the times ``u (k,)``, shape ``(n, k)``."""
+        """Return the poles' exponentials e_i at times `u` [s], ``(k,)``, as rows ``(n, k)``.
+
+        A real pole p has e^(-p u); a pair e^(-sigma u) cos(omega u) and e^(-sigma u) sin(omega u).
+        """
         return self.real_rows(np.exp(-self.poles[:, np.newaxis] * u))
 
     def slopes(self, u: FloatArray) -> FloatArray:
-        """Return the derivatives of e_i [1/s] at the times ``u (k,)``, shape ``(n, k)``."""
+        """Return the derivatives [1/s] of the poles' exponentials at times `u` [s], ``(n, k)``."""
         column = self.poles[:, np.newaxis]
         return self.real_rows(-column * np.exp(-column * u))
 
     def moments(self, knots: FloatArray) -> FloatArray:
-        """Return the integrals of e_i between the times `knots` ``(k + 1,)``, shape ``(n, k)``.
+        """Return the integrals [s] of the poles' exponentials between times, ``(n, k)``.
 
-        The last may be infinite.
+        `knots`: the times [s], ``(k + 1,)``; the last may be infinite.
         """
         column = self.poles[:, np.newaxis]
         width = np.diff(knots)
@@ -90,7 +93,10 @@ class Constraints:
         return self.real_rows(np.exp(-column * knots[:-1]) * fraction / column)
 
     def real_rows(self, values: AnyArray) -> FloatArray:
-        """Return the rows ``(n, ...)`` of real conditions for values at the poles ``(m, ...)``."""
+        """Return complex values at m poles as real rows: one, or two for a pair, ``(n, ...)``.
+
+        `values`: ``(m, ...)``.
+        """
         if self.real:
             return values
         components = np.stack([np.real(values), -np.imag(values)], axis=1)
@@ -98,7 +104,7 @@ class Constraints:
         return components[wanted]
 
     def complex_values(self, rows: FloatArray) -> AnyArray:
-        """Return the values ``(m,)`` that `real_rows` splits into the rows ``(n,)``."""
+        """Return the values ``(m,)`` at m poles, complex for a pair, of real rows ``(n,)``."""
         if self.real:
             return rows
         first = np.cumsum(self._rows) - self._rows
@@ -185,9 +191,9 @@ def _check_times(wind: History, start: float, horizon: float | None) -> tuple[fl
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """The functions e_i on a grid fine enough to resolve every change of sign.
+    """The poles' exponentials e_i on a grid that resolves every change of sign of their sums.
 
-    `constraints`: the functions and their demands.
+    `constraints`: the conditions, with poles and demands.
     """
 
     constraints: Constraints
@@ -215,7 +221,7 @@ class Window:
 
     @cached_property
     def values(self) -> FloatArray:
-        """Functions e_i on the grid, ``(n, k)``."""
+        """The poles' exponentials e_i on the grid, ``(n, k)``."""
         return self.constraints.basis(self.grid)
 
     @cached_property
@@ -230,9 +236,9 @@ class Window:
         return -np.expm1(-decays * self.end) / decays
 
     def zeros(self, multipliers: FloatArray) -> FloatArray:
-        """Return the times [s] at which lambda . e changes its sign, rising.
+        """Return the times [s] at which the sum lambda . e changes its sign, rising.
 
-        `multipliers`: lambda, ``(n,)``.
+        `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.
         """
         c = self.constraints
         values, slopes = multipliers @ self.values, multipliers @ self.slopes
@@ -252,7 +258,7 @@ class Window:
     def signed(self, multipliers: FloatArray) -> SignedSum:
         """Return the sum lambda . e with its changes of sign and the moments of its sign.
 
-        `multipliers`: lambda, ``(n,)``.
+        `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.
         """
         zeros = self.zeros(multipliers)
         knots = np.concatenate([[0.0], zeros, [self.end]])
@@ -264,7 +270,7 @@ class Window:
     def tail(self, multipliers: FloatArray) -> float:
         """Return a bound of the integral of |lambda . e| past the end of a cut window.
 
-        `multipliers`: lambda, ``(n,)``.
+        `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.
         """
         c = self.constraints
         if np.isinf(self.end) or np.isfinite(c.horizon):

@@ -71,10 +71,10 @@ class RateProgram:
 
     @cached_property
     def moments(self) -> FloatArray:
-        """Integrals of e_i times the hat function of each node [s], ``(n, k)``.
+        """Integrals [s] of the poles' exponentials times the hat function of each node, ``(n, k)``.
 
         A hat function is one at its node, zero at the others and linear between nodes; that of the
-        last node stays one up to the horizon. e_i: see `Constraints.basis`.
+        last node stays one up to the horizon.
         """
         # On an interval of width h from t, with x = (u - t)/h, a node's share is x or 1 - x, and
         # integral e^(-p u) x du = e^(-p t) h M_1(p h), with the moments M_k of `numerics.pieces`.
@@ -90,7 +90,7 @@ class RateProgram:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """Sum of the absolute moments of each condition [s], ``(n,)``, which divides its row."""
+        """Sums of absolute moments [s] of each condition, ``(n,)``, by which its row is divided."""
         return np.abs(self.moments).sum(axis=1)
 
     @property
@@ -99,7 +99,10 @@ class RateProgram:
         return self.rate * np.diff(self.nodes) / self.unit
 
     def residual(self, values: FloatArray) -> float:
-        """Return the largest relative violation of a condition by the values [rad] at the nodes."""
+        """Return the largest violation of a condition, relative to the sizes of its terms.
+
+        `values`: deflection [rad] at the nodes, ``(k,)``.
+        """
         demands = self.constraints.demands
         violation = np.abs(self.moments @ values - demands)
         return float((violation / (np.abs(self.moments) @ np.abs(values) + np.abs(demands))).max())

@@ -31,16 +31,15 @@ def switch_time(
     """Return the time of the switch [s] after the start; infinite when there is none.
 
     `poles`: two different positive poles [1/s], in any order. `demands`: d_i [rad s] of the poles,
-    not both zero. `horizon`: H [s]; infinite for a deflection without end.
-
-    With c_i = p_i d_i, E_i = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) say
+    not both zero. `horizon`: H [s]; infinite for a deflection without end. With c_i = p_i d_i, E_i
+    = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) say
 
         c1 (1 - 2 E2 + F2) = c2 (1 - 2 E1 + F1).
 
-    The difference of the two sides has opposite values at t_s = 0 and t_s = H, and one zero
-    between them whatever the signs and sizes of c_i: any direction meets the border of the convex
-    set of attainable moments once. Nothing is divided by c_i, and y = 1 is no special point:
-    the switch moves to infinity on one side of it and comes back from zero on the other.
+    The difference of the two sides has opposite values at t_s = 0 and t_s = H, and one zero between
+    them whatever the signs and sizes of c_i: any direction meets the border of the convex set of
+    attainable moments once. Nothing is divided by c_i, and y = 1 is no special point: the switch
+    moves to infinity on one side of it and comes back from zero on the other.
     """
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
 
@@ -74,7 +73,7 @@ def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
 
 
 def switch_variable(y: float, ratio: float) -> float:
-    """Return x = e^(-beta2 t_s), the solution of eq (C6), in [0, 1].
+    """Return x = e^(-beta2 t_s) in [0, 1], t_s being the switch time, the solution of eq (C6).
 
     `y`: beta1 D1/(beta2 D2), of any sign and size. `ratio`: r = beta1/beta2, between 0 and 1.
 
@@ -90,14 +89,13 @@ def switch_variable(y: float, ratio: float) -> float:
 
 
 def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
-    """Return the approximation of x for a large y.
+    """Return the approximation of x = e^(-beta2 t_s), t_s being the switch time, for a large y.
 
         x = (y - 1 + 2^(1 - r))/(2 y)
 
-    It follows from one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too
-    small. For y -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1).
-
-    `InputError` for a y not positive, or a ratio not between 0 and 1.
+    `y`: beta1 D1/(beta2 D2), positive. `ratio`: r = beta1/beta2, slow pole over fast, below 1. It
+    follows from one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too small. For y
+    -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1). `InputError` for values outside.
     """
     y, r = positive("y", y), _checked_ratio(ratio)
     together(y=y, ratio=r)
