@@ -156,17 +156,15 @@ def gain_trade_off(
     designs: list[MinimumGains | None] = []
     for margin in margins.tolist():
         criteria = problem.criteria.with_limits("the front", disk_margin=margin)
-        if designs and designs[-1] is None:
-            designs.append(None)
-            continue
         try:
-            designs.append(solve_problem(replace(problem, criteria=criteria), start[np.newaxis]))
+            design = solve_problem(replace(problem, criteria=criteria), start[np.newaxis])
         except InputError:
             if not designs:
                 raise
-            designs.append(None)
-            continue
-        start = problem.point(designs[-1].autopilot)  # type: ignore[union-attr]
+            break  # no gains have this disk margin, nor a larger one
+        designs.append(design)
+        start = problem.point(design.autopilot)
+    designs += [None] * (margins.size - len(designs))
     trim = problem.trims.max()
     relative = [np.inf if gains is None else gains.deflection / trim for gains in designs]
     return GainTradeOff(margins, np.array(relative), tuple(designs), _limits(gains))

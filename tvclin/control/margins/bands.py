@@ -123,11 +123,11 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     sizes = np.where(terms.owner(omega, values) == k, np.abs(values), -np.inf)
     top = np.argmax(sizes, axis=-1)
     rows = np.arange(len(omega))
-    height, where = sizes[rows, top], omega[rows, top]
+    height = sizes[rows, top]
     nu = np.imag(terms.loop.s_to_w(1j * omega))
     inner = np.clip(top, 1, omega.shape[-1] - 2)
     low, at, high = (nu[rows, inner + j] for j in (-1, 0, 1))
-    owned = np.flatnonzero(np.isfinite(height))
+    owned = np.flatnonzero(np.isfinite(height))  # loops in which the mode owns a frequency
     if owned.size:
         form = terms.form.take(owned)
 
@@ -140,11 +140,9 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
         location, minimum = grid_minimum(negative_gain, *ends, PEAK_REFINEMENTS, smooth=True)
         better = -minimum > height[owned]
         height[owned[better]], at[owned[better]] = -minimum[better], location[better]
-        where = np.where(
-            np.isfinite(height), np.imag(terms.loop.w_to_s(1j * at[:, np.newaxis]))[:, 0], where
-        )
+    frequency = np.imag(terms.loop.w_to_s(1j * at[:, np.newaxis]))[:, 0]
     none = ~np.isfinite(height)
-    return np.where(none, np.nan, height), np.where(none, np.nan, where)
+    return np.where(none, np.nan, height), np.where(none, np.nan, frequency)
 
 
 def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
@@ -160,7 +158,7 @@ def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
     resonance = np.clip(damped.imag + np.abs(damped.real) * _OFFSETS, low, high)
     omega = np.sort(np.nan_to_num(np.concatenate([grid, resonance], axis=-1)), axis=-1)
 
-    def distance(omega: FloatArray) -> FloatArray:  # squared: smooth where it vanishes
+    def distance(omega: FloatArray) -> FloatArray:
         """Return |1 + L|^2 at frequencies `omega` [rad/s]: smooth where it vanishes."""
         returned = terms.values(np.abs(omega))
         return np.asarray((1.0 + returned.real) ** 2 + returned.imag**2)
@@ -345,9 +343,11 @@ def band_margins(
     closed = closed_mode_poles(terms)
     bands = [_rigid(terms, analysis)]
     bands += [_mode(terms, analysis, k, closed[:, k]) for k in range(len(names))]
-    shaped = [{key: in_batch_shape(v, loop.batch) for key, v in band.items()} for band in bands]
-    modes = (ModeBand(name=name, **band) for name, band in zip(names, shaped[1:], strict=True))
-    return BandMargins(margins_of(analysis, loop.batch), RigidBand(**shaped[0]), tuple(modes))
+    rigid, *modes = (
+        {key: in_batch_shape(v, loop.batch) for key, v in band.items()} for band in bands
+    )
+    by_mode = (ModeBand(name=name, **band) for name, band in zip(names, modes, strict=True))
+    return BandMargins(margins_of(analysis, loop.batch), RigidBand(**rigid), tuple(by_mode))
 
 
 def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
@@ -371,9 +371,10 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     owned = _owned(terms, analysis, k)
     peak, frequency = mode_peak(terms, k)
     dominant = terms.owner(np.nan_to_num(np.imag(pole), nan=1.0)[:, np.newaxis])[:, 0] == k
-    crosses = np.any(~np.isnan(owned.phases), axis=-1)
+    crosses = np.any(~np.isnan(owned.phases), axis=-1)  # |L| is one at an owned frequency
     by_phase = crosses | (dominant & (peak >= 1.0))
     kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
+    # Phases up to -1: the smallest positive one is the lag margin, the smallest negative the lead.
     signed = (np.where(phase > 0.0, phase, np.nan) for phase in (owned.phases, -owned.phases))
     lags = [row_minimum(phase, analysis.gain_frequencies)[0] for phase in signed]
     gain_reduction, gain_increase, (_, crossover) = classical_margins(owned)[:3]

@@ -266,7 +266,10 @@ def _judge(criterion: Criterion, margins: Margins) -> Judgement:
 
 
 def _judge_mode(criterion: Criterion, loop: Margins, mode: ModeBand) -> Judgement:
-    """Return the judgement by `criterion` of a margin of one `mode` of a `loop`."""
+    """Return the judgement by `criterion` of a margin of one `mode` of a `loop`, or of a batch.
+
+    Where the mode has no such margin, as it is stabilised otherwise, the surplus is infinite.
+    """
     value = np.asarray(getattr(mode, _MODE_MARGINS[criterion.margin]), dtype=float)
     value = np.where(loop.stable, value, np.nan)
     applies = np.asarray(loop.stable) & ~np.isnan(value)
@@ -301,7 +304,6 @@ CRITERIA = {
 """Criteria by name: 6 dB and 30 deg, 6 dB and 45 deg."""
 
 
-_WORDS = {RIGID: "rigid"}
 _FACTORS = {"aero_margin_dB": "aero_margin", "gain_increase_dB": "gain_increase"}
 """Margins in dB whose factor on the gain is shown in parentheses."""
 
@@ -351,7 +353,7 @@ def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
 
 
 def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
-    """Return name, kind of stabilisation, frequency and margin of the k-th mode."""
+    """Return name, kind of stabilisation, frequency and margin of a mode, the k-th of the table."""
     key = f"band.{k}"
     margins = {
         GAIN: margin(f"{key}.gain", mode.gain_margin_dB, "dB"),
@@ -361,25 +363,25 @@ def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
     crossover = np.isfinite(mode.crossover_frequency)
     return (
         (mode.name,),
-        (_WORDS.get(mode.stabilised, str(mode.stabilised)),),
+        ("rigid" if mode.stabilised == RIGID else str(mode.stabilised),),
         significant(f"{key}.rad_per_s", mode.crossover_frequency if crossover else mode.frequency),
         margins.get(mode.stabilised, ("none",)),
     )
 
 
-def _gain_cells(k: int, mode: ModeBand, whole: Margins) -> Iterator[tuple[Line, ...]]:
-    """Yield name, frequency and factor on the gain of the k-th mode, where the whole loop's."""
-    smallest = {"reduction": ("down", whole.aero_margin), "increase": ("up", whole.gain_increase)}
-    for way, (label, of_whole) in smallest.items():
-        factor, at = (getattr(mode, f"gain_{way}{of}") for of in ("", "_frequency"))
-        if np.isfinite(factor) and factor == of_whole:
-            key = f"band.{k}.gain_{way}"
+def _gain_cells(k: int, mode: ModeBand, loop: Margins) -> Iterator[tuple[Line, ...]]:
+    """Yield name, frequency and gain margin of the k-th mode, where it limits the loop's."""
+    margins = {"reduction": ("down", loop.aero_margin), "increase": ("up", loop.gain_increase)}
+    for change, (label, of_loop) in margins.items():
+        factor, at = (getattr(mode, f"gain_{change}{of}") for of in ("", "_frequency"))
+        if np.isfinite(factor) and factor == of_loop:
+            key = f"band.{k}.gain_{change}"
             value = margin(key, decibels(factor), "dB")
             yield (f"{mode.name} {label}",), ("",), significant(f"{key}.rad_per_s", at), value
 
 
 def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
-    """Return the limit of a margin and its surplus with the verdict; empty without judgement."""
+    """Return the limit of a margin, and its surplus with the verdict; empty without judgement."""
     if judgement is None:
         return ("",), ("",)
     criterion = judgement.criterion

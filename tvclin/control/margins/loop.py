@@ -148,14 +148,9 @@ class Loop:
             For shapes of more than one input or output, numbers that are not finite or beyond 1e15
             (A) and 1e60 (B, C), a delay below zero, and an algebraic loop, D other than zero.
         """
-        arrays = [
-            within(name, array, -largest, largest)
-            for name, array, largest in (
-                ("A", A, _MAX_FREQUENCY),
-                ("B", B, _MAX_INPUT_OUTPUT),
-                ("C", C, _MAX_INPUT_OUTPUT),
-            )
-        ]
+        limits = (_MAX_FREQUENCY, _MAX_INPUT_OUTPUT, _MAX_INPUT_OUTPUT)
+        entries = zip("ABC", (A, B, C), limits, strict=True)
+        arrays = [within(name, array, -limit, limit) for name, array, limit in entries]
         direct, T = finite("D", D), nonnegative("delay", delay, "s")
         n = arrays[0].shape[-1] if arrays[0].ndim else 0
         for name, array, size in zip("ABC", arrays, ((n, n), (n, 1), (1, n)), strict=True):
@@ -169,18 +164,10 @@ class Loop:
                 "this is an algebraic loop: its command feeds back without lag (D ="
                 f" {direct[direct != 0.0].flat[0]:.6g}); put an actuator into it"
             )
-        shape = broadcast(
-            **{name: a.shape[:-2] for name, a in zip("ABC", arrays, strict=True)},
-            delay=T.shape,
-        )
-        spread = [_flat(array, shape, 2) for array in arrays]
-        form = StateLoop.balanced(
-            spread[0],
-            spread[1][:, :, 0],
-            spread[2][:, 0],
-            np.zeros(len(spread[0])),
-            _flat(T, shape, 0),
-        )
+        shapes = {name: array.shape[:-2] for name, array in zip("ABC", arrays, strict=True)}
+        shape = broadcast(**shapes, delay=T.shape)
+        a, b, c = (_flat(array, shape, 2) for array in arrays)
+        form = StateLoop.balanced(a, b[..., 0], c[:, 0], np.zeros(len(a)), _flat(T, shape, 0))
         loop = cls.__new__(cls)
         loop._set(form, shape)
         return loop
@@ -430,7 +417,7 @@ class SampledLoop(Loop):
         w, margin = omega[case, column], margins[case, column]
         converged = np.zeros(case.size, dtype=bool)
         for _ in range(_MAX_NEWTON_STEPS if case.size else 0):
-            samples, rest = split_delay(delay + margin, h)
+            samples, rest = split_delay(delay + margin, h)  # whole samples, and a rest below h [s]
             nu = np.tan(0.5 * w * h) / (0.5 * h)
             form, s = delayed_form(rest, case), 1j * nu[:, np.newaxis]
             L, slope = form.value(s)[:, 0], form.slope(s)[:, 0]
@@ -448,6 +435,8 @@ class SampledLoop(Loop):
             if np.all(converged):
                 break
         margins[case[converged], column[converged]] = margin[converged]
+        # A smaller delay than any of these may make |L| reach one at another frequency: the first
+        # of them with unstable poles, or beyond the search, bounds the search for the smallest.
         for k in np.flatnonzero(stable & np.any(np.isfinite(margins), axis=1)):
             candidates = np.sort(margins[k, np.isfinite(margins[k])])
             unstable = candidates > _MAX_SEARCHED_PERIODS * self.period.ravel()[k]

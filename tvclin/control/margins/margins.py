@@ -211,12 +211,9 @@ float or ndarray
                 f" {np.shape(self.status)} (use status and unstable_poles)"
             )
         if self.status == UNSTABLE:
-            many = (
-                f"{self.unstable_poles} closed-loop poles lie"
-                if self.unstable_poles != 1
-                else ("1 closed-loop pole lies")
-            )
-            return f"the closed loop is unstable: {many} in the right half plane"
+            count = self.unstable_poles
+            poles = "1 closed-loop pole lies" if count == 1 else f"{count} closed-loop poles lie"
+            return f"the closed loop is unstable: {poles} in the right half plane"
         if self.status == MARGINAL:
             return "the closed loop is not asymptotically stable: a pole lies on the imaginary axis"
         return ""
@@ -273,10 +270,14 @@ def loop_margins(loop: Loop) -> Margins:
 
 
 def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
-    """Return the margins of loops in the shape of their batch, from its flattened analysis."""
-    stable = analysis.stable
-    status = np.where(analysis.marginal, MARGINAL, np.where(stable, OK, UNSTABLE))
-    status = np.where(analysis.unstable_poles > 0, UNSTABLE, status)
+    """Return the margins of k loops in the shape of their batch, ``batch`` of k entries.
+
+    `analysis`: crossings and peaks of the flattened batch of loops.
+    """
+    unstable, stable = analysis.unstable_poles > 0, analysis.stable
+    status = np.select([unstable, analysis.marginal], [UNSTABLE, MARGINAL], OK)
+    # Peaks of (S - T)/2, S and T with their frequencies, (3, 2, k); the disk margin is 1 over the
+    # first. With the classical margins all pairs are in the order of the fields of `Margins`.
     peaks = analysis.peaks.transpose(1, 2, 0)[[2, 0, 1]]
     peaks[0, 0] = 1.0 / peaks[0, 0]
     pairs = np.concatenate([classical_margins(analysis), peaks])
