@@ -25,7 +25,6 @@ from tvclin.ascent.schedule import FlightSchedule, flight_variable
 from tvclin.ascent.structure_schedule import StructureSchedule
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Shown
 from tvclin.base.fields import spec
 from tvclin.control.autopilot.autopilot import Autopilot, require_pade
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
@@ -42,9 +41,9 @@ from tvclin.control.turbulence.driven_loop import (
     driven_loop,
     loads_at,
 )
-from tvclin.control.turbulence.loop_covariance import stationary
+from tvclin.control.turbulence.loop_covariance import GaussianOutputs, stationary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
-from tvclin.numerics.covariance import absolute_covariance, crossing_rate, exceedance, mean_absolute
+from tvclin.numerics.covariance import absolute_covariance
 from tvclin.vehicle.structure import Structure
 from tvclin.winds.histories import History
 from tvclin.winds.turbulence import Turbulence
@@ -54,7 +53,7 @@ _DURATIONS = errors.between(1e-3, errors.MAX_TIME)
 
 
 @dataclass(frozen=True, eq=False)
-class CovarianceHistory(Shown):
+class CovarianceHistory(GaussianOutputs):
     """Mean and standard deviation of the outputs of a loop over time, linear and without limits.
 
     Make it with `turbulence_history` or `turbulence_along`.
@@ -80,7 +79,7 @@ class CovarianceHistory(Shown):
         InputError
             For an unknown output.
         """
-        return self._value(*self._output(output))
+        return self._mean_of(*self._row(output))
 
     def deviation(self, output: str = DEFLECTION) -> FloatArray:
         """Return the standard deviation of an output at the times ``(n,)``, in SI units.
@@ -90,7 +89,7 @@ class CovarianceHistory(Shown):
         InputError
             As `mean`.
         """
-        return self._deviation_of(self._output(output)[0])
+        return self._deviation_of(self._row(output)[0])
 
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
         """Return the largest ``|mean|`` plus `sigmas` standard deviations, and its time [s].
@@ -110,9 +109,7 @@ class CovarianceHistory(Shown):
         InputError
             As `mean`, and for an output that jumps with the turbulence or a noise.
         """
-        rate = self._rate(output)
-        expected = mean_absolute(self._value(*rate), self._deviation_of(rate[0]))
-        return float(np.trapezoid(expected, self.times))
+        return float(np.trapezoid(self._absolute_rates(output), self.times))
 
     def travel_deviation(self, output: str = DEFLECTION) -> float:
         """Return the standard deviation of the travel of an output, of the deflection in rad.
@@ -124,7 +121,7 @@ class CovarianceHistory(Shown):
         rate, direct = self._rate(output)
         chosen = self._moments.chosen
         rows = np.broadcast_to(rate, (len(self.times), rate.shape[-1]))[chosen]
-        mean, spread = self._value(rate, direct)[chosen], self._deviation_of(rate)[chosen]
+        mean, spread = self._mean_of(rate, direct)[chosen], self._deviation_of(rate)[chosen]
         covariances = np.zeros((len(chosen), len(chosen)))
         carried = np.zeros((rate.shape[-1], len(chosen)))
         for k, row in enumerate(rows):
@@ -159,14 +156,7 @@ class CovarianceHistory(Shown):
         InputError
             As `crossings`.
         """
-        bound = errors.number("limit", limit, errors.positive)
-        row, direct = self._output(output)
-        rate = self._rate(output)
-        spread, motion = self._deviation_of(row), self._deviation_of(rate[0])
-        crossed = self._joint(row, rate[0])
-        correlation = crossed / np.maximum(spread * motion, np.finfo(float).tiny)
-        means = self._value(row, direct), self._value(*rate)
-        return crossing_rate(bound, means[0], spread, means[1], motion, correlation)
+        return self._crossing_rates(limit, output)
 
     def exceedance(self, limit: float, output: str = DEFLECTION) -> FloatArray:
         """Return the probability of ``|output| > limit`` at the times, ``(n,)``.
@@ -178,8 +168,7 @@ class CovarianceHistory(Shown):
         InputError
             As `mean`, and for a limit that is not positive.
         """
-        bound = errors.number("limit", limit, errors.positive)
-        return exceedance(bound, self.mean(output), self.deviation(output))
+        return self._exceedances(limit, output)
 
     def time_fraction(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected fraction of the time in which ``|output|`` is above a limit.
@@ -216,29 +205,6 @@ class CovarianceHistory(Shown):
 
         z = float(ndtri(errors.fraction("probability", probability)))
         return self.mean(output) + z * self.deviation(output)
-
-    def _output(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row ``(..., states)`` and direct term of an output; `InputError` if unknown."""
-        return self._signals[errors.one_of("output", output, self.outputs)][:2]
-
-    def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct term of an output's rate; `InputError` if the output jumps."""
-        return self._signals[errors.one_of("output", output, self.outputs)].smooth_rate(output)
-
-    def _value(self, row: FloatArray, direct: FloatArray) -> FloatArray:
-        """Return the mean of row times states plus direct times wind at the times, ``(n,)``."""
-        return np.asarray(np.sum(row * self._moments.means, axis=-1) + direct * self._moments.wind)
-
-    def _deviation_of(self, row: FloatArray) -> FloatArray:
-        """Return the standard deviation of row times states at the times, ``(n,)``."""
-        return np.asarray(np.sqrt(np.maximum(self._joint(row, row), 0.0)))
-
-    def _joint(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return the covariance of two rows times states at the times, ``(n,)``."""
-        covariances = self._moments.covariances
-        rows = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
-        first, second = rows
-        return np.asarray(np.sum((first[:, np.newaxis] @ covariances)[:, 0] * second, axis=-1))
 
 
 def turbulence_history(
@@ -303,8 +269,7 @@ def turbulence_history(
     times = march_times(0.0, errors.number("duration", duration, _DURATIONS, "s"), wind, loop)
     start = None if at_rest else stationary(loop)[0][0]
     moments = march(loop, times, wind, start)
-    signals = {output: loop.signal(output) for output in loop.labels}
-    return CovarianceHistory(times, loop.labels, signals, moments)
+    return CovarianceHistory(times, loop.labels, loop.output_signals, moments)
 
 
 def turbulence_along(

@@ -244,18 +244,18 @@ def _sample_steps(jump: Jump) -> FloatArray:
 
 
 class Moments(NamedTuple):
-    """Mean and covariance of the states of a loop over time.
+    """Mean and covariance of the states of a loop at n times.
 
-    `wind`: the known wind at the times ``(n,)``. `means` ``(n, states)``, `covariances` ``(n,
-    states, states)``. `chosen`: indices of times, up to 400, evenly spread; `transitions`: of the
-    states from each of these times to the next.
+    `wind`: the known wind [rad], ``(n,)``. `means` ``(n, states)``, `covariances` ``(n, states,
+    states)``. `chosen`: indices of times, up to 400, evenly spread; `transitions`: of the states
+    from each of these times to the next; both empty where the times do not follow one another.
     """
 
     wind: FloatArray
     means: FloatArray
     covariances: FloatArray
-    chosen: IndexArray
-    transitions: FloatArray
+    chosen: IndexArray = np.zeros(0, int)
+    transitions: FloatArray = np.zeros((0, 0, 0))
 
 
 def march(

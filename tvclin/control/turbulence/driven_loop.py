@@ -302,6 +302,11 @@ class DrivenLoop:
         row, direct = self.row(output)
         return Signal(row, direct, self.derivative(row) if self.is_smooth(row, direct) else None)
 
+    @property
+    def output_signals(self) -> dict[str, Signal]:
+        """Outputs with their rates by name."""
+        return {output: self.signal(output) for output in self.labels}
+
     def derivative(self, row: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return row and direct term of the rate of a smooth output with this `row` of C."""
         return _times(row, self.A), np.sum(row * self.wind, axis=-1)

@@ -7,6 +7,7 @@ phases of a sample, and a travel or a rate of crossings the mean over them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +19,7 @@ from tvclin.base.errors import InputError, fraction, nonnegative, number, one_of
 from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Table, significant
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.turbulence.covariance_march import Moments
 from tvclin.control.turbulence.driven_loop import (
     DEFLECTION,
     DEFLECTION_RATE,
@@ -25,6 +27,7 @@ from tvclin.control.turbulence.driven_loop import (
     DrivenLoop,
     LoadSlopes,
     SensorNoise,
+    Signal,
     check_single,
     checked_parts,
     driven_loop,
@@ -46,8 +49,61 @@ _MAX_FREQUENCY = 1e9
 """Largest frequency of a spectrum [rad/s]."""
 
 
+class GaussianOutputs(Shown):
+    """Outputs of a linear loop at n times, Gaussian, with mean and covariance of its states.
+
+    `_signals`: outputs by name, with rows of the states. `_moments`: mean and covariance.
+    """
+
+    outputs: tuple[str, ...]
+    _signals: Mapping[str, Signal]
+    _moments: Moments
+
+    def _row(self, output: str) -> tuple[FloatArray, FloatArray]:
+        """Return row and direct term of an output; `InputError` for an unknown output."""
+        return self._signals[one_of("output", output, self.outputs)][:2]
+
+    def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
+        """Return row and direct term of an output's rate; `InputError` if the output jumps."""
+        return self._signals[one_of("output", output, self.outputs)].smooth_rate(output)
+
+    def _mean_of(self, row: FloatArray, direct: FloatArray) -> FloatArray:
+        """Return the mean of row times states plus direct term times wind, ``(n,)``."""
+        return np.asarray(np.sum(row * self._moments.means, axis=-1) + direct * self._moments.wind)
+
+    def _deviation_of(self, row: FloatArray) -> FloatArray:
+        """Return the standard deviation of row times states, ``(n,)``."""
+        return np.asarray(np.sqrt(np.maximum(self._covariance_of(row, row), 0.0)))
+
+    def _covariance_of(self, first: FloatArray, second: FloatArray) -> FloatArray:
+        """Return the covariance of two rows, `first` and `second`, times states, ``(n,)``."""
+        covariances = self._moments.covariances
+        first, second = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
+        return np.asarray(np.einsum("ki,kij,kj->k", first, covariances, second))
+
+    def _absolute_rates(self, output: str) -> FloatArray:
+        """Return E|y'| of an output y, ``(n,)``; `InputError` for an output that jumps."""
+        rate = self._rate(output)
+        return mean_absolute(self._mean_of(*rate), self._deviation_of(rate[0]))
+
+    def _crossing_rates(self, limit: float, output: str) -> FloatArray:
+        """Return the expected crossings [1/s] of both limits by an output, ``(n,)``."""
+        bound = number("limit", limit, positive)
+        signal, rate = self._row(output), self._rate(output)
+        spread, motion = (self._deviation_of(row) for row, _ in (signal, rate))
+        product = np.maximum(spread * motion, np.finfo(float).tiny)
+        correlation = self._covariance_of(signal[0], rate[0]) / product
+        means = self._mean_of(*signal), self._mean_of(*rate)
+        return crossing_rate(bound, means[0], spread, means[1], motion, correlation)
+
+    def _exceedances(self, limit: float, output: str) -> FloatArray:
+        """Return the probability of ``|output| > limit``, ``(n,)``."""
+        bound, signal = number("limit", limit, positive), self._row(output)
+        return exceedance(bound, self._mean_of(*signal), self._deviation_of(signal[0]))
+
+
 @dataclass(frozen=True, eq=False)
-class LoopCovariance(Shown):
+class LoopCovariance(GaussianOutputs):
     """Stationary covariance of one loop in turbulence, linear and without limits.
 
     Make it with `turbulence_covariance`.
@@ -66,7 +122,8 @@ class LoopCovariance(Shown):
     speed: float = field(metadata=spec("speed"))
     outputs: tuple[str, ...] = field(metadata=specs(Field("outputs", card=False)))
     _loop: DrivenLoop
-    _covariances: FloatArray
+    _signals: Mapping[str, Signal]
+    _moments: Moments
     _weights: FloatArray
 
     @property
@@ -103,7 +160,7 @@ class LoopCovariance(Shown):
         InputError
             For an unknown output.
         """
-        return float(np.sqrt(self._variances(self._row(output)).max()))
+        return float(self._deviation_of(self._row(output)[0]).max())
 
     def quantile(self, probability: float, output: str = DEFLECTION) -> float:
         """Return the quantile of the size of an output, ``|output|``, at a probability.
@@ -125,8 +182,7 @@ class LoopCovariance(Shown):
         InputError
             As `rms`, and for an output that jumps with the wind or with the noise.
         """
-        variances = self._variances(self._rate(output))
-        return float(self._weights @ mean_absolute(np.zeros(1), np.sqrt(variances)))
+        return float(self._weights @ self._absolute_rates(output))
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected crossings [1/s] of both limits, +limit upwards and -limit downwards.
@@ -136,14 +192,7 @@ class LoopCovariance(Shown):
         InputError
             As `mean_absolute_rate`, and for a limit that is not positive.
         """
-        bound = number("limit", limit, positive)
-        row, rate = self._row(output), self._rate(output)
-        spread, motion = np.sqrt(self._variances(row)), np.sqrt(self._variances(rate))
-        crossed = np.einsum("i,kij,j->k", row, self._covariances, rate)
-        correlation = crossed / np.maximum(spread * motion, np.finfo(float).tiny)
-        nothing = np.zeros(len(spread))
-        rates = crossing_rate(bound, nothing, spread, nothing, motion, correlation)
-        return float(self._weights @ rates)
+        return float(self._weights @ self._crossing_rates(limit, output))
 
     def exceedance(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the fraction of time in which ``|output|`` is above a limit.
@@ -157,9 +206,7 @@ class LoopCovariance(Shown):
         InputError
             As `rms`, and for a limit that is not positive.
         """
-        bound = number("limit", limit, positive)
-        spread = np.sqrt(self._variances(self._row(output)))
-        return float(self._weights @ exceedance(bound, np.zeros(1), spread))
+        return float(self._weights @ self._exceedances(limit, output))
 
     def probability_of_none(self, limit: float, duration: float, output: str = DEFLECTION) -> float:
         """Return the probability that an output stays within +-limit for a duration [s].
@@ -193,7 +240,7 @@ class LoopCovariance(Shown):
             As `rms`, and for frequencies that are negative, above 1e9 rad/s, or above half the
             sample rate.
         """
-        row, loop = self._row(output), self._loop
+        (row, _), loop = self._row(output), self._loop
         frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
         if loop.jumps:
             F, noise = _over_a_sample(loop)
@@ -224,19 +271,6 @@ class LoopCovariance(Shown):
             label, travel = ("travel of the nozzle in a second",), np.degrees(self.travel_rate)
             rows.append((label, significant("turbulence.travel_deg_per_s", travel, 4, "deg/s")))
         return [Table("Turbulence, without limits", ("quantity", "rms"), tuple(rows))]
-
-    def _row(self, output: str) -> FloatArray:
-        """Return the row of an output's states; `InputError` for an unknown output."""
-        return self._loop.row(one_of("output", output, self.outputs))[0]
-
-    def _rate(self, output: str) -> FloatArray:
-        """Return the row of the rate of an `output`; `InputError` for an output that jumps."""
-        name = one_of("output", output, self.outputs)
-        return self._loop.signal(name).smooth_rate(name)[0]
-
-    def _variances(self, row: FloatArray) -> FloatArray:
-        """Return the variance of row times states at each time within a sample, ``(k,)``."""
-        return np.maximum(np.einsum("i,kij,j->k", row, self._covariances, row), 0.0)
 
 
 def turbulence_covariance(
@@ -306,8 +340,9 @@ def turbulence_covariance(
     shape = turbulence.shaping_filter(V, altitude)
     loop = driven_loop(autopilot, plant, (*shape[:2], shape[2] / V), np.asarray(V), noise, loads)
     covariances, weights = stationary(loop)
+    moments = Moments(np.zeros(len(weights)), np.zeros(covariances.shape[:-1]), covariances)
     intensity = float(turbulence.over(altitude)[0])
-    return LoopCovariance(intensity, V, loop.labels, loop, covariances, weights)
+    return LoopCovariance(intensity, V, loop.labels, loop, loop.output_signals, moments, weights)
 
 
 def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
