@@ -43,16 +43,15 @@ class ConstantDeflection(History):
     start: float | FloatArray = 0.0
 
     def __post_init__(self) -> None:
-        limit, start = (
-            errors.nonzero("limit", self.limit, "rad"),
-            errors.finite("start", self.start, "s"),
-        )
+        """Check the fields, and make them floats or arrays."""
+        limit = errors.nonzero("limit", self.limit, "rad")
+        start = errors.finite("start", self.start, "s")
         errors.together(limit=limit, start=start)
         object.__setattr__(self, "limit", errors.plain(limit))
         object.__setattr__(self, "start", errors.plain(start))
 
     def _pieces(self) -> Pieces:
-        """Pieces of a deflection at the limit, whose sign changes at each switching time."""
+        """Pieces of a deflection that is zero up to `start` and `limit` from there on."""
         limit, start = np.broadcast_arrays(self.limit, self.start)
         return linear_pieces(start[..., np.newaxis], limit[..., np.newaxis], 0.0)
 
@@ -82,10 +81,9 @@ class BangBang(History):
     start: float | FloatArray = 0.0
 
     def __post_init__(self) -> None:
-        limit, start = (
-            errors.nonzero("limit", self.limit, "rad"),
-            errors.finite("start", self.start, "s"),
-        )
+        """Check the fields, and make them floats or arrays."""
+        limit = errors.nonzero("limit", self.limit, "rad")
+        start = errors.finite("start", self.start, "s")
         times = np.atleast_1d(errors.finite("switch_times", self.switch_times, "s"))
         errors.together(
             limit=limit, start=start, switch_times=times[..., 0] if times.size else limit
@@ -190,10 +188,12 @@ def trim_then_hold(
 
 
 def exit_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatArray:
-    """Return the first time [s] at which `driver` reaches `dead_band` times `limit`.
+    """Return the first time [s] at which a deflection reaches `dead_band` times `limit`.
 
-    With a dead band of zero it is the onset of the driver. Shape ``broadcast(driver.batch,
-    limit.shape, dead_band.shape)``; inf where the level is never reached.
+    Shape ``broadcast(driver.batch, limit.shape, dead_band.shape)``; inf where the level is never
+    reached. `driver`: histories of the deflection whose size exits the dead band [rad]. `limit`:
+    deflection limit with the sign of the driver [rad]. `dead_band`: K in [0, 1]; with zero the time
+    is the onset of the driver.
     """
     limit, dead_band = np.asarray(limit, dtype=float), np.asarray(dead_band, dtype=float)
     relative = driver * (1.0 / limit)
@@ -204,6 +204,7 @@ def exit_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatA
     pieces = algebra.spread(relative.pieces, shape)
 
     def excess(t: FloatArray, index: IndexArray) -> FloatArray:
+        """Return driver/limit - K at times ``(k,)`` [s] of the cases at flat positions `index`."""
         values = algebra.value(algebra.take(pieces, index), t[:, np.newaxis])[:, 0]
         return np.real(values) - level[index]
 

@@ -82,6 +82,7 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
     attitude = _output(plant, deflection, wind, "attitude")
 
     def at(time: float) -> Point:
+        """Return the attitude [rad] at a time [s], with that time."""
         return Point(float(attitude(np.array([time]))[0]), time)
 
     times = probe_times(0.0, length, deflection, wind)
@@ -109,11 +110,12 @@ class ResponseEnd:
 def response_end(
     plant: Plant, deflection: History, wind: History, longest: float, *, lets_go: bool = True
 ) -> ResponseEnd:
-    """Return the end of the response to a limit that is constant without end.
+    """Return the end of the response to a limit that is constant without end, and its reason.
 
     Such a limit drives a vehicle that survives over to the other side. An autopilot releases it
     when the attitude is back at zero, and so the response ends there. Where the limit turns the
-    vehicle to the other side at once, it ends with the wind.
+    vehicle to the other side at once, it ends with the wind; and it ends at an attitude of 90
+    degrees.
 
     `plant`: one plant. `deflection`, `wind`: its inputs [rad]; the wind ends. `longest`: requested
     end [s]. `lets_go`: whether the limit survives, so that the last return to zero ends its use.
@@ -129,11 +131,8 @@ def response_end(
     overturning = _overturning_time(times, towards, wind, _RELATIVE_ROUNDING) if lets_go else np.inf
     exceeding = np.flatnonzero(np.abs(towards) > MAX_SHOWN_ATTITUDE)
     if not exceeding.size or overturning <= times[exceeding[0] - 1]:
-        return (
-            ResponseEnd(overturning, RELEASED)
-            if overturning < longest
-            else ResponseEnd(longest, COMPLETE)
-        )
+        why = RELEASED if overturning < longest else COMPLETE
+        return ResponseEnd(min(overturning, longest), why)
     ends = times[exceeding[0] - 1], times[exceeding[0]]
     end = brentq(lambda t: MAX_SHOWN_ATTITUDE - abs(float(attitude(np.array([t]))[0])), *ends)
     return ResponseEnd(float(end), OVERTURNED)
@@ -160,7 +159,10 @@ def release_time(plant: Plant, wind: History, times: FloatArray, attitude: Float
 
 
 def _wind_sign(plant: Plant, wind: History) -> float:
-    """Return the sign of the attitude to which a wind turns a vehicle."""
+    """Return the sign, 1 or -1, of the attitude to which a wind turns a vehicle.
+
+    `plant`: one plant. `wind`: its wind [rad].
+    """
     turning = plant.attitude_fractions(plant.poles[:1])[1].real.item()
     if plant.coefficients_known:
         turning = -plant.coefficients.mu_alpha
@@ -183,7 +185,7 @@ def _overturning_time(
 
 
 def probe_times(start: float, stop: float, *histories: History) -> FloatArray:
-    """Return sample times [s] from `start` to `stop`, even, and denser at breakpoints."""
+    """Return times [s] from `start` to `stop`, even, and denser at breakpoints of histories."""
     dense = np.concatenate(
         [history.probe_times(_SAMPLES_PER_PIECE).ravel() for history in histories]
     )
@@ -194,7 +196,7 @@ def probe_times(start: float, stop: float, *histories: History) -> FloatArray:
 def refined_maximum(
     function: Function, times: FloatArray, values: FloatArray
 ) -> tuple[float, float]:
-    """Return the maximum and its time [s], refined between the samples around the highest.
+    """Return the maximum of a function and its time [s], refined around the highest sample.
 
     `times`, `values`: samples of the function, ``(n,)``.
     """
@@ -244,7 +246,10 @@ class Loads(Shown):
 
 
 def response_table(caption: str, extremes: Extremes, loads: Loads | None) -> Table:
-    """Return the table of extremes of a response, with loads where it covers the wind."""
+    """Return the table of extremes of a response [deg, s], with its loads where they are given.
+
+    `caption`: title of the table. `loads`: None where the response does not cover the wind.
+    """
     angle = None if loads is None else Point(loads.peak_angle_of_attack, loads.peak_time)
     points = {
         "with_wind": ("largest attitude error, with the wind", extremes.with_wind),
@@ -304,12 +309,18 @@ def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
 
 
 def _output(plant: Plant, deflection: History, wind: History, name: str) -> Function:
-    """Return an output of the response as a function of times ``(n,)`` [s]."""
+    """Return the output `name` of a response as a function of times ``(n,)`` [s].
+
+    `plant`: one plant. `deflection`, `wind`: its inputs [rad].
+    """
     return lambda times: attitude_responses(plant, deflection, wind, times, [name])[name]
 
 
 def _peak(output: Function, times: FloatArray) -> tuple[float, float]:
-    """Return the value of largest size of an output, with its sign, and its time [s]."""
+    """Return the value of largest size of a function, with its sign, and its time [s].
+
+    `output`: the function, from times ``(n,)`` [s] to values ``(n,)``. `times`: times of samples.
+    """
     values = output(times)
     sign = float(np.sign(values[np.argmax(np.abs(values))])) or 1.0
     value, time = refined_maximum(lambda t: sign * output(t), times, sign * values)

@@ -24,7 +24,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, significant, upper_pole
 from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
-from tvclin.linear.motions import Motions, axial_acceleration, motions
+from tvclin.linear.motions import Motions, axial_acceleration, motions, tank_frequency
 from tvclin.linear.plant import (
     DEFAULT_MODEL,
     INPUTS,
@@ -83,6 +83,7 @@ class FlexiblePlant(Shown, WithCoefficients):
     plane: str = field(default="pitch", metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check the fields and the masses of the structure."""
         errors.instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         errors.instance("structure", self.structure, Structure, "Structure(bending=..., slosh=...)")
         if errors.one_of("model", self.model, MODELS) == "drift":
@@ -169,7 +170,7 @@ class FlexiblePlant(Shown, WithCoefficients):
         return True
 
     def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> FlexiblePlant:
-        """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`.
+        """Return the plants at flat positions `index` ``(k,)`` of a batch of the shape `shape`.
 
         A scalar position returns a single plant.
         """
@@ -245,10 +246,8 @@ class FlexiblePlant(Shown, WithCoefficients):
         A[..., :n, :n], B[..., :n, :], C[..., :n] = airframe_A, airframe_B, outputs
         start = n
         for name, lag in self._sensors.items():
-            row, columns = (
-                (-2 if name == "attitude_sensor" else -1),
-                slice(start, start + lag.order),
-            )
+            row = -2 if name == "attitude_sensor" else -1
+            columns = slice(start, start + lag.order)
             a, b, c, d = lag.matrices()
             A[..., columns, columns], A[..., columns, :n] = a, b * outputs[..., np.newaxis, row, :]
             C[..., row, :n], C[..., row, columns] = d[..., 0] * outputs[..., row, :], c[..., 0, :]
@@ -305,8 +304,10 @@ class FlexiblePlant(Shown, WithCoefficients):
     def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
         """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
 
-        Same parameters and exceptions as `Plant.lateral_rows`. Sensors measure the bending, with
-        displacements phi and slopes sigma at the sensor, and a = (T - F_A)/m:
+        `signal`: "drift_rate" [m/s] or "acceleration" [m/s^2]. `station`: position x of the
+        accelerometer ahead of the centre of gravity [m]. Same exceptions as `Plant.lateral_rows`.
+        Sensors measure the bending, with displacements phi and slopes sigma at the sensor, and a =
+        (T - F_A)/m:
 
             drift rate     V gamma + sum phi eta'
             acceleration   z'' + x theta'' + sum phi eta'' - a (theta + sum sigma eta)
@@ -344,11 +345,12 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def _motions(self) -> Motions:
+        """Accelerations of the vehicle with its structure, per state and input."""
         return motions(self.vehicle, self.structure)
 
     @cached_property
     def _positions(self) -> IndexArray:
-        """Positions of theta, eta, zeta among the states."""
+        """Positions of theta, of bending eta and of slosh zeta among the states, ``(k + 1,)``."""
         rigid, bodies = len(self.rigid.states), self._motions.rate.shape[-1] - 2
         return np.concatenate([[0], rigid + 2 * np.arange(bodies)])
 
@@ -362,10 +364,8 @@ class FlexiblePlant(Shown, WithCoefficients):
         accelerations, positions = self._motions, self._positions
         rigid, bodies = len(self.rigid.states), positions.size - 1
         drive = np.zeros((*self.batch, bodies + 2, rigid + 2 * bodies))
-        drive[..., positions], drive[..., positions + 1] = (
-            accelerations.displacement[..., 1:],
-            accelerations.rate[..., 1:],
-        )
+        drive[..., positions] = accelerations.displacement[..., 1:]
+        drive[..., positions + 1] = accelerations.rate[..., 1:]
         drive[..., 0] += accelerations.angle_of_attack
         if rigid > 2:
             drive[..., 2] = -accelerations.angle_of_attack
@@ -378,7 +378,7 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def _airframe(self) -> tuple[FloatArray, FloatArray]:
-        """Matrices A and B without sensors."""
+        """A ``(..., n, n)`` and B ``(..., n, inputs)`` of the vehicle without its sensors."""
         v, positions, (drive, forced) = self.vehicle, self._positions, self._accelerations
         rigid, count = len(self.rigid.states), drive.shape[-1]
         A = np.zeros((*self.batch, count, count))
@@ -397,15 +397,16 @@ class FlexiblePlant(Shown, WithCoefficients):
         return A, B
 
     def _output_matrices(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return C and D of all outputs, before the lags of the sensors."""
+        """Return C and D of all outputs, before the lags of the sensors.
+
+        `count`: number of states without sensors, the columns of C.
+        """
         rigid_outputs, rigid_states = len(self.outputs) - 3, len(self.rigid.states)
         C = np.zeros((*self.batch, rigid_outputs + 3, count))
         D = np.zeros((*self.batch, rigid_outputs + 3, len(self.inputs)))
         C[..., :rigid_outputs, :rigid_outputs] = np.eye(rigid_outputs)
-        C[..., rigid_outputs, 0], D[..., rigid_outputs, 1] = (
-            1.0,
-            -1.0,
-        )  # alpha = theta - gamma - alpha_w
+        # alpha = theta - gamma - alpha_w
+        C[..., rigid_outputs, 0], D[..., rigid_outputs, 1] = 1.0, -1.0
         if rigid_outputs > 2:
             C[..., rigid_outputs, 2] = -1.0
         C[..., -2, 0] = C[..., -1, 1] = 1.0
@@ -422,7 +423,7 @@ AnyPlant = Plant | FlexiblePlant
 def mode_tables(plant: AnyPlant) -> list[Table]:
     """Return the table of poles of one plant, by mode, with frequency and damping of named modes.
 
-    One row per conjugate pair, with Im >= 0; none for a plant without named modes.
+    In a list: empty for a plant without named modes. One row per conjugate pair, with Im >= 0.
     """
     names, poles = named_modes(plant)
     rows: list[tuple[Line, ...]] = []
@@ -492,10 +493,9 @@ def check_plant(plant: object) -> None:
 def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
     """Return the names of bending modes and tanks, and their poles in the airframe.
 
-    Those of a `SystemPlant` are "mode 1", .. by frequency.
-
-    The names are "bending 1", .., "slosh 1", .., as in the structure; the poles are those with Im >
-    0 [1/s], ``(..., n)``; NaN for a mode that does not oscillate.
+    The names are "bending 1", .., "slosh 1", .., as in the structure, and of a `SystemPlant` "mode
+    1", .. by frequency. The poles are those with Im > 0 [1/s], ``(..., n)``; NaN for a mode that
+    does not oscillate.
 
     Coupling moves the frequencies, and hardly ever changes their order: poles are matched in it to
     the frequencies of the structure. An oscillation of the rigid vehicle is omitted.
@@ -506,14 +506,8 @@ def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
         return (), np.zeros((*plant.batch, 0), dtype=complex)
     structure = plant.structure
     bending = {f"bending {k}": mode.frequency for k, mode in enumerate(structure.bending, start=1)}
-    slosh = {}
-    for k, tank in enumerate(structure.slosh, start=1):
-        frequency = tank.frequency
-        if frequency is None:
-            frequency = np.sqrt(
-                axial_acceleration(plant.vehicle) / np.asarray(tank.pendulum_length)
-            )
-        slosh[f"slosh {k}"] = frequency
+    a = axial_acceleration(plant.vehicle)
+    slosh = {f"slosh {k}": tank_frequency(t, a) for k, t in enumerate(structure.slosh, start=1)}
     names = (*bending, *slosh)
     frequencies = [np.broadcast_to(f, plant.batch) for f in (*bending.values(), *slosh.values())]
     if not frequencies:

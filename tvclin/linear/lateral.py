@@ -7,8 +7,8 @@ normal to the body, without gravity, through a first-order lag.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -45,8 +45,7 @@ class LateralSensors:
     def signals(self) -> tuple[str, ...]:
         """Names of the outputs of the sensors."""
         measured = (self.drift_rate, self.drift, self.acceleration)
-        names = zip((DRIFT_RATE, DRIFT, ACCELERATION), measured, strict=True)
-        return tuple(name for name, is_measured in names if is_measured)
+        return tuple(compress((DRIFT_RATE, DRIFT, ACCELERATION), measured))
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -57,33 +56,38 @@ class LateralSensors:
         return tuple(name.removeprefix("sensed_") for name in self.signals if name != DRIFT_RATE)
 
     def measurements(self, values: FloatArray) -> dict[str, Any]:
-        """Return the outputs of the sensors ``(signals, ...)`` by their names as measurements."""
+        """Return the outputs of the sensors by their names as measurements, such as drift_rate.
+
+        `values`: the outputs, ``(signals, ...)``, in the order of `signals`.
+        """
         names = (name.removeprefix("sensed_") for name in self.signals)
         return dict(zip(names, values, strict=True))
 
     def joined(self, other: LateralSensors) -> LateralSensors:
-        """Return the sensors of two laws; `InputError` for two accelerometers."""
-        felt = [sensors for sensors in (self, other) if sensors.acceleration]
-        places = {(sensors.station, sensors.bandwidth) for sensors in felt}
-        if len(places) > 1:
+        """Return the sensors of this law and of an `other`; `InputError` for two accelerometers."""
+        accelerometers = {
+            (sensors.station, sensors.bandwidth)
+            for sensors in (self, other)
+            if sensors.acceleration
+        }
+        if len(accelerometers) > 1:
             raise InputError(
                 "laws that are flown together must have their accelerometer at one station, with"
                 " one bandwidth; fly them one after the other"
             )
-        station, bandwidth = places.pop() if places else (self.station, self.bandwidth)
         return LateralSensors(
             self.drift_rate or other.drift_rate,
             self.drift or other.drift,
-            bool(felt),
-            station,
-            bandwidth,
+            bool(accelerometers),
+            *(accelerometers.pop() if accelerometers else (self.station, self.bandwidth)),
         )
 
     def system(self, plant: AnyPlant) -> LinearSystem:
         """Return the plant with the sensors; its outputs are the plant's, then `signals`.
 
         Its states are the plant's, then the drift, unless that is an output of the plant, and the
-        lag of the accelerometer. `InputError` as `Plant.lateral_rows`.
+        lag of the accelerometer. `InputError` for a plant without lateral signals, as
+        `Plant.lateral_rows`.
         """
         system = plant.system
         if not self.signals:
@@ -103,7 +107,7 @@ class LateralSensors:
         if self.acceleration:
             raw[_FORCE] = plant.lateral_rows("acceleration", self.station)
             blocks.append(_first_order(-self.bandwidth, self.bandwidth, _FORCE, ACCELERATION))
-        measured = _with_outputs(system, raw)
+        measured = system.with_outputs(raw)
         return connect([measured, *blocks], system.inputs, (*system.outputs, *self.signals))
 
 
@@ -149,25 +153,17 @@ def lateral_plant(plant: AnyPlant, *, station: float = 0.0, position: bool = Fal
         name: plant.lateral_rows(signal, station)
         for name, signal in (("drift_rate", "drift_rate"), ("lateral_acceleration", "acceleration"))
     }
-    system = _with_outputs(plant.system, rows)
+    system = plant.system.with_outputs(rows)
     if position:
         integral = _first_order(0.0, 1.0, "drift_rate", "drift")
         system = connect([system, integral], system.inputs, (*system.outputs, "drift"))
     return SystemPlant(system.to_control(plant.model), plant.coefficients)
 
 
-def _with_outputs(
-    system: LinearSystem, rows: Mapping[str, tuple[FloatArray, FloatArray]]
-) -> LinearSystem:
-    """Return a system with further outputs, each with its rows of C and D."""
-    C, D = (
-        np.concatenate([matrix, np.stack([row[k] for row in rows.values()], axis=-2)], axis=-2)
-        for k, matrix in enumerate((system.C, system.D))
-    )
-    return replace(system, C=C, D=D, outputs=(*system.outputs, *rows))
-
-
 def _first_order(pole: float, gain: float, input: str, output: str) -> LinearSystem:
-    """Return the system x' = pole x + gain u with the output x."""
+    """Return the system x' = pole x + gain u with the output x.
+
+    `pole`, `gain`: in 1/s. `input`, `output`: names of u and x.
+    """
     A, B, C, D = (np.array([[value]]) for value in (pole, gain, 1.0, 0.0))
     return LinearSystem(A, B, C, D, (input,), (output,), (output.removeprefix("sensed_"),))

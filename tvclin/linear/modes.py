@@ -54,7 +54,10 @@ class Modes(Shown):
 
 
 def mode_table(caption: str, modes_by_model: Mapping[str, Modes]) -> Table:
-    """Return poles and residues by model, one row per conjugate pair, with Im >= 0."""
+    """Return the table of poles and residues by model, one row per conjugate pair, with Im >= 0.
+
+    `caption`: title of the table. `modes_by_model`: modes of one plant, by the name of the model.
+    """
     rows: list[tuple[Line, ...]] = []
     for model, modes in modes_by_model.items():
         columns = (modes.poles, modes.deflection_residues, modes.wind_residues)
@@ -106,16 +109,18 @@ def unstable_modes(plant: Plant) -> Modes:
 
 
 def unstable_poles(plant: Plant) -> AnyArray:
-    """Return the poles of `unstable_modes` [1/s], ``(..., N)``, without residues.
+    """Return the unstable poles of a plant [1/s], ``(..., N)``, by falling real part.
 
-    They are sorted by falling real part; NaN where a plant of a batch has fewer, and real where all
-    are.
+    NaN where a plant of a batch has fewer, and real where all are.
     """
     return select_unstable(plant.poles)
 
 
 def select_unstable(all_modes: AnyArray) -> AnyArray:
-    """Return the unstable poles of all poles ``(..., N)``, as `unstable_poles` sorts them."""
+    """Return the unstable poles among all poles ``(..., n)`` [1/s], ``(..., N)``.
+
+    `all_modes`: all poles by falling real part. NaN where a case has fewer, and real where all are.
+    """
     unstable = is_unstable(all_modes)
     count = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
     poles = np.where(unstable[..., :count], all_modes[..., :count], np.nan)
@@ -130,7 +135,7 @@ def separated_poles(poles: AnyArray) -> AnyArray:
     Results that depend on two poles jointly depend on their mean and on the square of their
     distance, so that a distance of 2e-6 of their size changes them by some 1e-12, and avoids 0/0.
 
-    `poles`: sorted as by `unstable_poles`; NaN for missing poles.
+    `poles`: [1/s], by falling real part; NaN for missing poles.
     """
     separated = np.array(poles)
     for i in range(poles.shape[-1] - 1):
@@ -149,7 +154,7 @@ def separated_poles(poles: AnyArray) -> AnyArray:
 
 
 def left_eigenvectors(A: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Return eigenvalues of A ``(..., n, n)``, and left eigenvectors l A = p l as rows.
+    """Return eigenvalues p of A ``(..., n, n)``, and left eigenvectors l A = p l as rows.
 
     The eigenvalues are sorted by falling real part, ``(..., n)``; the rows have length one, ``(...,
     n, n)``.
@@ -161,7 +166,10 @@ def left_eigenvectors(A: AnyArray) -> tuple[AnyArray, AnyArray]:
 
 
 def left_eigenvector(A: AnyArray, pole: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Return the eigenvalue of A ``(..., n, n)`` nearest to a pole ``(...)``, and its row l."""
+    """Return the eigenvalue p of A nearest to a pole, and its left eigenvector l, l A = p l.
+
+    `A`: ``(..., n, n)``. `pole`: ``(...)`` [1/s]. Shapes ``(...)`` and ``(..., n)``.
+    """
     values, rows = left_eigenvectors(A)
     nearest = np.abs(values - pole[..., np.newaxis]).argmin(axis=-1)[..., np.newaxis]
     row = np.take_along_axis(rows, nearest[..., np.newaxis], axis=-2)[..., 0, :]
@@ -169,9 +177,10 @@ def left_eigenvector(A: AnyArray, pole: AnyArray) -> tuple[AnyArray, AnyArray]:
 
 
 def wind_over_deflection(plant: Plant, poles: AnyArray) -> AnyArray:
-    """Return N_wind(p)/N_deflection(p) of the attitude at poles ``(..., N)``.
+    """Return N_wind(p)/N_deflection(p) of the attitude at poles p of a plant, ``(..., N)``.
 
-    It is B times the K1 of each pole; infinite where the deflection does not control the pole.
+    `poles`: [1/s], ``(..., N)``; NaN stays NaN. It is B times the K1 of each pole; infinite where
+    the deflection does not control the pole.
     """
     from_deflection, from_wind, _ = plant.attitude_fractions(poles)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN: missing pole
@@ -179,7 +188,10 @@ def wind_over_deflection(plant: Plant, poles: AnyArray) -> AnyArray:
 
 
 def poles_text(poles: AnyArray) -> str:
-    """Return a text on the unstable poles of one plant: number of real ones, and each pair."""
+    """Return a text on the unstable poles of one plant: number of real ones, and each pair.
+
+    `poles`: [1/s], ``(N,)``.
+    """
     upper = poles[np.imag(poles) > 0.0]
     real = int(np.sum(np.imag(poles) == 0.0))
     pairs = [f"the complex pair {p.real:.4g} +- {p.imag:.4g}j 1/s" for p in upper]
@@ -187,7 +199,10 @@ def poles_text(poles: AnyArray) -> str:
 
 
 def _with_residues(plant: Plant, poles: AnyArray) -> Modes:
-    """Return the modes of poles: N(p)/D'(p) for each input, NaN at a repeated pole."""
+    """Return the modes of a plant at `poles` ``(..., N)`` [1/s]: N(p)/D'(p) for each input.
+
+    NaN at a repeated pole.
+    """
     *values, slope = plant.attitude_fractions(poles)
     simple = slope != 0.0
     divisor = np.where(simple, slope, 1.0)
@@ -243,12 +258,16 @@ class FinalMotion:
     oscillates: Any
 
     def __str__(self) -> str:
+        """Return the motion in words, such as "a ramp of 0.1 deg/s"."""
         times = (f"{time:.4g} s" for time in np.ravel(self.e_folding_times) if np.isfinite(time))
         distinct = [*dict.fromkeys(times)]
         texts = [f"a growing mode with an e-folding time of {time}" for time in distinct[:1]]
         if distinct[1:]:
             texts = [f"growing modes with e-folding times of {' and '.join(distinct)}"]
-        ramps, errors = (np.degrees(_nonzero_elements(array)) for array in (self.rate, self.offset))
+        ramps, errors = (
+            np.degrees(array[np.isfinite(array) & (array != 0.0)])
+            for array in (self.rate, self.offset)
+        )
         if ramps.size:
             texts.append(f"a ramp of {ramps[0]:.4g} deg/s")
         elif errors.size:
@@ -305,7 +324,13 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
 
 
 def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
-    """Return ``judge(plant, deflection, wind).stable``: True where (4b) is satisfied."""
+    """Return whether a deflection satisfies (4b) in a wind: `judge`'s `stable`, ``(...)``.
+
+    Parameters
+    ----------
+    plant, deflection, wind
+        As in `attitude_responses`.
+    """
     return judge(plant, deflection, wind).stable
 
 
@@ -314,9 +339,10 @@ def _at_poles(
 ) -> tuple[AnyArray, FloatArray, FloatArray]:
     """Return the residues [rad], their rounding errors [rad], and the start of the inputs [s].
 
-    The residues are those with the time counted from the start, and so neither vanish for a late
-    wind nor overflow for an early one; times e^(-p start) they are the flight's. Both are
-    ``(..., N)``; NaN at a pole that is NaN.
+    Residues and errors are ``(..., N)``, at the N poles of `modes`, NaN at a pole that is NaN.
+    `deflection`, `wind`: the inputs [rad]. The time of the residues is counted from the start of
+    the inputs, so that they neither vanish for a late wind nor overflow for an early one; times
+    e^(-p start) they are the flight's.
     """
     instance("deflection", deflection, History, "such as ConstantDeflection")
     instance("wind", wind, History, "such as TriangularWind")
@@ -329,9 +355,10 @@ def _at_poles(
 def _final_attitude(
     plant: Plant, deflection: History, wind: History
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the constant [rad] and the rate [rad/s] of the attitude long after the wind.
+    """Return the constant [rad] and the rate [rad/s] of the attitude long after a wind, ``(...)``.
 
-    Both follow from the final value theorem; the constant is NaN where the attitude ramps.
+    Both follow from the final value theorem; the constant is NaN where the attitude ramps. `plant`:
+    one plant or a batch. `deflection`, `wind`: its inputs [rad].
     """
     denominator, *numerators = plant.low_order_terms()
     last = denominator[..., -1]
@@ -348,7 +375,8 @@ def _final_attitude(
 def _low_order_terms(numerator: FloatArray, history: History) -> tuple[FloatArray, FloatArray]:
     """Return the terms with 1/s and with s^0 of a numerator times the transform of a history.
 
-    A history that does not decay is its final value from t = 0 on, plus a remainder.
+    `numerator`: highest power first, ``(..., k)``. A history that does not decay is its final value
+    from t = 0 on, plus a remainder.
     """
     pieces, end = history.pieces, history.final_value
     constant = np.zeros(pieces.coefficients.shape[-3:], dtype=bool)
@@ -367,8 +395,3 @@ def _oscillates(plant: Plant) -> Any:
     size = np.abs(poles).max(axis=-1, keepdims=True)
     undamped = (np.abs(np.real(poles)) <= MARGINAL * size) & (np.imag(poles) != 0.0)
     return np.any(undamped, axis=-1)
-
-
-def _nonzero_elements(array: FloatArray) -> FloatArray:
-    """Return the finite elements that are not zero."""
-    return array[np.isfinite(array) & (array != 0.0)]

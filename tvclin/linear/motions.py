@@ -39,15 +39,18 @@ class Motions:
 
 
 def axial_acceleration(vehicle: Vehicle) -> Any:
-    """Return a = (T - F_A)/m [m/s^2], without gravity, which liquid and structure do not feel."""
+    """Return a = (T - F_A)/m of a vehicle [m/s^2], ``(...)``, without gravity.
+
+    Liquid and structure do not feel gravity in flight.
+    """
     return (vehicle.thrust - vehicle.axial_force) / vehicle.mass
 
 
 def motions(vehicle: Vehicle, structure: Structure) -> Motions:
-    """Return the accelerations of a vehicle with its structure; their batches broadcast.
+    """Return the accelerations per state and input of a vehicle with its structure.
 
-    `InputError` where the mass matrix is not positive definite, and for a pendulum without a
-    positive axial acceleration.
+    Their batches broadcast. `InputError` where the mass matrix is not positive definite, and for a
+    pendulum without a positive axial acceleration.
     """
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
     rows = _AmplitudeRows(shape, 2 + len(structure.bending), len(structure.slosh))
@@ -89,7 +92,11 @@ class _AmplitudeRows:
 def _mass_damping_stiffness(
     v: Vehicle, structure: Structure, rows: _AmplitudeRows
 ) -> tuple[FloatArray, ...]:
-    """Return the matrices M, C and K, K with the axial forces, ``(..., n, n)``."""
+    """Return the matrices M, C and K of the amplitudes, ``(..., n, n)``, K with the axial forces.
+
+    `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes: translation,
+    rotation, bending modes and liquids.
+    """
     modes, tanks, bodies = structure.bending, structure.slosh, rows.bodies
     a = axial_acceleration(v)
     inertias = rows.of(
@@ -99,7 +106,7 @@ def _mass_damping_stiffness(
         *(tank.mass for tank in tanks),
     )
     frequency = rows.of(
-        0.0, 0.0, *(mode.frequency for mode in modes), *(_frequency(tank, a) for tank in tanks)
+        0.0, 0.0, *(mode.frequency for mode in modes), *(tank_frequency(tank, a) for tank in tanks)
     )
     zeta = rows.of(0.0, 0.0, *(mode.damping for mode in modes), *(tank.damping for tank in tanks))
     diagonal = np.eye(bodies + rows.tanks)
@@ -131,7 +138,8 @@ def _engine_forces(
     """Return the forces per deflection and per its second derivative, at x = -l_c, ``(..., n)``.
 
     T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta, s_E = m_E l_E, J_E =
-    I_E + m_E l_E^2
+    I_E + m_E l_E^2. `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes.
+    `mass`: M, ``(..., n, n)``, which is checked together with the inertia of the engine.
     """
     modes, engine = structure.bending, structure.engine
     phi = [1.0, -v.control_arm, *(mode.gimbal_displacement for mode in modes)]
@@ -153,11 +161,15 @@ def _engine_forces(
 
 
 def _tank_value(values: tuple[Any, ...], k: int) -> Any:
+    """Return the value of a mode at tank number k; zero where the mode has none."""
     return values[k] if values else 0.0
 
 
-def _frequency(tank: SloshTank, a: Any) -> Any:
-    """Return the natural frequency of a tank [rad/s]: specified, or of a pendulum sqrt(a/L)."""
+def tank_frequency(tank: SloshTank, a: Any) -> Any:
+    """Return the natural frequency of a tank [rad/s]: specified, or of a pendulum sqrt(a/L).
+
+    `a`: axial acceleration [m/s^2], ``(...)``.
+    """
     if tank.pendulum_length is None:
         return tank.frequency
     if np.any(np.asarray(a) <= 0.0):
@@ -169,9 +181,9 @@ def _frequency(tank: SloshTank, a: Any) -> Any:
 
 
 def _diagonal_scaling(mass: FloatArray) -> FloatArray:
-    """Return powers of two that scale the diagonal to about one.
+    """Return powers of two ``(..., n)`` that scale a mass matrix to a diagonal of about one.
 
-    `InputError` for a mass matrix that is not positive definite.
+    `mass`: M, ``(..., n, n)``. `InputError` for one that is not positive definite.
     """
     diagonal = np.diagonal(mass, axis1=-2, axis2=-1)
     scale = 2.0 ** -np.round(0.5 * np.log2(diagonal))

@@ -39,9 +39,10 @@ def named_system(
 ) -> LinearSystem:
     """Return a system of python-control as `LinearSystem`, with its sample time as `period`.
 
-    `name`: of the argument, for messages. `inputs`, `outputs`: names of the signals, in place of
-    the system's. `InputError` for another type, numbers that are not finite, sizes that do
-    not fit, names that are repeated, an improper transfer function, and an unspecified sample time.
+    `name`: of the argument, for messages. `system`: the system, or one that is a `LinearSystem`.
+    `inputs`, `outputs`: names of the signals, in place of the system's. `InputError` for another
+    type, numbers that are not finite, sizes that do not fit, names that are repeated, an improper
+    transfer function, and an unspecified sample time.
     """
     if isinstance(system, LinearSystem):
         matrices: tuple[FloatArray, ...] = system.matrices()
@@ -82,8 +83,8 @@ def checked_system(
 ) -> LinearSystem:
     """Return the system of matrices A, B, C and D; `InputError` for sizes or names that do not fit.
 
-    `name`: name of the system in messages. `inputs`, `outputs`, `states`: names of the signals.
-    `period`: sample time [s]; None in continuous time.
+    `name`: name of the system in messages. `matrices`: A, B, C and D. `inputs`, `outputs`,
+    `states`: names of the signals. `period`: sample time [s]; None in continuous time.
     """
     A, B, C, D = (finite(f"{m} of {name}", a) for m, a in zip("ABCD", matrices, strict=True))
     n, m, p = A.shape[-1] if A.ndim > 1 else 0, len(inputs), len(outputs)
@@ -106,9 +107,10 @@ def checked_system(
 def require_signals(
     name: str, kind: str, needed: Iterable[str], available: Sequence[str], remedy: str = ""
 ) -> None:
-    """Raise `InputError` for a signal that is missing, with the similar one among those available.
+    """Raise `InputError` for a required signal that a system does not have; it names a similar one.
 
-    `name`: the system. `kind`: "input" or "output". `remedy`: end of the message.
+    `name`: the system. `kind`: "input" or "output". `needed`: names of the required signals.
+    `available`: names of the signals that the system has. `remedy`: end of the message.
     """
     for signal in needed:
         if signal not in available:
@@ -149,8 +151,9 @@ def check_hidden_modes(
 ) -> None:
     """Raise `InputError` for an unstable mode that no input reaches, or that is in no output.
 
-    `modes`: the `eigenvectors` of A. `B`, `C`: of the inputs ``(..., n, m)`` and outputs ``(...,
-    p, n)``. `words`: what is said of the two. `period`: sample time [s].
+    `name`: of the system in the message. `modes`: the `eigenvectors` of A. `B`, `C`: of the inputs
+    ``(..., n, m)`` and outputs ``(..., p, n)``. `words`: end of the message for a mode that no
+    input reaches, and for one in no output. `period`: sample time [s]; None in continuous time.
     """
     poles, left, right = modes
     if not poles.size:
@@ -172,7 +175,10 @@ def check_hidden_modes(
 
 
 def _names(what: str, names: Sequence[str], count: int) -> tuple[str, ...]:
-    """Return names of signals as a tuple; `InputError` for another number of them."""
+    """Return `count` names of signals as a tuple; `InputError` for another number of them.
+
+    `what`: description of the names for the message, such as "inputs of plant".
+    """
     if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
         raise InputError(f"{what} must be a tuple of names; got {shown(names)}")
     if len(names) != count:
@@ -181,7 +187,11 @@ def _names(what: str, names: Sequence[str], count: int) -> tuple[str, ...]:
 
 
 def _period(name: str, dt: Any) -> FloatArray | None:
-    """Return the sample time [s] of a system; None in continuous time."""
+    """Return the sample time [s] of a system; None in continuous time.
+
+    `name`: of the system in the message. `dt`: sample time as python-control states it: zero or
+    None in continuous time, True where it is not specified, which is an `InputError`.
+    """
     if dt is None or (dt == 0 and dt is not False):
         return None
     if isinstance(dt, bool):
@@ -190,21 +200,24 @@ def _period(name: str, dt: Any) -> FloatArray | None:
 
 
 def _observer_form(name: str, system: control.TransferFunction) -> tuple[FloatArray, ...]:
-    """Return A, B, C and D of transfer functions with a common denominator for each output."""
+    """Return A, B, C and D of transfer functions with a common denominator for each output.
+
+    `name`: of the system in the message. `InputError` for an improper transfer function, and for
+    outputs that do not share the states of one system.
+    """
     rows = [
         [
-            [np.trim_zeros(np.atleast_1d(polynomials[i][j]), "f") for polynomials in fraction]
+            [np.trim_zeros(np.atleast_1d(p[i][j]), "f") for p in (system.num, system.den)]
             for j in range(system.ninputs)
         ]
-        for fraction in [(system.num, system.den)]
         for i in range(system.noutputs)
     ]
     for row in rows:
-        for above, below in row:
-            if above.size > below.size:
+        for numerator, denominator in row:
+            if numerator.size > denominator.size:
                 raise InputError(
-                    f"{name} must be proper: a numerator of degree {above.size - 1} is over a"
-                    f" denominator of degree {below.size - 1}"
+                    f"{name} must be proper: a numerator of degree {numerator.size - 1} is over a"
+                    f" denominator of degree {denominator.size - 1}"
                 )
     A, B, C, D = _row_form(rows[0])
     outputs, direct = [C], [D]
@@ -216,38 +229,43 @@ def _observer_form(name: str, system: control.TransferFunction) -> tuple[FloatAr
 
 
 def _row_form(row: list[list[FloatArray]]) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return A, B, C and D of one output: an observer form for each different denominator."""
-    normalised = [(above / below[0], below / below[0]) for above, below in row]
+    """Return A, B, C and D of one output: an observer form for each different denominator.
+
+    `row`: numerator and denominator from each input, coefficients with the highest power first.
+    """
+    normalised = [(N / D[0], D / D[0]) for N, D in row]
     different: list[FloatArray] = []
-    for _, below in normalised:
-        if not any(np.array_equal(below, matrix) for matrix in different):
-            different.append(below)
-    n, count = sum(below.size - 1 for below in different), len(row)
+    for _, denominator in normalised:
+        if not any(np.array_equal(denominator, polynomial) for polynomial in different):
+            different.append(denominator)
+    n, count = sum(denominator.size - 1 for denominator in different), len(row)
     A, B, C, D = np.zeros((n, n)), np.zeros((n, count)), np.zeros((1, n)), np.zeros((1, count))
     start = 0
-    for below in different:
-        order = below.size - 1
+    for denominator in different:
+        order = denominator.size - 1
         block = slice(start, start + order)
         A[block, block] = np.eye(order, k=1)
-        A[block, start : start + 1] = -below[1:, np.newaxis]
+        A[block, start : start + 1] = -denominator[1:, np.newaxis]
         C[0, start : start + 1] = 1.0
-        for j, (above, denominator) in enumerate(normalised):
-            if np.array_equal(denominator, below):
-                padded = np.pad(above, (below.size - above.size, 0))
+        for j, (numerator, its_denominator) in enumerate(normalised):
+            if np.array_equal(its_denominator, denominator):
+                padded = np.pad(numerator, (denominator.size - numerator.size, 0))
                 D[0, j] = padded[0]
-                B[block, j] = padded[1:] - padded[0] * below[1:]
+                B[block, j] = padded[1:] - padded[0] * denominator[1:]
         start += order
     return A, B, C, D
 
 
 def _same_states(
-    name: str, states: tuple[FloatArray, FloatArray], other: tuple[FloatArray, ...]
+    name: str, states: tuple[FloatArray, FloatArray], observer_form: tuple[FloatArray, ...]
 ) -> FloatArray:
-    """Return the row of an output on the states of the first output, by its Markov parameters.
+    """Return the row of C ``(1, n)`` of an output on the states of the first output.
 
-    `InputError` where no row gives that transfer function.
+    `name`: of the system in the message. `states`: A and B of the first output. `observer_form`: A,
+    B and C of this output alone. The row follows from equal Markov parameters C A^k B; `InputError`
+    where no row gives them.
     """
-    (A, B), (A_k, B_k, C_k) = states, other
+    (A, B), (A_k, B_k, C_k) = states, observer_form
     count = len(A) + len(A_k)
     reach, response = [B], [C_k @ B_k]
     for _ in range(count - 1):

@@ -57,9 +57,10 @@ def available_models(coefficients: Coefficients) -> list[str]:
 
 
 def default_model(vehicle: AnyVehicle | Coefficients) -> str:
-    """Return the default model: `DEFAULT_MODEL`, or "fixed-path" for an unknown flight path.
+    """Return the default model of a vehicle, or "fixed-path" for an unknown flight path.
 
-    The path of `Coefficients` is unknown where C1, C2, b1, b2 and q are all zero.
+    It is `DEFAULT_MODEL`, "drift-exact". The path of `Coefficients` is unknown where C1, C2, b1, b2
+    and q are all zero.
     """
     if isinstance(vehicle, LinearVehicle):
         return DEFAULT_MODEL if vehicle.path_known else FIXED_PATH
@@ -124,6 +125,7 @@ class Plant(WithCoefficients):
     model: str
 
     def __post_init__(self) -> None:
+        """Check the fields."""
         instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_vehicle")
         one_of("model", self.model, MODELS)
         if self.model == "drift" and np.any(np.asarray(self.coefficients.mu_alpha) == 0.0):
@@ -155,9 +157,11 @@ class Plant(WithCoefficients):
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
 
     def _repr_html_(self) -> str:
+        """Return the coefficients as an HTML table, with the model in its title."""
         return self.coefficients._repr_html_().replace("Coefficients", f"Plant, {self.model}", 1)
 
     def __repr__(self) -> str:
+        """Return the coefficients as lines of text, with the model in the first."""
         c = self.coefficients
         return lines(f"Plant, {self.model} {c.name}".strip(), card_rows(c))
 
@@ -167,19 +171,21 @@ class Plant(WithCoefficients):
         return self.coefficients.batch
 
     def case(self, index: int, shape: tuple[int, ...]) -> Plant:
-        """Return the plant at the flat position `index` of the batch broadcast to `shape`."""
-        batch = self.cases(np.array([index]), shape).coefficients
-        return self._with({name: float(getattr(batch, name)[0]) for name in NUMBERS})
+        """Return the plant at the flat position `index` of a batch of the shape `shape`.
 
-    def cases(self, index: IndexArray, shape: tuple[int, ...]) -> Plant:
-        """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`."""
+        The batch of the plant broadcasts to this shape.
+        """
+        return self.cases(index, shape)
+
+    def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> Plant:
+        """Return the plants at flat positions `index` ``(k,)`` of a batch of the shape `shape`.
+
+        The batch of the plant broadcasts to this shape. A scalar position returns a single plant.
+        """
         numbers = {
             name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[index]
             for name in NUMBERS
         }
-        return self._with(numbers)
-
-    def _with(self, numbers: dict[str, Any]) -> Plant:
         return Plant(Coefficients(**numbers, name=self.coefficients.name), self.model)
 
     @property
@@ -239,20 +245,19 @@ class Plant(WithCoefficients):
             "fixed-path": (1.0, d, -c.mu_alpha),
             "drift": (1.0, d, -c.mu_alpha, 0.0),
             "drift-exact": (1.0, c.C1 + d, stiffness, c.C2),
-            "drift-and-speed": (
-                1.0,
-                c.C1 + d,
-                c.q + stiffness,
-                c.C2 + c.q * d,
-                -c.q * c.mu_alpha,
-            ),
+            "drift-and-speed": (1.0, c.C1 + d, c.q + stiffness, c.C2 + c.q * d, -c.q * c.mu_alpha),
         }
         return self._stack(last[self.model])
 
     def numerator(self, output: str, input: str) -> FloatArray:
         """Return the numerator from `input` to `output`, over the common denominator.
 
-        Shape ``(..., k)``, highest power first.
+        Shape ``(..., k)``, coefficients with the highest power of s first.
+
+        Parameters
+        ----------
+        output, input : str
+            Names of the signals, of `outputs` and of `inputs`.
 
         Raises
         ------
@@ -308,7 +313,7 @@ class Plant(WithCoefficients):
 
     @property
     def direct_terms(self) -> FloatArray | None:
-        """Direct terms of the outputs that `modal` omits; a `SystemPlant` has them."""
+        """None; a `SystemPlant` has direct terms of its outputs, which its `modal` omits."""
         return None
 
     @cached_property
@@ -329,9 +334,10 @@ class Plant(WithCoefficients):
 
     @property
     def trim_filter(self) -> tuple[Any, Any, Any]:
-        """Coefficients b1, b2 and q of the filter from a wind to its trim, eq before (17).
+        """Coefficients b1, b2 [1/s] and q [1/s^2] of the filter from a wind to its trim.
 
-        -B (s^2 + b2 s + q)/(s^2 + b1 s + q); without drift -B alone.
+        The filter, eq before (17), is -B (s^2 + b2 s + q)/(s^2 + b1 s + q); without drift the
+        coefficients are zero.
         """
         c = self.coefficients
         if self.model == "fixed-path":
@@ -340,6 +346,11 @@ class Plant(WithCoefficients):
 
     def tf(self, output: str = "attitude", input: str = "deflection") -> control.TransferFunction:
         """Return a transfer function as `control.TransferFunction`.
+
+        Parameters
+        ----------
+        output, input : str
+            Names of the signals, of `outputs` and of `inputs`.
 
         Raises
         ------
@@ -416,9 +427,11 @@ class Plant(WithCoefficients):
         return normal * C[..., -1, :] + station * A[..., 1, :], direct
 
     def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
-        """Return the numerator from `input` to a signal of `lateral_rows`, highest power first.
+        """Return the numerator from `input` to a lateral signal, highest power of s first.
 
-        Same parameters and exceptions as `lateral_rows`; `input` as in `numerator`.
+        Shape ``(..., k)``. `signal`, `station`: as in `lateral_rows`, with its exceptions:
+        "drift_rate" [m/s] or "acceleration" [m/s^2], and the position of the accelerometer [m].
+        `input`: "deflection" or "wind".
         """
         station = number("station", station, STATION_RANGE, "m")
         one_of("input", input, INPUTS)
@@ -433,7 +446,11 @@ class Plant(WithCoefficients):
         return polynomials.add(forces, station * turning)
 
     def _velocity(self, signal: str) -> FloatArray:
-        """Return the speed [m/s], ``(..., 1)``; `InputError` where a lateral signal is unknown."""
+        """Return the speed [m/s], ``(..., 1)``; `InputError` where a lateral signal is unknown.
+
+        `signal`: "drift_rate" or "acceleration"; drift rates require a model with a flight path
+        angle.
+        """
         one_of("signal", signal, LATERAL_SIGNALS)
         if signal == "drift_rate" and self.model == "fixed-path":
             raise InputError(
@@ -518,7 +535,7 @@ class Plant(WithCoefficients):
         return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
 
     def _attitude(self, input: str) -> FloatArray:
-        """Return the numerator from an input to the attitude, highest power of s first."""
+        """Return the numerator from `input` to the attitude, highest power of s first."""
         c = self.coefficients
         gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)
         factors: dict[str, tuple[Any, ...]] = {
@@ -530,9 +547,9 @@ class Plant(WithCoefficients):
         return self._stack(factors[self.model]) * -np.asarray(gain)[..., np.newaxis]
 
     def _flight_path(self, input: str) -> FloatArray:
+        """Return the numerator from `input` to the flight path angle, highest power of s first."""
         # (s + damping) gamma = attitude theta + deflection delta - wind alpha_w, put into the
         # moment equation and solved for gamma.
-        """Return the numerator from an input to the flight path angle, highest power of s first."""
         c, path = self.coefficients, self._path
         if input == "deflection":
             terms = (
@@ -543,9 +560,7 @@ class Plant(WithCoefficients):
         else:
             terms = (-path.wind, -c.damping * path.wind, c.mu_alpha * (path.wind - path.attitude))
         numerator = self._stack(terms)
-        return (
-            polynomials.times_variable(numerator) if self.model == "drift-and-speed" else numerator
-        )
+        return polynomials.times_variable(numerator, int(self.model == "drift-and-speed"))
 
     @property
     def _path(self) -> _PathCoefficients:
@@ -562,6 +577,7 @@ class Plant(WithCoefficients):
         return _PathCoefficients(c.C1 + gravity, c.C1, (c.b1 - c.C1) / c.B, c.C1 - c.b2)
 
     def _stack(self, polynomial: tuple[Any, ...]) -> FloatArray:
+        """Return the polynomial ``(..., k)`` of coefficients that broadcast to the batch."""
         rows = [np.broadcast_to(np.asarray(p, float), self.batch) for p in polynomial]
         return np.stack(rows, axis=-1)
 

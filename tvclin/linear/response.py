@@ -51,7 +51,7 @@ class Responses:
     labels: tuple[str, ...]
 
     def __getitem__(self, label: str) -> FloatArray:
-        """Return an output by its name, ``(..., n)``."""
+        """Return the output `label` of all cases, ``(..., n)`` [rad or rad/s]."""
         one_of("output", label, self.labels)
         return self.outputs[..., self.labels.index(label), :]
 
@@ -197,7 +197,10 @@ def attitude_responses(
 
 
 def _selected_outputs(outputs: Sequence[str], available: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the selected outputs in the order of the plant; `InputError` if unknown."""
+    """Return the selected outputs in the order of the plant; `InputError` if unknown.
+
+    `outputs`: selected names. `available`: names of all outputs of the plant.
+    """
     if not isinstance(outputs, tuple | list) or not outputs:
         raise InputError(f"outputs must be some of {', '.join(available)}; got {shown(outputs)}")
     selected = {one_of("outputs", label, available) for label in outputs}
@@ -214,8 +217,9 @@ def _by_lags(
 ) -> FloatArray:
     """Return the responses ``(..., outputs, n)`` [rad, rad/s] by a chain of lags.
 
-    It admits repeated poles, such as those of a vehicle without aerodynamic moment. `outputs`:
-    names. `times`: [s], ``(n,)``. `shape`: shape of the batch.
+    It admits repeated poles, such as those of a vehicle without aerodynamic moment. `plant`: plants
+    of the batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s], ``(n,)``.
+    `shape`: shape of the batch.
     """
     rows, lagged = [], _lagged if shape else _latest
     for output in outputs:
@@ -235,9 +239,10 @@ def _by_matrices(
     times: FloatArray,
     shape: tuple[int, ...],
 ) -> FloatArray:
-    """Return the responses without direct terms by matrix exponentials, which admit any poles.
+    """Return the responses ``(..., outputs, n)`` without direct terms, by matrix exponentials.
 
-    Parameters and shape as in `_by_lags`.
+    They admit any poles. `plant`: plants of the batch. `outputs`: names. `deflection`, `wind`:
+    inputs [rad]. `times`: [s], ``(n,)``. `shape`: shape of the batch.
     """
     values = np.empty((prod(shape), len(outputs), times.size))
     rows = [plant.outputs.index(output) for output in outputs]
@@ -252,7 +257,10 @@ def _by_matrices(
 
 
 def _lagged(plant: Plant, output: str, name: str, history: History) -> History:
-    """Return the history of an output in response to a single input."""
+    """Return the history of the output `output` in response to the input `name` alone.
+
+    `plant`: one plant or a batch. `history`: history of this input [rad].
+    """
     return history.filter(plant.numerator(output, name), plant.denominator)
 
 

@@ -68,7 +68,7 @@ class LinearSystem:
     def series(self, behind: LinearSystem) -> LinearSystem:
         """Return the series connection of this system and the system `behind` it.
 
-        The inputs of `behind` are the outputs of this system.
+        The inputs of `behind` are the outputs of this system, in its order.
         """
         matrices = state_space.series(self.matrices(), behind.matrices())
         names = (self.inputs, behind.outputs, (*self.states, *behind.states))
@@ -77,7 +77,7 @@ class LinearSystem:
     def feedback(self, output: str, input: str) -> LinearSystem:
         """Return the system with an output added to an input, which may be driven as well.
 
-        `InputError` for an algebraic loop of the two.
+        `output`, `input`: names of both signals. `InputError` for an algebraic loop of the two.
         """
         A, B, C, D = self.matrices()
         into, out = self.inputs.index(input), self.outputs.index(output)
@@ -94,18 +94,26 @@ class LinearSystem:
         )
 
     def select(self, inputs: Sequence[str], outputs: Sequence[str]) -> LinearSystem:
-        """Return the system with selected inputs and outputs, in the given order."""
+        """Return the system with the selected inputs and outputs alone, in the order of names."""
         into = [self.inputs.index(name) for name in inputs]
         out = [self.outputs.index(name) for name in outputs]
         B, C, D = self.B[..., into], self.C[..., out, :], self.D[..., out, :][..., into]
         return replace(self, B=B, C=C, D=D, inputs=tuple(inputs), outputs=tuple(outputs))
 
+    def with_outputs(self, rows: Mapping[str, tuple[FloatArray, FloatArray]]) -> LinearSystem:
+        """Return the system with further outputs: by name a row of C ``(..., n)`` and one of D."""
+        C, D = (
+            np.concatenate([matrix, np.stack([row[k] for row in rows.values()], axis=-2)], axis=-2)
+            for k, matrix in enumerate((self.C, self.D))
+        )
+        return replace(self, C=C, D=D, outputs=(*self.outputs, *rows))
+
     def renamed(self, inputs: Mapping[str, str]) -> LinearSystem:
-        """Return the system with new names of some inputs."""
+        """Return the system with new names of some inputs, by their old names."""
         return replace(self, inputs=tuple(inputs.get(name, name) for name in self.inputs))
 
     def cases(self, index: IndexArray, shape: tuple[int, ...]) -> LinearSystem:
-        """Return the systems at flat positions ``(k,)`` of the batch broadcast to `shape`."""
+        """Return the systems at flat positions `index` ``(k,)`` of a batch of the shape `shape`."""
 
         def selected(array: FloatArray, axes: int) -> FloatArray:
             """Return the selected cases of an array whose last `axes` axes are no batch."""
@@ -134,16 +142,11 @@ class LinearSystem:
         complete, remainder = split_delay(delays, h)
         shape = broadcast(system=self.batch, period=h.shape, delay=delays.shape)
         intervals = [h - remainder, remainder] if np.any(remainder) else [h]
-        n, transitions = (
-            len(self.states),
-            [self._transition(np.broadcast_to(time, shape)) for time in intervals],
-        )
-        F, input_matrices = transitions[0][..., :n], [transitions[0][..., n:]]
-        if np.any(remainder):
-            F, input_matrices = (
-                F @ transitions[1][..., :n],
-                [*input_matrices, F @ transitions[1][..., n:]],
-            )
+        n = len(self.states)
+        (F, G), *rest = (self._transition(np.broadcast_to(time, shape)) for time in intervals)
+        input_matrices = [G]
+        for E, P in rest:
+            F, input_matrices = F @ E, [G, F @ P]
         period = np.broadcast_to(h, shape)
         if not np.any(delays):
             return replace(self, A=F, B=input_matrices[0], period=period)
@@ -158,31 +161,27 @@ class LinearSystem:
             )
         A = np.zeros((*shape, n + count, n + count))
         B = np.zeros((*shape, n + count, 1))
-        A[..., :n, :n], A[..., :n, n:], B[..., :n, :] = (
-            F,
-            input_matrix[..., 1:],
-            input_matrix[..., :1],
-        )
+        A[..., :n, :n], A[..., :n, n:] = F, input_matrix[..., 1:]
+        B[..., :n, :] = input_matrix[..., :1]
         A[..., n:, n:], B[..., n:, 0] = np.eye(count, k=-1), np.eye(1, count)[0]
         C = state_space.join_columns(self.C, np.zeros((len(self.outputs), count)))
         delayed = tuple(f"{self.inputs[0]}_{k}" for k in range(1, count + 1))
         states = (*self.states, *delayed)
         return replace(self, A=A, B=B, C=C, states=states, period=period)
 
-    def _transition(self, times: FloatArray) -> FloatArray:
-        """Return [E(t), P(t)], x(t) = E x(0) + P u at constant inputs u, ``(..., n, n + inputs)``.
+    def _transition(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return E ``(..., n, n)`` and P ``(..., n, inputs)`` of x(t) = E x(0) + P u, u constant.
 
-        `times`: times t [s], ``(...)``, the batch of the system.
+        `times`: times t [s], ``(...)``, of the batch of the system.
         """
-        generator = augmented_matrix(self.A, self.B)
+        generator, n = augmented_matrix(self.A, self.B), len(self.states)
         shape = (*times.shape, *generator.shape[-2:])
         generators = np.broadcast_to(generator, shape).reshape(-1, *shape[-2:])
-        return matrix_exponentials(generators, times.ravel()).reshape(shape)[
-            ..., : len(self.states), :
-        ]
+        transition = matrix_exponentials(generators, times.ravel()).reshape(shape)
+        return transition[..., :n, :n], transition[..., :n, n:]
 
     def to_control(self, name: str) -> control.StateSpace:
-        """Return one system as `control.StateSpace`; `InputError` for a batch."""
+        """Return one system as `control.StateSpace` of this name; `InputError` for a batch."""
         import control
 
         if self.batch:
@@ -200,8 +199,8 @@ def constant_over_steps(
 ) -> LinearSystem:
     """Return constant systems, one a step, that equal a system that varies to fourth order.
 
-    `first`, `second`: the system at the two `GAUSS_NODES` of each step. `lengths`: lengths of the
-    steps [s]; batches of all three broadcast. Outputs are the outputs of `first`.
+    `first`, `second`: the system at the two Gauss points (`GAUSS_NODES`) of each step. `lengths`:
+    lengths of the steps [s]; batches of all three broadcast. Outputs are the outputs of `first`.
     """
     former, latter = (augmented_matrix(system.A, system.B) for system in (first, second))
     matrix, n = constant_generator(former, latter, lengths), len(first.states)
@@ -211,7 +210,10 @@ def constant_over_steps(
 def split_delay(
     delay: float | FloatArray, period: float | FloatArray
 ) -> tuple[IndexArray, FloatArray]:
-    """Return the whole samples of a delay, and its remainder [s]."""
+    """Return the whole samples of a delay ``(...)``, and its remainder [s].
+
+    `delay`, `period`: delay and sampling period [s], ``(...)``, which broadcast.
+    """
     samples = delay / np.where(period > 0.0, period, 1.0)
     complete = np.floor(samples + WHOLE_SAMPLE_TOLERANCE)
     remainder = (
@@ -221,7 +223,10 @@ def split_delay(
 
 
 def gain(output: str, factors: Mapping[str, ArrayLike]) -> LinearSystem:
-    """Return the static block of one output, the sum of inputs times their factors."""
+    """Return the static block with the output `output`, the sum of inputs times their factors.
+
+    `factors`: factor ``(...)`` of each input, by its name.
+    """
     rows = np.stack(np.broadcast_arrays(*(np.asarray(f, float) for f in factors.values())), -1)
     no_states = (np.zeros((0, 0)), np.zeros((0, len(factors))), np.zeros((1, 0)))
     return LinearSystem(*no_states, rows[..., np.newaxis, :], tuple(factors), (output,), ())
@@ -230,7 +235,8 @@ def gain(output: str, factors: Mapping[str, ArrayLike]) -> LinearSystem:
 def polynomial_input(name: str, terms: int) -> LinearSystem:
     """Return the block without inputs whose output is a polynomial of the time, c0 + c1 t + ...
 
-    Its states are the coefficients about the current time.
+    `name`: name of the output. `terms`: number of coefficients; they, about the current time, are
+    the states.
     """
     A, C = np.diag(np.arange(1.0, terms), k=1), np.eye(1, terms)
     states = tuple(f"{name}_{k}" for k in range(terms))
@@ -248,7 +254,10 @@ def connect(
     loop.
     """
     block_inputs = [name for block in blocks for name in block.inputs]
-    blocks = [_with_outputs(block, {*block_inputs, *outputs}) for block in blocks]
+    used = {*block_inputs, *outputs}
+    blocks = [
+        block.select(block.inputs, [k for k in block.outputs if k in used]) for block in blocks
+    ]
     block_outputs = [name for block in blocks for name in block.outputs]
     A, B, C, D = (_block_diagonal([block.matrices()[k] for block in blocks]) for k in range(4))
     # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w).
@@ -278,30 +287,21 @@ def connect(
     return LinearSystem(A, B, C, D, tuple(inputs), tuple(outputs), states, period)
 
 
-def _with_outputs(system: LinearSystem, names: set[str]) -> LinearSystem:
-    """Return the system with only the outputs of these names, in its own order."""
-    rows = [k for k, name in enumerate(system.outputs) if name in names]
-    if len(rows) == len(system.outputs):
-        return system
-    outputs = tuple(system.outputs[k] for k in rows)
-    return replace(system, C=system.C[..., rows, :], D=system.D[..., rows, :], outputs=outputs)
-
-
 def _times(matrices: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Return the products of a batch of matrices with one matrix, as a single product."""
+    """Return the products ``(..., m, k)`` of matrices ``(..., m, n)`` and a matrix ``(n, k)``."""
     *batch, rows, columns = matrices.shape
     flat = matrices.reshape(prod(batch) * rows, columns) @ matrix
     return flat.reshape(*batch, rows, matrix.shape[1])
 
 
 def _incidence(rows: Sequence[str], columns: Sequence[str]) -> FloatArray:
-    """Return the matrix that is one where the names of row and column are equal."""
+    """Return the matrix that is one where the names of row and column are equal, else zero."""
     equal = [[row == column for column in columns] for row in rows]
     return np.array(equal, float).reshape(len(rows), len(columns))
 
 
 def _block_diagonal(blocks: Sequence[FloatArray]) -> FloatArray:
-    """Return the block-diagonal matrix of the blocks; their batches broadcast."""
+    """Return the block-diagonal matrix of blocks ``(..., m, n)``, whose batches broadcast."""
     batch = np.broadcast_shapes(*{block.shape[:-2] for block in blocks})
     size = (sum(block.shape[axis] for block in blocks) for axis in (-2, -1))
     matrix, row, column = np.zeros((*batch, *size)), 0, 0

@@ -124,7 +124,10 @@ def write_system(system: AnySystem, path: str | PathLike[str]) -> None:
 
 
 def _write(target: Path, suffix: str, variables: Mapping[str, Any]) -> None:
-    """Write variables into a file; names as cells, or as rows of text."""
+    """Write variables into a file; names as cells in MATLAB's format, or as rows of text.
+
+    `target`: the file. `suffix`: ".mat" or ".npz". `variables`: matrices, sample time and names.
+    """
     if suffix == ".npz":
         arrays: dict[str, Any] = {key: np.asarray(value) for key, value in variables.items()}
         with target.open("wb") as stream:
@@ -137,7 +140,7 @@ def _write(target: Path, suffix: str, variables: Mapping[str, Any]) -> None:
 
 
 def _cells(names: tuple[str, ...]) -> AnyArray:
-    """Return names as a column of MATLAB cells."""
+    """Return names as a column of MATLAB cells, ``(n, 1)``."""
     cells = np.empty((len(names), 1), dtype=object)
     cells[:, 0] = names
     return cells
@@ -152,7 +155,7 @@ def _suffix(file: Path) -> str:
 
 
 def _variables(file: Path, name: str) -> dict[str, Any]:
-    """Return the variables of a file by their names."""
+    """Return the variables of a file by their names; `name` is that of the file in messages."""
     suffix, content = _suffix(file), read_bytes(file, _KIND)
     if suffix == ".npz":
         try:
@@ -177,7 +180,10 @@ def _variables(file: Path, name: str) -> dict[str, Any]:
 
 
 def _matrix(what: str, value: Any) -> AnyArray:
-    """Return a matrix of real numbers; `InputError` for anything else."""
+    """Return a matrix ``(m, n)`` of real numbers; `InputError` for anything else.
+
+    `what`: name of the matrix in the message. `value`: variable of the file.
+    """
     array = np.asarray(value)
     if array.dtype.kind not in "fiub" or array.ndim > 2:
         raise InputError(f"{what} must be a matrix of real numbers; got {array.dtype} numbers")
@@ -185,7 +191,10 @@ def _matrix(what: str, value: Any) -> AnyArray:
 
 
 def _texts(what: str, value: Any) -> tuple[str, ...]:
-    """Return names of signals from cells, rows of text, or one text."""
+    """Return names of signals from cells, rows of text, or one text.
+
+    `what`: name of the variable in the message. `value`: variable of the file.
+    """
     entries = [np.ravel(entry) for entry in np.ravel(np.asarray(value))]
     texts = [entry[0] if entry.size else "" for entry in entries]
     if not all(isinstance(text, str) for text in texts):
@@ -194,7 +203,10 @@ def _texts(what: str, value: Any) -> tuple[str, ...]:
 
 
 def _period(name: str, value: Any) -> AnyArray | None:
-    """Return the sample time [s]; None for zero. `InputError` for one that is not a number."""
+    """Return the sample time [s]; None for zero. `InputError` for one that is not a number.
+
+    `name`: name of the file in the message. `value`: variable of the file.
+    """
     array = np.ravel(np.asarray(value))
     if array.size != 1 or array.dtype.kind not in "fiu" or not 0.0 <= float(array[0]) < np.inf:
         raise InputError(

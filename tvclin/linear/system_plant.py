@@ -96,6 +96,7 @@ class SystemPlant(Plant):
         inputs: Sequence[str] | None = None,
         outputs: Sequence[str] | None = None,
     ) -> None:
+        """Check the arguments, see the class, and set the fields."""
         named = named_system("plant", system, inputs, outputs)
         if named.period is not None:
             raise InputError(
@@ -116,7 +117,10 @@ class SystemPlant(Plant):
     __hash__ = object.__hash__
 
     def _set(self, system: LinearSystem, coefficients: Coefficients | None, model: str) -> None:
-        """Set the fields of the frozen record."""
+        """Set the fields of the frozen record; missing coefficients follow from an output moment.
+
+        `system`: system with the signals of a plant. `model`: name of the model.
+        """
         if coefficients is None and MOMENT in system.outputs:
             row = system.D[..., system.outputs.index(MOMENT), :]
             if not np.all(row[..., 0]):
@@ -132,7 +136,10 @@ class SystemPlant(Plant):
         object.__setattr__(self, "model", model)
 
     def _check(self) -> None:
-        """Raise `InputError` for signals at once, and for hidden unstable modes."""
+        """Raise `InputError` for an output that follows the deflection at once, or a hidden mode.
+
+        Hidden are unstable modes that the deflection does not reach or the attitude does not show.
+        """
         system = self._system
         names = [name for name in system.outputs if name.removeprefix("sensed_") in _MEASURED]
         for name in names:
@@ -151,13 +158,15 @@ class SystemPlant(Plant):
         )
 
     def _repr_html_(self) -> str:
+        """Return name, number of states and signals as an HTML table."""
         return card("SystemPlant", self._rows())
 
     def __repr__(self) -> str:
+        """Return name, number of states and signals as lines of text."""
         return lines("SystemPlant", self._rows())
 
     def _rows(self) -> list[tuple[str, Any, str]]:
-        """Return the name, number of states and signals as rows of a card."""
+        """Return name, number of states and signals as rows of a card: label, value and unit."""
         return [
             ("name", self.model, ""),
             ("states", len(self.states), ""),
@@ -205,23 +214,18 @@ class SystemPlant(Plant):
         """Shape of the batch; ``()`` for one plant."""
         return self._system.batch
 
-    def case(self, index: int, shape: tuple[int, ...]) -> SystemPlant:
-        """Return the plant at the flat position `index` of the batch broadcast to `shape`."""
-        return self._changed(
-            self._system.cases(np.asarray(index), shape),
-            None if self._coefficients is None else self._of_batch(np.asarray(index), shape),
-        )
+    def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> SystemPlant:
+        """Return the plants at flat positions `index` ``(k,)`` of a batch of the shape `shape`.
 
-    def cases(self, index: IndexArray, shape: tuple[int, ...]) -> SystemPlant:
-        """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`."""
-        return self.case(index, shape)  # type: ignore[arg-type]
-
-    def _of_batch(self, index: IndexArray, shape: tuple[int, ...]) -> Coefficients:
-        """Return the coefficients at flat positions of the batch broadcast to `shape`."""
-        return Plant(self.coefficients, "fixed-path").cases(index, shape).coefficients
+        The batch of the plant broadcasts to this shape. A scalar position returns a single plant.
+        """
+        c = self._coefficients
+        if c is not None:
+            c = Plant(c, "fixed-path").cases(index, shape).coefficients
+        return self._changed(self._system.cases(np.asarray(index), shape), c)
 
     def _changed(self, system: LinearSystem, coefficients: Coefficients | None) -> SystemPlant:
-        """Return a plant with another system, without repeated checks."""
+        """Return a plant with another system and coefficients, without repeated checks."""
         plant = type(self).__new__(type(self))
         plant._set(system, coefficients, self.model)
         return plant
@@ -274,8 +278,8 @@ class SystemPlant(Plant):
     def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
         """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
 
-        They are those of the output drift_rate [m/s] or lateral_acceleration [m/s^2], at the
-        station of its own sensor; without an output drift_rate the speed of the coefficients times
+        The signal is the output drift_rate [m/s] or lateral_acceleration [m/s^2], at the station
+        of its own sensor; without an output drift_rate it is the speed of the coefficients times
         the flight_path_angle.
 
         Parameters
@@ -297,15 +301,21 @@ class SystemPlant(Plant):
         return factor * self._system.C[..., k, :], factor * direct
 
     def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
-        """Return the numerator from `input` to a signal of `lateral_rows`, highest power first.
+        """Return the numerator from `input` to a lateral signal, highest power of s first.
 
-        Same parameters and exceptions as `lateral_rows` and `numerator`.
+        Shape ``(..., k)``. `signal`, `station`: as in `lateral_rows`. Same exceptions as
+        `lateral_rows` and `numerator`.
         """
         name, factor = self._lateral_output(signal, station)
         return factor * self.numerator(name, input)
 
     def _lateral_output(self, signal: str, station: float) -> tuple[str, FloatArray]:
-        """Return the output from which a lateral signal follows, and its factor ``(..., 1)``."""
+        """Return the name of the output from which a lateral signal follows, and its factor.
+
+        The factor is 1 or the speed [m/s], ``(..., 1)``. `signal`: "drift_rate" or "acceleration".
+        `station`: position of the accelerometer [m], which is checked. `InputError` for a plant
+        without such an output.
+        """
         one_of("signal", signal, LATERAL_SIGNALS)
         number("station", station, STATION_RANGE, "m")
         name, c = _LATERAL_OUTPUTS[signal], self._coefficients
@@ -322,7 +332,10 @@ class SystemPlant(Plant):
 
     @cached_property
     def _eigenvectors(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Poles ``(..., n)`` by falling real part, rows l and columns r, ``(..., n, n)``."""
+        """Poles p ``(..., n)`` by falling real part, rows l and columns r, ``(..., n, n)``.
+
+        They are eigenvectors of the state matrix: l A = p l and A r = p r.
+        """
         return eigenvectors(self._system.A)
 
     @cached_property
@@ -332,8 +345,8 @@ class SystemPlant(Plant):
         return poles.real if not np.any(poles.imag) else poles
 
     @cached_property
-    def _parts(self) -> tuple[AnyArray, AnyArray]:
-        """Gain of each input in each mode ``(..., n, inputs)``, of each mode in each output."""
+    def _modal_matrices(self) -> tuple[AnyArray, AnyArray]:
+        """Gain of each input in each mode ``(..., n, inputs)``, and of each mode in each output."""
         _, rows, right = self._eigenvectors
         with np.errstate(all="ignore"):
             gains = rows @ self._system.B
@@ -353,12 +366,12 @@ class SystemPlant(Plant):
                 "a response takes a deflection without its acceleration; leave the input"
                 " deflection_acceleration out of the plant"
             )
-        return ModalSystem(self.poles, *self._parts, less_wind=False)
+        return ModalSystem(self.poles, *self._modal_matrices, less_wind=False)
 
     @property
     def _attitude_residues(self) -> AnyArray:
-        """Residues of the attitude at all poles ``(..., n, inputs)``."""
-        gains, outputs = self._parts
+        """Residues of the attitude at all poles, for each input, ``(..., n, inputs)``."""
+        gains, outputs = self._modal_matrices
         return gains * outputs[..., self.outputs.index("attitude"), np.newaxis]
 
     @property
@@ -471,7 +484,7 @@ class SystemPlant(Plant):
     def trim_filter(self) -> tuple[Any, Any, Any]:
         """Coefficients b1, b2 and q of the filter from a wind to its trim, see `Plant`.
 
-        Those of the given coefficients; zeros are trim of the moment alone.
+        They are those given; zeros, without a flight path angle, are trim of the moment alone.
         """
         if "flight_path_angle" not in self.outputs:
             return 0.0, 0.0, 0.0
@@ -493,7 +506,10 @@ class SystemPlant(Plant):
 
 
 def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
-    """Return the system with the inputs in order, and the angle of attack among its outputs."""
+    """Return the system with deflection and wind as first inputs, and an angle of attack.
+
+    `InputError` for a missing signal, and for an input that nothing drives.
+    """
     remedy = "; name them with inputs=, or in a file by InputName and OutputName"
     require_signals("plant", "input", INPUTS, system.inputs, remedy)
     unknown = [name for name in system.inputs if name not in (*INPUTS, _ACCELERATION)]
@@ -516,8 +532,5 @@ def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
     )
     row = np.zeros(len(system.outputs))
     row[system.outputs.index(_MEASURED[0])], row[system.outputs.index(_MEASURED[2])] = 1.0, -1.0
-    wind = np.zeros((1, len(system.inputs)))
-    wind[0, 1] = -1.0
-    C = np.concatenate([system.C, (row @ system.C)[..., np.newaxis, :]], axis=-2)
-    D = np.concatenate([system.D, (row @ system.D)[..., np.newaxis, :] + wind], axis=-2)
-    return replace(system, C=C, D=D, outputs=(*system.outputs, _MEASURED[3]))
+    wind = np.eye(len(system.inputs))[1]
+    return system.with_outputs({_MEASURED[3]: (row @ system.C, row @ system.D - wind)})
