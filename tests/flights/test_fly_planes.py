@@ -243,7 +243,7 @@ def test_planes_in_a_sounding_without_limits_are_flights_of_one_plane(gust) -> N
     wind = tv.fly_through(profile, made, plane="both", **sounding)
     both = tv.flights.fly_planes_along(made, law, wind, **options)
     for plane, along in both.planes.items():
-        part = wind.part(plane, made.at(55.0).rigid)
+        part = wind.component(plane, made.at(55.0).rigid)
         alone = tv.flights.fly_along(made, law, part, plane=plane, **options)
         for name, values in alone.outputs.items():
             np.testing.assert_allclose(

@@ -109,7 +109,10 @@ def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
 
 @cache
 def _layers() -> list[list[float]]:
-    """Return height, temperature and pressure at the bottom of each layer, and its lapse rate."""
+    """Return height [m], temperature [K] and pressure [Pa] at the bottom of each layer, and lapse.
+
+    The lapse is the slope of the temperature [K/m]; one row for each layer.
+    """
     return np.column_stack([_BASES, *_bases(), _LAPSES]).tolist()
 
 

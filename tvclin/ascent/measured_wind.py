@@ -106,7 +106,7 @@ class FlightWind(NominalWind):
         return self.speeds.encountered(self.plane, super().at(times)[0], times)
 
     def between(self, start: float, stop: float) -> FlightWind:
-        """Return the wind from a time to another [s], and none before and after."""
+        """Return the wind from a start to a stop time [s], zero before and after."""
         return replace(self, history=super().between(start, stop).history)
 
 
@@ -143,6 +143,7 @@ class MeasuredWind:
     speeds: SoundingSpeeds | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for another type, a batch, and a window not positive."""
         instance("wind", self.wind, SampledWind, "see fly_through")
         single("wind", self.wind.batch)
         if self.window is not None:
@@ -172,7 +173,11 @@ class MeasuredWind:
         return cut_samples(self.wind, time - half, time + half)
 
     def _around(self, vehicle: Vehicle, opposite: float) -> History:
-        """Return the wind around a vehicle's time; angles of the opposite sign up to one [rad]."""
+        """Return the wind angle [rad] around a vehicle's time, with the gust, in flight time.
+
+        `opposite`: size [rad] up to which angles of the sign opposite to the largest are kept: zero
+        for a wind of one sign, infinite for all of it.
+        """
         time = _time_of(vehicle)
         times, angles = self.samples(vehicle)
         if times.size < 2 or not np.any(angles):
@@ -197,7 +202,7 @@ def _time_of(vehicle: Vehicle) -> float:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredPlanes:
-    """A measured wind in both planes, one `MeasuredWind` for each plane.
+    """A measured wind in both planes, one `MeasuredWind` for each plane, in `parts`.
 
     They have the same times and the same window; a plane without wind has none. The gust is along
     the vector of the wind where that is largest.
@@ -215,7 +220,7 @@ class MeasuredPlanes:
     def __call__(self, vehicle: Vehicle) -> PlaneWind:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
         calm = next(iter(self.parts.values())).wind * 0.0
-        parts = {plane: self.part(plane, vehicle) for plane in PLANES}
+        parts = {plane: self.component(plane, vehicle) for plane in PLANES}
         return PlaneWind(
             **{
                 k: calm if component is None else component(vehicle)
@@ -223,13 +228,16 @@ class MeasuredPlanes:
             }
         )
 
-    def part(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
-        """Return the wind of one plane with its component of the gust; None for a calm plane."""
+    def component(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
+        """Return the wind of one plane with its component of the gust; None for a calm plane.
+
+        `vehicle`: has the flight time, at which the gust has the direction of the largest wind.
+        """
         wind = self.parts.get(plane)
         if wind is None or self.gust is None:
             return wind
-        component = abs(self._direction(vehicle)[plane])
-        return replace(wind, gust=gust_at(self.gust, vehicle) * component) if component else wind
+        part = abs(self._direction(vehicle)[plane])
+        return replace(wind, gust=gust_at(self.gust, vehicle) * part) if part else wind
 
     def _direction(self, vehicle: Vehicle) -> dict[str, float]:
         """Return the unit vector, by plane, of the largest wind around a vehicle's time."""
@@ -296,9 +304,9 @@ def fly_through(
     >>> import numpy as np, tvclin as tv
     >>> flight = tv.load_schedule("configuration-i")
     >>> west = tv.WindProfile(height=[5e3, 12e3, 20e3], east=[0, 60, 0], north=[0, 0, 0])
-    >>> met = tv.fly_through(west, flight, azimuth=np.radians(90))
-    >>> found = tv.size(flight, met, times=[60.0, 66.0, 72.0])
-    >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
+    >>> wind = tv.fly_through(west, flight, azimuth=np.radians(90))
+    >>> sizing = tv.size(flight, wind, times=[60.0, 66.0, 72.0])
+    >>> np.degrees(sizing.required["K = 1"])[:, 0].round(3)
     array([0.439, 0.399, 0.347])
     """
     instance("profile", profile, WindProfile, "see read_sounding")
@@ -340,7 +348,11 @@ def _speeds(
     azimuth: float,
     time: FloatArray,
 ) -> SoundingSpeeds:
-    """Return the wind speeds of a sounding, and of a bias, at times [s] of a flight."""
+    """Return the wind speeds of a sounding, and of a bias, along a flight, over its speed.
+
+    `profile`, `bias`: winds over height; None for no bias. `schedule`: the flight. `azimuth`: its
+    direction [rad], from north, clockwise. `time`: times of flight [s], ``(n,)``.
+    """
     height = np.interp(time, schedule.time, schedule.height)
     speed, path = (
         np.interp(time, schedule.time, component)
@@ -361,7 +373,11 @@ def _speeds(
 def _beyond_linear(
     profile: WindProfile, schedule: FlightSchedule, first: float, last: float
 ) -> tuple[str, ...]:
-    """Return notes on measured heights at which the wind angle is beyond linear aerodynamics."""
+    """Return a note on measured heights at which the wind angle is beyond linear aerodynamics.
+
+    `profile`, `schedule`: wind and flight over height. `first`, `last`: times [s] of the flight
+    between which the angle is within it. Empty where these include all measured heights.
+    """
     low, high = np.interp([first, last], schedule.time, schedule.height)
     bottom = max(float(profile.height[0]), float(schedule.height[0]))
     top = min(float(profile.height[-1]), float(schedule.height[-1]))
@@ -385,11 +401,13 @@ def _beyond_linear(
 def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
     """Return a gust of a wind speed [m/s], at its wind angle for each vehicle, eq (B1e).
 
-    For both planes it is taken as across the path, where the angle is largest. The function raises
-    `NotKnownError` for a vehicle with a wind angle above `MAX_LINEAR_ANGLE`.
+    `gust`: its shape, of any peak. `plane`: pitch, yaw or both; for both it is taken as across the
+    path, where the angle is largest. The function that is returned raises `NotKnownError` for a
+    vehicle with a wind angle above `MAX_LINEAR_ANGLE`.
     """
 
     def of_vehicle(vehicle: Vehicle) -> History:
+        """Return the gust as wind angles [rad] of a vehicle."""
         across = plane if plane == "pitch" else "yaw"
         angle = float(angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
         return gust * (checked_linear(angle) / float(gust.peak))
@@ -398,19 +416,21 @@ def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
 
 
 def gust_at(gust: GustOf, vehicle: Vehicle) -> History:
-    """Return the gust of a vehicle."""
+    """Return a gust as wind angles [rad] for a vehicle, of which some gusts are functions."""
     return gust if isinstance(gust, History) else gust(vehicle)
 
 
 def _checked_gust(gust: GustOf | None) -> None:
+    """Raise `InputError` for a gust that is neither a single history that ends nor a function."""
     if isinstance(gust, History) or not callable(gust):
         checked_gust(gust)
 
 
 def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
-    """Return samples between two times [s], with the ends and every change of sign among them.
+    """Return times [s] and angles [rad] of a wind from `low` to `high` [s], ``(k,)`` each.
 
-    A change of sign within rounding of a sample is at the sample.
+    The ends and every change of sign are among the samples; a change of sign within rounding of a
+    sample is at the sample. Both are empty where the wind is known at no two of these times.
     """
     low, high = max(low, float(wind.time[0])), min(high, float(wind.time[-1]))
     if not low < high:

@@ -55,6 +55,7 @@ class FlightCondition:
     table_scale: float = quantity("number", 1.0, errors.positive)
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for numbers out of range."""
         checked(self)
 
     @property
@@ -63,7 +64,7 @@ class FlightCondition:
         return float(standard_atmosphere(self.altitude).density)
 
     def dynamic_pressure(self, vehicle: Vehicle) -> float:
-        """Return rho V_n^2/2 [Pa]."""
+        """Return the dynamic pressure rho V_n^2/2 [Pa] of a vehicle with the velocity V_n."""
         return 0.5 * self.density * float(np.asarray(vehicle.velocity)) ** 2
 
     def scaled(self, vehicle: Vehicle) -> Vehicle:
@@ -79,10 +80,11 @@ FLIGHT_TABLE = file_table("[flight]", FlightCondition, required=("altitude", "sp
 
 
 def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
-    """Return the flight condition of a vehicle by name, or of a vehicle file.
+    """Return the flight condition of a vehicle.
 
-    It stands in the file under its own heading, [flight]: altitude_m, specific_impulse_s, and
-    perhaps reference_area_m2 and table_scale.
+    `source`: name of a vehicle of the package, or path of a vehicle file. The condition stands in
+    the file under its own heading, [flight]: altitude_m, specific_impulse_s, and perhaps
+    reference_area_m2 and table_scale.
 
     Raises
     ------
@@ -114,7 +116,8 @@ _STEEP = np.radians(89.9)
 class NominalFlight:
     """The nominal flight over a span of time [s]; make it with `nominal_flight`.
 
-    `vehicle`: at its own time. `condition`: what was assumed.
+    `vehicle`: at its own time. `condition`: altitude and specific impulse. `start`, `stop`: the
+    span.
     """
 
     vehicle: Vehicle
@@ -125,7 +128,7 @@ class NominalFlight:
     def states(self, t: ArrayLike) -> FloatArray:
         """Return velocity [m/s], flight path angle [rad] and altitude [m], ``(3,) + t.shape``.
 
-        `InputError` for times outside the span.
+        `t`: times of flight [s]; `InputError` for times outside the span.
         """
         times = errors.finite("t", t, "s")
         slack = 1e-9 * (self.stop - self.start)
@@ -158,14 +161,17 @@ class NominalFlight:
         return self.states(self.time)[2]
 
     def states_within(self, t: Any) -> FloatArray:
-        """Return the states at a time [s], or times ``(n,)``, unchecked to lie in the span."""
+        """Return `states` at a time `t` [s], ``(3,)``, or at times ``(n,)``, ``(3, n)``.
+
+        The times are not checked to lie in the span.
+        """
         early, late = self._solutions
         if np.ndim(t) == 0:
             return np.asarray(early(t) if t < self._time else late(t))
         return np.where(t < self._time, early(t), late(t))
 
     def mass(self, t: ArrayLike) -> Any:
-        """Return the mass [kg]."""
+        """Return the mass [kg] at times of flight `t` [s], in their shape."""
         flow = self.vehicle.thrust / (STANDARD_GRAVITY * self.condition.specific_impulse)
         return self.vehicle.mass - flow * (np.asarray(t, dtype=float) - self._time)
 
@@ -175,13 +181,15 @@ class NominalFlight:
         return density / self._density * (speed / self.vehicle.velocity) ** 2
 
     def dynamic_pressure(self, t: ArrayLike) -> FloatArray:
-        """Return the dynamic pressure [Pa]."""
+        """Return the dynamic pressure [Pa] at times of flight `t` [s], in their shape."""
         speed, _, altitude = self.states(t)
         ratio = self.pressure_ratio(speed, altitude)
         return np.asarray(ratio * self.condition.dynamic_pressure(self.vehicle))
 
     def deflection(self, t: ArrayLike) -> FloatArray:
-        """Return the nominal deflection [rad], -(I Theta_n'' + M_q Theta_n')/(T l_c), eq (B2c).
+        """Return the nominal deflection [rad] at times of flight `t` [s], eq (B2c).
+
+            delta_n = -(I Theta_n'' + M_q Theta_n')/(T l_c)
 
         The report has no damping M_q; the nose comes down in a gravity turn, which it resists.
         """
@@ -208,7 +216,10 @@ class NominalFlight:
         )
 
     def rates(self, t: Any, states: FloatArray) -> FloatArray:
-        """Return the derivatives of velocity, flight path angle and altitude."""
+        """Return the derivatives of velocity, flight path angle and altitude, in SI units.
+
+        `t`: times of flight [s], ``(...)``. `states`: these three at the times, ``(3, ...)``.
+        """
         speed, path, altitude = states
         drag = self.vehicle.axial_force * self.pressure_ratio(speed, altitude)
         push = (self.vehicle.thrust - drag) / self.mass(t)
@@ -222,10 +233,12 @@ class NominalFlight:
 
     @property
     def _time(self) -> float:
-        return _time_of(self.vehicle)
+        """Time of the vehicle [s]."""
+        return time_of(self.vehicle)
 
     @cached_property
     def _density(self) -> float:
+        """Density of the air [kg/m^3] at the time of the vehicle."""
         return self.condition.density
 
     @cached_property
@@ -236,7 +249,10 @@ class NominalFlight:
         return self._integrated(begin, self.start), self._integrated(begin, self.stop)
 
     def _integrated(self, begin: FloatArray, end: float) -> Any:
-        """Return the function from times [s] to states, from state `begin` to the time `end`."""
+        """Return the function from times [s] to `states`, from the vehicle's time to `end` [s].
+
+        `begin`: state at the vehicle's time, ``(3,)``.
+        """
         if end == self._time:
             return lambda t: begin if np.ndim(t) == 0 else np.outer(begin, np.ones(np.size(t)))
         solution = initial_value_solution(self.rates, begin, (self._time, end), _in_atmosphere)
@@ -250,7 +266,10 @@ class NominalFlight:
 
 
 def _in_atmosphere(states: FloatArray) -> bool:
-    """Return whether all states move within the atmosphere, neither straight up nor down."""
+    """Return whether states, ``(3, ...)``, all move within the atmosphere, not straight up or down.
+
+    They are velocity [m/s], flight path angle [rad] and altitude [m].
+    """
     speed, path, altitude = states
     inside = (altitude > LOWEST) & (altitude < HIGHEST)
     return bool(np.all((speed > 1.0) & (np.abs(path) < _STEEP) & inside))
@@ -285,12 +304,11 @@ def nominal_flight(
         errors.number(name, value, errors.between(-errors.MAX_TIME, errors.MAX_TIME), "s")
         for name, value in (("start", start), ("stop", stop))
     )
-    vehicle_time = _time_of(vehicle)
+    vehicle_time = time_of(vehicle)
     if not begin <= vehicle_time <= end or begin == end:
         raise errors.InputError(
             f"start and stop must lie around the vehicle's time, {vehicle_time:.6g} s; got"
-            f" {begin:.6g} and"
-            f" {end:.6g} s"
+            f" {begin:.6g} and {end:.6g} s"
         )
     return _integrated_once(vehicle, condition, begin, end)
 
@@ -299,7 +317,11 @@ def nominal_flight(
 def _integrated_once(
     vehicle: Vehicle, condition: FlightCondition, begin: float, end: float
 ) -> NominalFlight:
-    """Return the flight, kept for the next that goes the same way: it takes half of a flight."""
+    """Return the nominal flight of a vehicle in a span of time, cached: it is integrated once.
+
+    `condition`: altitude and specific impulse. `begin`, `end`: the span [s]. `InputError` where the
+    mass is used up, or the flight leaves the atmosphere.
+    """
     flight = NominalFlight(vehicle, condition, begin, end)
     if flight.mass(end) <= 0.0:
         raise errors.InputError(
@@ -309,5 +331,6 @@ def _integrated_once(
     return flight
 
 
-def _time_of(vehicle: Vehicle) -> float:
+def time_of(vehicle: Vehicle) -> float:
+    """Return the flight time [s] of a single vehicle; zero where it has none."""
     return 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))

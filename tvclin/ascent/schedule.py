@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.ascent.atmosphere import speed_of_sound, standard_atmosphere
-from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight
+from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight, time_of
 from tvclin.ascent.structure_schedule import StructureSchedule, structures_at
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray, IndexArray
@@ -77,6 +77,7 @@ class FlightSchedule(Shown):
     actuator_damping: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields, and set them to arrays; `InputError` as the class says."""
         errors.instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         times = np.asarray(self.vehicle.time)
         if self.vehicle.time is None or times.ndim != 1 or times.size < 2:
@@ -181,7 +182,10 @@ class FlightSchedule(Shown):
         return self.vehicle.replace(**numbers, time=times)
 
     def plants(self, time: ArrayLike, model: str, plane: str) -> Plant:
-        """Return the plants at any times [s]; without a moment of the air B is the smallest."""
+        """Return the plants at any times [s], a batch of their shape.
+
+        `model`, `plane`: as in `Plant`. Without a moment of the air B is the smallest possible.
+        """
         v = self.clamped_at(time).rigid
         smallest = _MIN_B * np.asarray(v.control_force)
         force = np.maximum(v.normal_force_slope, smallest)
@@ -204,7 +208,7 @@ class FlightSchedule(Shown):
         return tuple(self.between(*pair) for pair in pairwise(ends)) if zeros.size else (self,)
 
     def between(self, start: float | None = None, stop: float | None = None) -> FlightSchedule:
-        """Return the flight between two times [s], by default its first and its last.
+        """Return the flight from the time `start` to `stop` [s], by default its first and last.
 
         Raises
         ------
@@ -212,13 +216,9 @@ class FlightSchedule(Shown):
             For times outside the schedule, or not in order.
         """
         first, last = self.span
-        low = (
-            first
-            if start is None
-            else errors.number("start", start, errors.between(first, last), "s")
-        )
-        high = (
-            last if stop is None else errors.number("stop", stop, errors.between(first, last), "s")
+        low, high = (
+            end if time is None else errors.number(name, time, errors.between(first, last), "s")
+            for name, time, end in (("start", start, first), ("stop", stop, last))
         )
         if not low < high:
             raise errors.InputError(f"start must lie before stop; got {low:.6g} and {high:.6g} s")
@@ -329,7 +329,7 @@ class FlightSchedule(Shown):
         """
         flight = nominal_flight(vehicle, condition, start=start, stop=stop)
         width = errors.number("step", step, errors.positive, "s")
-        reference = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+        reference = time_of(vehicle)
         if (flight.stop - flight.start) / width > _MAX_ROWS:
             raise errors.InputError(f"step must give at most {_MAX_ROWS} rows; got {width:.6g} s")
         before, after = (

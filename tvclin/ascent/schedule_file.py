@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.nominal_flight import load_flight_condition
+from tvclin.ascent.nominal_flight import load_flight_condition, time_of
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.structure_schedule import load_structure
 from tvclin.base.errors import InputError, naming, number, path, shown
@@ -94,7 +94,7 @@ def load_schedule(
     if table is not None:
         return schedule_of(table, name, folder, build_structure(tables_of(text, name)))
     vehicle, condition = parse_vehicle(text, name), load_flight_condition(source)
-    reference = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+    reference = time_of(vehicle)
     first = reference - _BEFORE if start is None else start
     last = reference + _AFTER if stop is None else stop
     return FlightSchedule.from_flight(vehicle, condition, start=first, stop=last, step=step)
@@ -139,7 +139,8 @@ def schedule_of(
 ) -> FlightSchedule:
     """Return the schedule of a table of lists by the keys of vehicle files; see `load_schedule`.
 
-    `folder`: folder of the table of its structure. `common`: engine and sensors of the structure.
+    `source`: name of the file of the table. `folder`: folder of the table of its structure.
+    `common`: engine and sensors of the structure.
     """
     return _from_rows(_toml_rows(table, source), source, folder, common)
 
@@ -147,7 +148,10 @@ def schedule_of(
 def with_structure(
     schedule: FlightSchedule, name: Any, folder: Path, common: Structure | None = None
 ) -> FlightSchedule:
-    """Return the schedule with the structure of a table that a file in `folder` names."""
+    """Return the schedule with the structure of a table of modes, a CSV file in `folder`.
+
+    `name`: name of this file. `common`: engine and sensors of the structure.
+    """
     if not isinstance(name, str) or not name.isprintable():
         raise InputError(f"structure must be the path of a table of modes; got {shown(name)}")
     structure = load_structure(folder / name, common)
@@ -161,7 +165,11 @@ Row = tuple[str, dict[str, Any]]
 def _from_rows(
     rows: list[Row], source: str, folder: Path, common: Structure | None
 ) -> FlightSchedule:
-    """Return the schedule of rows of keys and values; `InputError` for fewer than two times."""
+    """Return the schedule of rows of keys and values; `InputError` for fewer than two times.
+
+    `source`: file of the rows. `folder`: folder of the table of the structure. `common`: engine and
+    sensors of the structure.
+    """
     source = called(source)
     structures = {str(row.pop("structure")): None for _, row in rows if "structure" in row}
     if len(structures) > 1:
@@ -234,7 +242,7 @@ def _pop_flight_columns(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
-    """Return the rows of a schedule in CSV."""
+    """Return the rows of a schedule in the text of a CSV file; `source`: its path, for errors."""
     sheet = sheet_in(lines_of(text, source), _number_of_known_keys, "keys, such as time_s,weight_N")
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
@@ -246,20 +254,27 @@ def _csv_rows(text: str, source: str) -> list[Row]:
 
 
 def _number_of_known_keys(headings: Headings) -> float:
-    """Return the number of keys of vehicle files and schedules in a line."""
+    """Return how well a line of headings fits: the number of keys of vehicles and schedules."""
     schedule_keys = {*VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
     return float(sum(heading.text in schedule_keys for heading in headings))
 
 
 def _column(source: str, labels: list[str], key: str, cells: tuple[str, ...]) -> Any:
-    """Return the values of a column, or one value if its first line alone has it."""
+    """Return the values of a column, or one value if its first line alone has it.
+
+    `source`, `labels`: file, and label of each line, for errors. `key`: heading of the column.
+    `cells`: its texts.
+    """
     if key != "time_s" and cells[0] and not any(cells[1:]):
         return _cell(source, labels[0], key, cells[0])
     return [_cell(source, label, key, cell) for label, cell in zip(labels, cells, strict=True)]
 
 
 def _cell(source: str, label: str, key: str, text: str) -> Any:
-    """Return the value of a cell of a CSV file: a number, or a text."""
+    """Return the value of a cell of a CSV file: a number, or a text.
+
+    `source`, `label`: file and line, for errors. `key`: heading of the column. `text`: of the cell.
+    """
     if text and key in _WORDS:
         return text
     with naming(f"{source}, {label}"):
@@ -270,7 +285,10 @@ def _cell(source: str, label: str, key: str, text: str) -> Any:
 
 
 def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
-    """Return the table [schedule] of a TOML file, or None."""
+    """Return the table [schedule] in the text of a TOML file, or None.
+
+    `source`: path of the file. `InputError` for further tables beside it.
+    """
     document, source = tables_of(text, source), called(source)
     table = document.get("schedule")
     others = document.keys() - SCHEDULE_HEADINGS
@@ -285,7 +303,7 @@ def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
 
 
 def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
-    """Return the rows of a schedule in TOML."""
+    """Return the rows of a table [schedule] of lists; `source`: its file, for errors."""
     source = called(source)
     times = table.get("time_s")
     if not isinstance(times, list):
@@ -300,7 +318,10 @@ def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
 
 
 def _rows(table: dict[str, Any], labels: list[str]) -> list[Row]:
-    """Return the rows of columns; a single value counts in every row."""
+    """Return the rows of a table of columns by key; a single value counts in every row.
+
+    `labels`: label of each row in errors.
+    """
     return [
         (label, {key: v[i] if isinstance(v, list) else v for key, v in table.items()})
         for i, label in enumerate(labels)

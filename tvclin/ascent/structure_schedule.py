@@ -63,6 +63,7 @@ class StructureSchedule(Shown):
     notes: tuple[str, ...] = field(default=(), metadata=spec())
 
     def __post_init__(self) -> None:
+        """Check the fields, and set them; `InputError` as the class says."""
         times = finite("times", self.times, "s")
         if times.ndim != 1 or times.size < 2 or np.any(np.diff(times) <= 0.0):
             raise InputError("times must be two or more rising times of flight in s")
@@ -169,7 +170,10 @@ def load_structure(
 def _rows_by_name(
     sheet: Sheet,
 ) -> tuple[dict[str, dict[float, BendingMode | SloshTank]], list[float]]:
-    """Return modes and tanks by name and time [s], and all times, rising."""
+    """Return the modes and tanks of a table by name and time [s], and all times [s], rising.
+
+    `sheet`: the table, with a row for each mode and tank at each time.
+    """
     rows: dict[str, dict[float, BendingMode | SloshTank]] = {}
     for position, cells in zip(sheet.places, sheet.cells, strict=True):
         with naming(position):
@@ -194,12 +198,15 @@ def _rows_by_name(
 
 
 def _known_keys(headings: Headings) -> float:
-    """Return the number of columns of a table of modes in a line of names."""
+    """Return how well a line of headings fits: the number of columns of a table of modes."""
     return float(sum(heading.text in {"time_s", "name", *_KEYS} for heading in headings))
 
 
 def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode | SloshTank]:
-    """Return time [s], name and mode or tank of a row."""
+    """Return time [s], name and mode or tank of a row of a table.
+
+    `sheet`: the table, with its headings. `cells`: texts of the row.
+    """
     row: dict[str, Any] = {
         heading.text: cell for heading, cell in zip(sheet.headings, cells, strict=True) if cell
     }
@@ -215,17 +222,17 @@ def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode 
         for key, cell in row.items()
     }
     time = values.pop("time_s")
-    given = {
-        mass: [key for key in values if table.keys.get(key, ("",))[0] == mass]
+    masses = [
+        mass
         for mass, table in _TABLES.items()
-    }
-    if bool(given["modal_mass"]) == bool(given["mass"]):
+        if any(table.keys.get(key, ("",))[0] == mass for key in values)
+    ]
+    if len(masses) != 1:
         raise InputError(
             f"{name} must have a modal mass, as a mode has, or a mass, as a tank has, and not both"
         )
-    mass = next(mass for mass, keys in given.items() if keys)
-    made: Mapping[str, Any] = _TABLES[mass].read(values)
-    return time, name, (bending_mode if mass == "modal_mass" else SloshTank)(**made)
+    numbers: Mapping[str, Any] = _TABLES[masses[0]].read(values)
+    return time, name, (bending_mode if masses == ["modal_mass"] else SloshTank)(**numbers)
 
 
 def _shape_of(mode: BendingMode) -> FloatArray:
@@ -247,7 +254,7 @@ def _align_signs(elements: list[Any]) -> list[int]:
         raise InputError("a mode must have displacements at the same tanks at all times")
     size = np.abs(shapes).max(axis=0)
     size[size == 0.0] = 1.0
-    turned = []
+    reversed_rows = []
     for k in range(1, len(elements)):
         if np.sum(_shape_of(elements[k - 1]) * shapes[k] / size**2) < 0.0:
             mode = elements[k]
@@ -255,12 +262,15 @@ def _align_signs(elements: list[Any]) -> list[int]:
             for name in ("tank_displacements", "tank_slopes"):
                 changes[name] = tuple(-value for value in getattr(mode, name))
             elements[k] = replace(mode, **changes)
-            turned.append(k)
-    return turned
+            reversed_rows.append(k)
+    return reversed_rows
 
 
 def _stacked(name: str, elements: list[Any]) -> Any:
-    """Return the batch ``(n,)`` of modes or tanks of one name."""
+    """Return modes, or tanks, of one name at n times as a batch ``(n,)``.
+
+    `elements`: one `BendingMode` or `SloshTank` for each time.
+    """
     kind = type(elements[0])
     values: dict[str, Any] = {}
     for item in fields(kind):
@@ -284,12 +294,15 @@ def structures_at(
     `time`: times, ``(...)``. `which`: index of the schedule of each, ``(...)``.
     """
     lines = TableLines(schedules[0].times, time, which)
-    made: Structure = _interpolated([schedule.structure for schedule in schedules], lines)
-    return made
+    structure: Structure = _interpolated([schedule.structure for schedule in schedules], lines)
+    return structure
 
 
 def _interpolated(values: Sequence[Any], lines: TableLines) -> Any:
-    """Return a value with all its numbers interpolated between those of several schedules."""
+    """Return a record, tuple, array or number, interpolated over the times of several schedules.
+
+    `values`: one for each schedule, all of one type. `lines`: the schedule and time of each result.
+    """
     first = values[0]
     if isinstance(first, tuple):
         return tuple(_interpolated(elements, lines) for elements in zip(*values, strict=True))

@@ -80,8 +80,9 @@ class WindAlong:
     def span(
         self, flight: FlightSchedule, start: float | None, stop: float | None
     ) -> tuple[float, float]:
-        """Return the ends [s] of a flight through the wind, by default where both are known.
+        """Return the first and the last time [s] of a flight through the wind.
 
+        `start`, `stop`: these times [s]; None for the first and last at which both are known.
         `InputError` for times outside the flight or the wind.
         """
         flight_interval = flight.between(start, stop)
@@ -164,7 +165,11 @@ def _sounding(
     sign: str | None,
     gust_time: float | None,
 ) -> WindAlong:
-    """Return the wind of a sounding along a flight; parameters as in `wind_along`."""
+    """Return the wind of a sounding along a flight, in one plane.
+
+    `wind`: the sounding along this flight. `plane`: of the wind angles, pitch or yaw. `sign`:
+    "frozen" for the nominal dynamic pressure, or None. `gust_time`: time of flight [s] of its gust.
+    """
     if sign in SIGNS:
         raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
     if (wind.gust is None) != (gust_time is None):
@@ -280,16 +285,20 @@ def planes_along(
 def _sounding_in_planes(
     flight: FlightSchedule, wind: MeasuredPlanes, sign: str | None, gust_time: float | None
 ) -> dict[str, WindAlong]:
-    """Return the wind of a sounding in both planes along a flight; see `planes_along`."""
+    """Return the wind of a sounding along a flight, by plane, in both planes.
+
+    `wind`: the sounding along this flight. `sign`: "frozen" for the nominal dynamic pressure, or
+    None. `gust_time`: time of flight [s] of its gust.
+    """
     if (wind.gust is None) != (gust_time is None):
         raise InputError("gust_time must be given for a sounding with a gust, and for no other")
     vehicle = flight.at(flight.span[0] if gust_time is None else gust_time).rigid
     winds = {}
     for plane in PLANES:
-        component = wind.part(plane, vehicle)
+        component = wind.component(plane, vehicle)
         if component is None:
-            other = next(iter(wind.parts.values()))
-            calm, speeds = other.wind * 0.0, None if sign == FROZEN else other.speeds
+            windy = next(iter(wind.parts.values()))
+            calm, speeds = windy.wind * 0.0, None if sign == FROZEN else windy.speeds
             winds[plane] = sounding_along(calm, speeds, plane, wind.known)
         else:
             time = None if component.gust is None else gust_time
@@ -340,6 +349,7 @@ class SoundingWind(VehicleWind):
     in_flight: bool = False
 
     def __post_init__(self) -> None:
+        """Check profile, schedule and window; `InputError` for another type or number."""
         instance("profile", self.profile, WindProfile, "see read_sounding")
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
         number("window", self.window, positive, "s")
@@ -368,7 +378,10 @@ class SoundingWind(VehicleWind):
         return history if self.in_flight else history.shift(-float(history.onset))
 
     def notes(self, vehicle: Any, plane: str) -> Iterator[str]:
-        """Yield notes on the sounding, and that it ends within its window."""
+        """Yield notes on the sounding, and one where it ends within the window of a vehicle.
+
+        `vehicle`: has the time of flight. `plane`: pitch or yaw.
+        """
         notes = self.profile.notes_along(self.schedule)
         yield from (f"{self.name}: {note}" for note in notes)
         first, last = self._along(plane).known
@@ -380,7 +393,7 @@ class SoundingWind(VehicleWind):
             )
 
     def _along(self, plane: str) -> MeasuredWind:
-        """Return the wind in a plane along the whole flight."""
+        """Return the wind in a plane, pitch or yaw, along the whole flight."""
         wind = fly_through(
             self.profile,
             self.schedule,

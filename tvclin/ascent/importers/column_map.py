@@ -99,7 +99,11 @@ Wanted = dict[str, tuple[str, float | None, str | float]]
 
 
 def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) -> Wanted:
-    """Return the quantities of a map; `InputError` for unknown, double and missing ones."""
+    """Return the entries of a map from quantities to columns, each with its key and unit.
+
+    `columns`: the map, as in `read_table`. `quantities`: kind of unit of each known quantity.
+    `InputError` for unknown, double and missing ones.
+    """
     if not isinstance(columns, Mapping):
         raise InputError(
             "columns must be a dict of quantities and the names of their columns, as"
@@ -126,7 +130,7 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
 
 
 def _unknown_key(table: FileTable, key: object) -> str:
-    """Return the message on a key of a map that `table` does not have, with similar keys."""
+    """Return the message on a `key` of a map that `table` does not have, with similar keys."""
     if not isinstance(key, str):
         return f"columns must have texts as keys, as 'time'; got {shown(key)}"
     if key.startswith(_PATH_ANGLES):
@@ -138,7 +142,10 @@ def _unknown_key(table: FileTable, key: object) -> str:
 
 
 def _check_complete(mapped: Wanted) -> None:
-    """Raise `InputError` for a map without time, or with missing or doubly given quantities."""
+    """Raise `InputError` for a map without time, or with missing or doubly given quantities.
+
+    `mapped`: its entries by quantity.
+    """
     if "time" not in mapped or not isinstance(mapped["time"][2], str):
         raise InputError("columns must name the column of the time, as time = 'Time (s)'")
     for name in (*_DIRECT, *_FACTORS):
@@ -151,20 +158,25 @@ def _check_complete(mapped: Wanted) -> None:
 
 
 def fit_of(wanted: Wanted) -> Fit:
-    """Return the function that counts the columns of a line that a map names; 0 without a time."""
+    """Return the function that counts the columns of a line that a map names; 0 without a time.
+
+    `wanted`: entries of the map by quantity.
+    """
     names = {
         " ".join(heading[2].split()) for heading in wanted.values() if isinstance(heading[2], str)
     }
     time = " ".join(str(wanted["time"][2]).split())
 
     def fit(headings: Headings) -> float:
-        here = {name for heading in headings for name in (heading.text, heading.name)}
-        return len(names & here) if time in here else 0.0
+        """Return the number of mapped columns among the headings of a line."""
+        available = {name for heading in headings for name in (heading.text, heading.name)}
+        return len(names & available) if time in available else 0.0
 
     return fit
 
 
 def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
+    """Return the heading of a name; None without one, `InputError` for several."""
     words = " ".join(name.split())
     matches = [heading for heading in headings if words in (heading.text, heading.name)]
     if len(matches) > 1:
@@ -175,7 +187,10 @@ def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
 def mapped_columns(
     sheet: Sheet, wanted: Wanted, quantities: Mapping[str, str]
 ) -> dict[str, Column]:
-    """Return the columns of a sheet by the quantities of a map."""
+    """Return the columns of a sheet [SI] by the quantities of a map.
+
+    `wanted`: entries of the map by quantity. `quantities`: kind of unit of each quantity.
+    """
     return {
         name: _column(sheet, name, quantities[name], *heading) for name, heading in wanted.items()
     }
@@ -184,7 +199,12 @@ def mapped_columns(
 def _column(
     sheet: Sheet, name: str, dimension: str, key: str, factor: float | None, source: str | float
 ) -> Column:
-    """Return a column of the sheet by its name or letter, or a constant column from a number."""
+    """Return the column [SI] of a quantity from a sheet, or a constant one.
+
+    `name`, `dimension`: name of the quantity, and kind of its unit. `key`: its key in the map.
+    `factor`: factor to SI of the unit of the key, None for that of the column. `source`: name of
+    the column, or the constant.
+    """
     if not isinstance(source, str):
         value = float(source) * (1.0 if factor is None else factor)
         return Column(np.full(sheet.line.size, value), f"given, {key} = {source:g}")
@@ -221,7 +241,7 @@ def _column(
 
 
 def _is_coefficient(heading: Heading) -> bool:
-    """Return whether a column holds the coefficient C_N itself, not its slope."""
+    """Return whether a column, by its heading, holds the coefficient C_N itself, not its slope."""
     name = letters(heading.name)
     slope = ("alpha", "derivative", "slope", "cna", "perrad", "perdeg", "cla")
     if any(not c.isascii() for c in heading.name):  # an alpha, or what became of it

@@ -44,7 +44,7 @@ class _DamagedError(Exception):
 
 
 def read_matlab(path: Path) -> dict[str, Value]:
-    """Return the variables of a .mat file of version 5 by name.
+    """Return the variables of the .mat file of version 5 at a path, by name.
 
     Raises
     ------
@@ -68,12 +68,18 @@ def read_matlab(path: Path) -> dict[str, Value]:
 
 
 def too_large(name: str, what: str) -> InputError:
-    """Return the error about a file that holds more than it may."""
+    """Return the error about a file, by its name, that holds more than it may.
+
+    `what`: the largest permitted amount, in words.
+    """
     return InputError(f"{name} holds more than {what}; save the columns of the log, in fewer rows")
 
 
 def _variables(content: memoryview, order: str, name: str) -> Iterator[tuple[str, Value]]:
-    """Yield the named variables of a file."""
+    """Yield names and values of the variables of a file.
+
+    `content`: its bytes. `order`: byte order, "<" or ">". `name`: name of the file, for errors.
+    """
     at, remaining, count = _HEADER, MAX_BYTES, 0
     while at < len(content):
         kind, size = _tag(content, at, order)
@@ -96,13 +102,15 @@ def _variables(content: memoryview, order: str, name: str) -> Iterator[tuple[str
         at = end
 
 
-def _unpacked(
-    packed: memoryview, order: str, max_numbers: int, name: str
-) -> tuple[int, memoryview]:
-    """Return type and bytes of the element that is compressed, no more than its tag states."""
+def _unpacked(packed: memoryview, order: str, max_bytes: int, name: str) -> tuple[int, memoryview]:
+    """Return type and bytes of a compressed element, no more bytes than its tag states.
+
+    `packed`: its compressed bytes. `order`: byte order, "<" or ">". `max_bytes`: largest size, and
+    `name`: name of the file, for the error.
+    """
     stream = zlib.decompressobj()
     kind, size = _tag(memoryview(stream.decompress(packed, _TAG)), 0, order)
-    if size > max_numbers:
+    if size > max_bytes:
         raise too_large(name, f"{MAX_BYTES // 1_000_000} MB when it is unpacked")
     body = stream.decompress(stream.unconsumed_tail, size) if size else b""
     beyond = stream.decompress(stream.unconsumed_tail, 1)  # reads the checksum at the end
@@ -112,7 +120,10 @@ def _unpacked(
 
 
 def _tag(data: memoryview, at: int, order: str) -> tuple[int, int]:
-    """Return data type and size [bytes] of the element at a position."""
+    """Return data type and size [bytes] of the element whose tag is at a position in `data`.
+
+    `at`: index of its first byte. `order`: byte order, "<" or ">".
+    """
     if at + _TAG > len(data):
         raise _DamagedError
     kind, size = np.frombuffer(data, f"{order}u4", 2, at).tolist()
@@ -121,7 +132,10 @@ def _tag(data: memoryview, at: int, order: str) -> tuple[int, int]:
 
 @dataclass
 class _Elements:
-    """The elements of a matrix, read one after the other."""
+    """The elements of a matrix, read one after the other.
+
+    `data`: bytes of the matrix. `order`: byte order, "<" or ">". `at`: index of the next element.
+    """
 
     data: memoryview
     order: str
@@ -152,10 +166,10 @@ class _Elements:
 
     def complete(self) -> list[int]:
         """Return the next element as whole numbers, none of them negative."""
-        matches = self.numbers()
-        if matches.dtype.kind not in "iu" or np.any(matches < 0):
+        integers = self.numbers()
+        if integers.dtype.kind not in "iu" or np.any(integers < 0):
             raise _DamagedError
-        return [int(entry) for entry in matches]
+        return [int(entry) for entry in integers]
 
     def text(self) -> str:
         """Return the next element as a text."""
@@ -177,7 +191,7 @@ class _Matrix:
 
     @classmethod
     def of(cls, data: memoryview, order: str) -> _Matrix:
-        """Return the matrix in the bytes of an element."""
+        """Return the matrix in the bytes of an element; `order`: byte order, "<" or ">"."""
         elements = _Elements(data, order)
         flags = elements.complete()
         if len(flags) != 2:
@@ -190,10 +204,10 @@ class _Matrix:
         """Return its real numbers without axes of length one; None for any other class."""
         if self.kind not in _NUMBERS or self.is_complex:
             return None
-        matches = self.elements.numbers()
-        if matches.size != math.prod(self.shape):
+        values = self.elements.numbers()
+        if values.size != math.prod(self.shape):
             raise _DamagedError
-        return matches.reshape([n for n in self.shape if n != 1], order="F")
+        return values.reshape([n for n in self.shape if n != 1], order="F")
 
     def structure(self) -> dict[str, AnyArray] | None:
         """Return the fields of a single structure that are numbers; None for several in one."""
@@ -202,17 +216,17 @@ class _Matrix:
         length, names = self.elements.complete(), self.elements.text()
         if len(length) != 1 or not length[0] or len(names) % length[0]:
             raise _DamagedError
-        matches = {}
+        numeric = {}
         for at in range(0, len(names), length[0]):
             kind, data = self.elements.next()
             if kind != _MATRIX:
                 raise _DamagedError
             numbers = _Matrix.of(data, self.elements.order).numbers() if len(data) else None
             if numbers is not None:
-                matches[_name(names[at : at + length[0]])] = numbers
-        return matches
+                numeric[_name(names[at : at + length[0]])] = numbers
+        return numeric
 
 
 def _name(text: str) -> str:
-    """Return a name up to the zero that ends it, without what cannot be printed."""
+    """Return a text up to the zero that ends it, without what cannot be printed."""
     return "".join(letter for letter in text.partition("\0")[0] if letter.isprintable())

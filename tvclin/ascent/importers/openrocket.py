@@ -62,10 +62,11 @@ _QUOTED = 3
 
 
 def _export(path: str | PathLike[str]) -> Sheet:
-    """Return the rows of an export; `InputError` where its line of names was left off."""
+    """Return the rows of the export at a path; `InputError` where its line of names is missing."""
     names = [letters(name) for _, name in _NEEDED.values()]
 
     def fit(headings: Headings) -> float:
+        """Return how well the headings of a line fit: one, and one for each needed column."""
         here = {name for heading in headings if heading.unit is not None for name in heading.names}
         with_units = sum(heading.unit is not None for heading in headings)
         if "time" not in here and with_units < _WITH_UNITS:
@@ -82,7 +83,7 @@ def _export(path: str | PathLike[str]) -> Sheet:
 def _columns(
     sheet: Sheet, ground: float | None, slope_column: bool
 ) -> tuple[dict[str, Column], list[str]]:
-    """Return the columns of an export by name, in SI units, and notes on those that are not read.
+    """Return the columns of a sheet by name, in SI units, and notes on those that are not read.
 
     `ground`: elevation of the launch site [m]. `slope_column`: whether the slope of the normal
     force coefficient is to be read too.
@@ -100,7 +101,7 @@ def _columns(
 
 
 def _check_names(sheet: Sheet) -> None:
-    """Raise `InputError` for columns that are missing, and say where names are translated."""
+    """Raise `InputError` for a sheet that lacks columns, and say where names are translated."""
     missing = [name for _, name in _NEEDED.values() if sheet.find(name) is None]
     if not missing:
         return
@@ -119,7 +120,11 @@ def _check_names(sheet: Sheet) -> None:
 
 
 def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
-    """Return pressure and temperature, or density, or pressure; and any speed of sound."""
+    """Return columns of the air by name [SI], with the speed of sound where a sheet has it.
+
+    They are pressure and temperature, or density, or pressure, of which `InputError` if there is
+    none. `notes`: notes on columns that cannot be read are appended.
+    """
     columns = sheet.optional("sound", "Speed of sound", "speed", notes)
     pressure = sheet.optional("pressure", "Air pressure", "pressure", notes)
     if pressure:
@@ -138,7 +143,11 @@ def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
 
 
 def _attitude(sheet: Sheet, speed: Column, notes: list[str]) -> dict[str, Column]:
-    """Return the attitude above the horizon, or the path angle where it is not exported."""
+    """Return the attitude above the horizon [rad] as a column by name, and the speed upwards.
+
+    Where a sheet has no attitude it is the path angle, from the vertical and the total `speed`
+    [m/s]. `notes`: notes on columns that cannot be read are appended.
+    """
     heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
     if heading is not None:
         columns = sheet.numbers(heading, "angle")
@@ -157,7 +166,10 @@ def _attitude(sheet: Sheet, speed: Column, notes: list[str]) -> dict[str, Column
 
 
 def _altitude(sheet: Sheet, ground: float | None) -> Column:
-    """Return the altitude above the sea, which winds refer to."""
+    """Return the altitude above the sea [m], which winds refer to, of a sheet.
+
+    `ground`: elevation of the launch site [m], for altitudes above it; else None.
+    """
     sea = sheet.find("Altitude above sea level")
     if sea is not None:
         if ground is not None:
@@ -171,16 +183,17 @@ def _altitude(sheet: Sheet, ground: float | None) -> Column:
 
 
 def _slope_column(sheet: Sheet) -> dict[str, Column]:
-    """Return the column of the slope of the normal force; `InputError` without it."""
+    """Return the slope of the normal force coefficient [1/rad] of a sheet, as a column by name.
+
+    `InputError` without such a column.
+    """
     heading = sheet.find(_SLOPE)
     if heading is not None:
         return {"normal_force_coefficient_slope": sheet.numbers(heading, "per angle")}
     coefficient = sheet.find(_COEFFICIENT)
-    is_none = (
-        f"; {coefficient.text} is the coefficient of the flight, not its slope"
-        if coefficient
-        else ""
-    )
+    is_none = ""
+    if coefficient is not None:
+        is_none = f"; {coefficient.text} is the coefficient of the flight, not its slope"
     raise InputError(
         f"{sheet.text.source} has no column {_SLOPE}{is_none}: give"
         " normal_force_coefficient_slope, a number per rad or a table over Mach"
@@ -188,18 +201,18 @@ def _slope_column(sheet: Sheet) -> dict[str, Column]:
 
 
 def _unread(sheet: Sheet) -> list[str]:
-    """Return notes on columns of damping and of an ambiguous rate, which are not read."""
-    ambiguous = next((h for h in sheet.headings if letters(_UNREAD) in h.names), None)
-    parts = []
-    if not any(letters(_DAMPING) in h.names for h in sheet.headings):
-        parts = [h for h in sheet.headings if h.names[0].startswith(letters(_DAMPING))]
-    notes = [
-        f"not read: column {component.text}, for it is a part of the damping" for component in parts
-    ]
-    if ambiguous is not None:
-        notes += [
-            f"not read: column {ambiguous.text}, for its name does not say which rate it refers to"
+    """Return notes on columns of a sheet, of damping and of an ambiguous rate, not read."""
+    headings, notes = sheet.headings, []
+    if not any(letters(_DAMPING) in heading.names for heading in headings):
+        notes = [
+            f"not read: column {heading.text}, for it is a part of the damping"
+            for heading in headings
+            if heading.names[0].startswith(letters(_DAMPING))
         ]
+    for heading in headings:
+        if letters(_UNREAD) in heading.names:
+            why = "for its name does not say which rate it refers to"
+            return [*notes, f"not read: column {heading.text}, {why}"]
     return notes
 
 
@@ -231,7 +244,10 @@ def _damping(flight: Flight) -> tuple[dict[str, Column], list[str]]:
 
 
 def _rounded(sheet: Sheet, flight: Flight) -> list[str]:
-    """Return notes on an inertia or a density that was written with too few decimals."""
+    """Return notes on an inertia or a density that was written with too few decimals.
+
+    `sheet`: the cells as texts. `flight`: the powered rows, as numbers [SI].
+    """
     notes = []
     for name, dimension, header in (
         ("moment_of_inertia", *_NEEDED["moment_of_inertia"]),
@@ -244,19 +260,22 @@ def _rounded(sheet: Sheet, flight: Flight) -> list[str]:
         if any("e" in cell.lower() for cell in written):
             continue
         decimals = max(len(cell.partition(".")[2]) for cell in written)
-        component = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
-        if component.max() >= _ROUGH:
+        rounding = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
+        if rounding.max() >= _ROUGH:
             notes.append(
-                f"{heading.text} is written with {decimals} decimals, {100 * component.max():.2g}"
+                f"{heading.text} is written with {decimals} decimals, {100 * rounding.max():.2g}"
                 " percent of it; export more, or another unit"
             )
     return notes
 
 
 def _free(sheet: Sheet, flight: Flight) -> BoolArray:
-    """Return which rows are free flight: beyond the rod, with a centre of pressure, ``(n,)``."""
+    """Return whether each row of a flight is free: beyond the rod, with a centre of pressure.
+
+    Shape ``(n,)``. The event of leaving the rod is in a comment of the sheet.
+    """
     events = [_ROD.search(content) for content in sheet.text.lines]
-    times = [float(heading[1]) for heading in events if heading is not None]
+    times = [float(event[1]) for event in events if event is not None]
     cleared = min((time for time in times if np.isfinite(time)), default=-np.inf)
     return np.isfinite(flight["pressure_station"]) & (flight["time"] >= cleared)
 
@@ -350,7 +369,7 @@ def read_openrocket(
 
 
 def _wind(flight: Flight) -> list[str]:
-    """Return the columns of the wind along the flight."""
+    """Return a note where the air speed of a flight, Mach times sound, is not that over ground."""
     if "sound" not in flight.columns:
         return []
     through_air = flight["mach"] * flight["sound"]
@@ -365,7 +384,7 @@ def _wind(flight: Flight) -> list[str]:
 
 
 def _dynamic_pressure(flight: Flight) -> Column:
-    """Return q [Pa] of the most exact columns of the air in the file."""
+    """Return the dynamic pressure q [Pa] of a flight, of the most exact columns of its air."""
     if "temperature" in flight.columns:
         temperature = flight.columns["temperature"]
         density = flight["pressure"] / (_GAS_CONSTANT * temperature.values)
@@ -383,7 +402,10 @@ def _dynamic_pressure(flight: Flight) -> Column:
 
 
 def _reference_area(flight: Flight, reference_area: float | None) -> Column:
-    """Return S [m^2] of the file, or a specified one."""
+    """Return the reference area S [m^2] at each row of a flight: of the file, or a specified one.
+
+    `reference_area`: area [m^2], or None for that of the file.
+    """
     area = flight.columns["reference_area"]
     if reference_area is None:
         return Column(area.values, f"{area.origin}, on which the slope must be")

@@ -38,9 +38,10 @@ Slope = ArrayLike | str | PathLike[str] | tuple[ArrayLike, ArrayLike]
 
 
 def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
-    """Return dC_N/dalpha [1/rad] at Mach numbers, of a number, a pair of rows over Mach, or a file.
+    """Return the slope dC_N/dalpha [1/rad] at Mach numbers, ``(n,)``.
 
-    Straight lines between the Mach numbers of a pair or a file; `InputError` for some beyond them.
+    `slope_source`: a number, a pair of rows over Mach, or a file as in `read_slopes`. Straight
+    lines between the Mach numbers of a pair or a file; `InputError` for some beyond them.
     """
     if isinstance(slope_source, str | PathLike):
         at, slope = read_slopes(slope_source)
@@ -69,11 +70,12 @@ def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
 
 
 def read_slopes(path: str | PathLike[str]) -> tuple[FloatArray, Column]:
-    """Return Mach numbers and slopes [1/rad] of a table of RASAero II or of OpenRocket's analysis.
+    """Return Mach numbers, ``(n,)``, and slopes dC_N/dalpha [1/rad] at them, of a file.
 
-    Of RASAero it is CN Potential at the smallest angle of attack over that angle: the slope at
-    zero. Its CNalpha (0 to 4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is
-    the column of the whole rocket.
+    `path`: a table of RASAero II or of OpenRocket's component analysis. Of RASAero it is CN
+    Potential at the smallest angle of attack over that angle: the slope at zero. Its CNalpha (0 to
+    4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is the column of the whole
+    rocket.
     """
     missing = (
         "names with Mach; give the table that RASAero II (aero plots) or OpenRocket (component"
@@ -85,11 +87,16 @@ def read_slopes(path: str | PathLike[str]) -> tuple[FloatArray, Column]:
 
 
 def _at_mach_numbers(headings: Headings) -> float:
-    return float(any(set(component.names) & {"mach", "machnumber"} for component in headings[:2]))
+    """Return 1 if one of the first two headings of a line is the Mach number, else 0."""
+    return float(any(set(heading.names) & {"mach", "machnumber"} for heading in headings[:2]))
 
 
 def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
-    """Return the slope CN Potential/Alpha at the smallest Alpha above zero, over Mach."""
+    """Return Mach numbers, ``(n,)``, and slopes [1/rad] at them, of a table of RASAero II.
+
+    They are CN Potential/Alpha at the smallest Alpha above zero. `sheet`: the table. `heading`:
+    heading of the column CN Potential.
+    """
     angle = sheet.find("Alpha")
     if angle is None:
         raise errors.InputError(f"{sheet.text.source} has no column Alpha beside {heading.text}")
@@ -108,20 +115,23 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
 
 
 def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
-    """Return the slope of the whole rocket: the only column, or the sum of the others."""
-    columns = [component for component in sheet.headings if _SLOPE.fullmatch(component.name)]
+    """Return Mach numbers, ``(n,)``, and slopes [1/rad] at them, of OpenRocket's analysis.
+
+    They are those of all components: the only column of the `sheet`, or the sum of the others.
+    """
+    columns = [heading for heading in sheet.headings if _SLOPE.fullmatch(heading.name)]
     if not columns:
         nearest = [
-            component.text
-            for component in sheet.headings
-            if letters(component.name).startswith(("cn", "normal"))
+            heading.text
+            for heading in sheet.headings
+            if letters(heading.name).startswith(("cn", "normal"))
         ]
         is_none = f"; {nearest[0]} is a coefficient, not its slope" if nearest else ""
         raise errors.InputError(
             f"{sheet.text.source} has no slope of the normal force coefficient{is_none}: it must"
             " have a column CN Potential (RASAero II) or CN alpha (OpenRocket's component analysis)"
         )
-    slopes = [sheet.numbers(component, "per angle").values for component in columns]
+    slopes = [sheet.numbers(column, "per angle").values for column in columns]
     if len(columns) > 1 and not np.allclose(slopes[0], np.sum(slopes[1:], axis=0), rtol=1e-2):
         raise errors.InputError(
             f"{sheet.text.source} holds {len(columns)} columns CN alpha, the first of them not the"
@@ -132,13 +142,17 @@ def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
 
 
 def _mach_of(sheet: Sheet) -> Heading:
-    columns = sheet.find("Mach", "Mach number")
-    assert columns is not None  # by `_at_mach_numbers`
-    return columns
+    """Return the heading of the Mach number in a sheet that has it."""
+    heading = sheet.find("Mach", "Mach number")
+    assert heading is not None  # by `_at_mach_numbers`
+    return heading
 
 
 def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArray, Column]:
-    """Return Mach numbers ``(n,)`` and the slope [1/rad] over them; `InputError` if invalid."""
+    """Return Mach numbers and slopes [1/rad] at them, ``(n,)`` each; `InputError` if invalid.
+
+    `origin`: where the slopes come from, in words.
+    """
     if mach.shape != slope.shape or mach.size < 2:
         raise errors.InputError(
             "normal_force_coefficient_slope must hold as many slopes as Mach numbers, two or more;"
@@ -178,10 +192,11 @@ class Flight:
     notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> FloatArray:
+        """Return the numbers of a column by its name [SI], ``(n,)``."""
         return self.columns[name].values
 
     def origin(self, name: str) -> str:
-        """Return the origin of a column in words."""
+        """Return the origin of a column, by its name, in words."""
         return self.columns[name].origin
 
     def noted(self, *notes: str) -> Flight:
@@ -247,7 +262,7 @@ def powered(
 
 
 def _check_times(flight: Flight) -> None:
-    """Raise `InputError` for a time that is missing or falls."""
+    """Raise `InputError` for a time of a flight that is missing or falls."""
     time = flight["time"]
     flight.require(np.isfinite(time), lambda _: "the time is missing")
     flight.require(
@@ -257,7 +272,10 @@ def _check_times(flight: Flight) -> None:
 
 
 def _check_numbers(flight: Flight, name: str, column: Column) -> None:
-    """Raise `InputError` for a number of a column that is missing or impossible."""
+    """Raise `InputError` for a number of a column that is missing or impossible.
+
+    `flight`: the flight of the column. `name`: its quantity, on which the rule depends.
+    """
     values = column.values
     flight.require(
         np.isfinite(values),
@@ -277,8 +295,9 @@ def _omitted(
 ) -> list[str]:
     """Return notes on the powered flight, and on the rows of a file that are omitted.
 
-    `twice`: whether the row after each row of the file has the same time. `index`: rows of distinct
-    times, ``(n,)``. `first`, `last`: range of the powered flight within `index`.
+    `flight`: all rows of the file. `twice`: whether the row after each row of the file has the same
+    time. `index`: rows of distinct times, ``(n,)``. `first`, `last`: range of the powered flight
+    within `index`.
     """
     time = flight["time"][index]
     taken = plural(last - first, "row")
@@ -298,8 +317,7 @@ def _omitted(
         if np.any(restarted):
             notes.append(
                 f"the thrust comes back at {time[last + int(np.argmax(restarted))]:g} s: that"
-                " burn is"
-                " read with start (--from) at that time"
+                " burn is read with start (--from) at that time"
             )
     if np.any(twice):
         notes.append(f"{plural(int(np.sum(twice)), 'row')} at the time of the next row left out")
@@ -323,7 +341,10 @@ _MAX_GIMBAL_OVER_GRAVITY = 5.0
 
 
 def _check_angle_of_attack(flight: Flight) -> None:
-    """Raise `InputError` above 2 deg, where slope and centre of pressure are not those at zero."""
+    """Raise `InputError` for an angle of attack of a flight above 2 deg.
+
+    Beyond it slope and centre of pressure are not those at zero.
+    """
     angle, time = np.abs(flight["angle_of_attack"]), flight["time"]
     flight.require(
         angle <= _MAX_ANGLE_OF_ATTACK,
@@ -336,7 +357,7 @@ def _check_angle_of_attack(flight: Flight) -> None:
 
 
 def _check_attitude(flight: Flight, attitude: FloatArray) -> None:
-    """Raise `InputError` for an attitude [rad] far from the flight path."""
+    """Raise `InputError` for an attitude [rad], ``(n,)``, far from the path of a flight."""
     path = np.arcsin(np.clip(flight["climb"] / flight["velocity"], -1.0, 1.0))
     flight.require(
         np.abs(path - attitude) <= _MAX_PATH_DIFFERENCE,
@@ -349,7 +370,10 @@ def _check_attitude(flight: Flight, attitude: FloatArray) -> None:
 
 
 def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> None:
-    """Raise `InputError` for a gimbal ahead of the centre of gravity, and one not in metres."""
+    """Raise `InputError` for a gimbal ahead of the centre of gravity, and one not in metres.
+
+    `gimbal`, `gravity`: stations [m] from the nose tip at each row of the flight, ``(n,)``.
+    """
     forward = np.flatnonzero(gravity >= gimbal)
     if forward.size:
         i = forward[0]
@@ -379,7 +403,10 @@ def _check_slope(slope: FloatArray) -> None:
 
 
 def _check_masses(flight: Flight, weight: FloatArray) -> None:
-    """Raise `InputError` for a mass in another unit, and for a stage that falls off."""
+    """Raise `InputError` for a mass in another unit, and for a stage that falls off.
+
+    `weight`: weight [N] at each row of the flight, ``(n,)``.
+    """
     ratio = flight["thrust"] / weight
     best = int(np.argmax(ratio))
     smallest, largest = _THRUST_OVER_WEIGHT
@@ -405,7 +432,11 @@ def _check_masses(flight: Flight, weight: FloatArray) -> None:
 def _check_inertia(
     flight: Flight, inertia: FloatArray, weight: FloatArray, arm: FloatArray
 ) -> None:
-    """Raise `InputError` for an inertia in another unit, or about another axis."""
+    """Raise `InputError` for an inertia in another unit, or about another axis.
+
+    `inertia`, `weight`, `arm`: moment of inertia [kg m^2], weight [N] and control arm [m] at each
+    row of the flight, ``(n,)``.
+    """
     errors.positive("moment_of_inertia", inertia, "kg m^2")
     size = np.abs(arm)
     ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / size
@@ -436,8 +467,8 @@ _FIELDS = (
 def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> FlightSchedule:
     """Return the schedule of a powered flight, whose columns are the quantities of `read_table`.
 
-    The speed upwards, `climb`, is compared with the attitude where it is given. `InputError` for
-    implausible numbers.
+    `name`: name of the vehicle. `max_rows`: largest number of rows. The speed upwards, `climb`, is
+    compared with the attitude where it is given. `InputError` for implausible numbers.
     """
     largest = errors.whole_number("max_rows", max_rows)
     if largest < 2:
@@ -478,24 +509,28 @@ def vehicle_columns(flight: Flight) -> dict[str, Column]:
 
 
 def _weight(flight: Flight) -> Column:
+    """Return the weight W [N] of the mass of a flight."""
     mass = flight.columns["mass"]
     return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
 
 
 def _normal_force_slope(flight: Flight) -> Column:
-    """Return N = q S dC_N/dalpha [N/rad], eq (B1d)."""
+    """Return the normal force slope N = q S dC_N/dalpha [N/rad] of a flight, eq (B1d)."""
     slope = flight.columns["normal_force_coefficient_slope"]
     _check_slope(slope.values)
     return _aerodynamic_force(flight, "dC_N/dalpha", slope)
 
 
 def _axial_force(flight: Flight) -> Column:
-    """Return F_A = q S C_A [N]."""
+    """Return the axial force F_A = q S C_A [N] of a flight."""
     return _aerodynamic_force(flight, "C_A", flight.columns["axial_force_coefficient"])
 
 
 def _aerodynamic_force(flight: Flight, symbol: str, coefficient: Column) -> Column:
-    """Return q S times a coefficient with a symbol."""
+    """Return q S times a coefficient: dynamic pressure and reference area of a flight, [N].
+
+    `symbol`: of the coefficient, for the origin of the column.
+    """
     q, area = flight.columns["dynamic_pressure"], flight.columns["reference_area"]
     return Column(
         q.values * area.values * coefficient.values,
@@ -504,13 +539,19 @@ def _aerodynamic_force(flight: Flight, symbol: str, coefficient: Column) -> Colu
 
 
 def _aerodynamic_arm(flight: Flight) -> Column:
-    """Return l_a = x_CG - x_CP [m] of stations from the nose tip aft; negative: stable."""
+    """Return the aerodynamic arm l_a = x_CG - x_CP [m] of a flight; negative where it is stable.
+
+    Stations are from the nose tip aft.
+    """
     gravity, pressure = flight.columns["gravity_station"], flight.columns["pressure_station"]
     return Column(gravity.values - pressure.values, f"{gravity.origin} less {pressure.origin}")
 
 
 def _control_arm(flight: Flight) -> Column:
-    """Return l_c = x_gimbal - x_CG [m] of stations from the nose tip aft."""
+    """Return the control arm l_c = x_gimbal - x_CG [m] of a flight.
+
+    Stations are from the nose tip aft.
+    """
     gimbal, gravity = flight.columns["gimbal_station"], flight.columns["gravity_station"]
     _check_gimbal(flight, gimbal.values, gravity.values)
     return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
@@ -527,7 +568,7 @@ _COMPUTED = {
 
 
 def given_slope(flight: Flight, slope: Slope) -> Column:
-    """Return a specified slope [1/rad] at the Mach number of each row."""
+    """Return a specified slope [1/rad] at the Mach number of each row of a flight."""
     column = slope_at_mach(slope, flight["mach"])
     _check_slope(column.values)
     return column
@@ -539,7 +580,11 @@ def given_gimbal(flight: Flight, station: float) -> Column:
 
 
 def above_sea(above_ground: Column, source: str, ground: float | None) -> Column:
-    """Return altitudes above the sea [m] of those above the ground."""
+    """Return altitudes above the sea [m] of those above the ground.
+
+    `source`: name of their file, for the error. `ground`: elevation of the launch site [m];
+    `InputError` for None.
+    """
     if ground is None:
         raise errors.InputError(
             f"{source} has altitudes above the ground, and winds are above the sea: give ground,"
@@ -568,7 +613,8 @@ def thinned_rows(
 ) -> tuple[IndexArray, float]:
     """Return the indices of thinned rows, and the largest error of lines between them, relative.
 
-    All rows up to `largest`; else the first and the last, and repeatedly the row of largest error.
+    `time`, `values`: times [s] and columns, ``(n,)`` each. All rows up to a number of `largest`;
+    else the first and the last, and repeatedly the row of largest error.
     """
     if time.size <= largest:
         return np.arange(time.size), 0.0

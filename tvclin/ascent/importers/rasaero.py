@@ -124,7 +124,10 @@ def read_rasaero(
 
 
 def _inertias(times_and_inertias: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:
-    """Return times [s] and moments of inertia [kg m^2]; `InputError` unless a pair of rows."""
+    """Return times [s] and moments of inertia [kg m^2] at them, ``(n,)``; `InputError` if invalid.
+
+    `times_and_inertias`: the pair of both rows.
+    """
     if not isinstance(times_and_inertias, tuple | list) or len(times_and_inertias) != 2:
         raise InputError(
             "moment_of_inertia must be a pair, of times [s] and of moments of inertia [kg m^2]"
@@ -143,6 +146,7 @@ def _inertias(times_and_inertias: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarr
 
 
 def _fit(headings: Headings) -> float:
-    here = {name for heading in headings for name in heading.names}
-    matches = sum(letters(name) in here for _, name in _NEEDED.values())
-    return matches if {"time", "cg", "thrust"} <= here else 0.0
+    """Return how well the headings of a line fit: the number of needed columns among them."""
+    available = {name for heading in headings for name in heading.names}
+    matches = sum(letters(name) in available for _, name in _NEEDED.values())
+    return matches if {"time", "cg", "thrust"} <= available else 0.0

@@ -86,8 +86,8 @@ def schedule_from_rocketpy(
     columns |= {k: _sampled(flight, name, time, "flight") for k, name in _OF_FLIGHT.items()}
     columns |= {k: _sampled(rocket, name, time, "rocket") for k, name in _OF_ROCKET.items()}
     for key, name in _ANGLES.items():
-        surfaces = _sampled(flight, name, time, "flight")
-        columns[key] = Column(np.radians(surfaces.values), f"{surfaces.origin}, in degrees")
+        angle = _sampled(flight, name, time, "flight")
+        columns[key] = Column(np.radians(angle.values), f"{angle.origin}, in degrees")
     simulated = Flight(
         source="the RocketPy flight",
         places=tuple(f"the RocketPy flight at {t:.4g} s" for t in time),
@@ -140,7 +140,8 @@ def _aerodynamics(
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Return slope of the normal force [1/rad], centre of pressure [m], ``(n,)`` each, and notes.
 
-    `mach`: Mach numbers, ``(n,)``. `without`: names of surfaces that are omitted.
+    `rocket`: an object of RocketPy. `mach`: Mach numbers, ``(n,)``. `without`: names of surfaces
+    that are omitted.
     """
     slope = _sampled(rocket, "total_lift_coeff_der", mach, "rocket").values
     moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values
@@ -167,7 +168,7 @@ def _aerodynamics(
 
 
 def _generic(rocket: Any) -> list[str]:
-    """Return a note on surfaces that RocketPy omits from slope and centre of pressure."""
+    """Return a note on surfaces of a rocket that RocketPy omits from slope and pressure centre."""
     pairs = getattr(rocket, "aerodynamic_surfaces", ())
     names = [
         str(getattr(surface, "name", ""))
@@ -180,7 +181,10 @@ def _generic(rocket: Any) -> list[str]:
 
 
 def _attribute(record: Any, name: str) -> Any:
-    """Return an attribute of an object of RocketPy; `InputError` without it."""
+    """Return an attribute, by its name, of an object of RocketPy; `InputError` without it.
+
+    `record`: the object: a flight, a rocket, or a part of one.
+    """
     value = getattr(record, name, None)
     if value is None:
         raise InputError(
@@ -190,12 +194,13 @@ def _attribute(record: Any, name: str) -> Any:
     return value
 
 
-def _sampled(surface: Any, name: str, at: FloatArray, called: str) -> Column:
-    """Return the values of a function `name` of a surface or rocket, ``(n,)``, and their origin.
+def _sampled(record: Any, name: str, at: FloatArray, called: str) -> Column:
+    """Return the values of a function `name` of an object of RocketPy, ``(n,)``, and their origin.
 
-    `at`: times [s] or Mach numbers, ``(n,)``. `called`: name of the object in messages.
+    `record`: the object: a flight, a rocket, or a part of one. `at`: times [s] or Mach numbers,
+    ``(n,)``. `called`: name of the object in messages.
     """
-    function: Callable[[float], Any] = _attribute(surface, name)
+    function: Callable[[float], Any] = _attribute(record, name)
     try:
         values = np.array([float(function(float(x))) for x in at])
     except Exception:  # whatever a stranger's function may raise

@@ -132,8 +132,8 @@ def read_log(
     Examples
     --------
     >>> import tvclin as tv
-    >>> found = tv.ascent.read_log("tests/schedules/log.csv")
-    >>> found.schedule.span, found.wind.time.size
+    >>> log = tv.ascent.read_log("tests/schedules/log.csv")
+    >>> log.schedule.span, log.wind.time.size
     ((2.0, 8.0), 7)
     """
     wanted = None if columns is None else map_of(columns, _KNOWN)
@@ -157,11 +157,15 @@ def read_log(
 
 
 def _sheet(path: str | PathLike[str], wanted: Wanted | None) -> Sheet:
-    """Return the sheet of a log of a simulation, from text or a MAT file."""
+    """Return the sheet of the log of a simulation at a path, from text or a MAT file.
+
+    `wanted`: entries of a map of columns by quantity; None to know columns by our names.
+    """
     if a_path("path", path).suffix.lower() == ".mat":
         return _matlab_sheet(path)
 
     def fit(headings: Headings) -> float:
+        """Return the number of known columns in a line of headings with a time, else 0."""
         names = _names(headings).values()
         return len(names) if "time" in names else 0.0
 
@@ -171,7 +175,10 @@ def _sheet(path: str | PathLike[str], wanted: Wanted | None) -> Sheet:
 
 
 def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
-    """Return the vectors of equal length in a .mat file as a table; single numbers as columns."""
+    """Return the vectors of equal length in the .mat file at a path as the columns of a table.
+
+    A single number is a constant column.
+    """
     source, variables = called(file := a_path("path", path)), read_matlab(file)
     if len(variables) == 1 and isinstance(structure := next(iter(variables.values())), dict):
         variables = dict(structure)
@@ -212,12 +219,13 @@ def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
 
 
 def _by_our_names(sheet: Sheet) -> dict[str, str | float]:
+    """Return the map of `read_table` for the columns of a sheet that are known by our names."""
     keys, named = FileTable("columns", _KNOWN).keys, _names(sheet.headings)
     return {(text if text in keys else name): text for text, name in named.items()}
 
 
 def _wind(flight: Flight) -> tuple[FloatArray, str]:
-    """Return the wind angle [rad], ``(n,)``, and its origin in words."""
+    """Return the wind angle [rad] at each row of a flight, ``(n,)``, and its origin in words."""
     have = flight.columns
     if "wind_angle" in have:
         return flight["wind_angle"], flight.origin("wind_angle")

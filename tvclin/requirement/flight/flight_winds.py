@@ -216,7 +216,7 @@ def place_vector(
 ) -> dict[str, PlacedWind]:
     """Return the components of a wind placed at a flight time [s], by plane."""
     if isinstance(wind, MeasuredPlanes):
-        measured = {plane: wind.part(plane, vehicle) for plane in PLANES}
+        measured = {plane: wind.component(plane, vehicle) for plane in PLANES}
         calm = (
             next(
                 wind_in_plane for wind_in_plane in measured.values() if wind_in_plane is not None
