@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts2
 
-from tvclin.base.arrays import FloatArray, IndexArray, Storage
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, Storage
 
 _FIRST_DEGREE, _MAX_DEGREE = 5, 32
 """Degree of the first and the last interpolant."""
@@ -77,16 +77,18 @@ def smooth_values(
     at_nodes = list(np.split(rows, max(len(pending), 1)))
     remaining: list[slice] = []
     while pending:
-        rest: list[tuple[slice, FloatArray]] = []
+        points = np.stack(at_nodes)  # (runs, degree + 1, elements)
+        changes = np.nan_to_num(points - points[:, :1])
         middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
-        for run, points in zip(pending, at_nodes, strict=False):
-            if _agree(_interpolated(points[::2], middles), points, columns[:-1]):
-                factors = _factors(degree, _angles(times[run], *times[run][[0, -1]]))
-                for array, low, high in zip(flat, columns[:-1], columns[1:], strict=True):
-                    _interpolated(points[:, low:high], factors, array[run])
-            elif degree < _MAX_DEGREE and _worth(run, degree):
-                rest.append((run, points))
-            else:
+        agree = _agree(middles @ changes[:, ::2] + points[:, :1], points, columns[:-1])
+        smooth = np.flatnonzero(agree)
+        runs = [pending[k] for k in smooth]
+        _write(flat, columns, times, runs, points[smooth, 0], changes[smooth])
+        rest: list[tuple[slice, FloatArray]] = []
+        for run, of_run, accepted in zip(pending, points, agree, strict=True):
+            if not accepted and degree < _MAX_DEGREE and _worth(run, degree):
+                rest.append((run, of_run))
+            elif not accepted:
                 remaining.append(run)
         pending, degree = [run for run, _ in rest], 2 * degree
         at_nodes = _refined(function, times, rest, degree)
@@ -95,6 +97,30 @@ def smooth_values(
         for name, array in function(times[which], which).items():
             values[name][which] = array
     return values
+
+
+def _write(
+    arrays: list[FloatArray],
+    columns: IndexArray,
+    times: FloatArray,
+    runs: list[slice],
+    first: FloatArray,
+    changes: FloatArray,
+) -> None:
+    """Write the values of interpolants at the times of R runs into arrays ``(n, elements)``.
+
+    `columns`: begin of the elements of each array among those of all, and the end of the last,
+    ``(arrays + 1,)``. `times`: ``(n,)``. `first`: values at the first Chebyshev point of each run,
+    ``(R, elements)``. `changes`: differences at all points from these, ``(R, degree + 1,
+    elements)``.
+    """
+    angles = [_angles(times[run], *times[run][[0, -1]]) for run in runs]
+    lengths = np.cumsum([run.stop - run.start for run in runs])
+    factors = _factors(changes.shape[1] - 1, np.concatenate([*angles, np.empty(0)]))
+    for k, (run, of_run) in enumerate(zip(runs, np.split(factors, lengths), strict=False)):
+        for array, low, high in zip(arrays, columns[:-1], columns[1:], strict=True):
+            np.matmul(of_run, changes[k, :, low:high], out=array[run])
+            array[run] += first[k, low:high]
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +205,8 @@ def _converges(values: dict[str, FloatArray], shape: tuple[int, int], axis: int)
     points, degree = np.concatenate(arrays, axis=1), shape[axis] - 1
     starts = np.cumsum([0, *(array.shape[1] for array in arrays[:-1])])
     middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
-    return _agree(_interpolated(points[::2], middles), points, starts)
+    changes = np.nan_to_num(points[::2] - points[0])
+    return bool(_agree(middles @ changes + points[0], points, starts))
 
 
 def _refined(
@@ -244,19 +271,6 @@ def _factors(degree: int, angles: FloatArray) -> FloatArray:
     return interpolation_factors(_cosines(degree), np.cos(angles))
 
 
-def _interpolated(
-    points: FloatArray, factors: FloatArray, out: FloatArray | None = None
-) -> FloatArray:
-    """Return interpolated values ``(m, k)``, written into `out` where it is given.
-
-    `points`: values at the nodes, ``(d + 1, k)``. `factors`: from nodes to values, ``(m, d + 1)``.
-    The differences from the first point are interpolated, which keeps the digits of a constant.
-    """
-    values: FloatArray = np.matmul(factors, np.nan_to_num(points - points[0]), out=out)
-    values += points[0]
-    return values
-
-
 def interpolation_factors(nodes: FloatArray, positions: FloatArray) -> FloatArray:
     """Return the factors ``(m, n)`` from values at Chebyshev nodes ``(n,)`` to other positions.
 
@@ -273,19 +287,20 @@ def interpolation_factors(nodes: FloatArray, positions: FloatArray) -> FloatArra
     return np.asarray(factors / factors.sum(axis=1, keepdims=True))
 
 
-def _agree(guess: FloatArray, points: FloatArray, starts: IndexArray) -> bool:
-    """Return whether an interpolant of half the degree agrees with the function.
+def _agree(guess: FloatArray, points: FloatArray, starts: IndexArray) -> BoolArray:
+    """Return whether interpolants of half the degree agree with the function, ``(...)``.
 
-    `guess`: its values at every second one of the points, from the second on, ``(d/2, k)``.
-    `points`: values of the function at the d + 1 Chebyshev points, ``(d + 1, k)``; NaN in a whole
-    column is allowed. `starts`: first column of each array, whose largest value sets its rounding.
+    `points`: values at the Chebyshev points of a degree d, ``(..., d + 1, k)``. `guess`: values of
+    the interpolant at every second one of them, from the second on, ``(..., d / 2, k)``. `starts`:
+    first of the k columns of each array, whose largest value sets its rounding.
     """
     missing = np.isnan(points)
-    if np.any(missing.any(axis=0) != missing.all(axis=0)):
-        return False
-    largest = np.abs(np.where(missing, 0.0, points)).max(axis=0)
-    of_array = np.maximum.reduceat(largest, starts)
-    sizes = np.diff(starts, append=largest.size)
-    tolerance = _HALF_DEGREE_TOLERANCE * largest + _ROUNDING * np.repeat(of_array, sizes)
+    partly_missing = missing.any(axis=-2) != missing.all(axis=-2)
+    largest = np.abs(np.where(missing, 0.0, points)).max(axis=-2)
+    of_array = np.maximum.reduceat(largest, starts, axis=-1)
+    sizes = np.diff(starts, append=largest.shape[-1])
+    tolerance = _HALF_DEGREE_TOLERANCE * largest + _ROUNDING * np.repeat(of_array, sizes, axis=-1)
     with np.errstate(invalid="ignore"):
-        return bool(np.all((np.abs(guess - points[1::2]) <= tolerance) | missing[1::2]))
+        close = np.abs(guess - points[..., 1::2, :]) <= tolerance[..., np.newaxis, :]
+    agree = np.all(close | missing[..., 1::2, :], axis=(-2, -1))
+    return np.asarray(agree & ~partly_missing.any(axis=-1))

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import groupby
 from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.wind_along import wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, number
@@ -21,7 +23,8 @@ from tvclin.case.flexible_autopilot import actuator_notes
 from tvclin.control.autopilot.gain_schedule import GainSchedule, even_times, flight_autopilot
 from tvclin.control.autopilot.sweep import Sweep, sweep
 from tvclin.ensembles.statistics import Success, success_probability
-from tvclin.flights.closed_loop.fly_along import FlightAlong, fly_along
+from tvclin.flights.closed_loop.flown_flights import checked_flight
+from tvclin.flights.closed_loop.fly_along import FlightAlong, sampled_outputs
 from tvclin.flights.closed_loop.fly_planes_along import fly_planes_along
 from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import DEFAULT_MODEL, flexible_model
@@ -48,6 +51,8 @@ _IN_PLANES = "in both planes it is not computed: that of one plane is without th
 """Reason why the autopilot requirement of both planes is not known."""
 FlownWind: TypeAlias = History | PlaneWind | MeasuredWind | MeasuredPlanes
 """Wind of a flight, in one plane or in both."""
+_MEASURED = MeasuredWind, MeasuredPlanes
+"""Winds of soundings, which are flown through with a gust at each flight time."""
 _MIN_WINDS = 2
 """Smallest number of winds of which a fraction is shown."""
 
@@ -157,11 +162,13 @@ class FlightLoop:
         used = np.full(times.shape, np.nan)
         best: FlightAlong | None = None
         outcomes: list[FlightOutcome] = []
+        directed = [(case, sign) for case in cases for sign in self._signs(case.wind)]
+        flights = self._flown(directed, plan.nozzle.limit)
         for k, case in enumerate(cases):
             of_case: list[FlightOutcome] = []
             for sign in self._signs(case.wind):
                 with repeated(len(cases)):
-                    flown = self._flown(case, sign)
+                    flown = next(flights)
                 if flown.status != "lost":
                     used = np.fmax(used, _used(case, flown, times))
                 flown = within_linear_range(flown)
@@ -177,25 +184,46 @@ class FlightLoop:
                 used[slice(None) if outcome.time is None else times == outcome.time] = np.nan
         return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit, used)
 
-    def _flown(self, case: _Wind, sign: str | None) -> FlightAlong:
-        """Return the flight through a wind in a direction."""
-        plan, measured = self.plan, isinstance(case.wind, MeasuredWind | MeasuredPlanes)
-        options: Any = {
-            "deflection_limit": plan.nozzle.limit,
-            "rate_limit": plan.hardware["rate_limit"],
-            "sign": sign,
-            "gust_time": case.time if measured else None,
-            "start": case.start,
-            "stop": self.request.stop if measured else None,
-            "model": self.model,
-        }
-        if isinstance(case.wind, PlaneWind | MeasuredPlanes):
-            shape = plan.nozzle.limit_shape or "round"
-            return fly_planes_along(
-                self.flight, self.sampled, case.wind, limit_shape=shape, **options
-            )
-        law = self.sampled[plan.plane]
-        return fly_along(self.flight, law, case.wind, plane=plan.plane, **options)
+    def _flown(
+        self, cases: Sequence[tuple[_Wind, str | None]], limit: float
+    ) -> Iterator[FlightAlong]:
+        """Yield the flights through winds, each in a direction, with a deflection limit [rad].
+
+        Of pulses, and of soundings, the stages are computed together.
+        """
+        for measured, group in groupby(cases, lambda case: isinstance(case[0].wind, _MEASURED)):
+            if self.plan.planes == BOTH:
+                yield from (self._flown_in_planes(*case, limit) for case in group)
+                continue
+            plane, flights = self.plan.plane, []
+            for case, sign in group:
+                gust_time = case.time if measured else None
+                wind: Any = case.wind  # in one plane
+                along = wind_along(self.flight, wind, plane, sign, gust_time)
+                stop = self.request.stop if measured else None
+                law = self.sampled[plane]
+                flights.append(
+                    checked_flight(self.flight, law, along, case.start, stop, self.model, plane)
+                )
+            yield from sampled_outputs(flights, limit, self.plan.hardware["rate_limit"])
+
+    def _flown_in_planes(self, case: _Wind, sign: str | None, limit: float) -> FlightAlong:
+        """Return the flight in both planes through a wind in a direction; `limit` [rad]."""
+        measured, wind = isinstance(case.wind, _MEASURED), case.wind
+        assert isinstance(wind, PlaneWind | MeasuredPlanes)
+        return fly_planes_along(
+            self.flight,
+            self.sampled,
+            wind,
+            deflection_limit=limit,
+            rate_limit=self.plan.hardware["rate_limit"],
+            limit_shape=self.plan.nozzle.limit_shape or "round",
+            sign=sign,
+            gust_time=case.time if measured else None,
+            start=case.start,
+            stop=self.request.stop if measured else None,
+            model=self.model,
+        )
 
     def use(
         self,

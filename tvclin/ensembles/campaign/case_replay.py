@@ -197,7 +197,7 @@ class Replay:
         if self.campaign.along is None:
             raise InputError("the campaign flies no whole flight: give it along")
         flights = flights_along(self.campaign, self._plane("").batch, 0)
-        return tuple(sampled_outputs(flight, *limits_along(self.campaign)) for flight in flights)
+        return tuple(sampled_outputs(flights, *limits_along(self.campaign)))
 
     def _extremes(
         self, response_in: "Callable[[str], TimeResponseData]", names: tuple[str, ...]

@@ -283,11 +283,9 @@ def fly_together(
     """
     winds = np.cumsum([0, *(int(np.prod(flight.wind.history.batch)) for flight in flights)])
     parts: list[tuple[IntArray, FlownCases]] = []
-    storage, surfaces = Storage(), dict[Any, Surface | None]()
-    for part in _parts(flights):
+    for part, stages in stages_in_parts(flights):
         first, last = winds[part.start], winds[part.stop]
         cases = np.flatnonzero((which >= first) & (which < last))
-        stages = sampled_stages(flights[part], storage, surfaces)
         made, _ = flown_in_winds(stages, which[cases] - first, limit[cases], rate_limit[cases])
         parts.append((cases, made))
     order = np.argsort(np.concatenate([cases for cases, _ in parts]))
@@ -308,6 +306,16 @@ def fly_together(
     positions = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
     continued = fly_together(further_flights, positions, limit[cases], rate_limit[cases])
     return _with_cases(flown, cases, continued)
+
+
+def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Stages]]:
+    """Yield slices of flights whose stages are in memory at one time, and these stages.
+
+    The stages of a slice are overwritten by those of the next.
+    """
+    storage, surfaces = Storage(), dict[Any, Surface | None]()
+    for part in _parts(flights):
+        yield part, sampled_stages(flights[part], storage, surfaces)
 
 
 def _parts(flights: Sequence[FlownFlight]) -> Iterator[slice]:

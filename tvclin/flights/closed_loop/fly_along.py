@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import factorial
 from typing import Any, NamedTuple
@@ -26,9 +26,11 @@ from tvclin.control.turbulence.driven_loop import OUTPUT_KINDS
 from tvclin.flights.closed_loop.checks import check_samples
 from tvclin.flights.closed_loop.flown_flights import (
     FlownFlight,
+    FlownFlights,
     checked_flight,
     flown_in_winds,
     fly_together,
+    stages_in_parts,
 )
 from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases
 from tvclin.kernels.flights import Flights
@@ -235,26 +237,35 @@ def fly_along(
     limit = errors.number(
         "deflection_limit", deflection_limit, errors.small_angle("a deflection", errors.positive)
     )
-    return sampled_outputs(along, limit, max_rate, slopes)
+    return next(sampled_outputs([along], limit, max_rate, slopes))
 
 
 def sampled_outputs(
-    along: FlownFlight,
+    flights: Sequence[FlownFlight],
     limit: float,
     rate_limit: float,
     slopes: Mapping[str, FloatArray] | None = None,
-) -> FlightAlong:
-    """Return the outputs of a sampled flight.
+) -> Iterator[FlightAlong]:
+    """Yield the outputs of sampled flights with one model and autopilot, in their order.
 
-    `limit`, `rate_limit`: of the deflection [rad, rad/s]. `slopes`: alpha_moment and
-    deflection_moment [N m/rad] at the times of the schedule, for a bending moment.
+    Their stages are computed together. `limit`, `rate_limit`: of the deflection [rad, rad/s].
+    `slopes`: alpha_moment and deflection_moment [N m/rad] at the times of the schedule, for a
+    bending moment.
     """
-    one = np.zeros(1, np.int64), np.array([limit]), np.array([rate_limit])
-    made, f = flown_in_winds(along.stages, *one, track=True)
-    if made.status[0] == UNDECIDED and along.further is not None:
-        along = along.further
-        made, f = flown_in_winds(along.stages, *one, track=True)
-    return with_outputs(along, *tracked_states(along, f, limit), str(made.status[0]), slopes or {})
+    for part, stages in stages_in_parts(flights):
+        flown: list[FlightAlong | None] = []
+        further: list[FlownFlight] = []
+        for k, along in enumerate(flights[part]):
+            one = np.array([k]), np.array([limit]), np.array([rate_limit])
+            made, f = flown_in_winds(stages, *one, track=True)
+            status = str(made.status[0])
+            if status == UNDECIDED and along.further is not None:
+                further.append(along.further)
+                flown.append(None)
+                continue
+            flown.append(with_outputs(along, *tracked_states(f, limit), status, slopes or {}))
+        continued = sampled_outputs(further, limit, rate_limit, slopes)
+        yield from (next(continued) if made is None else made for made in flown)
 
 
 def with_outputs(
@@ -355,9 +366,7 @@ def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
     return np.broadcast_to(array, flight.times.shape)
 
 
-def tracked_states(
-    along: FlownFlight, f: Flights, limit: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def tracked_states(f: Flights, limit: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times [s], states with deflection [rad], and deflection rates [rad/s].
 
     Shapes ``(n,)``, ``(n, states + 1)`` and ``(n,)``. `limit`: deflection limit [rad].
@@ -442,7 +451,8 @@ def _outputs(
     `rates`: deflection rates [rad/s]. `slopes`: see `sampled_outputs`.
     """
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
-    plants, ratio = along.loops(inside)[0], along.wind.pressure(inside)
+    ratio = along.wind.pressure(inside)
+    plants = FlownFlights([along]).plants_at(inside, np.zeros(inside.size, np.int64), ratio)
     within = np.minimum(inside, flight.span[1])
     gust = np.asarray(along.wind.history(times), float)
     states, deflection = rows[:, : len(plants.states)], rows[:, -1]

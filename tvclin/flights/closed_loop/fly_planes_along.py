@@ -160,7 +160,7 @@ def _flown(
             statuses.add(str(cases.status[0]))
     status = next(word for word in (LOST, RINGS, UNDECIDED, SURVIVED) if word in statuses)
     made = {
-        plane: with_outputs(along, *tracked_states(along, f, limit * plane_limit), status, {})
+        plane: with_outputs(along, *tracked_states(f, limit * plane_limit), status, {})
         for plane, along, f, plane_limit in zip(
             PLANES, pair, flights, shape.plane_limits, strict=True
         )

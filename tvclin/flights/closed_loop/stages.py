@@ -185,7 +185,8 @@ class Stages:
             memory.states.shape[1],
         )
         now.piece[:] = (knots[cases.wind] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
-        rows = int(steps.substeps[0].sum()) * int(self.samples[0]) if track else 0
+        samples = int(self.samples[self.flight_of_wind[cases.wind[0]]])
+        rows = int(steps.substeps[0].sum()) * samples if track else 0
         return Flights(
             steps=steps,
             vehicles=self.vehicles,
