@@ -156,10 +156,7 @@ class LimitShape(ABC):
 class CircularShape(LimitShape):
     """A limit shape that is the same in all directions: the limit is its radius."""
 
-    @property
-    def symmetric(self) -> bool:
-        """Whether the shape is symmetric about zero."""
-        return True
+    symmetric = True
 
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return the size of each `direction`, a complex vector: the support of a unit circle."""
@@ -201,10 +198,7 @@ class EllipticShape(LimitShape):
             axis = errors.number(name, getattr(self, name), errors.between(_MIN_RATIO, _MAX_RATIO))
             object.__setattr__(self, name, axis)
 
-    @property
-    def symmetric(self) -> bool:
-        """Whether the shape is symmetric about zero."""
-        return True
+    symmetric = True
 
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return the support function of the ellipse along each `direction`, a complex vector."""
@@ -480,7 +474,9 @@ class Cluster(LimitShape):
     @property
     def symmetric(self) -> bool:
         """Whether the shape is symmetric about zero: no engine stuck, all moving ones symmetric."""
-        return not any(self._stuck) and all(engine.limit_shape.symmetric for engine in self._moving)
+        return not any(self._stuck) and all(
+            engine.limit_shape.symmetric for engine, _ in self._moving
+        )
 
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return the support of the mean deflection along each `direction`, a complex vector."""
@@ -526,9 +522,9 @@ class Cluster(LimitShape):
         return [(engine, engine.share / total) for engine in self.engines]
 
     @property
-    def _moving(self) -> list[ClusterEngine]:
+    def _moving(self) -> list[tuple[ClusterEngine, float]]:
         """Engines that move, each with its share of the thrust."""
-        return [engine for engine in self.engines if engine.state == "moving"]
+        return [(engine, share) for engine, share in self._shares if engine.state == "moving"]
 
     @property
     def _stuck(self) -> tuple[complex, float]:
@@ -555,10 +551,9 @@ class Cluster(LimitShape):
         s_j: share of the thrust. h_j: support function. `d`: complex vectors. a_j: arm about the
         roll axis, and `rho` its multiplier.
         """
-        moving = [(engine, share) for engine, share in self._shares if engine.state == "moving"]
         supports = [
             share * engine.limit_shape.support(d + rho * self._arm(engine))
-            for engine, share in moving
+            for engine, share in self._moving
         ]
         return np.asarray(np.sum(supports, axis=0))
 

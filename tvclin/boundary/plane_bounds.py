@@ -38,8 +38,8 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind, unit_vector
 
-RemainingIntegral = Callable[[FloatArray], AnyArray]
-"""A discounted integral from times [s] to the end of the wind."""
+PlaneIntegrals = tuple[Callable[[FloatArray], AnyArray], Callable[[FloatArray], AnyArray]]
+"""Discounted integrals from times [s] to the end of the wind, in pitch and in yaw."""
 
 _MIN_POLE_SEPARATION = 1e-4
 """Smallest distance between the two fastest poles, relative to the fastest."""
@@ -114,29 +114,22 @@ class PlanePair:
         return pitch, yaw
 
     @cached_property
-    def _trim_integrals(self) -> tuple[RemainingIntegral, RemainingIntegral]:
-        """Remaining integral of trim [rad s] in each plane."""
-        return self._remaining_integrals(self.trim)
+    def _remaining_integrals(self) -> tuple[PlaneIntegrals, PlaneIntegrals]:
+        """Functions of time [s] to the remaining integrals of trim and of the wind [rad s].
 
-    @cached_property
-    def _wind_integrals(self) -> tuple[RemainingIntegral, RemainingIntegral]:
-        """Remaining integral of the wind angle [rad s] in each plane."""
-        return self._remaining_integrals(self.wind)
-
-    def _remaining_integrals(
-        self, history: PlaneWind
-    ) -> tuple[RemainingIntegral, RemainingIntegral]:
-        """Return functions of time [s] to the remaining integral of `history` in pitch and in yaw.
-
-        It is discounted with the fast pole of the plane.
+        Of each in pitch and in yaw, discounted with the fast pole of the plane.
         """
         (p, *_), (r, *_) = self.poles
-        return history.pitch.remaining_integral_of(p), history.yaw.remaining_integral_of(r)
+        trim, wind = (
+            (history.pitch.remaining_integral_of(p), history.yaw.remaining_integral_of(r))
+            for history in (self.trim, self.wind)
+        )
+        return trim, wind
 
     def required_constant(self, t: FloatArray) -> Vectors:
         """Return the constant deflection [rad] required after `t` [s], the mean of trim, (4b)."""
         (p, *_), (r, *_) = self.poles
-        pitch, yaw = self._trim_integrals
+        pitch, yaw = self._remaining_integrals[0]
         return np.asarray(p * pitch(t) + 1j * r * yaw(t))
 
     def wind_demand(self, t: FloatArray) -> Vectors:
@@ -145,24 +138,18 @@ class PlanePair:
         Complex, pitch + j yaw, in the shape of `t`.
         """
         (p, *_), (r, *_) = self._strengths
-        pitch, yaw = self._wind_integrals
+        pitch, yaw = self._remaining_integrals[1]
         return np.asarray(p * pitch(t) + 1j * (r * yaw(t)))
 
-    def mode_demands(self, plane: int, t: FloatArray) -> FloatArray:
-        """Return the wind demand -B K1 W [rad] after times `t` [s] of each mode, ``(N, n)``.
+    def mode_demands(self, plane: int, t: float, after_trim: bool) -> FloatArray:
+        """Return the demand [rad] of each mode of a plane from `t` [s] on, ``(N,)``.
 
-        `plane`: 0 is pitch and 1 yaw.
+        `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the vehicle is trimmed up to then;
+        else it is that of the wind, -B K1 W.
         """
-        wind = (self.wind.pitch, self.wind.yaw)[plane]
-        return self._strengths[plane][:, np.newaxis] * wind.remaining_integral(self.poles[plane], t)
-
-    def demands_after_trim(self, plane: int, t: float) -> FloatArray:
-        """Return the demand [rad] of each mode of a plane after trim up to `t` [s], ``(N,)``.
-
-        `plane`: 0 is pitch and 1 yaw.
-        """
-        trim, poles = (self.trim.pitch, self.trim.yaw)[plane], self.poles[plane]
-        return poles * np.asarray(trim.remaining_integral(poles, np.asarray([t])))[:, 0]
+        history, factors = (self.trim, self.poles) if after_trim else (self.wind, self._strengths)
+        component, poles = (history.pitch, history.yaw)[plane], self.poles[plane]
+        return factors[plane] * np.asarray(component.remaining_integral(poles, np.array([t])))[:, 0]
 
     def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
         """Return complex vectors times e^(-p `time` [s]), with the fast pole p of each plane."""
@@ -385,22 +372,19 @@ def minimum_in_planes(
 
     The control begins after trim up to `exit_time` [s]; without it, at the onset of the wind.
     """
-    if exit_time is not None:
-        demands = np.concatenate([pair.demands_after_trim(plane, exit_time) for plane in (0, 1)])
-        return _optimum(pair, *_solved(_Moments(pair, limit_shape, demands), exit_time))
-    if pair.equal and pair.wind.unidirectional and isinstance(limit_shape, CircularShape):
+    starts_with_wind, onset = exit_time is None, float(pair.wind.onset)
+    start = onset if exit_time is None else exit_time
+    round_shape = isinstance(limit_shape, CircularShape)
+    if starts_with_wind and pair.equal and pair.wind.unidirectional and round_shape:
         return _along_a_line(pair)
-    start = np.asarray([float(pair.wind.onset)])
-    moments = _Moments(
-        pair,
-        limit_shape,
-        np.concatenate([pair.mode_demands(plane, start)[:, 0] for plane in (0, 1)]),
-    )
-    if pair.equal and moments.poles.size == 2:
-        deflection = pair.wind_demand(start)
+    demands = [pair.mode_demands(plane, start, not starts_with_wind) for plane in (0, 1)]
+    moments = _Moments(pair, limit_shape, np.concatenate(demands))
+    if starts_with_wind and pair.equal and moments.poles.size == 2:
+        deflection = pair.wind_demand(np.asarray([start]))
         peak = float(limit_shape.gauge(deflection)[0])
-        return _optimum(pair, start, deflection, Certificate(peak, peak, 0.0, 0.0, 0.0))
-    return _optimum(pair, *_solved(moments, float(start[0])))
+        proof = Certificate(peak, peak, 0.0, 0.0, 0.0)
+        return _optimum(pair, np.asarray([start]), deflection, proof)
+    return _optimum(pair, *_solved(moments, start))
 
 
 def _along_a_line(pair: PlanePair) -> PlaneOptimum:

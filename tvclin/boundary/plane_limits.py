@@ -208,15 +208,13 @@ def _requirement_after_trim(
             t = float(brentq(excess, times[k - 1], t, xtol=1e-12))
         separate = []  # the minimum peak of each plane separately
         for plane in (0, 1):
-            poles, z = pair.poles[plane][np.newaxis], pair.demands_after_trim(plane, t)[np.newaxis]
+            poles, z = pair.poles[plane][np.newaxis], pair.mode_demands(plane, t, True)[np.newaxis]
             separate.append(float(peaks_for_demands(poles, z / poles)[0]))
         corners = [complex(separate[0], sign * separate[1]) for sign in (1.0, -1.0)]
         rectangle = float(np.max(limit_shape.gauge([*corners, *(-corner for corner in corners)])))
-        return (
-            rectangle
-            if rectangle <= sufficient or not solved
-            else minimum_in_planes(pair, limit_shape, t).peak
-        )
+        if rectangle <= sufficient or not solved:
+            return rectangle
+        return minimum_in_planes(pair, limit_shape, t).peak
 
     limit = max(limit, demand(heights.max() / K * (1.0 + _RELATIVE_TOLERANCE), limit, False))
     for solved in (False, True):

@@ -31,7 +31,23 @@ _damping = between(0.0, 1e3)
 _inertia = between(0.0, _MAX_NUMBER**2)
 
 
+@dataclass(frozen=True)
 class _Batched:
+    """Part of a structure whose numbers are those of one vehicle or of a batch."""
+
+    def __post_init__(self) -> None:
+        """Check all numbers, set each to a float or an array; refuse shapes that do not broadcast.
+
+        A number that is None by default may stay it.
+        """
+        optional = {item.name for item in fields(self) if item.default is None}
+        for item in fields_of(self):
+            value = item.si_value(self)
+            if value is not None or item.name not in optional:
+                checked = item.check(item.name, value, item.si_unit)
+                object.__setattr__(self, item.name, plain(checked))
+        _ = self.batch
+
     @cached_property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one structure."""
@@ -96,8 +112,7 @@ class BendingMode(_Batched):
     tank_slopes: tuple[Number, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check all numbers, and set each to a float or, in a batch, to an array."""
-        _set_checked(self)
+        """Check displacements and slopes at the tanks, then all other numbers."""
         for name, unit in (("tank_displacements", ""), ("tank_slopes", "1/m")):
             sequence = getattr(self, name)
             if not isinstance(sequence, tuple | list):
@@ -108,7 +123,7 @@ class BendingMode(_Batched):
                 plain(_bounded(f"{name}[{k}]", value, unit)) for k, value in enumerate(sequence)
             )
             object.__setattr__(self, name, values)
-        _ = self.batch  # refuses shapes that do not broadcast
+        super().__post_init__()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,11 +161,10 @@ class SloshTank(_Batched):
     )
 
     def __post_init__(self) -> None:
-        """Check all numbers, and set each to a float or, in a batch, to an array."""
+        """Check that either length or frequency is given, then all numbers."""
         if (self.pendulum_length is None) == (self.frequency is None):
             raise InputError("a slosh tank needs a pendulum_length or a frequency, and not both")
-        _set_checked(self)
-        _ = self.batch  # refuses shapes that do not broadcast
+        super().__post_init__()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,9 +194,8 @@ class Engine(_Batched):
     )
 
     def __post_init__(self) -> None:
-        """Check all numbers, and set each to a float or, in a batch, to an array."""
-        _set_checked(self)
-        _ = self.batch  # refuses shapes that do not broadcast
+        """Check all numbers, and that the inertia about the gimbal is not zero."""
+        super().__post_init__()
         if np.any(np.asarray(self.inertia_about_gimbal) == 0.0):
             raise InputError("an engine needs an arm or a moment_of_inertia other than zero")
 
@@ -246,7 +259,7 @@ class Structure(_Batched):
                         f"{name} of bending mode {k} must be one for each of {len(self.slosh)}"
                         f" tanks, or none; got {len(getattr(mode, name))}"
                     )
-        _ = self.batch  # refuses shapes that do not broadcast
+        super().__post_init__()
 
     def tables(self) -> list[Table]:
         """Return the tables of bending modes, tanks, engine and sensors that exist, in SI units."""
@@ -299,10 +312,7 @@ class Structure(_Batched):
     @property
     def is_rigid(self) -> bool:
         """Whether the structure has no mode, tank, engine or lag."""
-        components = (self.engine, self.attitude_sensor, self.rate_gyro)
-        return not (self.bending or self.slosh) and all(
-            component is None for component in components
-        )
+        return not self.parts
 
 
 def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) -> Any:
@@ -328,17 +338,6 @@ def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) ->
     if value is None or isinstance(value, bool | str):
         return value
     return np.broadcast_to(value, shape).ravel()[cases]
-
-
-def _set_checked(value: Any) -> None:
-    """Replace the numbers of `value`, a frozen part of a structure, by checked ones; None stays."""
-    optional = {item.name for item in fields(value) if item.default is None}
-    for item in fields_of(value):
-        value_si = item.si_value(value)
-        if value_si is not None or item.name not in optional:
-            object.__setattr__(
-                value, item.name, plain(item.check(item.name, value_si, item.si_unit))
-            )
 
 
 def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:

@@ -328,10 +328,8 @@ def _newton(window: Window, current: SignedSum) -> SignedSum:
     """
     for _ in range(_NEWTON_STEPS):
         step = _newton_step(window, current)
-        for geometric in (True, False):
-            trial = _shortened(window, current, step, geometric)
-            if trial is not None:
-                break
+        trials = (_shortened(window, current, step, geometric) for geometric in (True, False))
+        trial = next((trial for trial in trials if trial is not None), None)
         if trial is None:
             break
         current = trial

@@ -215,17 +215,9 @@ def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
     c = window.constraints
     if c.demands.size == 1:
         return np.zeros(0), np.sign(c.demands)
-    if c.real and c.demands.size == 2:
-        return _two_poles(c)
-    best = best_multipliers(window)
-    return best.zeros, best.multipliers
-
-
-def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
-    """Return the switch time [s] of eqs (C5), and multipliers whose sum changes its sign then.
-
-    `c`: conditions of two real poles.
-    """
+    if not c.real or c.demands.size > 2:
+        best = best_multipliers(window)
+        return best.zeros, best.multipliers
     poles, demands = np.real(c.poles), c.demands
     time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
     # Without a switch before the end one constant satisfies both, and so their sum.
@@ -236,17 +228,6 @@ def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
     return np.array([time]), multipliers * np.sign(multipliers @ demands)
 
 
-def _limit(window: Window, switches: FloatArray) -> float:
-    """Return the first deflection [rad] that satisfies the conditions with the switches, (C5a).
-
-    `window`: the conditions, moments of the poles' exponentials. `switches`: times [s], ``(k,)``.
-    It is a least-squares fit of all conditions, each divided by its size, to reduce rounding.
-    """
-    moments = _moments(window, switches).sum(axis=1) / window.sizes
-    demands = window.constraints.demands / window.sizes
-    return float(moments @ demands / (moments @ moments))
-
-
 def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     """Return switch times [s] and limit [rad] after Newton's iteration on the conditions.
 
@@ -255,7 +236,9 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     """
     # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
     # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
-    limit = _limit(window, switches)
+    fitted, demands = _moments(window, switches).sum(axis=1), window.constraints.demands
+    weights = fitted / window.sizes**2
+    limit = float(weights @ demands / (weights @ fitted))
     violation = _violation(window, switches, limit)
     for _ in range(3 if switches.size else 0):
         signs = (-1.0) ** np.arange(switches.size)

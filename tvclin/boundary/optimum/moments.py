@@ -142,7 +142,11 @@ def constraints_of(
     d_i = -(N_wind(p)/N_deflection(p)) e^(p start) L(alpha_w)(p): D_i of eq (C1), moved to the
     start, with a ratio K1_i = (beta_i + b2)/(beta_i + b1) for each pole of its own.
     """
-    _check_single(plant, wind)
+    instance("plant", plant, Plant, PLANT_HINT)
+    instance("wind", wind, History, "such as TriangularWind")
+    single("plant", plant.batch)
+    single("wind", wind.batch)
+    check_end(wind)
     start, end = _check_times(wind, start, horizon)
     poles = separated_poles(unstable_poles(plant))
     poles = poles[np.imag(poles) >= 0.0]
@@ -160,15 +164,6 @@ def constraints_of(
     if not np.all(np.isfinite(demands)):
         raise InputError(f"start is so late that no deflection can make up for it; got {start} s")
     return conditions(poles, demands, end - start)
-
-
-def _check_single(plant: Plant, wind: History) -> None:
-    """Raise `InputError` unless `plant` and `wind` are one each, and the wind ends."""
-    instance("plant", plant, Plant, PLANT_HINT)
-    instance("wind", wind, History, "such as TriangularWind")
-    single("plant", plant.batch)
-    single("wind", wind.batch)
-    check_end(wind)
 
 
 def _check_times(wind: History, start: float, horizon: float | None) -> tuple[float, float]:
