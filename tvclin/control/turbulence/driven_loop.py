@@ -387,8 +387,7 @@ def _continuous(
     loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
     if not plant.batch and pade_misleads(autopilot, plant, loop):
         raise errors.InputError(PADE_WARNING.format(autopilot.pade_order))
-    loop = loop.select(loop.inputs, loop.outputs[:-1])
-    A, wind, rows, direct, driven = _behind_filter(loop, shape)
+    driven = _behind_filter(loop.select(loop.inputs, loop.outputs[:-1]), shape)
     if noise is not None:
         sensed = loop.select(SENSOR_NOISE, (DEFLECTION,))
         if np.any(sensed.D * np.sqrt(noise.intensities)):
@@ -396,33 +395,51 @@ def _continuous(
                 "the deflection follows the noise of the sensors at once and has no variance; give"
                 " the autopilot an actuator, or a sample rate"
             )
-        n = loop.A.shape[-1]
-        driven[..., :n, :n] += (sensed.B * noise.intensities) @ np.swapaxes(sensed.B, -1, -2)
-    n, m = loop.A.shape[-1], shape[0].shape[-1]
-    return DrivenLoop(A, driven, wind, rows, direct, loop.outputs, n, m)
+        states = slice(driven.order)
+        by_noise = (sensed.B * noise.intensities) @ np.swapaxes(sensed.B, -1, -2)
+        driven.noise[..., states, states] += by_noise
+    return driven
 
 
 def _behind_filter(
-    loop: LinearSystem, shape: FilterMatrices
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return A, B_w, C, D_w and N of `DrivenLoop` for a system with n states behind a filter.
+    loop: LinearSystem, shape: FilterMatrices, batch: tuple[int, ...] = ()
+) -> DrivenLoop:
+    """Return a system driven by a shaping filter, whose output is the system's input "wind".
 
-    The states are those of the system and the m states of the shaping filter, whose output is the
-    system's input "wind". `loop`: the system. `shape`: matrices a ``(..., m, m)``, b and c of the
-    filter.
+    The states are the n of `loop` and the m of the filter. `shape`: matrices a ``(..., m, m)``, b
+    and c of the filter. `batch`: shape with which the arrays broadcast.
     """
     system = loop.select(("wind",), loop.outputs)
     a, b, c = shape
     n, m = system.A.shape[-1], a.shape[-1]
-    batch = np.broadcast_shapes(system.batch, a.shape[:-2], c.shape[:-2])
-    A, driven = np.zeros((2, *batch, n + m, n + m))
+    batch = np.broadcast_shapes(system.batch, a.shape[:-2], c.shape[:-2], batch)
+    A, noise = np.zeros((2, *batch, n + m, n + m))
     A[..., :n, :n], A[..., :n, n:], A[..., n:, n:] = system.A, system.B @ c, a
-    driven[..., n:, n:] = b @ np.swapaxes(b, -1, -2)
+    noise[..., n:, n:] = b @ np.swapaxes(b, -1, -2)
     wind = np.zeros((*batch, n + m))
     wind[..., :n] = system.B[..., 0]
     rows = np.zeros((*batch, len(system.outputs), n + m))
     rows[..., :n], rows[..., n:] = system.C, system.D @ c
-    return A, wind, rows, np.broadcast_to(system.D[..., 0], (*batch, len(system.outputs))), driven
+    direct = np.broadcast_to(system.D[..., 0], (*batch, len(system.outputs)))
+    return DrivenLoop(A, noise, wind, rows, direct, loop.outputs, n, m)
+
+
+def _widened(loop: DrivenLoop, count: int) -> DrivenLoop:
+    """Return a loop with `count` further states, the last, which nothing moves yet."""
+
+    def wider(array: FloatArray, axes: int) -> FloatArray:
+        """Return an array with zeros for the further states at the end of its last `axes`."""
+        return np.pad(array, [(0, 0)] * (array.ndim - axes) + [(0, count)] * axes)
+
+    n = loop.A.shape[-1]
+    unmoved = np.diag(np.append(np.zeros(n), np.ones(count)))
+    jumps = tuple(
+        Jump(length, wider(matrix, 2) + unmoved, wider(wind, 1), wider(noise, 2))
+        for length, matrix, wind, noise in loop.jumps
+    )
+    A, noise = wider(loop.A, 2), wider(loop.noise, 2)
+    wind, rows = wider(loop.wind, 1), wider(loop.rows, 1)
+    return replace(loop, A=A, noise=noise, wind=wind, rows=rows, jumps=jumps)
 
 
 def _sampled(
@@ -431,65 +448,48 @@ def _sampled(
     """Return a sampled loop behind a shaping filter; its states jump at each sample.
 
     `autopilot`, `plant`: one each, or a batch with one sample rate and delay. `shape`: A, b and c
-    of the filter, from white noise to the wind angle [rad]. `noise`: of the sensors. States: plant
-    with actuator and filter, the deflection command that acts, commands on their way, and the law.
+    of the filter, from white noise to the wind angle [rad]. `noise`: of the sensors.
     """
     period = 1.0 / float(autopilot.sample_rate or 1.0)
     complete, rest = split_delay(float(autopilot.delay), period)
-    whole, remainder = int(complete), float(rest)
     vehicle = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
     sensed = tuple(dict.fromkeys((*plant.sensed, *measured_outputs(autopilot, plant))))
     law = connect(autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (RETURNED,))
-    A, wind, rows, direct, driven = _behind_filter(vehicle, shape)
-    n, pipe, states = A.shape[-1], whole + 1, len(law.states)
-    batch = np.broadcast_shapes(A.shape[:-2], law.batch)
-    total = n + 1 + pipe + states
-    hold, commands, laws = n, slice(n + 1, n + 1 + pipe), slice(n + 1 + pipe, total)
+    driven = _behind_filter(vehicle, shape, law.batch)
+    # Further states: the command that acts, those on their way to it, and the states of the law.
+    acting = driven.A.shape[-1]
+    first, last = acting + 1, acting + 1 + int(complete)
+    laws = slice(last + 1, last + 1 + len(law.states))
+    loop = _widened(driven, laws.stop - acting)
     command = vehicle.select((COMMAND,), vehicle.outputs)
-    full_A, full_noise, full_rows = (
-        np.zeros((*batch, count, total)) for count in (total, total, len(vehicle.outputs))
-    )
-    full_A[..., :n, :n], full_noise[..., :n, :n] = A, driven
-    full_A[..., : len(vehicle.states), hold] = command.B[..., 0]
-    full_rows[..., :n], full_rows[..., hold] = rows, command.D[..., 0]
+    loop.A[..., : len(vehicle.states), acting] = command.B[..., 0]
+    loop.rows[..., acting] = command.D[..., 0]
+    # A sample: the law reads the sensors, and its command is the first of those on their way.
     index = [vehicle.outputs.index(name) for name in sensed]
-    # the sample: the law reads the sensors, its command enters the pipe, and one leaves it
-    sensors, by_sensors = full_rows[..., index, :], direct[..., index]
-    sample = np.broadcast_to(np.eye(total), full_A.shape).copy()
+    sensors, by_sensors = loop.rows[..., index, :], loop.direct[..., index]
+    unit = np.eye(laws.stop)
+    sample = np.broadcast_to(unit, loop.A.shape).copy()
     sample[..., laws, :] = law.B @ sensors
     sample[..., laws, laws] += law.A
-    sample[..., commands, :] = np.eye(pipe, k=-1) @ np.eye(total)[commands]
-    sample[..., n + 1, :] = _times(law.D[..., 0, :], sensors)
-    sample[..., n + 1, laws] += law.C[..., 0, :]
-    entry, by_wind = np.zeros((*batch, total, 2)), np.zeros((*batch, total))
-    entry[..., laws, :], entry[..., n + 1, :] = law.B[..., :2], law.D[..., 0, :2]
+    sample[..., first + 1 : last + 1, :] = unit[first:last]
+    sample[..., first, :] = _times(law.D[..., 0, :], sensors)
+    sample[..., first, laws] += law.C[..., 0, :]
+    by_noise, by_wind = np.zeros((*loop.A.shape[:-1], 2)), np.zeros(loop.A.shape[:-1])
+    by_noise[..., laws, :], by_noise[..., first, :] = law.B[..., :2], law.D[..., 0, :2]
     by_wind[..., laws] = (law.B @ by_sensors[..., np.newaxis])[..., 0]
-    by_wind[..., n + 1] = np.sum(law.D[..., 0, :] * by_sensors, axis=-1)
-    arrival = np.eye(total)
-    arrival[hold] = np.eye(total)[n + pipe]
-    if not remainder:
-        sample, entry = arrival @ sample, arrival @ entry
-        by_wind = by_wind @ arrival.T
+    by_wind[..., first] = np.sum(law.D[..., 0, :] * by_sensors, axis=-1)
+    # The last of those on their way arrives and acts: at the sample, or with the rest of the delay.
+    arrival = unit.copy()
+    arrival[acting] = unit[last]
+    if not rest:
+        sample, by_noise, by_wind = arrival @ sample, arrival @ by_noise, by_wind @ arrival.T
     variances = (noise.intensities if noise else np.zeros(2)) / period
-    driven_by = (entry * variances) @ np.swapaxes(entry, -1, -2)
-    jumps = [Jump(period - remainder, sample, by_wind, driven_by)]
-    if remainder:
+    covariance = (by_noise * variances) @ np.swapaxes(by_noise, -1, -2)
+    jumps = [Jump(period - float(rest), sample, by_wind, covariance)]
+    if rest:
         nothing = np.zeros_like(by_wind), np.zeros_like(sample)
-        jumps.insert(0, Jump(remainder, np.broadcast_to(arrival, sample.shape), *nothing))
-    full_wind = np.zeros((*batch, total))
-    full_wind[..., :n] = wind
-    m = shape[0].shape[-1]
-    return DrivenLoop(
-        full_A,
-        full_noise,
-        full_wind,
-        full_rows,
-        np.broadcast_to(direct, (*batch, direct.shape[-1])),
-        vehicle.outputs,
-        n - m,
-        m,
-        tuple(jumps),
-    )
+        jumps.insert(0, Jump(float(rest), np.broadcast_to(arrival, sample.shape), *nothing))
+    return replace(loop, jumps=tuple(jumps))
 
 
 def _with_states(
@@ -500,32 +500,12 @@ def _with_states(
     `states`: pole [1/s], row ``(..., n)`` and direct term of each by name; they become the last
     states.
     """
-    n, count = loop.A.shape[-1], len(states)
-    unit, nothing = np.eye(count), np.zeros((count, count))
-
-    def wider(matrix: FloatArray, corner: FloatArray) -> FloatArray:
-        """Return a `matrix` with further states, whose block at the lower right is `corner`."""
-        result = np.zeros((*matrix.shape[:-2], matrix.shape[-2] + len(corner), n + count))
-        result[..., : matrix.shape[-2], :n] = matrix
-        result[..., matrix.shape[-2] :, n:] = corner
-        return result
-
-    def longer(vector: FloatArray) -> FloatArray:
-        """Return a `vector` ``(..., n)`` with zeros for the further states."""
-        return np.concatenate([vector, np.zeros((*vector.shape[:-1], count))], axis=-1)
-
-    A, wind = wider(loop.A, np.diag([pole for pole, *_ in states.values()])), longer(loop.wind)
-    for k, (_, row, direct) in enumerate(states.values(), start=n):
-        A[..., k, :n], wind[..., k] = row, direct
-    noise, rows = wider(loop.noise, nothing), wider(loop.rows, unit[:0])
-    jumps = tuple(
-        Jump(jump.length, wider(jump.matrix, unit), longer(jump.wind), wider(jump.noise, nothing))
-        for jump in loop.jumps
-    )
-    wide = replace(loop, A=A, noise=noise, wind=wind, rows=rows, jumps=jumps)
-    places = np.eye(n + count)[n:]
+    n, wide = loop.A.shape[-1], _widened(loop, len(states))
+    for k, (pole, row, direct) in enumerate(states.values(), start=n):
+        wide.A[..., k, :n], wide.A[..., k, k], wide.wind[..., k] = row, pole, direct
+    rows = np.eye(n + len(states))[n:]
     return wide.with_rows(
-        {name: (place, np.asarray(0.0)) for name, place in zip(states, places, strict=True)}
+        {name: (row, np.asarray(0.0)) for name, row in zip(states, rows, strict=True)}
     )
 
 
