@@ -198,7 +198,7 @@ class GainProblem:
         """
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
-        margins = margins_of(loop.analysis(delays=self._has_delay_margin), loop.batch)
+        margins = margins_of(loop.analysis(delays=self.criteria.has_delay_limit), loop.batch)
         fractions = [np.full(len(points), -np.inf)]
         fractions += [
             shortfall(r, getattr(margins, r.margin))
@@ -214,11 +214,6 @@ class GainProblem:
         if self.plant.structure is not None and good.size and self._mode_limits:
             shortfalls[good] = np.maximum(shortfalls[good], self._mode_shortfalls(points[good]))
         return np.asarray(shortfalls)
-
-    @property
-    def _has_delay_margin(self) -> bool:
-        """Whether a delay margin is required."""
-        return any(r.margin == "delay_margin" for r in self.criteria.limits)
 
     @property
     def _mode_limits(self) -> tuple[Criterion, ...]:

@@ -374,34 +374,30 @@ def sweep(
     names = flight_mode_names(flight, plants)
     if criteria.has_mode_limits and not names:
         raise errors.InputError("criteria of modes need a flight with a structure over time")
-    delays = any(limit.margin == "delay_margin" for limit in criteria.limits)
     loop = laws.exact_loop(plants)
     warn_of_feedback(laws, plants)
     warn_of_sampling(laws, plants)
-    bands = _bands(loop, plants, names, delays)
-    judged = bands if criteria.has_mode_limits else bands.margins
+    bands = _bands(loop, plants, names, criteria.has_delay_limit)
     changes: tuple[str, ...] = ()
-    detuned, detuned_judgements = None, criteria.judge(judged)[:0]
+    detuned: Margins | None = None
+    detuned_judgements: tuple[Judgement, ...] = ()
     if row.size and isinstance(plants, FlexiblePlant):
-        count = len(names) * row.size
-        all_modes, *mode_factors = mode_changes(names, len(plants.structure.bending), row)
-        changes = all_modes[1 : 1 + count]
-        varied = with_mode_factors(plants, *(a[1 : 1 + count, np.newaxis] for a in mode_factors))
+        # Of all changes those of frequencies, which follow the nominal row.
+        frequencies = slice(1, 1 + len(names) * row.size)
+        all_changes, *factors_of = mode_changes(names, len(plants.structure.bending), row)
+        changes = all_changes[frequencies]
+        varied = with_mode_factors(plants, *(a[frequencies, np.newaxis] for a in factors_of))
+        judged_names = names if criteria.has_mode_limits else ()
         changed = laws.exact_loop(varied)
-        if criteria.has_mode_limits:
-            varied_bands = _bands(changed, varied, names, delays)
-            detuned = varied_bands.margins
-            detuned_judgements = criteria.judge(varied_bands)
-        else:
-            detuned = margins_of(changed.analysis(delays=delays), changed.batch)
-            detuned_judgements = criteria.judge(detuned)
+        varied_bands = _bands(changed, varied, judged_names, criteria.has_delay_limit)
+        detuned, detuned_judgements = varied_bands.margins, criteria.judge(varied_bands)
     return Sweep(
         at,
         bands.margins,
         bands.modes,
         _poles(loop),
         criteria,
-        criteria.judge(judged),
+        criteria.judge(bands),
         changes,
         detuned,
         detuned_judgements,
@@ -411,10 +407,10 @@ def sweep(
 def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -> BandMargins:
     """Return the margins by band of loops around `plants`; without bands around rigid plants.
 
-    `names`: names of the modes and tanks of the flight. `delays`: whether delay margins are
-    computed.
+    `names`: names of the modes and tanks of the flight; without names there are no bands. `delays`:
+    whether delay margins are computed.
     """
-    if isinstance(plants, Plant):
+    if isinstance(plants, Plant) or not names:
         margins = margins_of(loop.analysis(delays=delays), loop.batch)
         return BandMargins(margins, None, ())  # type: ignore[arg-type]
     return band_margins(loop, names, named_modes(plants)[1], delays=delays)

@@ -98,9 +98,10 @@ def wind_response_of(
     """
     instance("wind", wind, History, "such as TriangularWind")
     single("wind", wind.batch)
-    pieces = wind.pieces
-    inputs = np.zeros(pieces.rates.size * (pieces.degree + 1))
-    inputs[:: pieces.degree + 1] = 1.0
+    pieces, powers = wind.pieces, wind.pieces.degree + 1
+    # Behind x the motion has states of the wind; the first of each rate add up to the wind.
+    inputs = np.zeros(pieces.rates.size * powers)
+    inputs[::powers] = 1.0
     rows = np.hstack([C, D[:, np.newaxis] * inputs])
     trajectory = motions(A, B, [pieces])[0]
     decay = -np.real(np.linalg.eigvals(A)).max()
@@ -169,9 +170,12 @@ def deflection_peaks(
     `autopilot`: gains ``(m,)`` and one delay. `plant`: one plant. `wind`: one wind that ends.
     `after`: time after its end [s] during which peaks are searched.
     """
-    A, B, row, direct = _closed_loops(autopilot, plant)
-    pieces, (m, n) = wind.pieces, A.shape[:2]
-    powers = pieces.degree + 1
+    if np.ndim(autopilot.delay):
+        raise InputError("deflection_peaks() is for one delay")
+    loop, m = closed_loop(autopilot, plant), autopilot.batch[0]
+    A, B, C, D = (np.broadcast_to(a, (m, *a.shape[-2:])) for a in loop.matrices())
+    B, row, direct = B[..., 0], C[:, -1], D[:, -1, 0]  # from the wind to the deflection
+    pieces, n, powers = wind.pieces, A.shape[1], wind.pieces.degree + 1
     # piece_matrix() of one loop, with the A and B of each
     matrix = np.repeat(piece_matrix(A[0], B[0], pieces)[np.newaxis], m, axis=0)
     matrix[:, :n, :n] = A
@@ -210,15 +214,3 @@ def _summits(values: FloatArray) -> FloatArray:
     inside = (middle >= before) & (middle >= after)
     rise = np.where(inside, -0.125 * (after - before) ** 2 / bend, 0.0)
     return np.asarray(np.maximum(values.max(axis=0), middle + rise))
-
-
-def _closed_loops(autopilot: Feedback, plant: AnyPlant) -> tuple[FloatArray, ...]:
-    """Return A ``(m, n, n)``, B ``(m, n)``, C ``(m, n)`` and D ``(m,)`` of m closed loops.
-
-    From the wind angle to the deflection, of m autopilots with one delay around one plant.
-    """
-    if np.ndim(autopilot.delay):
-        raise InputError("deflection_peaks() is for one delay")
-    loop, m = closed_loop(autopilot, plant), autopilot.batch[0]
-    A, B, C, D = (np.broadcast_to(a, (m, *a.shape[-2:])) for a in loop.matrices())
-    return A, B[..., 0], C[:, -1], D[:, -1, 0]

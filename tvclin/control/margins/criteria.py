@@ -213,6 +213,11 @@ class Criteria:
         return any(r.margin in _MODE_MARGINS for r in self.limits)
 
     @property
+    def has_delay_limit(self) -> bool:
+        """Whether a criterion limits the delay margin."""
+        return any(r.margin == "delay_margin" for r in self.limits)
+
+    @property
     def without_mode_limits(self) -> "Criteria | None":
         """Criteria with the limits of the whole loop alone; None if there are none."""
         loop = tuple(r for r in self.limits if r.margin not in _MODE_MARGINS)
