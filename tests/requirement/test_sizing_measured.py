@@ -252,3 +252,23 @@ def test_a_sounding_has_its_own_wind_triangle_in_both_planes(plane) -> None:
             expected = expected - own(mean, times)[0]
         assert angle[0] == pytest.approx(expected, abs=1e-12)
         assert ratio[0] == pytest.approx(pressure, rel=1e-12)
+
+
+@pytest.mark.parametrize("levels", [np.arange(0.0, 31e3, 1e3), np.arange(0.0, 31e3, 3e3)])
+def test_a_gap_between_levels_leaves_a_sufficient_limit_unknown(flight, levels) -> None:
+    """A smaller limit is insufficient with either; only gaps at the flight times count."""
+    east = np.interp(levels, [0.0, 12e3, 30e3], [0.0, 40.0, 0.0])
+    profile = tv.WindProfile(height=levels, east=east, north=0.0 * levels)
+    request = tv.requirement.SizingRequest(
+        schedule=flight,
+        start=60.0,
+        stop=66.0,
+        every=3.0,
+        soundings={"jet": tv.requirement.SoundingRequest(profile, EAST)},
+    )
+    verdicts = []
+    for limit in np.radians([5.0, 0.01]):
+        case = tv.Case(vehicle=flight.at(60.0), nozzle=tv.Nozzle(limit=limit))
+        verdicts.append(request.total(case, request.sizing(case)).sufficient)
+    has_gaps = levels[1] > 2e3
+    assert verdicts == [None if has_gaps else True, False]

@@ -129,7 +129,7 @@ def test_a_cross_wind_meets_the_vehicle_at_right_angles():
         jet(30.0).between(0.0, 6000.0).to_wind(climb(NAMES[1], -32.0), azimuth=EAST)
 
 
-def test_gaps_in_which_an_archive_takes_the_wind_for_unknown_are_noted():
+def test_gaps_in_which_the_wind_is_not_known_are_noted():
     flight = tv.winds.Climb(
         time=[0.0, 60.0], height=[0.0, 9e3], speed=[300.0] * 2, flight_path_angle=[1.0] * 2
     )
@@ -137,8 +137,8 @@ def test_gaps_in_which_an_archive_takes_the_wind_for_unknown_are_noted():
     profile = tv.WindProfile(height=height, east=0.0 * height, north=0.0 * height, notes=["one"])
     assert profile.notes_along(flight) == [
         "one",
-        "no level from 4.5 to 8 km and in 1 other gap: straight lines there, where availability"
-        " takes the wind for unknown",
+        "no level from 4.5 to 8 km and in 1 other gap: in gaps of more than 2 km the wind is not"
+        " known, and straight lines are shown",
     ]
     assert tv.WindProfile(height=height[:2], east=[0, 0], north=[0, 0]).notes_along(flight) == []
 

@@ -243,8 +243,9 @@ def _gaps(judge: Judge, soundings: Soundings) -> list[str]:
     if not count:
         return []
     return [
-        f"{count} soundings have gaps of at most {gap:g} km: a wind there that is stronger than at"
-        " both edges, and than 95 % of the archive, is not counted"
+        f"in gaps of more than 2 km the wind is not known; {count} soundings have gaps of at most"
+        f" {gap:g} km, in which one stronger than at both edges, and than 95 % of the archive, is"
+        " not counted"
     ]
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tvclin.ascent.measured_wind import GustOf, fly_through, gust_at, gust_of_speed
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base import errors
+from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import checked, file_table, flag, quantity, text, word
 from tvclin.base.fields import count as integer
 from tvclin.base.lines import Line
@@ -432,7 +433,7 @@ class SizingRequest:
             air = "nominal" if case.sign == FROZEN else "encountered"
             names = ", ".join(self.soundings)
             note = f"each K, varying counts the {air} dynamic pressure in {names}"
-            result = replace(result, notes=(*result.notes, note))
+            result = replace(result, notes=(*result.notes, note), gaps=self._gaps(result.times))
         pulses = self.pulses(case)
 
         def at(time: float, k: int) -> Case:
@@ -440,6 +441,17 @@ class SizingRequest:
 
         with repeated(result.known.size):
             return with_directions(result, len(pulses), at, self._mode(case, result))
+
+    def _gaps(self, times: FloatArray) -> tuple[str, ...]:
+        """Return the gaps of soundings, in words, that flight times [s] encounter.
+
+        With a window they are those within half of it.
+        """
+        half = 0.5 * (self.window or 0.0)
+        ends = np.array([times.min() - half, times.max() + half])
+        bottom, top = np.interp(ends, self.schedule.times, self.schedule.height).tolist()
+        gaps = {k: x.profile.gaps_between(bottom, top) for k, x in self.soundings.items()}
+        return tuple(f"{gap}, in a gap of {name}" for name, gap in gaps.items() if gap)
 
     def _mode(self, case: Case, sizing: Sizing) -> FlightMode | None:
         """Return the flight over schedule and winds; None with both planes or frozen parameters."""

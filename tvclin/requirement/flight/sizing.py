@@ -99,6 +99,8 @@ class Sizing(Tabled):
         that are the same at all flight times, such as a sounding without a window, whose single
         requirement is repeated in each row: the exit of the dead band; for trim and minimum the
         time of the largest trim. NaN for other winds.
+    gaps : tuple of str
+        Gaps of soundings in which their wind is not known, in words; often none.
     concurrent : ConcurrentTrim or None
         Trim of winds that are fixed in flight time, with the vehicle of the time of each angle.
     """
@@ -127,6 +129,7 @@ class Sizing(Tabled):
     arises: Mapping[Requirement, FloatArray] = field(
         default_factory=dict, metadata=spec("time", card=False, document=False)
     )
+    gaps: tuple[str, ...] = ()
     concurrent: ConcurrentTrim | None = None
 
     @property
@@ -274,7 +277,7 @@ class Sizing(Tabled):
         if self.unsigned is not None and requirement.dead_band == self.dead_bands[0]:
             times = self.times[self.unsigned.any(axis=1)]
             words[f"at the dynamic pressure encountered {_interval(times)}"] = times.size > 0
-        return tuple(word for word, unknown in words.items() if unknown)
+        return (*(word for word, unknown in words.items() if unknown), *self.gaps)
 
     def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
         """Return the largest value of each requirement in the winds with these indices."""

@@ -222,18 +222,25 @@ class WindProfile(Record):
             For a flight that is malformed or does not ascend.
         """
         path = checked_flight(flight)[1]
+        gap = self.gaps_between(path[0], path[-1])
+        if not gap:
+            return [*self.notes]
+        unknown = "in gaps of more than 2 km the wind is not known, and straight lines are shown"
+        return [*self.notes, f"no level {gap}: {unknown}"]
+
+    def gaps_between(self, bottom: float, top: float) -> str:
+        """Return the gaps between levels that reach into heights [m], in words; empty without one.
+
+        In a gap of more than `MAX_LEVEL_DISTANCE` the wind is not known.
+        """
         gaps = np.stack([self.height[:-1], self.height[1:]], axis=-1)
         wide = np.diff(gaps)[:, 0] > MAX_LEVEL_DISTANCE
-        wide &= (gaps[:, 0] < path[-1]) & (gaps[:, 1] > path[0])
+        wide &= (gaps[:, 0] < top) & (gaps[:, 1] > bottom)
         if not np.any(wide):
-            return [*self.notes]
+            return ""
         low, high = gaps[wide][np.argmax(np.diff(gaps[wide]))] / 1e3
-        return [
-            *self.notes,
-            f"no level from {low:.3g} to {high:.3g} km"
-            + (f" and in {plural(int(wide.sum()) - 1, 'other gap')}" if wide.sum() > 1 else "")
-            + ": straight lines there, where availability takes the wind for unknown",
-        ]
+        others = f" and in {plural(int(wide.sum()) - 1, 'other gap')}" if wide.sum() > 1 else ""
+        return f"from {low:.3g} to {high:.3g} km{others}"
 
     def in_plane(self, azimuth: float) -> FloatArray:
         """Return the wind component along a direction of flight [m/s], positive a tail wind.
