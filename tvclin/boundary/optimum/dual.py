@@ -16,7 +16,9 @@ the sum, its gradient is L1 m - d and its Hessian
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
+from operator import attrgetter
 
 import numpy as np
 
@@ -188,10 +190,10 @@ def best_multipliers(window: Window) -> SignedSum:
     the slowest.
     """
     best = _from_grid(window)
-    if _misfit(window, best) < _RELATIVE_RESIDUAL:
+    if best.residual < _RELATIVE_RESIDUAL:
         return best
     last = _with_last_switch(window)
-    if last is not None and _misfit(window, last) < _RELATIVE_RESIDUAL:
+    if last is not None and last.residual < _RELATIVE_RESIDUAL:
         return last
     c = window.constraints
     fast = int(np.argmax(c.decays))
@@ -207,7 +209,7 @@ def best_multipliers(window: Window) -> SignedSum:
     demands = np.where(np.arange(c.decays.size) == fast, 3.0 * c.demands, c.demands)
     slowed = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
     moments = c.moments(np.concatenate([[0.0], slowed.zeros, [window.end]])) @ slowed.signs
-    return SignedSum(slowed.multipliers, slowed.zeros, slowed.signs, slowed.norm, moments)
+    return replace(slowed, window=window, moments=moments)
 
 
 def _with_last_switch(window: Window) -> SignedSum | None:
@@ -234,13 +236,9 @@ def _with_last_switch(window: Window) -> SignedSum | None:
         return None
     time = -np.log(pole * beyond + np.exp(-pole * end)) / pole
     zeros, signs = np.append(faster.zeros, time), np.append(faster.signs, -last_sign)
-    return SignedSum(
-        np.insert(faster.multipliers, row, 0.0),
-        zeros,
-        signs,
-        faster.norm,
-        c.moments(np.concatenate([[0.0], zeros, [end]])) @ signs,
-    )
+    moments = c.moments(np.concatenate([[0.0], zeros, [end]])) @ signs
+    multipliers = np.insert(faster.multipliers, row, 0.0)
+    return SignedSum(window, multipliers, zeros, signs, faster.norm, moments)
 
 
 def _from_grid(window: Window) -> SignedSum:
@@ -253,10 +251,9 @@ def _from_grid(window: Window) -> SignedSum:
         levels, prices = grid_optimum(window.constraints, cells)
         switches, uncertain = switch_times_of(cells, levels)
         for guess in _scaled(window, [_vanishing_at(window, switches), prices]):
-            solution = _newton(window, guess)
-            if best is None or _misfit(window, solution) < _misfit(window, best):
-                best = solution
-            if _misfit(window, best) < _RELATIVE_RESIDUAL:
+            solution = _newton(guess)
+            best = solution if best is None or solution.residual < best.residual else best
+            if best.residual < _RELATIVE_RESIDUAL:
                 return best
         if _is_underflowing(window, prices):
             break
@@ -304,31 +301,19 @@ def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
             trial = window.signed(guess / size)
             height = trial.multipliers @ window.constraints.demands / trial.norm
             trials.append(window.signed(trial.multipliers * (height / trial.norm)))
-    return sorted(trials, key=lambda trial: _misfit(window, trial))
+    return sorted(trials, key=attrgetter("residual"))
 
 
-def _misfit(window: Window, candidate: SignedSum) -> float:
-    """Return the largest relative violation of a condition by the deflection L1 sgn(lambda . e).
-
-    `window`: the poles' exponentials e_i, and their demands d_i. `candidate`: the sum lambda . e.
-    """
-    demands = window.constraints.demands
-    with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
-        sizes = candidate.norm * window.sizes + np.abs(demands)
-        misfits = np.abs(candidate.norm * candidate.moments - demands) / sizes
-    return float(np.where(np.isnan(misfits), np.inf, misfits).max())
-
-
-def _newton(window: Window, current: SignedSum) -> SignedSum:
+def _newton(current: SignedSum) -> SignedSum:
     """Return the sum lambda . e after Newton's iteration from `current`, a sum.
 
-    `window`: the poles' exponentials e_i, and their demands d_i. Steps are in the logarithms of the
-    multipliers, for a switch moves in proportion to these. Where such a step does not reduce the
-    residual, perhaps because a multiplier has the wrong sign, a plain step is tried.
+    Steps are in the logarithms of the multipliers, for a switch moves in proportion to these. Where
+    such a step does not reduce the residual, perhaps because a multiplier has the wrong sign, a
+    plain step is tried.
     """
     for _ in range(_NEWTON_STEPS):
-        step = _newton_step(window, current)
-        trials = (_shortened(window, current, step, geometric) for geometric in (True, False))
+        step = _newton_step(current)
+        trials = (_shortened(current, step, geometric) for geometric in (True, False))
         trial = next((trial for trial in trials if trial is not None), None)
         if trial is None:
             break
@@ -336,50 +321,45 @@ def _newton(window: Window, current: SignedSum) -> SignedSum:
     return current
 
 
-def _shortened(
-    window: Window, current: SignedSum, step: FloatArray, geometric: bool
-) -> SignedSum | None:
+def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedSum | None:
     """Return the sum after the longest fraction of a step that reduces the residual, or None.
 
-    `window`: the poles' exponentials e_i, and their demands d_i. `current`: the sum before. `step`:
-    of its multipliers, ``(n,)``. `geometric`: whether the step is in their logarithms.
+    `current`: the sum before. `step`: of its multipliers, ``(n,)``. `geometric`: whether the step
+    is in their logarithms.
     """
-    misfit = _misfit(window, current)
     for halvings in range(_STEP_LENGTHS):
         length = 0.5**halvings
         moved = current.multipliers + length * step
         if geometric:
-            moved = _in_logarithms(window.constraints, current.multipliers, length * step)
+            moved = _in_logarithms(current, length * step)
         if not np.all(np.isfinite(moved)):
             continue
-        trial = window.signed(moved)
-        if _misfit(window, trial) < misfit * (1.0 - 1e-4 * length):
+        trial = current.window.signed(moved)
+        if trial.residual < current.residual * (1.0 - 1e-4 * length):
             return trial
     return None
 
 
-def _in_logarithms(
-    constraints: Constraints, multipliers: FloatArray, step: FloatArray
-) -> FloatArray:
-    """Return each multiplier times e^(step/multiplier), ``(n,)``; a pair is one complex number.
+def _in_logarithms(current: SignedSum, step: FloatArray) -> FloatArray:
+    """Return each multiplier of the sum `current` times e^(step/multiplier), ``(n,)``.
 
-    `constraints`: which of the `multipliers` ``(n,)`` are a pair. `step`: plain change, ``(n,)``.
+    `step`: plain change of the multipliers, ``(n,)``. Those of a pair are one complex number.
     """
-    size, change = constraints.complex_values(multipliers), constraints.complex_values(step)
+    constraints = current.window.constraints
+    size, change = map(constraints.complex_values, (current.multipliers, step))
     still = size == 0.0
     with np.errstate(over="ignore", invalid="ignore"):
         moved = size * np.exp(change / np.where(still, 1.0, size))
     return constraints.real_rows(np.where(still, change, moved))
 
 
-def _newton_step(window: Window, current: SignedSum) -> FloatArray:
+def _newton_step(current: SignedSum) -> FloatArray:
     """Return the Newton step ``(n,)`` of the multipliers of the sum `current`.
 
-    `window`: the poles' exponentials e_i, and their demands d_i. Columns are scaled, for
-    multipliers differ by many decades.
+    Columns are scaled, for multipliers differ by many decades.
     """
     # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
-    c = window.constraints
+    c = current.window.constraints
     slopes = np.abs(current.multipliers @ c.slopes(current.zeros))
     weights = np.sqrt(2.0 * current.norm / np.maximum(slopes, 1e-200 * current.norm + 1e-300))
     rows = np.vstack([current.moments, (c.basis(current.zeros) * weights).T])

@@ -260,7 +260,8 @@ class Window:
         moments = self.constraints.moments(knots)
         areas = multipliers @ moments
         signs = np.where(areas < 0.0, -1.0, 1.0)
-        return SignedSum(multipliers, zeros, signs, float(np.abs(areas).sum()), moments @ signs)
+        norm = float(np.abs(areas).sum())
+        return SignedSum(self, multipliers, zeros, signs, norm, moments @ signs)
 
     def tail(self, multipliers: FloatArray) -> float:
         """Return a bound of the integral of |lambda . e| past the end of a cut window.
@@ -276,18 +277,28 @@ class Window:
 
 @dataclass(frozen=True, eq=False)
 class SignedSum:
-    """A sum lambda . e, its changes of sign, norm and gradient.
+    """A sum lambda . e of the exponentials of a `window`, its changes of sign, norm and gradient.
 
     `multipliers`: lambda, ``(n,)``. `zeros`: times [s] of its changes of sign, ``(k,)``. `signs`:
     its sign between them, ``(k + 1,)``. `norm`: its L1 norm on the window. `moments`: the moments
     of its sign, ``(n,)``: the gradient of the norm.
     """
 
+    window: Window
     multipliers: FloatArray
     zeros: FloatArray
     signs: FloatArray
     norm: float
     moments: FloatArray
+
+    @cached_property
+    def residual(self) -> float:
+        """Largest violation of a condition by the deflection norm sgn(lambda . e), relative."""
+        demands = self.window.constraints.demands
+        with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
+            sizes = self.norm * self.window.sizes + np.abs(demands)
+            violations = np.abs(self.norm * self.moments - demands) / sizes
+        return float(np.where(np.isnan(violations), np.inf, violations).max())
 
 
 def decay_spaced_times(decay: float, last: float, count: int) -> FloatArray:
