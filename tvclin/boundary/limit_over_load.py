@@ -67,25 +67,18 @@ _MAX_DEFLECTION: float = float(np.pi / 2)
 """Largest deflection [rad] of the programs of minimum load."""
 _NEGLIGIBLE_LOAD = 1e-9
 """Load, relative to the optimal deflection, below which it is zero."""
-_LOAD_PROGRAMS = 5
-"""Largest number of programs of the minimum load."""
 _MIN_LOAD_DECREASE = 0.01
 """Smallest relative decrease of the load by a program after which another is solved."""
 _NODES_PER_RADIAN = 3.5
 """Nodes in 1/omega of the oscillating zeros of the load."""
 _MAX_ZERO_NODES = 300
 """Largest number of these nodes."""
-_NEWTON_STEPS = 6
-"""Largest number of Newton steps to the load at a limit."""
 _MIN_START_LOAD = 0.02
 """Smallest load at which they begin, relative to the optimal deflection."""
 _RELATIVE_TOLERANCE = 1e-3
 """Relative distance to a floor within which the floor sets a limit."""
 ANGLE, TURN, BOTH = "the minimum angle", "turning in time", "both together"
 LEAST_LOAD = "the minimum load"
-_POINTS = 10
-"""Default number of load bounds of a trade-off."""
-
 _MIN_MOMENT_RATIO = 1e-12
 """Smallest size of a moment ratio other than zero, for numerical range."""
 
@@ -310,7 +303,7 @@ class LoadLimits:
         """Minimum load [rad] of controls on successively finer nodes, and its lower bound [rad]."""
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf
-        for _ in range(_LOAD_PROGRAMS):
+        for _ in range(5):
             solved = program.solve(LOAD, _MAX_DEFLECTION)
             if solved is None:
                 break
@@ -403,16 +396,16 @@ class LoadLimits:
         bounds = [(bound - slope * load, slope) for bound, slope in self.lines]
         return max([*bounds, (self.minimum_deflection, 0.0)])
 
-    def required_load(self, limit: float) -> float:
-        """Return the minimum load [rad] of a control within a limit [rad]; infinite without one."""
-        if limit < self.minimum_deflection:
+    def required_load(self, limit: float | None) -> float:
+        """Return the minimum load [rad] of a control within a limit [rad], or None; else inf."""
+        if limit is not None and limit < self.minimum_deflection:
             return np.inf
-        if limit >= self._attained(self.minimum_load):
+        if limit is None or limit >= self._attained(self.minimum_load):
             return self.minimum_load
         free, constant = self._responses
         low = max(float(np.max(np.abs(free) - limit * constant)), self.minimum_load)
         load = max(low, _MIN_START_LOAD * self.load_of_minimum)
-        for _ in range(_NEWTON_STEPS):  # from below, along tangents
+        for _ in range(6):  # Newton steps from below, along tangents
             _, proof, slope = self.at(load)
             if proof - limit <= RELATIVE_GAP * limit or not slope:
                 break
@@ -449,11 +442,8 @@ class LoadLimits:
         """Angle of attack [rad] without control, and its largest change by a unit deflection."""
         case, start = self.case, float(self.case.wind.onset)
         times = np.linspace(start, float(case.wind.end), 1001)[1:]
-        unit, calm, name = (
-            ConstantDeflection(limit=1.0, start=start),
-            0.0 * case.wind,
-            "angle_of_attack",
-        )
+        unit, calm = ConstantDeflection(limit=1.0, start=start), 0.0 * case.wind
+        name = "angle_of_attack"
         free = attitude_responses(case.plant, calm, case.wind, times, [name])[name]
         change = attitude_responses(case.plant, unit, calm, times, [name])[name]
         size = np.maximum.accumulate(np.abs(change))
@@ -598,7 +588,7 @@ def load_trade_off(
     case = load_limits(plant, wind, M, rate)
     if loads is None:
         low, high = max(1.05 * case.minimum_load, 0.2 * case.load_of_minimum), case.load_of_minimum
-        load_bounds = np.linspace(min(low, high), high, _POINTS)
+        load_bounds = np.linspace(min(low, high), high, 10)
         if load_limit is not None:
             load_bounds = np.unique(np.append(load_bounds, load_limit))
     limits, lower_bounds, slopes = np.array(case.points_at(load_bounds)).T
@@ -623,9 +613,7 @@ def load_trade_off(
         limit=nozzle_limit,
         load=load_limit,
         lower_bound=case.minimum_deflection if load_limit is None else case.at(load_limit)[0],
-        required_load=case.minimum_load
-        if nozzle_limit is None
-        else case.required_load(nozzle_limit),
+        required_load=case.required_load(nozzle_limit),
         angle=abs(float(wind.peak)),
     )
     return (

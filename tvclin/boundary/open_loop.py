@@ -61,30 +61,6 @@ ROUNDING = 1e-9
 """Relative difference up to which two requirements count as equal."""
 
 
-def limit_after_trim(problem: ExitProblem, poles: AnyArray, lower: FloatArray) -> FloatArray:
-    """Return the largest limit that diverges after trim up to K times it, at least `lower`.
-
-    `problem`: plants with a moment, winds of one sign, and K. `poles`: all unstable poles [1/s],
-    the fastest first, ``(..., N)``; NaN for no pole. `lower`: smallest limit of interest,
-    ``(...)``. Limits are normalised by B alpha_w,max. Returned: ``(...)``; `lower` for K = 0, K =
-    1, and fewer than two modes.
-    """
-    shape, count = problem.shape, poles.shape[-1]
-    K = np.broadcast_to(problem.dead_band, shape).ravel()
-    limits = np.array(np.broadcast_to(lower, shape), dtype=float).ravel()
-    modes = separated_poles(np.broadcast_to(poles, (*shape, count)).reshape(-1, count))
-    number = (~np.isnan(modes)).sum(axis=-1)
-    applicable = (K > 0.0) & (K < 1.0) & np.isfinite(limits) & (number > 1)
-    highest = np.minimum(problem.largest_trim(applicable.reshape(shape)).ravel(), _MAX_LIMIT)
-    applicable &= highest > limits
-    after = _AfterTrim(problem, K, modes)
-    for search, cases in ((_iterated, number == 2), (_bisected, number > 2)):
-        selected = np.flatnonzero(applicable & cases)
-        if selected.size:
-            limits[selected] = search(after, selected, limits[selected], highest[selected])
-    return limits.reshape(shape)
-
-
 @dataclass(frozen=True)
 class _AfterTrim:
     """Dead bands ``(n,)`` and modes ``(n, m)`` of a problem, flattened."""
@@ -219,20 +195,18 @@ def open_loop_requirements(
     """
     K = np.asarray(dead_band)
     size = np.abs(np.asarray(boundary.deflection))
-    free = (
-        np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
-        if np.any(K == 1.0) and _has_bound(plant)
-        else 0.0
-    )
+    poles, free = unstable_poles(plant), np.zeros(())
+    # without a batch a fastest pole that is not real is an error of the bound
+    if np.any(K == 1.0) and (plant.batch or (poles.size and not np.imag(poles[0]))):
+        free = np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
+    free = np.where(K == 1.0, np.nan_to_num(free), 0.0)
     required = {
         Reason.BOUNDARY: size,
         Reason.MINIMUM: np.broadcast_to(minimum_peaks(plant, wind, sufficient), size.shape),
-        Reason.NO_FORECAST: np.broadcast_to(
-            np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape
-        ),
+        Reason.NO_FORECAST: np.broadcast_to(free, size.shape),
     }
     largest = np.max(list(required.values()), axis=0)
-    return required | {Reason.AFTER_TRIM: _after_trim(plant, wind, K, largest)}
+    return required | {Reason.AFTER_TRIM: _limit_after_trim(plant, wind, K, largest)}
 
 
 def with_larger_requirements(
@@ -262,25 +236,34 @@ def with_larger_requirements(
     return replace(boundary, status=status if status.ndim else str(status))
 
 
-def _after_trim(plant: Plant, wind: History, K: FloatArray, smallest: FloatArray) -> FloatArray:
+def _limit_after_trim(
+    plant: Plant, wind: History, dead_band: FloatArray, smallest: FloatArray
+) -> FloatArray:
     """Return the largest limit [rad] that diverges after trim up to K times it, else 0.
 
-    `plant`, `wind`: one or a batch. `K`: dead band. `smallest`: limits [rad] up to which the result
-    is zero. Of the shape of `smallest`.
+    `plant`, `wind`: one or a batch. `dead_band`: K. `smallest`: limits [rad] up to which the result
+    is zero, of its shape. Zero for K = 0, K = 1, fewer than two modes, and two that are a pair.
     """
-    poles = unstable_poles(plant)
-    if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):
-        return np.zeros(smallest.shape)
+    poles, shape = unstable_poles(plant), smallest.shape
+    if poles.shape[-1] < 2 or not np.any((dead_band > 0.0) & (dead_band < 1.0)):
+        return np.zeros(shape)
     pole, paired = leading_pole(plant)
-    problem = ExitProblem(plant, wind, pole, np.where(paired, 1.0, K), smallest.shape)
+    K = np.broadcast_to(np.where(paired, 1.0, dead_band), shape)
+    problem = ExitProblem(plant, wind, pole, K, shape)
     full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
-        lower = smallest / full
-    limit = limit_after_trim(problem, poles, lower)
+        lower = np.broadcast_to(smallest / full, shape)
+    limits = lower.flatten()
+    modes = separated_poles(np.broadcast_to(poles, (*shape, poles.shape[-1])))
+    modes = modes.reshape(-1, modes.shape[-1])
+    number = (~np.isnan(modes)).sum(axis=-1)
+    applicable = (K.ravel() > 0.0) & (K.ravel() < 1.0) & np.isfinite(limits) & (number > 1)
+    highest = np.minimum(problem.largest_trim(applicable.reshape(shape)).ravel(), _MAX_LIMIT)
+    applicable &= highest > limits
+    after = _AfterTrim(problem, K.ravel(), modes)
+    for search, cases in ((_iterated, number == 2), (_bisected, number > 2)):
+        selected = np.flatnonzero(applicable & cases)
+        if selected.size:
+            limits[selected] = search(after, selected, limits[selected], highest[selected])
+    limit = limits.reshape(shape)
     return np.where(limit > lower, limit * full, 0.0)
-
-
-def _has_bound(plant: Plant) -> bool:
-    """Return whether a plant has a bound without a forecast: its fastest unstable pole is real."""
-    poles = unstable_poles(plant)
-    return bool(plant.batch) or (poles.size > 0 and np.imag(poles[0]) == 0.0)

@@ -170,11 +170,8 @@ class PlanePair:
                 history.knots
             ).max(initial=0.0)
             max_points = max(_MAX_TIMES // history.knots.size, 8)
-            times.append(
-                history.probe_times(
-                    int(np.clip(8.0 * oscillation, min(64, max_points), max_points))
-                )
-            )
+            points = int(np.clip(8.0 * oscillation, min(64, max_points), max_points))
+            times.append(history.probe_times(points))
         merged = np.unique(np.concatenate(times))
         return merged[(merged >= self.wind.onset) & (merged <= self.wind.end)]
 

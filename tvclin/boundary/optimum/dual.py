@@ -86,10 +86,8 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
         if not np.all(sizes[~determined] > 0.0):
             break
         remaining = solution[0][-1] * demands - moments[:, :first] @ levels[:first]
-        rows, remaining = (
-            late[~determined] / sizes[~determined, None],
-            remaining[~determined] / sizes[~determined],
-        )
+        rows = late[~determined] / sizes[~determined, None]
+        remaining = remaining[~determined] / sizes[~determined]
         stage = _linear_program(cost / unit, rows, remaining)
         if stage is None:
             break

@@ -298,10 +298,8 @@ class LoadProgram:
             share = np.where(total == 0.0, 0.5, start / np.where(total == 0.0, 1.0, total))
             share = np.clip(3.0 * share - 1.0, 0.0, 1.0)
             density_ends = 2.0 * total * np.stack([share, 1.0 - share])
-            here = (
-                density_ends[0][:, np.newaxis] * (1.0 - _INSIDE)
-                + density_ends[1][:, np.newaxis] * _INSIDE
-            )
+            first, last = density_ends[:, :, np.newaxis]
+            here = first * (1.0 - _INSIDE) + last * _INSIDE
             weighted_load = float(self.widths @ (self.reference_load * here @ _SIMPSON))
         weighed = LoadWeights(case, self.widths, node_weights, density_ends, _complex(case, prices))
         used, norm = weighed.proof(self.reference, rate_prices)
@@ -331,10 +329,8 @@ class LoadProgram:
         )
         start, width, (first, last) = self.nodes[:-1][loose], self.widths[loose], ends[:, loose]
         level = 0.5 * (1.0 + first / (peak or 1.0))  # where a switch would be
-        parts = [np.full(width.size, k / _CELL_DIVISIONS) for k in range(1, _CELL_DIVISIONS)] + [
-            level,
-            1.0 - level,
-        ]
+        parts = [np.full(width.size, k / _CELL_DIVISIONS) for k in range(1, _CELL_DIVISIONS)]
+        parts += [level, 1.0 - level]
         for level_limit in (peak, -peak):  # where a line of full rate through an end meets the peak
             parts.append(np.clip(np.abs(level_limit - first) / (rate * width), 0.0, 1.0))
             parts.append(np.clip(1.0 - np.abs(level_limit - last) / (rate * width), 0.0, 1.0))

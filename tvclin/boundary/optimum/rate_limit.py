@@ -162,11 +162,8 @@ class RateProgram:
         identity, none = sparse.identity(count), sparse.csr_matrix((count, count))
         share = np.diff(self.nodes)[:, np.newaxis] / self.nodes[-1]
         bound = -share if of_rate else -np.ones((count, 1))
-        blocks = (
-            [[none, identity, identity]]
-            if of_rate
-            else [[identity, none, none], [-identity, none, none]]
-        )
+        blocks = [[identity, none, none], [-identity, none, none]]
+        blocks = [[none, identity, identity]] if of_rate else blocks
         conditions = np.zeros((self.sizes.size, 3 * count + 1))
         conditions[:, :count] = self.moments[:, 1:] / self.sizes[:, np.newaxis]
         change = identity - sparse.eye(count, k=-1)
@@ -196,10 +193,8 @@ class RateProgram:
         highest = np.concatenate([np.full(count, np.inf), steps, steps, [peak]])
         lowest = np.concatenate([np.full(count, -np.inf), np.zeros(2 * count + 1)])
         if around is not None:
-            right, upper = (
-                _RESIDUAL_SCALE * (right - equal @ around),
-                -_RESIDUAL_SCALE * (below @ around),
-            )
+            right = _RESIDUAL_SCALE * (right - equal @ around)
+            upper = -_RESIDUAL_SCALE * (below @ around)
             lowest, highest = (
                 np.clip(_RESIDUAL_SCALE * (b - around), -max_change, max_change)
                 for b in (lowest, highest)
