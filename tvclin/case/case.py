@@ -89,6 +89,7 @@ class Case:
     sign: str | None = word((*SIGNS, FROZEN), None, shown="the worse of head and tail")
 
     def __post_init__(self) -> None:
+        """Set the default model; raise `InputError` for numbers out of range and unknown names."""
         if not isinstance(self.vehicle, LinearVehicle):
             instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         if isinstance(self.model, str) and not self.model:
@@ -150,7 +151,7 @@ class Case:
         return getattr(self.wind, "heading", None)
 
     def wind_at(self, dead_band: float) -> ShapedWind:
-        """Return the wind of a shape, with its gust at its time, or the worst for a dead band."""
+        """Return the wind of a shape, with its gust at its time, or the worst for a dead band K."""
         in_plane = self.wind_in_plane_at(dead_band)
         assert isinstance(self.wind, ShapedWind)
         assert isinstance(in_plane, ShapedWind)
@@ -162,7 +163,7 @@ class Case:
         return self.wind_in_plane_at(1.0)
 
     def wind_in_plane_at(self, dead_band: float) -> ShapedWind | FixedWind | WindEnsemble | History:
-        """Return the wind in the plane, with the gust at the worst time for a dead band."""
+        """Return the wind in the plane, with the gust at the worst time for a dead band K."""
         wind = self.wind
         if isinstance(wind, VehicleWind):
             return wind.history(self.vehicle, self.plane)
@@ -182,7 +183,7 @@ class Case:
         return self.history_at(1.0)
 
     def history_at(self, dead_band: float) -> History:
-        """Return the wind as a history, with the gust at the worst time for a dead band."""
+        """Return the wind [rad] as a history, with the gust at the worst time for a dead band K."""
         K = number("dead_band", dead_band, between(0.0, 1.0))
         wind = self.wind_in_plane if K == 1.0 else self.wind_in_plane_at(K)
         return wind if isinstance(wind, History) else wind.history({})
@@ -241,9 +242,9 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     """Return a wind without a heading with its gust at the time with the largest requirement.
 
     A wind without a gust, or with a gust that has a time, is returned unchanged. The time maximises
-    `open_loop_requirements` from the beginning of the wind to its end, by a scan that is refined
-    between the neighbours of its maximum. A gust that opposes the wind, or one for which no limit
-    is defined, stays in the middle.
+    `open_loop_requirements` of the plant with a dead band K from the beginning of the wind to its
+    end, by a scan that is refined between the neighbours of its maximum. A gust that opposes the
+    wind, or one for which no limit is defined, stays in the middle.
     """
     gust = wind.gust
     if gust is None or wind.gust_at is not None:

@@ -132,7 +132,8 @@ def computing_questions(feature: str) -> list[str]:
 def refusal(question: str, option: str, key: str | None = None) -> str | None:
     """Return the message that refuses an option to a question; None for any other option.
 
-    `key`: the key of --set that gives the same, where the question takes --set.
+    `question`: name in `QUESTIONS`. `option`: option of the command line, such as "--sign". `key`:
+    the key of --set that gives the same, where the question takes --set.
     """
     for feature, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
@@ -189,7 +190,10 @@ def is_rigid_only(question: str) -> bool:
 
 
 def _specified_features(case: Case, omitted: set[str], tables: Collection[str]) -> list[str]:
-    """Return the omitted features that a case specifies, other than structure and damping."""
+    """Return the omitted features that a case specifies, other than structure and damping.
+
+    `omitted`: names of features in `OPTIONS`. `tables`: tables of the file of the case.
+    """
     nozzle, wind = case.nozzle, case.wind
     sizing, dispersions = getattr(case, "sizing", None), getattr(case, "dispersions", None)
     tests: dict[str, Callable[[], Any]] = {

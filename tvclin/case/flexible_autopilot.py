@@ -62,7 +62,7 @@ def flexible_answer(
     limit: float | None,
     **hardware: Any,
 ) -> FlexibleAnswer:
-    """Return margins, boundaries and flight of an autopilot with a flexible vehicle.
+    """Return margins, boundaries and flight of an autopilot with a flexible vehicle in one wind.
 
     The autopilot is designed on the rigid plant, except for gains by a search, such as gains for
     the minimum deflection. `criteria`: criteria for detuned modes. `limit`: deflection limit of the
@@ -93,9 +93,10 @@ def flexible_answer(
 def stop_boundary(
     plant: AnyPlant, law: Law, wind: History, limit: float, hardware: dict[str, Any]
 ) -> ClosedLoopBoundary:
-    """Return the minimum limit of a law in a wind, sought up to `limit` [rad] if none is lower.
+    """Return the minimum limit of a law in one wind, sought up to `limit` [rad] if none is lower.
 
-    `hardware`: items of `Case.hardware`. Same exceptions as `closed_loop_boundary`.
+    `plant`: one plant. `hardware`: items of `Case.hardware`. Same exceptions as
+    `closed_loop_boundary`.
     """
     boundary = closed_loop_boundary(plant, law, wind, **hardware)
     scanned = float(boundary.scan[-1])
@@ -109,8 +110,8 @@ def specified_law(case: Case, name: str, rate_limit: float, **parameters: Any) -
     """Return the law with a name for a case, with the filters of its autopilot.
 
     The law is designed by `design_law` on the rigid vehicle of the case, for its wind; "autopilot"
-    has the gains of the case. `parameters`: further parameters of `design_law`. Same exceptions as
-    `design_law` and `Case.autopilot`.
+    has the gains of the case. `rate_limit`: limit of the deflection rate [rad/s]. `parameters`:
+    further parameters of `design_law`. Same exceptions as `design_law` and `Case.autopilot`.
     """
     if name == AUTOPILOT:
         parameters = {AUTOPILOT: case.autopilot} | parameters
@@ -120,12 +121,15 @@ def specified_law(case: Case, name: str, rate_limit: float, **parameters: Any) -
 
 
 def with_filters(law: Law, design: AutopilotDesign) -> Law:
-    """Return a law with the filters of an autopilot."""
+    """Return a law with the filters of an autopilot `design`, or the law itself without filters."""
     return FilteredLaw(law, **design.chains) if any(design.chains.values()) else law
 
 
 def shift_of(plant: AnyPlant) -> Shift | None:
-    """Return the shift of the rigid theory by the structure; None without an unstable mode."""
+    """Return the shift of pole and trim of a plant by its structure, as in `Shift`.
+
+    None for a rigid plant, and for one without an unstable mode.
+    """
     if plant.structure is None:
         return None
     try:
@@ -135,7 +139,10 @@ def shift_of(plant: AnyPlant) -> Shift | None:
 
 
 def shift_lines(plant: AnyPlant) -> tuple[Line, Line] | None:
-    """Return the shifts of fast pole and trim by the structure [%]; None where `shift_of` is."""
+    """Return the shifts of fast pole and trim of a plant by its structure [%], for a table.
+
+    None for a rigid plant, and for one without an unstable mode.
+    """
     moved = shift_of(plant)
     if moved is None:
         return None
@@ -146,7 +153,10 @@ def shift_lines(plant: AnyPlant) -> tuple[Line, Line] | None:
 
 
 def shift_words(vehicle: AnyVehicle, plane: str) -> str:
-    """Return the shift of fast pole and deflection by the structure, in words."""
+    """Return the shift of fast pole and deflection by the structure of a vehicle, in words.
+
+    `plane`: "pitch" or "yaw". Empty for a rigid vehicle, and for one without an unstable mode.
+    """
     shift = shift_of(plant_of(vehicle, DEFAULT_MODEL, plane))
     if shift is None:
         return ""
@@ -168,8 +178,8 @@ def gain_notes(
 ) -> Iterator[str]:
     """Yield notes on unspecified gains or actuator, and on gains that satisfy the criteria.
 
-    `satisfied`: whether the gains of the case satisfy the criteria. `delay_margin`: delay margin
-    [s] of these gains.
+    `case`: the vehicle and its autopilot. `satisfied`: whether the gains of the case satisfy the
+    criteria. `delay_margin`: delay margin [s] of these gains.
     """
     if case.autopilot_design.unspecified and case.controller is None:
         yield (
@@ -188,7 +198,7 @@ def gain_notes(
 
 
 def actuator_notes(case: Case) -> Iterator[str]:
-    """Yield the note on an actuator that is assumed, as neither file nor option specifies one."""
+    """Yield a note if neither the file nor an option of a case specifies its actuator."""
     if case.nozzle.actuator is USUAL_ACTUATOR:
         yield (
             f"an actuator of {USUAL_ACTUATOR.natural_frequency:g} rad/s and damping"
@@ -198,7 +208,10 @@ def actuator_notes(case: Case) -> Iterator[str]:
 
 
 def _better(case: Case, criteria: Criteria) -> str:
-    """Return the note on a rule with gains that satisfy the criteria, or on the search for them."""
+    """Return the note on a rule with gains that satisfy the criteria, or on the search for them.
+
+    `case`: the vehicle and its autopilot, whose gains do not satisfy them.
+    """
     rule = satisfying_rule(case, criteria)
     if rule is None:
         return (

@@ -61,6 +61,7 @@ class LoadBound:
     deflection_moment: float | None = quantity("moment slope", None, option=None)
 
     def __post_init__(self) -> None:
+        """Raise `InputError` unless there is one bound with its further values, in range."""
         checked(self)
         bounds = [name for name in ("load", "q_alpha", "moment") if getattr(self, name) is not None]
         if len(bounds) != 1:
@@ -108,9 +109,10 @@ class LoadBound:
     def trade_off(
         self, case: Case, fraction: float = 1.0, *, only_bound: bool = False
     ) -> LoadTradeOff:
-        """Return the trade-off curve of limit over load, or its point at the bound alone.
+        """Return the trade-off curve of limit over load in the wind of a case.
 
-        `fraction`: fraction of the deflection limit that is available in the plane.
+        `fraction`: fraction of the deflection limit that is available in the plane. `only_bound`:
+        whether the curve is only its point at the bound.
         """
         instance("case", case, Case, "of a wind and a nozzle")
         fraction = number("fraction", fraction, between(1e-9, 1.0))

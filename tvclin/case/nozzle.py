@@ -54,6 +54,7 @@ class NozzleData:
     thrust_offset: float = quantity("length", 0.0)
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for a batch, and a negative stiffness, damping or friction."""
         errors.instance("engine", self.engine, Engine, "Engine(mass=..., arm=...)")
         errors.single("engine", self.engine.batch)
         checked(self)
@@ -111,6 +112,7 @@ class Nozzle:
     power_limit: float | None = quantity("power", None, errors.positive, label="power")
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for numbers out of range, wrong types, and limits without data."""
         checked(self)
         if self.limit_shape is not None:
             limit_shape_of(self.limit_shape, "limit_shape")
@@ -148,7 +150,7 @@ NOZZLE_TABLE = file_table(
 
 
 def _data(values: dict[str, Any]) -> NozzleData | None:
-    """Return engine and hinge, removed from the values of a table; None without them."""
+    """Return engine and hinge, removed from the `values` of a table; None without them."""
     data = {name: values.pop(name) for name in (*_ENGINE, *_HINGE) if name in values}
     if not data:
         return None

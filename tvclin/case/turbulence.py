@@ -100,6 +100,7 @@ class TurbulenceRequest:
     table: Turbulence | None = None
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for numbers out of range, and for none or several intensities."""
         checked(self)
         names = ("intensity", "severity", "exceedance", "table")
         requested = [name for name in names if getattr(self, name) is not None]
@@ -181,10 +182,12 @@ TURBULENCE_TABLE = file_table("[turbulence]", TurbulenceRequest, words=("file",)
 def turbulence_of(document: Mapping[str, Any], folder: Path) -> TurbulenceRequest | None:
     """Return the request of [turbulence] of a document, None without it.
 
-    A file of turbulence over altitude is searched in the folder.
+    `document`: tables of a file. `folder`: folder in which a file of turbulence over altitude is
+    searched.
     """
 
     def request(keys: dict[str, Any]) -> TurbulenceRequest:
+        """Return the request of the keys of [turbulence]."""
         values = TURBULENCE_TABLE.read(keys)
         path, levels = values.pop("file", None), values.pop(LEVELS, None)
         if path is not None and levels is not None:

@@ -46,6 +46,7 @@ class ReportControl:
     dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for a dead band outside [0, 1]."""
         checked(self)
 
 
@@ -78,8 +79,10 @@ def command_of(
 ) -> Command:
     """Return the command of the nozzle in a flight that begins at `start` [s].
 
-    `InputError` for another type than `Control`, histories in a batch or from before the flight,
-    an autopilot with a delay, filters, two actuators, and hardware without a law.
+    `control`: deflection history, law, autopilot, or the report's control. `actuator`: nozzle
+    dynamics of a law. `rate_limit`: limit of its deflection rate [rad/s]. `InputError` for another
+    type, histories in a batch or from before the flight, an autopilot with a delay, filters, two
+    actuators, and hardware without a law.
     """
     max_rate = check_rate_limit(rate_limit)
     if isinstance(control, History | ReportControl):
@@ -104,15 +107,18 @@ def command_of(
 
 
 def check_path(drift: bool, sensors: LateralSensors) -> None:
-    """Raise `InputError` for drift that is measured on a path that does not turn."""
+    """Raise `InputError` for drift that is measured on a path that does not turn.
+
+    `drift`: whether the path may turn. `sensors`: lateral sensors of the law.
+    """
     if not drift and (sensors.drift_rate or sensors.drift):
         raise InputError("drift is fed back, but the path of this flight is fixed; set drift")
 
 
 def limit_of(control: object, deflection_limit: float) -> float:
-    """Return the deflection limit [rad]; `InputError` unless it is positive.
+    """Return the deflection limit [rad] of a control; `InputError` unless it is positive.
 
-    It may be infinite for a history.
+    It may be infinite for a history of the deflection.
     """
     if isinstance(control, History) and deflection_limit == np.inf:
         return np.inf
@@ -122,7 +128,10 @@ def limit_of(control: object, deflection_limit: float) -> float:
 
 
 def check_history(name: str, history: object, start: float) -> None:
-    """Raise `InputError` unless `history` is a single one with an onset at `start` [s] or later."""
+    """Raise `InputError` unless `history` is a single one with an onset at `start` [s] or later.
+
+    `name`: name of the argument, for the message.
+    """
     instance(name, history, History, "such as TriangularWind")
     assert isinstance(history, History)
     single(name, history.batch)
@@ -154,12 +163,18 @@ _MIN_FALL_RATE = 0.1
 
 
 def verdict_time(wind: History | PlaneWind, pole: float) -> float:
-    """Return the time [s] of the verdict on a flight that stays within the range of its model."""
+    """Return the time [s] of the verdict on a flight that stays within the range of its model.
+
+    `wind`: one wind that ends. `pole`: unstable pole of the vehicle [1/s].
+    """
     return float(wind.end) + _VERDICT_TIME_TIMES_POLE / pole
 
 
 def has_fallen(rate: float, peak: float, pole: float) -> bool:
-    """Return whether a late attitude rate [rad/s] means a fall, after a wind of a peak [rad]."""
+    """Return whether a late attitude rate [rad/s] means a fall.
+
+    `peak`: peak of the wind [rad]. `pole`: unstable pole of the vehicle [1/s].
+    """
     return rate > _MIN_FALL_RATE * pole * abs(peak)
 
 
@@ -168,13 +183,15 @@ def verdict_of(
 ) -> Callable[[float], bool]:
     """Return the function from a deflection limit [rad] to whether its flight survives.
 
-    `late_rate`: attitude rate [rad/s] at the time of the verdict, of a limit. A law returns to
-    equilibrium, and must not fall in either direction; a control that holds the limit for ever is
-    lost only in the direction in which the wind turns a vehicle.
+    `late_rate`: function from a limit to the attitude rate [rad/s] at the time of the verdict.
+    `control`: a law returns to equilibrium, and must not fall in either direction; one that holds
+    the limit for ever is lost only in the direction in which the wind turns a vehicle. `wind`: one
+    wind. `pole`: unstable pole of the vehicle [1/s].
     """
     peak, is_law = float(wind.peak), isinstance(control, Law)
 
     def survives(limit: float) -> bool:
+        """Return whether the flight with a deflection limit [rad] survives."""
         rate = late_rate(limit)
         rate_with_wind = -rate if peak > 0.0 else rate
         return not has_fallen(abs(rate) if is_law else rate_with_wind, peak, pole)

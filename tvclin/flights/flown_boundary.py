@@ -51,11 +51,11 @@ def planar_verdict(
     actuator: Actuator | None = None,
     rate_limit: float = np.inf,
 ) -> Verdict:
-    """Return the verdict of planar flights.
+    """Return the function from a deflection limit [rad] to whether its planar flight survives.
 
     `frozen`: whether parameters are frozen; else they vary along the nominal flight of `condition`.
-    The other same parameters as `fly_planar`; the wind ends. `InputError` in the same cases as
-    `fly_planar`, and for an aerodynamically stable vehicle.
+    `wind`: one wind that ends. The other parameters are those of `fly_planar`. `InputError` in the
+    same cases as `fly_planar`, and for an aerodynamically stable vehicle.
     """
     _check_frozen(frozen, condition)
     pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
@@ -66,6 +66,7 @@ def planar_verdict(
     command = command_of(control, span[0], actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
+        """Return the attitude rate [rad/s] at the time of the verdict, or the end of the flight."""
         flight = case.flown(command, limit)
         return float(flight.rows(np.array([min(flight.end, span[1])]))[1, 0])
 
@@ -86,10 +87,10 @@ def sixdof_verdict(
     actuator: Actuator | None = None,
     rate_limit: float = np.inf,
 ) -> Verdict:
-    """Return the verdict of flights in JSBSim.
+    """Return the function from a deflection limit [rad] to whether its flight in JSBSim survives.
 
-    `step`, `earth`: same as in `fly_sixdof`, with its exceptions. The other parameters are those of
-    `planar_verdict`.
+    `frozen`: whether parameters are frozen; else they vary along the nominal flight of `condition`.
+    `wind`: one wind that ends. The other parameters are those of `fly_sixdof`, with its exceptions.
     """
     _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)
@@ -98,6 +99,7 @@ def sixdof_verdict(
     command = command_of(control, begin, actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
+        """Return the attitude rate [rad/s] at the end of the flight with a limit [rad]."""
         steering = case.steering(command, limit, air)
         return float(case.flown(steering, air, command.lateral_sensors)[-1, 1])
 
@@ -113,7 +115,7 @@ def _check_frozen(frozen: bool, condition: object) -> None:
 
 
 def _sixdof_outputs(*arguments: Any, **options: Any) -> tuple[FloatArray, FloatArray]:
-    """Return times [s] and outputs of a flight in JSBSim; same parameters as `fly_sixdof`."""
+    """Return times [s] ``(n,)`` and outputs ``(5, n)`` of a flight in JSBSim, see `fly_sixdof`."""
     flight = fly_sixdof(*arguments, **options)
     return np.asarray(flight.time), np.array(flight.outputs)
 

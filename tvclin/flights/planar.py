@@ -48,6 +48,7 @@ from tvclin.flights.engine_interface import (
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
+from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.winds.histories import History
 
@@ -55,7 +56,6 @@ if TYPE_CHECKING:
     from control import TimeResponseData
 
 
-PLANES = ("pitch", "yaw")
 STATES = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed", "altitude")
 
 
@@ -77,6 +77,7 @@ class PlanarMotion:
     sensors: LateralSensors = NO_LATERAL_SENSORS
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for an unknown plane, a batch, and drift on a path that is fixed."""
         one_of("plane", self.plane, PLANES)
         check_path(self.drift, self.sensors)
         single("vehicle", self.vehicle.replace(time=None).batch)
@@ -132,7 +133,7 @@ class PlanarMotion:
         return derivatives
 
     def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
-        """Return the measurements of the lateral sensors, by name."""
+        """Return the measurements of the lateral sensors, by name, at times `t` and states `x`."""
         states = dict(zip(self.states, x, strict=True))
         lateral = {name: states[name] for name in self.sensors.states}
         if self.sensors.drift_rate:
@@ -140,17 +141,24 @@ class PlanarMotion:
         return lateral
 
     def _drift_rate(self, now: _Now, x: Any) -> Any:
-        """Return the velocity normal to the nominal path [m/s]."""
+        """Return the velocity normal to the nominal path [m/s].
+
+        `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``.
+        """
         return now.speed * (1.0 + x[3]) * np.sin(x[2])
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
-        """Return the angle of attack [rad] at times and states of one shape, ``(states, ...)``."""
+        """Return the angle of attack [rad] at times `t` [s].
+
+        `x`: states, ``(states, ...)``. `gust`: wind angle of attack [rad] on the nominal path.
+        """
         return self._air(self._now(t), x, gust)[0]
 
     def _air(self, now: _Now, x: Any, gust: Any) -> tuple[Any, Any]:
         """Return the angle of attack [rad] and the air speed [m/s].
 
-        `x`: states, ``(states, ...)``. `gust`: wind angle of attack [rad] on the nominal path.
+        `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``. `gust`: wind angle of
+        attack [rad] on the nominal path.
         """
         if self.nominal is None:
             return x[0] - x[2] - gust, now.speed
@@ -176,8 +184,9 @@ class PlanarMotion:
     ) -> tuple[Any, Any]:
         """Return the rates of flight path angle [rad/s] and speed [m/s^2], nominal rates included.
 
-        `theta`, `gamma`: deviations of attitude and flight path from nominal [rad]. `speed`: [m/s].
-        `alpha`: angle of attack [rad]. `ratio`: q/q_n. `delta`: deflection [rad].
+        `now`: the nominal flight. `theta`, `gamma`: deviations of attitude and flight path from it
+        [rad]. `speed`: [m/s]. `alpha`: angle of attack [rad]. `ratio`: q/q_n. `delta`: deflection
+        [rad].
         """
         v, lean = self.vehicle, theta - gamma
         weight = now.mass * STANDARD_GRAVITY
@@ -202,7 +211,7 @@ class PlanarMotion:
         return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
 
     def _now(self, t: Any) -> _Now:
-        """Return the nominal flight at a time [s]."""
+        """Return the nominal flight at a time `t` [s]; frozen, that of the vehicle."""
         v = self.vehicle
         if self.nominal is None:
             return _Now(v.mass, v.velocity, v.attitude, 0.0)
@@ -220,7 +229,7 @@ class _Now:
 
 
 def _nominal_at(nominal: NominalFlight, t: Any) -> _Now:
-    """Return mass, speed, path angle and altitude of the nominal flight at times [s]."""
+    """Return mass, speed, path angle and altitude of the nominal flight at times `t` [s]."""
     return _Now(nominal.mass(t), *nominal.states_within(t))
 
 
@@ -283,7 +292,7 @@ class PlanarCase:
         return self._ended(arcs, lambda times: flight.rows(arcs, times))
 
     def _by_history(self, control: History, limit: float) -> Solution:
-        """Return the flight with a deflection history within a limit [rad]."""
+        """Return the flight with a deflection history `control` [rad] within a limit [rad]."""
         from scipy.integrate import solve_ivp
 
         start, stop = self.span
@@ -310,6 +319,7 @@ class PlanarCase:
         starts = np.array([arc.start for arc in arcs])
 
         def rows(times: FloatArray) -> FloatArray:
+            """Return states and deflection at times [s] ``(m,)``, shape ``(states + 1, m)``."""
             index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
             states = np.stack([arcs[k].solution(t) for k, t in zip(index, times, strict=True)], -1)
             return np.vstack([states, np.clip(control(times), -limit, limit)])
@@ -317,11 +327,18 @@ class PlanarCase:
         return self._ended(arcs, rows)
 
     def _rates(self, t: float, x: FloatArray, limit: float, turned: Any, gust: Any) -> FloatArray:
-        """Return the derivatives of the states with a deflection history within a limit [rad]."""
+        """Return the derivatives of the states `x` at a time `t` [s], ``(states,)``.
+
+        `limit`: deflection limit [rad]. `turned`, `gust`: deflection before the limit, and wind
+        angle [rad], as functions of the time.
+        """
         return self.motion.rates(t, x, min(max(float(turned(t)), -limit), limit), gust(t))
 
     def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Solution:
-        """Return the flight with NaN after the end of its last arc."""
+        """Return the flight of arcs, with NaN after the end of the last one.
+
+        `rows`: function from times [s] to states and deflection.
+        """
         solution: Any = arcs[-1].solution
         last = float(solution.t_max)
         if last >= self.span[1]:
@@ -338,7 +355,11 @@ def planar_case(
     drift: bool,
     condition: FlightCondition | None,
 ) -> PlanarCase:
-    """Return the case of a vehicle in a wind over a time span [s]; parameters: see `fly_planar`."""
+    """Return the case of a vehicle in a wind over a time span [s].
+
+    `plane`: "pitch" or "yaw". `drift`: whether the flight path may turn and the speed change.
+    `condition`: with it, parameters vary along the nominal flight. Same exceptions as `fly_planar`.
+    """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     check_span(*span)
     check_history("wind", wind, span[0])
@@ -365,7 +386,10 @@ class _TrimThenHold(TrimLaw):
 
 
 def _attitude_end(t: float, x: FloatArray, *inputs: Any) -> float:
-    """Return the event function that is zero where the attitude leaves the range of the model."""
+    """Return the event function that is zero where the attitude leaves the range of the model.
+
+    `x`: states, the attitude first. Time and inputs do not matter.
+    """
     del t, inputs
     return MAX_ATTITUDE * (1.0 + _END_MARGIN) - abs(float(x[0]))
 

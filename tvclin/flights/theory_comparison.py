@@ -95,7 +95,8 @@ class FlightComparison:
     def _peak(self, rows: FloatArray, row: int, last_attitude: float | None) -> float:
         """Return the peak magnitude of an output during the wind [rad, rad/s].
 
-        `last_attitude`: attitude [rad] to which the last two samples are extrapolated, if any.
+        `rows`: outputs of one flight, ``(5, n)``. `row`: index of the output. `last_attitude`:
+        attitude [rad] to which the last two samples are extrapolated, if any.
         """
         samples = rows[:, self._during_wind & np.isfinite(rows[0])]
         if not samples.size:
@@ -171,8 +172,9 @@ class FlightComparison:
 def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -> float:
     """Return the smallest deflection limit [rad] with which a control survives in linear theory.
 
-    `InputError` in the same cases as `boundary_limit` and `closed_loop_boundary`, and for a law
-    that survives with no limit up to four times the largest trim deflection.
+    `plant`: linear model of one vehicle. `control`: the report's control, or a law. `wind`: one
+    wind that ends. `InputError` in the same cases as `boundary_limit` and `closed_loop_boundary`,
+    and for a law that survives with no limit up to four times the largest trim deflection.
     """
     if isinstance(control, ReportControl):
         boundary = boundary_limit(plant, wind, control.dead_band, switch="literal")
@@ -294,7 +296,11 @@ def compare_flight(
 def _release_time(
     plant: Plant, wind: History, times: FloatArray, rows: FloatArray, limit: float
 ) -> float:
-    """Return the time [s] at which the limit is released; sets the rows after it to NaN."""
+    """Return the time [s] at which the report's control releases its limit, infinite for none.
+
+    `times`: times of the flight [s], ``(n,)``. `rows`: its outputs [rad, rad/s], ``(5, n)``, which
+    are set to NaN after the release. `limit`: deflection limit [rad].
+    """
     finite = np.flatnonzero(np.isfinite(rows[0]))
     if not finite.size or abs(rows[-1, finite[-1]]) < limit * (1.0 - _LIMIT_TOLERANCE):
         return np.inf
@@ -306,7 +312,11 @@ def _release_time(
 def _linear(
     plant: Plant, control: ReportControl | Law, wind: History, times: FloatArray, limit: float
 ) -> FloatArray:
-    """Return the `OUTPUTS` of the linear flight [rad, rad/s], ``(5, n)``."""
+    """Return the `OUTPUTS` of the linear flight at n times [s], in rad and rad/s, ``(5, n)``.
+
+    `plant`: linear model of one vehicle. `control`: the report's control, or a law. `limit`:
+    deflection limit [rad].
+    """
     if isinstance(control, ReportControl):
         sign = -float(np.sign(plant.coefficients.B * wind.peak))
         deflection = trim_then_hold(plant, wind, sign * limit, control.dead_band, "literal")
@@ -357,10 +367,10 @@ class SampledFlight(FlightComparison):
 def fly_sampled(
     plant: AnyPlant, law: Law, wind: History, timepts: ArrayLike, **nozzle: Any
 ) -> SampledFlight:
-    """Return a sampled flight and its outcome, for the vehicle and for the rigid vehicle.
+    """Return a sampled flight of a law and its outcome, for a vehicle and for the rigid vehicle.
 
-    Same parameters and exceptions as `fly`; `nozzle`: deflection_limit, rate_limit, actuator,
-    sample_rate and delay.
+    `timepts`: times [s], ``(n,)``. `nozzle`: deflection_limit, rate_limit, actuator, sample_rate
+    and delay. Same parameters and exceptions as `fly`.
     """
     plants = (plant, plant.rigid)
     cases: list[FlownCases] = [fly_many(p, law, wind, **nozzle) for p in plants]
@@ -384,7 +394,11 @@ def fly_sampled(
 def _rows(
     plant: AnyPlant, law: Law, wind: History, times: FloatArray, nozzle: dict[str, Any]
 ) -> FloatArray:
-    """Return the `OUTPUTS` [rad, rad/s], ``(5, n)``; NaN from the end of the model's range on."""
+    """Return the `OUTPUTS` of a sampled flight [rad, rad/s], ``(5, n)``.
+
+    They are NaN from the end of the model's range on. `times`: times [s], ``(n,)``. `nozzle`:
+    arguments of `fly` after the times.
+    """
     flown, zeros = flight_responses(plant, law, wind, times, **nozzle), np.zeros(times.size)
     available = (*plant.outputs, "deflection")  # a fixed path has no angle
     rows = np.stack([flown[name] if name in available else zeros for name in OUTPUTS])

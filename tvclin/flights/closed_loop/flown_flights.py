@@ -83,7 +83,7 @@ class FlownFlight:
         return self._inside(times)
 
     def _inside(self, times: Sequence[FloatArray]) -> FloatArray:
-        """Return the ends of the flight and those of several times [s] between them, rising."""
+        """Return the ends of the flight and several arrays of times [s] between them, rising."""
         ends = self.start, self.stop
         return np.unique(np.clip(np.concatenate([*times, ends]), *ends))
 
@@ -135,14 +135,17 @@ class FlownFlights:
         return plants_of(vehicles, first.model, first.plane)
 
     def pressure_at(self, times: FloatArray, which: IntArray) -> FloatArray:
-        """Return the dynamic pressure q/q_n encountered at times [s] of flights, ``(n,)``."""
+        """Return the dynamic pressure q/q_n encountered at times [s] of flights, ``(n,)``.
+
+        `which`: indices of the flights, ``(n,)``.
+        """
         pressure = np.empty(times.shape)
         for flight, inside in self._by_flight(which):
             pressure[inside] = flight.wind.pressure(times[inside])
         return pressure
 
     def laws_at(self, times: FloatArray, which: IntArray) -> Autopilot:
-        """Return the autopilots at times [s] of the flights with the indices `which`."""
+        """Return the autopilots at times [s] of the flights with indices `which`, each ``(n,)``."""
         first, times = self.flights[0], self._within(times)
         laws = autopilot_along(first.autopilot, first.gain_flight, times)
         if all(flight.autopilot is first.autopilot for flight in self.flights):
@@ -173,7 +176,13 @@ def checked_flight(
     model: str,
     plane: str,
 ) -> FlownFlight:
-    """Return the checked arguments of a flight."""
+    """Return the checked arguments of a flight of an autopilot in a wind.
+
+    `flight`: vehicle at its flight times. `start`, `stop`: ends of the flight [s], by default those
+    of flight and wind; without a stop an undecided flight goes on. `model`, `plane`: model and
+    plane of the motion. `InputError` for a batch of autopilots, and a delay or sample rate that
+    varies.
+    """
     first, last = wind.span(flight, start, stop)
     along = FlownFlight(flight, autopilot, wind, model, plane, first, last, goes_on=stop is None)
     if not isinstance(autopilot, GainSchedule):
@@ -237,8 +246,8 @@ def flown_in_winds(
     """Return the outcomes of m sampled flights, and the arrays of the kernel at their ends.
 
     `stages`: sampled loops and winds. `which`: index of the wind of each flight, ``(m,)``. `limit`,
-    `rate_limit`: of the deflection [rad, rad/s], ``(m,)``. `track`: whether the states at each
-    substep of a single flight are written to `Flights.track`.
+    `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``. `track`: whether the
+    samples of a single flight are recorded.
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
@@ -248,22 +257,8 @@ def flown_in_winds(
     return flown_cases(f, np.ones(limit.size, bool), rings), f
 
 
-def fly_with_limits(flight: FlownFlight, limit: FloatArray, rate_limit: FloatArray) -> FlownCases:
-    """Return the outcomes of a sampled flight in one wind with limits [rad, rad/s], ``(m,)``.
-
-    Those that are not decided at the end of the schedule go on.
-    """
-    which = np.zeros(limit.size, np.int64)
-    flown, _ = flown_in_winds(flight.stages, which, limit, rate_limit)
-    undecided = np.flatnonzero(flown.status == UNDECIDED)
-    if not undecided.size or flight.further is None:
-        return flown
-    again = fly_with_limits(flight.further, limit[undecided], rate_limit[undecided])
-    return _with_cases(flown, undecided, again)
-
-
 def _with_cases(flown: FlownCases, which: IntArray, further: FlownCases) -> FlownCases:
-    """Return outcomes ``(m,)`` with those of the indices `which` replaced by further ones."""
+    """Return m outcomes, those at the indices `which` replaced by the `further` outcomes."""
     outcomes = {name: np.array(values) for name, values in vars(flown).items()}
     for name, values in outcomes.items():
         values[which] = getattr(further, name)
@@ -273,13 +268,11 @@ def _with_cases(flown: FlownCases, which: IntArray, further: FlownCases) -> Flow
 def fly_together(
     flights: Sequence[FlownFlight], which: IntArray, limit: FloatArray, rate_limit: FloatArray
 ) -> FlownCases:
-    """Return the outcomes of sampled flights in their winds, ``(m,)``.
+    """Return the outcomes of m sampled flights in their winds; undecided ones go on, if they can.
 
-    Those that are not decided at the end of the schedule go on.
-
-    `flights`: as in `sampled_stages`; `which`: indices of their winds, counted from the first wind
-    of the first flight to the last of the last. `limit`, `rate_limit`: of the deflection [rad,
-    rad/s].
+    `flights`: as in `sampled_stages`, each with a wind or a batch of winds. `which`: indices of the
+    winds of the m flights, counted from the first wind of the first flight to the last of the last.
+    `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``.
     """
     winds = np.cumsum([0, *(int(np.prod(flight.wind.history.batch)) for flight in flights)])
     parts: list[tuple[IntArray, FlownCases]] = []
@@ -311,8 +304,11 @@ def fly_together(
 def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Stages]]:
     """Yield slices of flights whose stages are in memory at one time, and these stages.
 
-    The stages of a slice are overwritten by those of the next.
+    The stages of a slice are overwritten by those of the next; a single flight keeps its own.
     """
+    if len(flights) == 1:
+        yield slice(0, 1), flights[0].stages
+        return
     storage, surfaces = Storage(), dict[Any, Surface | None]()
     for part in _parts(flights):
         yield part, sampled_stages(flights[part], storage, surfaces)

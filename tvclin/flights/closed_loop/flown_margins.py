@@ -167,12 +167,16 @@ class FlownMargins(Shown):
         return tuple(notes)
 
     def _repr_html_(self) -> str:
+        """Return the table of the margins in HTML, for a notebook."""
         spare = ("limit over boundary: ", *self.spare_line)
         return table(flown_table(self), [spare, (self.status,)])
 
 
 def flown_table(margins: FlownMargins, caption: str = "Flown margins") -> Table:
-    """Return the table of flown margins, their first failures, and the linear margins."""
+    """Return the table of flown margins, their first failures, and the linear margins.
+
+    `caption`: caption of the table.
+    """
     rows: list[tuple[Line, ...]] = []
     for name in CHANGES:
         m: FlownMargin = getattr(margins, name)
@@ -185,7 +189,10 @@ def flown_table(margins: FlownMargins, caption: str = "Flown margins") -> Table:
 
 
 def _change_cell(name: str, value: float, is_delay: bool) -> Line:
-    """Return a further delay in ms, or a factor in dB with the factor in parentheses."""
+    """Return the cell of a further delay [s], in ms, or of a factor, in dB with the factor.
+
+    `name`: key of the cell in JSON. `value`: the delay or the factor.
+    """
     if is_delay:
         return margin(name, 1000.0 * value, "ms")
     shown = margin(name, decibels(value), "dB")
@@ -338,10 +345,14 @@ class _Flights:
     options: dict[str, Any]
 
     def survive(self, name: str, values: FloatArray) -> NDArray[np.str_]:
-        """Return the status over all winds for each value of a change, ``(n,)``."""
+        """Return the status over all winds for each value of a change, ``(n,)``.
+
+        `name`: name of the change, see `CHANGES`. `values`: factors above one, or further delays
+        [s].
+        """
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
-            """Return the status of flights in a wind with the chosen gain factors or delays."""
+            """Return the status of flights in a wind with the values at which `chosen` is true."""
             plant, options = self.plant, self.options
             by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]
             if name == "delay":
@@ -359,14 +370,21 @@ class _Flights:
 
 
 def _linear_margins(flight: Batch, pole: float) -> dict[str, float]:
-    """Return the linear margin of each of `CHANGES`."""
+    """Return the linear margin of each of `CHANGES`, a factor or a delay [s].
+
+    `flight`: batch of the unchanged flight. `pole`: fastest unstable pole of the plant [1/s].
+    """
     names = ("gain", "effectiveness")
     factors = [factor for name in names for factor in linear_gain_margins(flight, name, pole)]
     return dict(zip(CHANGES, (*factors, linear_delay_margin(flight, pole)), strict=True))
 
 
 def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMargin:
-    """Return the smallest change that fails, by a scan from the largest change to none."""
+    """Return the smallest change that fails, by a scan from the largest change to none.
+
+    `name`: name of the change, see `CHANGES`. `linear`: linear margin, a factor or a delay [s].
+    `pole`: fastest unstable pole of the plant [1/s].
+    """
     if name == "delay":
         room = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]
         end = min(_MAX_OVER_LINEAR * min(linear, _MAX_DELAY_TIMES_POLE / pole), room)
@@ -392,5 +410,8 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
 
 
 def _change(delays: bool, end: float, back: Any) -> Any:
-    """Return the change at a fraction `back` of the scan: 0 is its end, 1 is no change."""
+    """Return the change at a fraction `back` of the scan: 0 is its end, 1 is no change.
+
+    `delays`: whether the change is a delay [s], else a factor. `end`: largest change.
+    """
     return end * (1.0 - back) if delays else end ** (1.0 - back)

@@ -157,7 +157,7 @@ def flight_responses(
 ) -> Responses:
     """Return outputs and deflection of a flight as arrays, without loading python-control.
 
-    Same parameters and exceptions as `fly`.
+    Same parameters, exceptions and outputs as `fly`.
     """
     check_flight(plant, law, wind)
     times = times_row("timepts", timepts)
@@ -197,8 +197,8 @@ def _continuous(
 ) -> FloatArray:
     """Return n states and deflection [rad] at m times of a flight without sampling, ``(n + 1, m)``.
 
-    `times`: [s], ``(m,)``. `limits`: limits of deflection [rad] and rate [rad/s]. `gain`: factor on
-    the demand of the law.
+    `plant`: rigid plant. `times`: [s], ``(m,)``. `limits`: limits of deflection [rad] and rate
+    [rad/s]. `actuator`: nozzle dynamics, if any. `gain`: factor on the demand of the law.
     """
     if law.rate_noise[0]:
         raise InputError("noise belongs to samples; give a sample_rate")
@@ -235,18 +235,27 @@ class LinearEquations:
         return scales
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
-        """Return the derivatives A x + B u of the states x, ``(n,)``; `gust`: wind angle [rad]."""
+        """Return the derivatives A x + B u of the states x at a time `t` [s], ``(n,)``.
+
+        `deflection`: deflection [rad]. `gust`: wind angle [rad].
+        """
         del t
         A, B, _, _ = self._system.matrices()
         return A @ x + B[:, 0] * deflection + B[:, 1] * gust
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
-        """Return theta - gamma - alpha_w."""
+        """Return theta - gamma - alpha_w [rad] at times `t` [s].
+
+        `x`: states, ``(n, ...)``. `gust`: wind angle alpha_w [rad].
+        """
         del t
         return x[0] - gust if len(self.plant.states) < 3 else x[0] - x[2] - gust
 
     def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
-        """Return the measurements of the lateral sensors, by name."""
+        """Return the measurements of the lateral sensors by name, at times `t` [s].
+
+        `x`: states, ``(n, ...)``.
+        """
         del t
         rows = self._system.C[len(self.plant.outputs) :] @ x
         return self.sensors.measurements(rows)
@@ -266,7 +275,11 @@ def _sampled(
     hardware: Hardware,
     gain: float,
 ) -> FloatArray:
-    """Return states and deflection ``(n + 1, m)`` of a sampled flight."""
+    """Return n states and deflection [rad] at m times of a sampled flight, ``(n + 1, m)``.
+
+    `times`: [s], ``(m,)``. `limit`: deflection limit [rad]. `hardware`: sample period, delay,
+    actuator and rate limit. `gain`: factor on the demand of the law.
+    """
     length = float(hardware.length)
     start, last = float(wind.onset), float(times.max())
     check_samples(max(last - start, 0.0), length)
@@ -318,9 +331,11 @@ def fly_nozzle(
     sample_rate: float,
     delay: float,
 ) -> NozzleFlight:
-    """Return the motion of a nozzle in the flight of a law.
+    """Return the motion of a nozzle in the sampled flight of a law in one wind.
 
-    Same parameters as `fly_many`. `InputError` for a wind of too many samples or times.
+    `deflection_limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s]. `sample_rate`:
+    samples of the law per second [Hz]. `delay`: computing delay [s]. `InputError` as `fly_many`,
+    and for a wind of too many samples or times.
     """
     onset, end, h = float(wind.onset), float(wind.end), 1.0 / sample_rate
     per_sample = times_per_sample(plant, actuator, h)
@@ -346,14 +361,21 @@ def fly_nozzle(
 
 
 def times_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:
-    """Return the even number of times in a sample period `length` [s] that resolve a flight."""
+    """Return the even number of times in a sample period `length` [s] that resolve a flight.
+
+    `plant`, `actuator`: their fastest pole counts.
+    """
     poles = np.zeros(1) if actuator is None else np.roots(actuator.denominator)
     fastest = max(float(np.abs(poles).max()), float(fastest_poles(plant)))
     return max(2 * int(np.ceil(_TIMES_PER_RADIAN * fastest * length / 2.0)), _MIN_TIMES)
 
 
 def _max_duration(start: float, stop: float, length: float, per_sample: int) -> float:
-    """Return the longest motion [s] of a flight; `InputError` for a longer wind."""
+    """Return the longest motion [s] of a nozzle; `InputError` for a longer wind.
+
+    `start`, `stop`: onset and end of the wind [s]. `length`: sample period [s]. `per_sample`:
+    number of times in a sample.
+    """
     check_span(start, stop)
     check_samples(stop - start, length)
     longest = _MAX_TIMES / per_sample * length

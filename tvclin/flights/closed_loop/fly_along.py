@@ -35,7 +35,7 @@ from tvclin.flights.closed_loop.flown_flights import (
 from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases
 from tvclin.kernels.flights import Flights
 from tvclin.linear.plant import DEFAULT_MODEL
-from tvclin.linear.system import connect, constant_over_steps, polynomial_input
+from tvclin.linear.system import LinearSystem, connect, constant_over_steps, polynomial_input
 from tvclin.numerics.pieces import polynomial_pieces
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
@@ -130,9 +130,11 @@ class FlightAlong(Tabled):
         return Table(f"Largest values, {self.status}", ("output", "largest", "at [s]"), tuple(rows))
 
     def _repr_html_(self) -> str:
+        """Return the table of the largest values in HTML, for a notebook."""
         return table(self.table(), ((self.reason,),))
 
     def _columns(self) -> Columns:
+        """Return times and outputs as columns with units, for a file."""
         axis = Column("time", self.times, "s")
         columns = tuple(
             Column(name.replace(" ", "_"), values, self.units[name])
@@ -248,9 +250,9 @@ def sampled_outputs(
 ) -> Iterator[FlightAlong]:
     """Yield the outputs of sampled flights with one model and autopilot, in their order.
 
-    Their stages are computed together. `limit`, `rate_limit`: of the deflection [rad, rad/s].
-    `slopes`: alpha_moment and deflection_moment [N m/rad] at the times of the schedule, for a
-    bending moment.
+    Their stages are computed together. `limit`, `rate_limit`: limits of deflection [rad] and rate
+    [rad/s]. `slopes`: alpha_moment and deflection_moment [N m/rad] at the times of the schedule,
+    for a bending moment.
     """
     for part, stages in stages_in_parts(flights):
         flown: list[FlightAlong | None] = []
@@ -266,19 +268,6 @@ def sampled_outputs(
             flown.append(with_outputs(along, *tracked_states(f, limit), status, slopes or {}))
         continued = sampled_outputs(further, limit, rate_limit, slopes)
         yield from (next(continued) if made is None else made for made in flown)
-
-
-def with_outputs(
-    along: FlownFlight,
-    times: FloatArray,
-    rows: FloatArray,
-    rates: FloatArray,
-    status: str,
-    slopes: Mapping[str, FloatArray],
-) -> FlightAlong:
-    """Return a flight with its outputs; parameters as in `_outputs`, and its status."""
-    outputs = _outputs(along, times, rows, rates, slopes)
-    return FlightAlong(times, outputs, status)
 
 
 _KINDS = {"wind": "angle", "pressure_ratio": "number", **OUTPUT_KINDS}
@@ -341,7 +330,9 @@ def _winds_along(
 ) -> tuple[list[WindAlong], tuple[int, ...]]:
     """Return the winds along a flight, and the shape of their batch.
 
-    Winds at nominal dynamic pressure have the same vehicle, and are one batch.
+    `wind`: a history or a batch of histories, or soundings. `plane`: plane of the motion. `sign`:
+    "head", "tail" or "frozen", see `fly_along`. Winds at nominal dynamic pressure have the same
+    vehicle, and are one batch.
     """
     if sign is not None:
         errors.one_of("sign", sign, (*SIGNS, FROZEN))
@@ -356,7 +347,10 @@ def _winds_along(
 
 
 def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
-    """Return the slope of a moment [N m/rad] at the times of a flight, ``(n,)``."""
+    """Return the slope of a moment [N m/rad] at the times of a flight, ``(n,)``.
+
+    `value`: the slope, one or one for each time. `name`: name of the argument, for messages.
+    """
     array = errors.finite(name, value, "N m/rad")
     if array.shape not in {(), flight.times.shape}:
         raise errors.InputError(
@@ -367,9 +361,10 @@ def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
 
 
 def tracked_states(f: Flights, limit: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return times [s], states with deflection [rad], and deflection rates [rad/s].
+    """Return times [s], states with deflection [rad], and deflection rates [rad/s] of a flight.
 
-    Shapes ``(n,)``, ``(n, states + 1)`` and ``(n,)``. `limit`: deflection limit [rad].
+    Shapes ``(n,)``, ``(n, states + 1)`` and ``(n,)``. `f`: a sampled flight at its end, with its
+    recorded samples. `limit`: deflection limit [rad].
     """
     per_sample, order = int(f.steps.substeps[0].sum()), f.now.y.shape[1]
     y = np.concatenate([f.track[::per_sample, :order], f.now.y])
@@ -386,22 +381,27 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
 
     The states of the plant and then the deflection [rad] are ``(k, n + 1)``, the deflection rates
     [rad/s] ``(k,)``. Steps end at the breakpoints of the wind and at the times of the data.
+    `along`: the flight, with its autopilot and wind.
     """
-    wind = along.wind.history
+    wind, inner, delay = along.wind.history, along.breaks, float(np.unique(along.law.delay)[0])
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
-    inner = along.breaks
+
+    def loop_at(times: FloatArray) -> LinearSystem:
+        """Return the closed loop at flight times [s]."""
+        plants, laws = along.loops(times)
+        return closed_loop(replace(laws, delay=delay), plants)
+
     plants, laws = along.loops(np.concatenate([[along.start], inner, [along.stop]]))
-    require_pade(replace(laws, delay=float(np.unique(laws.delay)[0])), plants)
+    require_pade(replace(laws, delay=delay), plants)
     count = int(np.ceil((along.stop - along.start) / _CONTINUOUS_STEP - 1e-9))
     check_samples(along.stop - along.start, _CONTINUOUS_STEP)
     times = np.unique(np.concatenate([np.linspace(along.start, along.stop, count + 1), inner]))
     times = times[np.append(True, np.diff(times) > 1e-9 * max(abs(along.stop), 1.0))]
     lengths, terms = np.diff(times), pieces.shape[1]
-    systems = []
-    for node in GAUSS_NODES:
-        plants, laws = along.loops(times[:-1] + node * lengths)
-        loop = closed_loop(replace(laws, delay=float(np.unique(laws.delay)[0])), plants)
-        systems.append(connect([loop, polynomial_input("wind", terms)], (), ()))
+    systems = [
+        connect([loop_at(times[:-1] + node * lengths), polynomial_input("wind", terms)], (), ())
+        for node in GAUSS_NODES
+    ]
     steps = constant_over_steps(systems[0], systems[1], lengths).to_steps(lengths).A
     order = steps.shape[-1] - terms
     index = np.searchsorted(knots, times[:-1] + 1e-12, side="right") - 1
@@ -414,8 +414,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
         states[k + 1] = steps[k, :order, :order] @ states[k] + forced[k]
     if not np.all(np.isfinite(states)):
         raise errors.InputError("the motion grows beyond all numbers; the loop is not stable")
-    plants, laws = along.loops(times)
-    loop = closed_loop(replace(laws, delay=float(np.unique(laws.delay)[0])), plants)
+    loop = loop_at(times)
     row = loop.select(("wind",), ("deflection",))
     C, D = (np.broadcast_to(m, (times.size, 1, m.shape[-1]))[:, 0] for m in (row.C, row.D))
     gust = np.asarray(wind(times))
@@ -429,7 +428,11 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
 
 
 def _shifted(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> FloatArray:
-    """Return the derivatives of the j-th piece of a wind at a time [s]; zeros before the first."""
+    """Return the coefficients of a wind's polynomial about a time [s]; zeros before its onset.
+
+    `pieces`: coefficients about the breakpoints, ``(k, terms)``. `knots`: breakpoints [s],
+    ``(k,)``. `j`: index of the piece, or -1.
+    """
     if j < 0:
         return np.zeros(pieces.shape[1])
     polynomial, values = np.polynomial.Polynomial(pieces[j]), []
@@ -438,17 +441,19 @@ def _shifted(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> Floa
     return np.array(values)
 
 
-def _outputs(
+def with_outputs(
     along: FlownFlight,
     times: FloatArray,
     rows: FloatArray,
     rates: FloatArray,
+    status: str,
     slopes: Mapping[str, FloatArray],
-) -> dict[str, FloatArray]:
-    """Return the outputs of a flight at n times by name, ``(n,)`` each, in SI units and radians.
+) -> FlightAlong:
+    """Return a flight with its outputs at n times by name, ``(n,)`` each, in SI units and radians.
 
-    `times`: flight times [s]. `rows`: states of the plant and deflection [rad], ``(n, m + 1)``.
-    `rates`: deflection rates [rad/s]. `slopes`: see `sampled_outputs`.
+    `along`: the flight, with its autopilot and wind. `times`: flight times [s]. `rows`: states of
+    the plant and deflection [rad], ``(n, m + 1)``. `rates`: deflection rates [rad/s]. `slopes`: see
+    `sampled_outputs`.
     """
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
     ratio = along.wind.pressure(inside)
@@ -484,4 +489,4 @@ def _outputs(
         for kind, names in counts.items():
             for k, name in enumerate(names, start=1):
                 outputs[name] = states[:, plants.states.index(f"{kind}_{k}")]
-    return outputs
+    return FlightAlong(times, outputs, status)

@@ -50,7 +50,7 @@ _RATE_AT_LIMIT = 0.999
 def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
     """Return whether each surviving flight still reaches limits long afterwards, ``(m,)``.
 
-    `f`: the flights at their ends. `laws`: their laws; flights of laws with noise are not
+    `f`: arrays of the flights at their ends. `laws`: their laws; flights of laws with noise are not
     continued.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.cases.law]
@@ -72,7 +72,10 @@ def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
 
 
 def _continued(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
-    """Return the flights at indices `where`, continued from their ends through still air."""
+    """Return the flights at indices `where`, continued through an interval of still air.
+
+    `f`: arrays of the flights at their ends. `laws`: laws of the flights.
+    """
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
         cases=Cases._make(array[where] for array in f.cases),
@@ -278,7 +281,10 @@ def fly_many(
 
 
 def unstable_loops(batch: Batch, f: Flights) -> BoolArray:
-    """Return whether the loop of each flight is unstable or has a limit cycle, ``(m,)``."""
+    """Return whether the loop of each flight is unstable or has a limit cycle, ``(m,)``.
+
+    `batch`: the flights. `f`: their arrays at their ends.
+    """
     unstable = oscillation_growth(batch, f) > _MIN_GROWTH
     if not batch.plant.has_modes:
         return unstable
@@ -286,7 +292,12 @@ def unstable_loops(batch: Batch, f: Flights) -> BoolArray:
 
 
 def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> FlownCases:
-    """Return the record of the flights `f` of the possible cases; `f` is None without any."""
+    """Return the outcomes of all cases of a batch; NaN and "no flight" where none is possible.
+
+    `f`: arrays at their ends of the k flights of the possible cases; None without any. `possible`:
+    whether each case is possible, of the shape of the batch. `rings`: whether the loop of each
+    flight keeps oscillating, ``(k,)``.
+    """
     outcome = np.full(possible.shape, len(STATUS) - 1)
     if f is None:
         nothing = np.full(possible.shape, np.nan)
@@ -294,6 +305,7 @@ def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> Flo
         return FlownCases(**{**sizes, "status": np.array(STATUS)[outcome]})
 
     def in_batch_shape(values: FloatArray) -> FloatArray:
+        """Return the k values of the possible cases in the shape of the batch, else NaN."""
         array = np.full(possible.shape, np.nan)
         array[possible] = values
         return array
@@ -315,7 +327,10 @@ def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> Flo
 
 
 def _limit(name: str, value: ArrayLike) -> FloatArray:
-    """Return limits [rad, rad/s]; `InputError` for a single one out of range, not for an array."""
+    """Return limits [rad, rad/s]; `InputError` for a single one out of range, not for an array.
+
+    `name`: name of the argument, "deflection_limit" or "rate_limit". `value`: its value.
+    """
     array = errors.numbers(name, value)
     if array.ndim or (name == "rate_limit" and array == np.inf):
         return array

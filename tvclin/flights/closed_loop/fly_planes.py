@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -53,9 +54,10 @@ def plane_flights(
     limit: FloatArray,
     hardware: Hardware,
 ) -> Flights:
-    """Return the flights of one plane at their start, with the onset and end of the vector wind.
+    """Return the flights of one plane at their start, with onset and end of the vector wind.
 
-    `component`: the wind in the plane.
+    `component`: component of the wind in this plane. `limit`: deflection limits of the plane [rad],
+    ``(m,)``. `hardware`: sample period, delay, actuator and rate limit.
     """
     laws, length = law_batch(law, limit.shape), float(hardware.length)
     batch = Batch(plant, hardware, component, laws, limit, limit.shape)
@@ -82,7 +84,11 @@ class PlaneOutcomes:
 
 
 def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> PlaneOutcomes:
-    """Return the outcomes of flights whose planes are stepped together until all are decided."""
+    """Return the outcomes of m flights whose planes are stepped together until all are decided.
+
+    `pair`: arrays of the flights in pitch and in yaw. `law`: law of both planes, with the limit
+    shape. `limit`: limits of the vector [rad], ``(m,)``.
+    """
     m, order, limit_shape = limit.size, len(law.law.states[0]), law.shape
     outcomes = PlaneOutcomes(
         np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), []
@@ -118,7 +124,10 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
 
 
 def _both(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vectors:
-    """Return the vectors pitch + j yaw of an array of both planes' flights."""
+    """Return the vectors pitch + j yaw of an array of the flights in both planes.
+
+    `pair`: arrays of the flights in pitch and in yaw. `array`: function that selects the array.
+    """
     pitch, yaw = (array(f) for f in pair)
     return np.asarray(pitch + 1j * yaw)
 
@@ -131,7 +140,12 @@ def _decide(
     k: int,
     last: bool,
 ) -> None:
-    """End the flights of which one plane has diverged, or both have settled, in place."""
+    """End the flights of which one plane has diverged, or both have settled, in place.
+
+    `pair`: arrays of the flights in pitch and in yaw. `limit`: limits of the vector [rad],
+    ``(m,)``. `outcomes`: results, which are updated. `k`: number of the sample. `last`: whether it
+    is the last one, at which all flights end.
+    """
     pitch, yaw = (f.now.outcome for f in pair)
     lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
     survived = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
@@ -345,15 +359,12 @@ def flown_plane_limit(
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
     scale = abs(float(np.asarray(plant.coefficients.B))) * float(wind.peak)
 
+    shape: dict[str, Any] = {"limit_shape": limit_shape, "saturate": saturate}
+    flown = partial(fly_planes, plant, law, wind, sample_rate=sample_rate, **shape, **flight)
+
     def status(limits: FloatArray) -> NDArray[np.str_]:
-        """Return the status of flights with limits normalised by trim, ``(n,)``."""
-        options = {
-            "limit_shape": limit_shape,
-            "saturate": saturate,
-            "sample_rate": sample_rate,
-            **flight,
-        }
-        return fly_planes(plant, law, wind, deflection_limit=limits * scale, **options).status
+        """Return the status of flights with limits over the trim deflection, ``(m,)``."""
+        return flown(deflection_limit=limits * scale).status
 
     limit = limit_above_losses(status, np.linspace(low, high, STEPS + 1))
     survives = limit.outcomes == SURVIVED
@@ -361,7 +372,10 @@ def flown_plane_limit(
 
 
 def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:
-    """Return the plants of pitch and yaw; `InputError` unless each has one or two real poles."""
+    """Return the plants of pitch and yaw; `InputError` unless each has one or two real poles.
+
+    `yaw_plant`: plant of the yaw plane; None for the plant of the pitch plane.
+    """
     planes = plant, plant if yaw_plant is None else yaw_plant
     for name, plane_plant in zip(("plant", "yaw_plant"), planes, strict=True):
         instance(name, plane_plant, Plant, "see Plant.from_vehicle")
@@ -388,7 +402,10 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
 def _flown_planes(
     outcomes: PlaneOutcomes, start: float, length: float, shape: tuple[int, ...]
 ) -> FlownPlanes:
-    """Return the record of the outcomes in the shape of the limits."""
+    """Return the record of outcomes in the shape of the limits.
+
+    `start`: start of the flights [s]. `length`: sample period [s]. `shape`: shape of the limits.
+    """
     shown = np.array(outcomes.shown).reshape(-1, 2)
     end: FloatArray = np.asarray(start + outcomes.ended * length)
     return FlownPlanes(

@@ -131,7 +131,10 @@ def fly_planes_along(
 
 
 def _further(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
-    """Return the flights of both planes until they can settle; None where they cannot go on."""
+    """Return the flights of both planes until they can settle; None where they cannot go on.
+
+    `pair`: flights in pitch and in yaw.
+    """
     stops = [along.further.stop for along in pair if along.further is not None]
     return [replace(along, stop=max(stops), goes_on=False) for along in pair] if stops else None
 
@@ -142,7 +145,11 @@ def _flown(
     limit: float,
     rate_limit: float,
 ) -> FlightAlong:
-    """Return a sampled flight in both planes, with limits [rad, rad/s]."""
+    """Return a sampled flight in both planes.
+
+    `pair`: flights in pitch and in yaw. `shape`: limit shape of unit limit. `limit`, `rate_limit`:
+    limits of the deflection vector [rad] and of the rate in each plane [rad/s].
+    """
     which, rates = np.zeros(1, np.int64), np.array([rate_limit])
     batches = [
         along.stages.batch(which, np.array([limit * plane_limit]), rates)
@@ -190,7 +197,10 @@ def _separate_limits(shape: CircularShape | PolygonShape) -> FloatArray:
 def _vectors(
     made: dict[str, FlightAlong], shape: CircularShape | PolygonShape, limit: float
 ) -> FlightAlong:
-    """Return the flight of both planes from the flights of each, with the status."""
+    """Return the flight of both planes from the flights of each, with the common status.
+
+    `made`: flights by plane. `shape`: limit shape of unit limit. `limit`: deflection limit [rad].
+    """
     pitch, yaw = (made[plane] for plane in PLANES)
     outputs = {
         name: np.hypot(values, yaw.outputs[name])

@@ -13,7 +13,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, number, positive, single, unlimited
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
-from tvclin.flights.closed_loop.flown_flights import FlownFlight, checked_flight, fly_with_limits
+from tvclin.flights.closed_loop.flown_flights import FlownFlight, checked_flight, fly_together
 from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT
 from tvclin.flights.closed_loop.survival_limit import (
     LEVELS,
@@ -91,7 +91,9 @@ def limit_of_flight(
 ) -> SurvivalLimit:
     """Return the smallest deflection limit [rad] above which a flight survives its wind.
 
-    Same parameters and exceptions as `survival_limit_along`.
+    `along`: flight of an autopilot with a sample rate. `rate_limit`: limit of the deflection rate
+    [rad/s]. `highest`: largest limit of the scan, over the largest trim deflection. Same exceptions
+    as `survival_limit_along`.
     """
     top = number("highest", highest, positive)
     if not _LOWEST < top:
@@ -99,7 +101,9 @@ def limit_of_flight(
     scale = _largest_trim(along)
 
     def survives(limits: FloatArray) -> Words:
-        return fly_with_limits(along, limits, np.full(limits.size, rate_limit)).status
+        """Return the status of the flight with each of the deflection limits [rad], ``(m,)``."""
+        which = np.zeros(limits.size, np.int64)
+        return fly_together([along], which, limits, np.full(limits.size, rate_limit)).status
 
     low, high = (min(end * scale, MAX_DEFLECTION_LIMIT) for end in (_LOWEST, top))
     with repeated(1 + LEVELS):
@@ -107,7 +111,7 @@ def limit_of_flight(
 
 
 def _largest_trim(along: FlownFlight) -> float:
-    """Return the largest trim deflection ``|B(t) alpha_w(t)|`` [rad] of a flight.
+    """Return the largest trim deflection ``|B(t) alpha_w(t)|`` [rad] of a flight in its wind.
 
     `InputError` for a calm; `NotKnownError` for a wind beyond linear aerodynamics.
     """

@@ -86,7 +86,8 @@ class SurvivalLimit:
 def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray) -> SurvivalLimit:
     """Return the smallest value above the highest one that does not survive.
 
-    `survives`: function from values to their status, ``(n,)``. `scan`: equidistant values, rising.
+    `survives`: function from values ``(n,)`` to their status, ``(n,)``. `scan`: equidistant values,
+    rising.
     """
     bottom, top = float(scan[0]), float(scan[-1])
     step = float(scan[1] - scan[0])
@@ -133,6 +134,7 @@ def limits_above_losses(
     scan = span * np.linspace(0.0, 1.0, count + 1)[:, np.newaxis]
 
     def logarithm_lost(x: FloatArray) -> BoolArray:
+        """Return whether values are lost; `x`: their logarithms over those of `low`, ``(k, n)``."""
         return lost(low * np.exp(np.minimum(x, span))) & (x <= span)
 
     levels = [(fine, int(AHEAD / FINE), 1), (fine / LAST_PARTS, LAST_PARTS - 1, 1)]
@@ -147,11 +149,12 @@ def _highest_losses(
     scan: FloatArray,
     levels: Sequence[tuple[float, int, int]],
 ) -> tuple[FloatArray, list[float]]:
-    """Return the highest lost value of each column ``(k, n)``, minus infinity without a loss.
+    """Return the highest lost value of each column, ``(n,)``, minus infinity without a loss.
 
-    `levels`: for each refinement its step, the number of steps above a loss that must survive, and
-    the stride of the steps that the previous level has tried. The second result is the end of the
-    scan of each level, in the first column.
+    The second result is the end of the scan of each level, in the first column. `lost`: function
+    from values ``(k, n)`` to whether they are lost. `scan`: values of the first scan, rising, ``(k,
+    n)`` or ``(k, 1)``. `levels`: for each refinement its step, the number of steps above a loss
+    that must survive, and the stride of the steps that the previous level has tried.
     """
     highest, ends = np.where(lost(scan), scan, -np.inf).max(axis=0), []
     for step, clear, stride in levels:
@@ -176,8 +179,8 @@ def status_in_all_winds(
 ) -> Words:
     """Return the status of many flights over all winds: the first other than survived, ``(size,)``.
 
-    `status`: function from a wind and a mask of flights to their status. `flown`: called after
-    each wind.
+    `winds`: winds in their order. `status`: function from a wind and a mask of flights to their
+    status. `size`: number of flights. `flown`: called after each wind.
     """
     outcomes = np.full(size, SURVIVED, dtype=object)
     for wind in winds:
@@ -189,10 +192,10 @@ def status_in_all_winds(
 
 
 def winds_with_stops(wind: History, cuts: int, length: float) -> list[History]:
-    """Return the wind, and `cuts` copies of it that stop suddenly, at equidistant times.
+    """Return a wind, and `cuts` copies of it that stop suddenly, at equidistant times.
 
-    `InputError` for cuts that are not a whole number up to 1000, or too many samples of a period
-    `length` [s].
+    `length`: sample period [s]. `InputError` for cuts that are not a whole number up to 1000, or
+    too many samples.
     """
     stops = errors.whole_number("cuts", cuts)
     if stops > _MAX_CUTS:
@@ -351,6 +354,7 @@ def closed_loop_boundary(
     flown, total = count(1), (1 + LEVELS) * len(winds)
 
     def tell() -> None:
+        """Report a further wind to the function `progress`, if there is one."""
         if progress is not None:
             progress(min(next(flown), total), total)
 
@@ -358,6 +362,7 @@ def closed_loop_boundary(
         """Return the status of flights at limits over trim ``(n,)``, in all winds."""
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
+            """Return the status in one wind of flights with the limits where `chosen` is true."""
             deflections = np.minimum(limits[chosen] * scale, MAX_DEFLECTION_LIMIT)
             return outcomes(wind=wind, deflection_limit=deflections).status
 
@@ -385,7 +390,11 @@ def closed_loop_boundary(
 
 
 def _instability(worst: complex, fastest: float) -> str:
-    """Return the sentence on an unstable pole [1/s]; with a low frequency it counts as real."""
+    """Return the sentence on an unstable pole; with a low frequency it counts as real.
+
+    `worst`: the dominant pole of the loop [1/s]. `fastest`: fastest unstable pole of the plant
+    [1/s].
+    """
     if worst.imag > MIN_FREQUENCY_OVER_POLE * fastest:
         return (
             f"near rest an oscillation of {worst.imag:.3g} rad/s grows with {worst.real:+.3g} 1/s"
@@ -478,23 +487,11 @@ def boundary_map(
             f"gains and delays may make at most {_MAX_BOUNDARIES} boundaries; got {factors.size}"
             f" times {delay_row.size}"
         )
+    options: dict[str, Any] = {"sample_rate": sample_rate, "lowest": lowest, "highest": highest}
+    options |= {"rate_limit": rate_limit, "actuator": actuator, "cuts": cuts}
+    boundary_at = partial(closed_loop_boundary, plant, law, wind, **options)
     boundaries = [
-        [
-            closed_loop_boundary(
-                plant,
-                law,
-                wind,
-                rate_limit=rate_limit,
-                actuator=actuator,
-                sample_rate=sample_rate,
-                delay=delay,
-                gain=gain,
-                cuts=cuts,
-                lowest=lowest,
-                highest=highest,
-            )
-            for delay in delay_row.tolist()
-        ]
+        [boundary_at(gain=gain, delay=delay) for delay in delay_row.tolist()]
         for gain in factors.tolist()
     ]
     return BoundaryMap(

@@ -56,6 +56,7 @@ class Engine:
         planet: str | None = None,
         drift: bool = True,
     ) -> None:
+        """Load the model and its planet into JSBSim, and set its initial state."""
         self._jsbsim = _loaded(model, planet)
         self._frozen = {"rate/translational": 0} if not drift else {}
         self._nodes = self._jsbsim.get_property_manager()
@@ -73,16 +74,19 @@ class Engine:
             self._jsbsim[f"simulation/integrator/{name}"] = number
 
     def reader(self, name: str) -> Callable[[], float]:
-        """Return the function that reads a property."""
+        """Return the function that reads the JSBSim property with a name."""
         return self._nodes.get_node(name).get_double_value
 
     def writer(self, name: str) -> Callable[[float], Any]:
-        """Return the function that sets a property."""
+        """Return the function that sets the JSBSim property with a name."""
         return self._nodes.get_node(name).set_double_value
 
 
 def _loaded(model: str, planet: str | None) -> Any:
-    """Return a JSBSim executive with the model and planet loaded."""
+    """Return a JSBSim executive with a model and a planet loaded.
+
+    `model`, `planet`: XML; without a planet it is the rotating Earth.
+    """
     try:
         import jsbsim
     except ImportError:
@@ -121,7 +125,11 @@ class Senses(NamedTuple):
 
 
 def senses(engine: Engine, plane: str, heading: float) -> Senses:
-    """Return the readers of a plane; yaw angles run from the vertical plane to the right."""
+    """Return the readers of the motion in a plane, whose yaw angles are positive to the right.
+
+    `engine`: JSBSim with the vehicle. `plane`: "pitch" or "yaw". `heading`: direction of the
+    vertical plane of the nominal flight [rad], from north over east.
+    """
     read = engine.reader
     axis = "q" if plane == "pitch" else "r"
     rate = read(f"velocities/{axis}-rad_sec")
@@ -132,6 +140,7 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
     upwards = -FOOT if plane == "pitch" else FOOT
 
     def rates() -> tuple[float, float]:
+        """Return attitude rate [rad/s] and attitude acceleration [rad/s^2]."""
         return rate(), acceleration()
 
     def ground_speed() -> float:
@@ -139,6 +148,7 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
         return hypot(*(component() for component in velocities))
 
     def lateral() -> tuple[float, float]:
+        """Return the speed over the ground [m/s], and the lateral force per mass [m/s^2]."""
         return FOOT * ground_speed(), upwards * force() / mass()
 
     if plane == "pitch":
@@ -148,6 +158,7 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
     (north, east, _), cosine, right = velocities, cos(heading), sin(heading)
 
     def angles() -> tuple[float, float]:
+        """Return the yaw angle and the heading of the path [rad], from the vertical plane."""
         across = east() * cosine - north() * right
         return asin(cos(theta()) * sin(psi() - heading)), asin(across / ground_speed())
 
@@ -155,7 +166,10 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
 
 
 def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float], None]:
-    """Return the function that sets a wind [m/s] along the flight (pitch) or to its right (yaw)."""
+    """Return the function that sets a wind [m/s] along the flight (pitch) or to its right (yaw).
+
+    `engine`: JSBSim with the vehicle. `heading`: direction of flight [rad], from north over east.
+    """
     north, east = cos(heading), sin(heading)
     if plane == "yaw":
         north, east = -east, north
@@ -169,6 +183,7 @@ def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float],
         return lambda speed: write(speed * component)
 
     def set_wind(speed: float) -> None:
+        """Set the components of the wind to the north and the east for its speed [m/s]."""
         for write, component in components:
             write(speed * component)
 
@@ -200,6 +215,7 @@ class Prediction:
     def __init__(
         self, senses: Senses, step: float, sensors: LateralSensors, turn: float = 0.0
     ) -> None:
+        """Read the state in the plane at the start of a flight."""
         self._senses, self._step = senses, step
         self._lateral = LateralMotion(sensors, step) if sensors.signals else None
         if self._lateral is not None:
@@ -212,7 +228,8 @@ class Prediction:
     def measurement(self, angle: float, nominal: Row) -> Measurement:
         """Return the predicted measurements of a law, minus the outputs of the nominal flight.
 
-        `angle`: wind angle [rad] at the end of the step. `nominal`: outputs of the nominal flight.
+        `angle`: wind angle [rad] at the end of the step. `nominal`: row of the nominal flight
+        there.
         """
         h, rate = self._step, self._rate
         next_rate = rate + h * (1.5 * self._acceleration - 0.5 * self._acceleration_before)
@@ -228,7 +245,11 @@ class Prediction:
         return plain if self._lateral is None else self._lateral.measured(plain)
 
     def moved(self, deflection: float, angle: float, nominal: Row) -> Row:
-        """Return the row after a step, minus the nominal one; updates the state."""
+        """Return the row after a step, minus the nominal one; updates the state.
+
+        `deflection`: deflection [rad], and `angle`: wind angle [rad] in the step. `nominal`: row of
+        the nominal flight at its end.
+        """
         self._acceleration_before, self._path_before = self._acceleration, self._path
         self._deflection, self._wind_angle = deflection, angle
         self._attitude, self._path = attitude, path = self._senses.angles()
@@ -264,6 +285,7 @@ class Airframe:
     def __init__(
         self, vehicle: Vehicle, plane: str, drift: bool, step: float, surroundings: Surroundings
     ) -> None:
+        """Load the vehicle into JSBSim at its nominal state."""
         earth = surroundings if isinstance(surroundings, Earth) else None
         departure = surroundings if isinstance(surroundings, InitialState) else None
         heading = earth.heading if earth else 0.0
@@ -347,7 +369,12 @@ class Airframe:
         return np.array(rows)[..., : len(OUTPUTS)]
 
     def _nominal_rows(self, count: int, trajectory: FloatArray | None) -> Iterator[Row]:
-        """Return an iterator over the rows of the nominal flight, step by step."""
+        """Return an iterator over the rows of the nominal flight, step by step.
+
+        `count`: number of the steps. `trajectory`: `OUTPUTS` of the nominal flight in pitch,
+        ``(count, 5)``; without it the nominal flight is straight. `InputError` where it ends
+        before.
+        """
         start = _straight(*self._begin())
         if self._gains is None:
             return repeat(start)
@@ -380,9 +407,12 @@ class Airframe:
         trajectory: FloatArray | None,
         sensors: LateralSensors,
     ) -> FloatArray:
-        """Return the rows of a flight at m samples, minus the `nominal` rows, ``(m, 7)``.
+        """Return the rows of a flight at m samples, minus the rows of the nominal one, ``(m, 7)``.
 
-        Parameters as in `fly`.
+        `steering`: function of the deflection. `speeds`, `angles`: wind speed [m/s] and wind angle
+        [rad] at each step, ``(n,)``, m <= n. `nominal`: rows of the nominal flight. `trajectory`:
+        its `OUTPUTS` in pitch, ``(n, 5)``; without it the nominal flight is straight. `sensors`:
+        lateral sensors of the law.
         """
         self._begin()
         h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
@@ -402,7 +432,11 @@ class Airframe:
         return np.array(rows)
 
     def _attitude_hold(self, trajectory: FloatArray | None) -> Callable[[], None]:
-        """Return the function that holds the nose on the path in the other plane, before a step."""
+        """Return the function that holds the nose on the path in the other plane, before a step.
+
+        `trajectory`: `OUTPUTS` of the nominal flight in pitch, ``(n, 5)``, whose rate and
+        deflection are the reference; without it they are zero.
+        """
         if self._gains is None:
             return lambda: None
         (other_plane,) = set(DEFLECTIONS) - {self._plane}
@@ -413,6 +447,7 @@ class Airframe:
             reference = _plain_rows(trajectory[1:, [1, 4]])
 
         def hold() -> None:
+            """Set the deflection of the other plane for the next step."""
             path_rate, deflection = next(reference)
             attitude, path = angles()
             bend(deflection + on_lean * (attitude - path) + on_rate * (rates()[0] - path_rate))
@@ -431,7 +466,10 @@ def _plain_rows(rows: FloatArray) -> Iterator[Row]:
 
 
 def _hold(c: Coefficients) -> tuple[float, float]:
-    """Return the gains of the attitude hold on nose minus path, and on the rate [s]."""
+    """Return the gains of the attitude hold on nose minus path, and on the attitude rate [s].
+
+    `c`: coefficients of the vehicle in the plane.
+    """
     frequency = max(
         _HOLD_OVER_AIRFRAME_FREQUENCY * abs(float(c.mu_alpha)) ** 0.5, _MIN_HOLD_FREQUENCY
     )
@@ -441,7 +479,7 @@ def _hold(c: Coefficients) -> tuple[float, float]:
 
 
 def _hold_steering(on_lean: float, on_rate: float) -> Steering:
-    """Return the steering of the attitude hold."""
+    """Return the steering of the attitude hold, from its gains of `_hold`."""
     return lambda k, measured: (
         on_lean * (measured.attitude - measured.flight_path_angle)
         + on_rate * measured.attitude_rate

@@ -88,6 +88,7 @@ class SixDof:
     condition: FlightCondition | None = None
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for a batch, numbers out of range, and conflicting options."""
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         checked(self, "plane", "drift")
         single("vehicle", self.coefficients.batch)
@@ -129,9 +130,9 @@ class SixDof:
         return Air(wind, times, angles, speeds, trajectory)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
-        """Return the steering of a command within a limit [rad].
+        """Return the function of the deflection for a command of the nozzle within a limit [rad].
 
-        `InputError` for a step too large for the actuator.
+        `air`: wind at the steps of the flight. `InputError` for a step too large for the actuator.
         """
         control, actuator = command.control, command.actuator
         if isinstance(control, History):
@@ -150,10 +151,11 @@ class SixDof:
     def flown(
         self, steering: Steering, air: Air, sensors: LateralSensors = NO_LATERAL_SENSORS
     ) -> FloatArray:
-        """Return the outputs [rad, rad/s] at the steps, ``(m, 5)``.
+        """Return the outputs [rad, rad/s] of a flight at the steps, ``(m, 5)``.
 
-        `sensors`: lateral sensors of the law. `InputError` for NaN, and for drift that is measured
-        on a path that does not turn.
+        `steering`: function of the deflection. `air`: wind at the steps. `sensors`: lateral sensors
+        of the law. `InputError` for NaN, and for drift that is measured on a path that does not
+        turn.
         """
         check_path(self.drift, sensors)
         surroundings: Surroundings = self.earth
@@ -176,7 +178,10 @@ class SixDof:
         return rows
 
     def _speeds(self, angles: FloatArray, velocity: Any, attitude: Any) -> FloatArray:
-        """Return the horizontal wind [m/s] that makes these angles on the nominal flight."""
+        """Return the horizontal wind [m/s] that makes wind angles [rad] on the nominal flight.
+
+        `velocity`, `attitude`: speed [m/s] and attitude [rad] of that flight, constant or ``(n,)``.
+        """
         path = np.asarray(attitude if self.plane == "pitch" else np.pi / 2)
         sine = np.sin(path + angles)
         if np.any(sine * np.sin(path) <= 0.0):
@@ -330,7 +335,11 @@ def planes_verdict(
 def _wind_at_steps(
     case: SixDof, wind: Any, begin: float, until: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return wind speeds [m/s] and angles [rad] at the steps; zeros in a plane without wind."""
+    """Return wind speeds [m/s] and wind angles [rad] at the n steps of a flight, ``(n,)`` each.
+
+    `case`: vehicle and options in one plane. `wind`: component of the wind in the plane, which may
+    be zero. `begin`, `until`: start and end of the flight [s].
+    """
     if np.isfinite(wind.onset):
         air = case.air(wind, begin, until)
         return air.speeds, air.angles
@@ -341,12 +350,18 @@ def _wind_at_steps(
 def _steering(
     law: LawInPlanes, limit: float, step: float
 ) -> Callable[[list[Measurement]], tuple[float, float]]:
-    """Return the steering of a law in both planes, with the law's states."""
+    """Return the steering of a law in both planes, from their measurements to both deflections.
+
+    `limit`: deflection limit of the vector [rad]. `step`: step [s].
+    """
     steps = law.law.state_space.to_steps(step)
     memory, limits = np.zeros(len(steps.states), complex), np.array([limit])
 
     def command_of(planes: list[Measurement]) -> tuple[float, float]:
-        """Return the commands [rad] in pitch and yaw, and update the state of the law."""
+        """Return the commands [rad] in pitch and yaw, and update the state of the law.
+
+        `planes`: measurements in pitch and yaw.
+        """
         nonlocal memory
         pitch, yaw = planes
         measured = np.array(pitch) + 1j * np.array(yaw)

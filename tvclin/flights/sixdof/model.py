@@ -51,7 +51,7 @@ def nominal_trajectory(
 ) -> NominalTrajectory:
     """Return the nominal flight through a vehicle's state at its time, at equidistant times [s].
 
-    `InputError` as `nominal_flight`.
+    `condition`: altitude and dynamic pressure of that state. `InputError` as `nominal_flight`.
     """
     vehicle_time = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     first, last = min(float(times[0]), vehicle_time), max(float(times[-1]), vehicle_time)
@@ -94,6 +94,7 @@ class Earth:
     altitude: float = quantity("length", 12e3)
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for a latitude beyond the poles, and numbers that are not finite."""
         checked(self)
 
 
@@ -159,7 +160,10 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | 
 
 
 def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float]) -> Element:
-    """Return the new element of a mass [kg] and its moments of inertia [kg m^2] about x, y, z."""
+    """Return the new element of a mass [kg] and its moments of inertia [kg m^2] about x, y, z.
+
+    `root`: element to which it is added.
+    """
     balance = SubElement(root, "mass_balance")
     for name, inertia in zip(("ixx", "iyy", "izz"), inertias, strict=True):
         _text(balance, name, inertia / (SLUG * FOOT**2), unit="SLUG*FT2")
@@ -169,7 +173,10 @@ def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float
 
 
 def _burning(root: Element, balance: Element, departure: InitialState) -> None:
-    """Add the burnt propellant, as a negative point mass at the centre of gravity."""
+    """Add the burnt propellant, as a negative point mass at the centre of gravity.
+
+    `root`: element of the aircraft. `balance`: its mass balance. `departure`: gives the mass flow.
+    """
     burnt = SubElement(balance, "pointmass", name="burnt")
     _text(burnt, "weight", 0.0, unit="LBS")
     _place(burnt, 0.0)
@@ -181,13 +188,13 @@ def _burning(root: Element, balance: Element, departure: InitialState) -> None:
 
 
 def _inertias(vehicle: Vehicle) -> tuple[float, float, float]:
-    """Return the moments of inertia about x, y and z [kg m^2]."""
+    """Return the moments of inertia of a vehicle about x, y and z [kg m^2]."""
     across = float(vehicle.moment_of_inertia)
     return across / _INERTIA_OVER_ROLL_INERTIA, across, across
 
 
 def _metrics(root: Element, vehicle: Vehicle) -> None:
-    """Add unit reference lengths and the point of action of the aerodynamic forces."""
+    """Add unit reference lengths and the centre of pressure of a vehicle to the aircraft `root`."""
     metrics = SubElement(root, "metrics")
     for name in ("wingarea", "wingspan", "chord"):
         _text(metrics, name, 1.0)
@@ -195,7 +202,10 @@ def _metrics(root: Element, vehicle: Vehicle) -> None:
 
 
 def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
-    """Add the aerodynamic forces, times `load`, the dynamic pressure relative to the vehicle."""
+    """Add the aerodynamic forces and the damping moment of a vehicle to the aircraft `root`.
+
+    `load`: formula of the dynamic pressure over that of the vehicle's forces.
+    """
     aerodynamics = SubElement(root, "aerodynamics")
     slope = -float(vehicle.normal_force_slope) / POUND_FORCE
     forces: dict[str, Tree] = {
@@ -215,7 +225,10 @@ def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
 
 
 def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
-    """Add the thrust: the control force turns with the deflection, the rest acts along the body."""
+    """Add the thrust: the control force turns with the deflection, the rest acts along the body.
+
+    `reactions`: element of the external forces.
+    """
     thrust, rotated = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
     pitch, yaw = DEFLECTIONS["pitch"], DEFLECTIONS["yaw"]
     forces: dict[str, Tree] = {
@@ -232,7 +245,11 @@ def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
 
 
 def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
-    """Add the forces that keep the nominal flight straight, and the speed of every flight."""
+    """Add the forces that keep the nominal flight straight, and the speed of every flight.
+
+    `reactions`: element of the external forces. `heading`: nominal direction of flight [rad], from
+    north over east.
+    """
     weight = float(vehicle.weight) / POUND_FORCE
     sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)
     north, east = cos(heading), sin(heading)
@@ -258,7 +275,11 @@ def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
 def _force(
     parent: Element, name: str, frame: str, size: Tree, direction: Direction, aft: float
 ) -> None:
-    """Add an external force with its magnitude [lb], direction and position."""
+    """Add an external force to an element `parent`.
+
+    `name`, `frame`: its name, and "BODY" or "LOCAL" axes of its direction. `size`: formula of its
+    magnitude [lb]. `aft`: distance of its point of action aft of the centre of gravity [m].
+    """
     force = SubElement(parent, "force", name=name, frame=frame)
     _function(force, size)
     _place(force, aft)
@@ -268,19 +289,19 @@ def _force(
 
 
 def _place(parent: Element, aft: float, **names: str) -> None:
-    """Add a position on the body axis, `aft` of the centre of gravity [m]."""
+    """Add a position on the body axis to an element, `aft` of the centre of gravity [m]."""
     location = SubElement(parent, "location", {"unit": "M", **names})
     for axis, value in zip("xyz", (aft, 0.0, 0.0), strict=True):
         _text(location, axis, value)
 
 
 def _function(parent: Element, tree: Tree, **names: str) -> None:
-    """Add a function with a formula."""
+    """Add a function with a formula `tree` to an element `parent`; `names` are its attributes."""
     _add(SubElement(parent, "function", names), tree)
 
 
 def _add(parent: Element, tree: Tree) -> None:
-    """Add the elements of a formula."""
+    """Add the elements of a formula `tree` to an element `parent`, operation by operation."""
     if isinstance(tree, tuple):
         inner = SubElement(parent, str(tree[0]))
         for part in tree[1:]:
@@ -290,5 +311,5 @@ def _add(parent: Element, tree: Tree) -> None:
 
 
 def _text(parent: Element, tag: str, value: str | float, **attributes: str) -> None:
-    """Add an element with a text or a number."""
+    """Add an element `tag` with a text or a number to an element `parent`."""
     SubElement(parent, tag, attributes).text = value if isinstance(value, str) else repr(value)

@@ -19,6 +19,7 @@ from tvclin.control.autopilot.actuator import actuator_system
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.engine_interface import ONSET_OVER_LIMIT, Command
+from tvclin.kernels.control_laws import next_mode
 from tvclin.linear.lateral import LateralSensors
 from tvclin.winds.histories import History
 
@@ -31,13 +32,16 @@ _SWITCH_PARTS = 128
 
 
 def step_means(history: History, times: FloatArray, step: float) -> FloatArray:
-    """Return the means of a history over the step around each equidistant time, ``(n,)``."""
+    """Return the means of a history over a step [s] around each equidistant time [s], ``(n,)``."""
     edges = np.append(times, times[-1] + step) - 0.5 * step
     return np.diff(history.filter([1.0], [1.0, 0.0])(edges)) / step
 
 
 def by_history(history: History, times: FloatArray, step: float, limit: float) -> Steering:
-    """Return the steering of a deflection history within the limit [rad]."""
+    """Return the steering of a deflection history within the limit [rad].
+
+    `times`: equidistant times of the steps [s], ``(n,)``. `step`: step [s].
+    """
     means = np.clip(step_means(history, times, step), -limit, limit).tolist()
     return lambda k, measured: means[k]
 
@@ -61,6 +65,7 @@ class TrimThenHold:
         times: FloatArray,
         step: float,
     ) -> None:
+        """Evaluate the wind at all steps, before the flight."""
         self._trim, self._B = trim, float(trim.plant.coefficients.B)
         self._limit, self._level = limit, max(dead_band, ONSET_OVER_LIMIT) * limit
         self._at_onset = dead_band == 0.0
@@ -70,7 +75,7 @@ class TrimThenHold:
         self._constant: float | None = None
 
     def __call__(self, k: int, measured: Measurement) -> float:
-        """Return the deflection at a step."""
+        """Return the deflection [rad] at the step with number `k`, for predicted measurements."""
         if self._constant is not None:
             return self._constant
         demand = float(self._trim.demand(measured, _NOTHING, self._limit))
@@ -82,7 +87,7 @@ class TrimThenHold:
     def _switching_mean(self, k: int, without_wind: float) -> float:
         """Return the mean deflection [rad] of the step in which the control switches to the limit.
 
-        `without_wind`: demand over B, without the wind [rad].
+        `k`: number of the step. `without_wind`: demand over B, without the wind [rad].
         """
         fraction = np.linspace(-0.5, 0.5, _SWITCH_PARTS + 1)
         trim = self._B * (without_wind - self._wind(self._times[k] + fraction * self._step))
@@ -113,7 +118,7 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     reach, servo, last_command = max_rate * step, np.zeros(driven.size), 0.0
 
     def followed(k: int, measured: Measurement) -> float:
-        """Return the deflection [rad] of the actuator at sample `k`, and update its state."""
+        """Return the deflection [rad] of the actuator at step `k`, and update its state."""
         nonlocal servo, last_command
         servo_next = free @ servo + driven * last_command
         if max_rate < np.inf:
@@ -127,7 +132,10 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
 
 
 def _command(law: Law, limit: float, step: float, count: int) -> Steering:
-    """Return the steering that gives the law's command within the limit, with the law's states."""
+    """Return the steering that gives the law's command within the limit, with the law's states.
+
+    `limit`: deflection limit [rad]. `step`, `count`: length [s] and number of the steps.
+    """
     demand_of, engage, release = law.demand, law.engage * limit, law.release * limit
     memory = np.zeros(len(law.states[0]))
     steps = law.state_space.to_steps(step)
@@ -136,15 +144,12 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     mode = 0.0
 
     def command(k: int, measured: Measurement) -> float:
-        """Return the commanded deflection [rad] at sample `k`."""
+        """Return the commanded deflection [rad] at step `k`, and update the states of the law."""
         nonlocal memory, mode
         if noise is not None:
             measured = measured._replace(attitude_rate=measured.attitude_rate + noise[k])
         demand = float(demand_of(measured, memory, limit))
-        if mode and demand * mode <= release:
-            mode = 0.0
-        if not mode and abs(demand) >= engage:
-            mode = copysign(1.0, demand)
+        mode = next_mode(engage, release, demand, mode)
         if memory.size:
             memory = steps.A @ memory + steps.B @ measured
         return mode * limit if mode else min(max(demand, -limit), limit)
@@ -166,6 +171,7 @@ class LateralMotion:
     )  # fmt: skip
 
     def __init__(self, sensors: LateralSensors, step: float) -> None:
+        """Set the motion to zero, at the start of a flight."""
         lag = sensors.bandwidth * step
         self._sensors, self._step, self._decay = sensors, step, exp(-lag)
         self._ramp = 1.0 - (1.0 - self._decay) / lag
@@ -173,7 +179,10 @@ class LateralMotion:
         self._acceleration = self._force = self._last_force = 0.0
 
     def measured(self, plain: Measurement) -> Measurement:
-        """Return the measurements at the end of the next step with those of lateral motion."""
+        """Return the measurements at the end of the next step with those of lateral motion.
+
+        `plain`: the predicted measurements without them.
+        """
         sensors, rate = self._sensors, self._speed * sin(plain.flight_path_angle)
         extrapolated = 2.0 * self._force - self._last_force
         return plain._replace(
