@@ -270,3 +270,22 @@ def test_what_is_silently_wrong_is_refused_in_rasaero_too(tmp_path, called, valu
     path.write_text("\n".join(lines))
     with pytest.raises(tv.InputError, match=said):
         tv.ascent.read_rasaero(path, **ASKED)
+
+
+def test_a_dynamic_pressure_against_speed_and_altitude_is_noted(tmp_path: Path) -> None:
+    """0.5 rho V^2 in the standard atmosphere, with the printed density of 10 km, 0.41351 kg/m^3."""
+    q = 0.5 * 0.41351 * 300.0**2
+    head = "time_s,weight_N,moment_of_inertia_kg_m2,thrust_N,aerodynamic_arm_m,control_arm_m"
+    head += ",axial_force_coefficient,velocity_m_per_s,attitude_deg,dynamic_pressure_Pa"
+    head += ",reference_area_m2,normal_force_coefficient_slope_per_rad,altitude_m"
+    file = tmp_path / "flight.csv"
+    for ratio, noted in ((1.05, False), (1.15, True), (1e-3, True)):
+        row = f"1.5e6,2e7,2.5e6,9,23,0.3,300,60,{ratio * q},20,3,10000"
+        file.write_text(f"{head}\n10,{row}\n20,{row}\n")
+        notes = tv.load_schedule(file).notes
+        assert any("in the standard atmosphere: a unit" in note for note in notes) == noted
+    names = {key: name for key, name in MAP.items() if key != "normal_force_slope_N_per_rad"}
+    names |= {"dynamic_pressure_Pa": 1e5, "altitude_m": 10e3, "reference_area_m2": 0.0165}
+    slope = {"normal_force_coefficient_slope_per_rad": 3.0}
+    notes = tv.ascent.read_table(FOLDER / "table.csv", names | slope).notes
+    assert any("in the standard atmosphere: a unit may be wrong" in note for note in notes)

@@ -263,7 +263,7 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
             (("nowhere.csv",), "nowhere.csv"),
             (
                 ("configuration-i", "--from", "90", "--to", "60"),
-                "the last flight time must not be before",
+                "between --from and --to, which must be in this order; got 90 to 60 s",
             ),
             (("configuration-i", "--to", "900"), "time must be between 41 and 116 s"),
             (

@@ -68,6 +68,7 @@ def test_one_month_is_that_month(station) -> None:
     result = run(station, *EAST, "--limit-deg", "0.35", "--month", "2")
 
     assert result.exit_code == 0
+    assert result.output.startswith("Limit 0.350 deg, pitch, towards 90 deg: ")
     assert "February" in result.output
     assert "March" not in result.output
     assert "the soundings are of one season" in result.output

@@ -94,7 +94,10 @@ def test_a_count_of_one_is_singular_and_zero_has_no_minus():
         ("study --limit-deg abc", "--limit-deg must be a number, such as 0.4"),
         ("study --limit-deg 0,4", "--limit-deg must be a number, such as 0.4"),
         ("disperse --cases 1.5", "--cases must be a whole number, such as 100"),
-        ("study --limit-deg", "option '--limit-deg' requires an argument"),
+        (
+            "study --limit-deg",
+            "tvclin study: option '--limit-deg' requires an argument; see tvclin study --help",
+        ),
         ("study --verbose", "tvclin study: no option --verbose; see tvclin study --help"),
         ("study --jsn", "tvclin study takes no --jsn: did you mean --json or --sign?"),
         ("stdy", "no such command 'stdy'"),

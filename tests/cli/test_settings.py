@@ -294,9 +294,7 @@ def test_the_list_of_keys_ends_with_the_columns_of_a_flight_its_structure_and_ga
     flight, structure, gains = ([text(row[0]) for row in table.rows] for table in column_tables())
     assert {"time_s", "thrust_N", "nominal_deflection_deg", "structure"} <= set(flight)
     assert {"mach", "attitude_gain", "rate_gain_s"} <= set(gains)
-    modes = {*VEHICLE_TABLES["bending"].every_key, *VEHICLE_TABLES["slosh"].every_key}
-    assert {"time_s", "name", "modal_mass_kg", "mass_kg"} <= set(structure)
-    assert set(structure) <= modes | {"time_s", "name"}
+    assert structure == ["time_s", "name", "keys of [[bending]]", "keys of [[slosh]]"]
     known = {*VEHICLE_TABLES["vehicle"].every_key, *FLIGHT_COLUMNS.keys, "name", "structure"}
     assert set(flight) <= known
     file = tmp_path / "gains.csv"

@@ -442,3 +442,43 @@ def test_the_page_of_a_study_has_the_autopilot_over_the_flight(folder, tmp_path)
     assert section.count("<figure>") == 2
     assert "margins over the flight" in html
     assert "autopilot along the flight" in html
+
+
+def test_a_table_of_gains_that_ends_within_the_flight_is_noted(folder) -> None:
+    gains = folder / "short.csv"
+    gains.write_text("time_s,attitude_gain,rate_gain_s\n30,0.4,0.5\n70,0.5,0.6\n")
+    flight = ("margins", folder / "study.toml", "--set", "autopilot.schedule", gains, "--more")
+    noted = " ".join(run(*flight).stdout.split())
+    assert "gains are given for time 30 to 70 s and constant beyond, at 2 of 5 flight" in noted
+    assert "gains are given for" not in run("margins", folder / "study.toml", "--more").stdout
+
+
+def test_a_table_of_some_flight_times_says_of_how_many(folder) -> None:
+    every = ("--set", "size.every_s", "2")
+    swept = " ".join(run("margins", folder / "study.toml", *every).stdout.split())
+    count = int(re.search(r"margins by flight time, (\d+) of 41", swept)[1])
+    assert 20 <= count < 41
+    whole = " ".join(run("margins", folder / "study.toml", *every, "--more").stdout.split())
+    assert "margins by flight time, " not in whole
+
+
+def test_a_notch_at_a_mode_of_a_rigid_vehicle_has_no_mode(folder) -> None:
+    result = run("margins", folder / "study.toml", "--set", "study.rigid", "true")
+    assert result.exit_code == 2
+    assert "a notch at first has no mode" in result.stderr
+
+
+def test_gains_of_the_file_are_flown_by_the_autopilot(tmp_path) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(
+        '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+        "[nozzle]\nlimit_deg = 1\n[autopilot]\nattitude_gain = 0.4\nrate_gain_s = 0.5\n"
+    )
+    assert "law autopilot" in run("fly", study).stdout
+    assert "law report" in run("fly", study, "--law", "report").stdout
+    assert "law report" in run("fly", study, "--engine", "planar").stdout
+
+
+def test_the_headline_names_the_planes_that_are_judged() -> None:
+    headline = run("ascent", "configuration-i", "--every", "40").stdout.partition("\n\n")[0]
+    assert "pitch alone judged (--plane both judges both)" in " ".join(headline.split())

@@ -64,7 +64,7 @@ def test_a_notch_follows_its_mode_and_the_actuator_the_flight() -> None:
     assert now.actuator.natural_frequency.tolist() == [20.0, 26.25]
     with pytest.raises(InputError, match="mode must be one of first, second; got 'third'"):
         replace(notch, mode="third").at(made, 50.0)
-    with pytest.raises(InputError, match="needs a flight with a structure over time"):
+    with pytest.raises(InputError, match="has no mode: it needs a flight with a structure"):
         notch.at(flight(flexible=False), 50.0)
     with pytest.raises(InputError, match=r"see along\(flight, time\)"):
         replace(autopilot(), notches=(notch,)).at(50.0)

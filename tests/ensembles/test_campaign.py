@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.outputs import column_label
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, draw
 from tvclin.ensembles.statistics import quantile_bound, sensitivities, success_probability
 
@@ -308,3 +309,23 @@ def test_bad_input_to_a_dispersed_study(nominal):
     result = CliRunner().invoke(app, ["disperse", "--set", "campaign.seed=-3"])
     assert result.exit_code == 2
     assert "seed must be an integer" in result.stderr
+
+
+def test_a_requirement_that_is_not_known_is_not_said_to_be_lost():
+    arguments = ["disperse", "--cases", "20", "--peak-deg", "31"]
+    said = " ".join(CliRunner().invoke(app, arguments).output.split())
+    assert "nominal lost or not known median lost or not known" in said
+    assert "median lost" not in said.replace("lost or not known", "")
+
+
+@pytest.mark.parametrize(
+    ("column", "label"),
+    [
+        ("required_K0.5_yaw", "required deflection, K = 0.5, yaw"),
+        ("flown_K1", "limit that the flights require, K = 1"),
+        ("forecast_free_pitch", "lower bound, no forecast, pitch"),
+        ("flight_peak_angle_of_attack", "flight peak angle of attack"),
+    ],
+)
+def test_columns_have_labels_in_words(column, label):
+    assert column_label(column) == label

@@ -160,7 +160,7 @@ def test_results_and_a_replay_show_both_planes(tmp_path) -> None:
     assert tv.ensembles.open_campaign(tmp_path).campaign == plan
     assert "required_K1_yaw" in results.to_csv().partition("\n")[0]
     said = " ".join(CliRunner().invoke(app, ["disperse", str(tmp_path)]).output.split())
-    assert "both planes, round stop: required_K1" in said
+    assert "both planes, round stop: required deflection, K = 1" in said
     case = int(results.worst(1)[0])
     one = results.replay(case)
     replayed = CliRunner().invoke(app, ["disperse", str(tmp_path), "--case", str(case), "--json"])

@@ -4,12 +4,15 @@ import re
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.pages import Page
 from tests.turns import usual
+from tvclin.cli.app import app
 from tvclin.show.report.page import page_of
 from tvclin.studyfile.parse import parse_study
+from tvclin.vehicle.vehicle_file import vehicle_file
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")
@@ -49,3 +52,12 @@ def test_a_wind_without_a_direction_has_no_such_section() -> None:
     head = {"vehicle": "configuration-i", "model": "fixed-path"}
     html = tv.report_html(parse_study({"study": head, "wind": plain}))
     assert 'id="planes"' not in html
+
+
+def test_a_vehicle_without_a_name_has_that_of_its_file_in_the_title(tmp_path):
+    file = tmp_path / "own.toml"
+    text = vehicle_file(tv.load_vehicle("configuration-i").replace(name=""))
+    file.write_text(text, encoding="utf-8")
+    page = tmp_path / "page.html"
+    assert CliRunner().invoke(app, ["report", str(file), "-o", str(page)]).exit_code == 0
+    assert "<title>own.toml: deflection study" in page.read_text(encoding="utf-8")

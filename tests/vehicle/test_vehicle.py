@@ -7,6 +7,7 @@ import pytest
 
 import tvclin
 from tests.vehicles import CONFIGURATION_I
+from tvclin.vehicle.vehicle import vehicle_warnings
 
 NUMBERS = CONFIGURATION_I | {"control_force_slope": 1e6}
 AERODYNAMICS = {
@@ -190,3 +191,15 @@ def test_vehicles_come_in_batches_that_broadcast():
     )
     assert np.broadcast_shapes(vehicle.thrust.shape, vehicle.weight.shape) == (2, 3)
     assert vehicle.velocity == 538.81
+
+
+@pytest.mark.parametrize(("factor", "doubted"), [(1.0, False), (180.0 / np.pi, True)])
+def test_slopes_of_a_mode_in_degrees_are_doubted(factor, doubted):
+    vehicle = tvclin.load_vehicle("made-up-booster")
+    modes = tuple(
+        dataclasses.replace(mode, attitude_slope=factor * mode.attitude_slope, rate_slope=0.0)
+        for mode in vehicle.structure.bending
+    )
+    structure = dataclasses.replace(vehicle.structure, bending=modes)
+    warnings = list(vehicle_warnings(vehicle.replace(structure=structure)))
+    assert any("a slope of bending mode" in warning for warning in warnings) == doubted

@@ -7,6 +7,7 @@ height) and section 1.2 (constants); temperature is linear in each layer and the
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from math import exp, log1p
@@ -22,6 +23,8 @@ HIGHEST = 86_000.0
 """Highest altitude [m]."""
 LOWEST = -5_000.0
 """Lowest altitude [m], to which the first layer is continued."""
+_MAX_PRESSURE_ERROR = 0.1
+"""Largest relative difference of a dynamic pressure from that in standard air without a note."""
 _CONTINUATION = 14_000.0
 """Height [m] over which both ends of the range are continued; beyond it the air is constant."""
 _EARTH_RADIUS = 6_356_766.0
@@ -74,6 +77,25 @@ def air_at(altitude: FloatArray) -> Air:
     pressure = pressures[layer] * np.exp(-_fall(base, lapse, above))
     density = pressure / (_GAS_CONSTANT * temperature)
     return Air(temperature, pressure, density)
+
+
+def pressure_notes(
+    times: FloatArray, pressure: FloatArray, speed: FloatArray, altitude: FloatArray
+) -> Iterator[str]:
+    """Yield a note where a dynamic pressure contradicts speed and altitude, in standard air.
+
+    `times`: flight times [s]. `pressure`: dynamic pressure [Pa]. `speed`: airspeed [m/s].
+    `altitude`: geometric altitude [m]. All are ``(n,)``.
+    """
+    standard = 0.5 * air_at(altitude).density * speed**2
+    excess = np.abs(pressure / np.maximum(standard, np.finfo(float).tiny) - 1.0)
+    worst = int(np.argmax(excess))
+    if excess[worst] > _MAX_PRESSURE_ERROR:
+        yield (
+            f"the dynamic pressure at {times[worst]:.6g} s is {pressure[worst]:.4g} Pa, and speed"
+            f" and altitude give {standard[worst]:.4g} Pa in the standard atmosphere: a unit may be"
+            " wrong"
+        )
 
 
 def speed_of_sound(air: Air) -> FloatArray:

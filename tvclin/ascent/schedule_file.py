@@ -1,5 +1,6 @@
 """Schedules from files: a row for each time, with the keys of vehicle files."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.atmosphere import pressure_notes
 from tvclin.ascent.nominal_flight import load_flight_condition, time_of
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.structure_schedule import load_structure
@@ -177,6 +179,7 @@ def _from_rows(
     if common is not None and not common.is_rigid and not structures:
         raise InputError(f"{source}: [engine] and [sensors] need the table structure of the modes")
     rows, notes = _moving(rows)
+    notes = (*notes, *_pressure_notes(rows))
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
     vehicles, others = [], []
@@ -213,18 +216,29 @@ def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
     return rows[still:], (f"the vehicle does not move before {after}",)
 
 
-def _with_inertia_rates(rows: list[Row]) -> list[Row]:
-    """Return rows with the rate of the inertia, by differences, where jet damping needs it."""
-    keys = VEHICLE_TABLE.keys
+def _numbers_of(rows: list[Row], *names: str) -> list[dict[str, float]]:
+    """Return the numbers of rows in SI units by name; empty where one of `names` is missing."""
+    keys = VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys
     values = [
         {keys[key][0]: value * keys[key][1] for key, value in row.items() if key in keys}
         for _, row in rows
         if all(isinstance(value, float | int) for key, value in row.items() if key in keys)
     ]
-    complete = len(values) == len(rows) and all(
-        {"time", "moment_of_inertia"} <= set(v) for v in values
-    )
-    if not complete or "jet_mass_flow" not in values[0] or "inertia_rate" in values[0]:
+    complete = len(values) == len(rows) and all(set(names) <= set(v) for v in values)
+    return values if complete else []
+
+
+def _pressure_notes(rows: list[Row]) -> Iterator[str]:
+    """Yield a note on a dynamic pressure of rows that contradicts their speed and altitude."""
+    names = ("time", "dynamic_pressure", "velocity", "altitude")
+    if values := _numbers_of(rows, *names):
+        yield from pressure_notes(*(np.array([v[name] for v in values]) for name in names))
+
+
+def _with_inertia_rates(rows: list[Row]) -> list[Row]:
+    """Return rows with the rate of the inertia, by differences, where jet damping needs it."""
+    values = _numbers_of(rows, "time", "moment_of_inertia")
+    if not values or "jet_mass_flow" not in values[0] or "inertia_rate" in values[0]:
         return rows
     times, inertias = (
         np.array([v[name] for v in values]) for name in ("time", "moment_of_inertia")

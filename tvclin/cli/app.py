@@ -167,7 +167,7 @@ class Commands(TyperGroup):
         def tell(sentence: str) -> None:
             _say(f"Warning: {sentence}")
 
-        with _input_errors_as_messages(), pass_warnings(tell, machine=tell), notes_last():
+        with _input_errors_as_messages(ctx), pass_warnings(tell, machine=tell), notes_last():
             return super().invoke(ctx)
 
 
@@ -198,8 +198,11 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
 
 
 @contextmanager
-def _input_errors_as_messages() -> Iterator[None]:
-    """Print the message of an input error, and exit with code 2; of a closed pipe, with 141."""
+def _input_errors_as_messages(context: Any = None) -> Iterator[None]:
+    """Print the message of an input error, and exit with code 2; of a closed pipe, with 141.
+
+    `context`: context of the group of commands, which knows the command that runs; None before.
+    """
     try:
         yield
     except (SystemExit, BrokenPipeError) as error:  # rich exits with 1 on a closed pipe
@@ -208,15 +211,18 @@ def _input_errors_as_messages() -> Iterator[None]:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is buffered goes nowhere
         raise typer.Exit(_CLOSED_PIPE) from None
     except Exception as error:
-        message = _sentence(error)
+        message = _sentence(error, context)
         if message is None:
             raise
         _say(f"Error: {message}")
         raise typer.Exit(2) from None
 
 
-def _sentence(error: Exception) -> str | None:
-    """Return the message of an error; None for a fault of the package."""
+def _sentence(error: Exception, group: Any = None) -> str | None:
+    """Return the message of an error; None for a fault of the package.
+
+    `group`: context of the group of commands, None before it is read.
+    """
     from tvclin.base.errors import InputError
     from tvclin.base.files import called, reason
 
@@ -224,7 +230,7 @@ def _sentence(error: Exception) -> str | None:
         return str(error)
     kinds = [kind.__name__ for kind in type(error).__mro__]
     if "UsageError" in kinds and kinds[0] != "NoArgsIsHelpError":
-        return _usage(error)
+        return _usage(error, group)
     if isinstance(error, OSError):
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):
@@ -237,12 +243,17 @@ def _sentence(error: Exception) -> str | None:
     return None
 
 
-def _usage(error: Any) -> str:
-    """Return the message on a command line that cannot be read, with the help that explains it."""
+def _usage(error: Any, group: Any) -> str:
+    """Return the message on a command line that cannot be read, with the help that explains it.
+
+    `group`: context of the group, whose command counts where the error does not know its own.
+    """
     from tvclin.base.lines import listed
 
     context, option = error.ctx, getattr(error, "option_name", None) or ""
     path = " ".join(["tvclin", *context.command_path.split()[1:]]) if context else "tvclin"
+    if context is None and group is not None and group.invoked_subcommand:
+        path = f"tvclin {group.invoked_subcommand}"
     unknown = [option] if type(error).__name__ == "NoSuchOption" else []
     if unknown and (message := _refused_option(context, path, option)):
         return message

@@ -275,7 +275,7 @@ class _Answer:
             first, further = flights.use.table(), [first, *further]
         random = [] if self.turbulence is None else self.turbulence.tables()
         print_answer(
-            self.verdict,
+            f"{self.verdict}; {_judged_planes(sizing)}",
             replace(first, caption=f"{title}\n{first.caption}"),
             *random[:1],
             notes=(*sizing.notes, *self.notes, *(ratio.notes if ratio and more else ())),
@@ -298,6 +298,13 @@ class _Answer:
         if ratio is not None:
             print_tables(ratio.table)
             say_lines([ratio.verdict])
+
+
+def _judged_planes(sizing: Sizing) -> str:
+    """Return the planes that a sizing judges, in words, with the option for both."""
+    if sizing.separate:
+        return "both planes judged"
+    return f"{sizing.plane} alone judged (--plane {BOTH} judges both)"
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:

@@ -159,7 +159,7 @@ def _print(result: Availability, launch: tuple[Today, ...], source: str, more: b
     the file. `more`: whether the details are printed, and all notes.
     """
     azimuths = [f"{angle:.4g} deg" for angle in np.degrees(np.atleast_1d(result.azimuth)).tolist()]
-    limit = f"limit {np.degrees(result.limit):.3f} deg"
+    limit = f"limit {np.degrees(result.limit):.3f} deg, {PLANE_TEXTS[result.plane]}"
     days = zip(azimuths, result.fraction(), strict=True)
     shares = [f"towards {azimuth}: {fraction}" for azimuth, fraction in days]
     verdicts = [

@@ -230,9 +230,9 @@ class RuleResult(Record):
     rule: str = field(metadata=spec(label="gains"))
     margins: JudgedMargins = field(
         metadata=specs(
-            Field("attitude_gain", of="margins.autopilot.attitude_gain", label="a0", significant=3),
-            Field("rate_gain", "time", "margins.autopilot.rate_gain", "a1", significant=3),
-            Field("alpha_gain", of="margins.autopilot.alpha_gain", label="b0", significant=3),
+            Field("attitude_gain", of="margins.autopilot.attitude_gain", label="a0", significant=4),
+            Field("rate_gain", "time", "margins.autopilot.rate_gain", "a1", significant=4),
+            Field("alpha_gain", of="margins.autopilot.alpha_gain", label="b0", significant=4),
             Field("stable", of="margins.whole.stable"),
             Field("aero_margin", "gain", "margins.whole.aero_margin", "aero", digits=1),
             Field("gain_increase", "gain", "margins.whole.gain_increase", "rise", digits=1),

@@ -107,9 +107,12 @@ class WhatFlies:
     ) -> tuple[str, bool, str, Any]:
         """Return engine, whether parameters vary, law and dead band for a case.
 
-        Options of another engine or law are refused first; notes name what is omitted of its file.
+        The law of gains, of options or of the file, is the autopilot. Options of another engine or
+        law are refused first; notes name what is omitted of the file.
         """
-        law = self.law or (AUTOPILOT if flies.has_gains(source) else None)
+        in_file = self.engine is None and self.dead_band is None
+        in_file &= not case.autopilot_design.unspecified
+        law = self.law or (AUTOPILOT if in_file or flies.has_gains(source) else None)
         engine, suffix, _ = (self.engine or "").partition(_VARYING)
         if not engine:
             rigid = isinstance(case.vehicle, Vehicle) and case.vehicle.structure is None

@@ -238,23 +238,18 @@ def over_rate(
         stated = None if front.beyond_linear else _at_limit(case, front, required)
     needed = _flown_limits(case) if every_law else None
     drawn, (curve, point) = needed or front, front.tables()
-    at = REQUIRED if limit is None else "limit"
-    rate_table = () if stated is None else (required_rate_table(stated, at),)
+    rates = _RequiredRates(stated, autopilot_rate, REQUIRED if limit is None else "limit")
     flown_tables = () if needed is None else needed.tables()
     duty_tables = [table for duty in flown for table in duty.tables()]
     limited = limit is not None or rate_limit is not None
     return TradeOffAnswer(
         trade_off=front,
         document={"trade_off": front, "flown": flown}
-        | ({} if stated is None else {"required_rate": document(stated, "limit", "required_rate")})
-        | ({} if autopilot_rate is None else {"autopilot_required_rate_deg_per_s": autopilot_rate})
+        | rates.document
         | ({} if needed is None else {"laws": needed}),
-        outcomes=[
-            *(f"{duty.law} flown: {duty.verdict.words}" for duty in flown),
-            *(() if autopilot_rate is None else (_rate_text(autopilot_rate, at, AUTOPILOT),)),
-        ],
-        rate="" if stated is None else _rate_text(float(np.degrees(stated.required_rate)), at),
-        tables=_titled(title, *rate_table, (*flown_tables, curve)[0]),
+        outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
+        rate=rates.words,
+        tables=_titled(title, *rates.tables, (*flown_tables, curve)[0]),
         further=(*(flown_tables and (curve,)), point, *duty_tables),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
         satisfied=not (limited and front.verdict)
@@ -281,21 +276,56 @@ def _at_limit(
 
 
 def _autopilot_rate(case: StudyPlan) -> float | None:
-    """Return the required rate of the autopilot [deg/s] with the limit; None beyond linearity."""
+    """Return the required rate of the autopilot [rad/s] with the limit; None beyond linearity."""
     if beyond_linear(float(case.history.peak)):
         return None
-    return float(np.degrees(flown_required_rate(case, limited_law(case, AUTOPILOT))))
+    return flown_required_rate(case, limited_law(case, AUTOPILOT))
 
 
-def _rate_text(required_rate: float, at: str, law: str = "") -> str:
-    """Return a required rate [deg/s] in words, of the theory or of a flown `law`.
+@dataclass(frozen=True)
+class _RequiredRates:
+    """Required rates of the theory and of the autopilot, flown, as the command prints them.
 
-    `at`: limit or required deflection, with which it is required.
+    `stated`: trade-off with its rate at the limit, None without one. `autopilot`: required rate of
+    the autopilot [rad/s] with the limit; None where it is not flown. `at`: limit or required
+    deflection, in words.
     """
+
+    stated: RateTradeOff | None
+    autopilot: float | None
+    at: str
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The required rates for JSON."""
+        rates: dict[str, Any] = {}
+        if self.stated is not None:
+            rates["required_rate"] = document(self.stated, "limit", "required_rate")
+        if self.autopilot is not None:
+            rates["autopilot_required_rate_deg_per_s"] = float(np.degrees(self.autopilot))
+        return rates
+
+    @property
+    def words(self) -> str:
+        """The required rates in words; empty without any."""
+        stated = None if self.stated is None else self.stated.required_rate
+        rates = {f"{AUTOPILOT}, flown,": self.autopilot, "": stated}
+        return "; ".join(
+            _rate_text(rate, self.at, law) for law, rate in rates.items() if rate is not None
+        )
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The table of the required rate of the theory."""
+        return () if self.stated is None else (required_rate_table(self.stated, self.at),)
+
+
+def _rate_text(required_rate: float, at: str, law: str) -> str:
+    """Return a required rate [rad/s] in words; `law`: the flown law, empty for the theory."""
     if np.isinf(required_rate):
-        return f"no rate is sufficient{f' for {law}, flown,' * bool(law)} with the {at}"
-    whose = f" of {law}, flown," * bool(law)
-    return f"{REQUIRED_RATE}{whose} with the {at} {required_rate:.3f} deg/s"
+        return f"no rate is sufficient{f' for {law}' * bool(law)} with the {at}"
+    whose = f" of {law}" * bool(law)
+    return f"{REQUIRED_RATE}{whose} with the {at} {np.degrees(required_rate):.3f} deg/s"
 
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:

@@ -20,7 +20,12 @@ from tvclin.base.fields import derived, record_table, spec
 from tvclin.base.lines import Table, plural, text
 from tvclin.base.quantities import survival
 from tvclin.case.flexible_autopilot import actuator_notes
-from tvclin.control.autopilot.gain_schedule import GainSchedule, even_times, flight_autopilot
+from tvclin.control.autopilot.gain_schedule import (
+    GainSchedule,
+    constant_gains_notes,
+    even_times,
+    flight_autopilot,
+)
 from tvclin.control.autopilot.sweep import Sweep, sweep
 from tvclin.ensembles.statistics import Success, success_probability
 from tvclin.flights.closed_loop.flown_flights import checked_flight
@@ -139,6 +144,7 @@ class FlightLoop:
                 "these are textbook gains at each flight time, since no option and no file"
                 " specifies others (--set autopilot.schedule FILE: a table of them)"
             )
+        yield from constant_gains_notes(self.autopilot, self.flight, self.times)
         if self.flight.actuator_frequency is None:
             yield from actuator_notes(self.plan)
 
@@ -534,4 +540,6 @@ class FlightsOfLoop:
             shown = [outcome for outcome in shown if outcome in most_severe]
         names = ("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "outcome")
         first = "label" if self.wind_count > 1 else "time"
-        return record_table("Largest values by wind", "flown", shown, first, *names)
+        count = f", the worst {len(shown)} of {len(self.outcomes)}"
+        caption = "Largest values by wind" + count * (len(shown) < len(self.outcomes))
+        return record_table(caption, "flown", shown, first, *names)

@@ -247,7 +247,8 @@ def column_tables() -> list[Table]:
     structure = [
         Key(".time_s", (), "", "Time of flight"),
         Key(".name", (), "", "Name of the mode or tank, the same at each time"),
-        *(key for key in all_keys() if key.name.startswith(("bending.", "slosh."))),
+        Key(".keys of [[bending]]", (), "", "As above, of a mode"),
+        Key(".keys of [[slosh]]", (), "", "As above, of a tank"),
     ]
     numbers = FileTable(FILTER_TABLE.heading, FILTER_TABLE.quantities)
     filters = [

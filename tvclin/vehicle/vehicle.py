@@ -283,11 +283,16 @@ def at_pressure(vehicle: Vehicle, ratio: ArrayLike) -> Vehicle:
     )
 
 
+_MAX_SLOPE_TIMES_LENGTH = 100.0
+"""Largest plausible slope of a bending mode, times the length and over the displacement."""
+
+
 def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
     """Yield warnings on implausible numbers of a vehicle or a batch, without full stops.
 
-    They concern a thrust far below or above the weight, a velocity above that of escape, and a
-    centre of pressure behind the centre of gravity.
+    They concern a thrust far below or above the weight, a velocity above that of escape, an
+    inertia and slopes of modes in another unit, and a centre of pressure behind the centre of
+    gravity.
     """
     ratio = np.asarray(vehicle.thrust) / vehicle.weight
     arm = np.asarray(vehicle.aerodynamic_arm)
@@ -303,9 +308,36 @@ def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
             f"the velocity V_n is {np.max(vehicle.velocity):.4g} m/s, above the escape velocity:"
             " its unit may be wrong"
         )
+    length = np.asarray(vehicle.control_arm) + np.maximum(arm, 0.0)
+    radius = np.sqrt(vehicle.moment_of_inertia * STANDARD_GRAVITY / np.asarray(vehicle.weight))
+    if np.any(radius > length):
+        yield (
+            f"the radius of gyration is {radius.max():.4g} m, longer than control and aerodynamic"
+            f" arm together, {length.max():.4g} m: the unit of the moment of inertia may be wrong"
+        )
+    if vehicle.structure is not None:
+        yield from _slope_warnings(vehicle.structure, float(length.max()))
     if np.any(arm < 0.0):
         yield (
             f"the aerodynamic arm l_a is negative ({arm.min():.4g} m): the centre of pressure"
             " lies behind the centre of gravity, and the air turns the vehicle back by itself; the"
             " arm is positive where it lies ahead"
         )
+
+
+def _slope_warnings(structure: Structure, length: float) -> Iterator[str]:
+    """Yield a warning on each bending mode whose slopes times `length` [m] are implausible.
+
+    `length`: sum of control and aerodynamic arm. The slope of the n-th mode of a free beam at its
+    end is about (n + 1/2) pi over the length, per displacement there.
+    """
+    for k, mode in enumerate(structure.bending, 1):
+        displacements = (mode.gimbal_displacement, mode.pressure_displacement)
+        displacement = max(float(np.abs(x).max()) for x in displacements)
+        slopes_of_mode = (mode.gimbal_slope, mode.attitude_slope, mode.rate_slope)
+        slopes = max(float(np.abs(x).max()) for x in slopes_of_mode)
+        if slopes * length > _MAX_SLOPE_TIMES_LENGTH * displacement:
+            yield (
+                f"a slope of bending mode {k} is {slopes:.4g} 1/m, with displacements of at most"
+                f" {displacement:.3g}: its unit or its normalisation may be wrong"
+            )

@@ -169,9 +169,9 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
 def missing_time_message(source: str) -> str:
     """Return the message that the flight schedule `source` needs a time of flight."""
     return (
-        f"{called(source)} is a flight schedule: give the time of flight of its vehicle, as --at 52"
-        ' of a command, time_s in [study], or load_schedule("flight.csv").at(52) in Python; tvclin'
-        " margins, fly and ascent take the whole flight"
+        f"{called(source)} is a flight schedule: give the time of flight in s, --at TIME (time_s in"
+        " [study], or load_schedule(FILE).at(TIME) in Python); tvclin margins, fly and ascent take"
+        " the whole flight"
     )
 
 

@@ -9,7 +9,7 @@ The slope of the normal force coefficient is a number, over Mach, or from anothe
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.ascent.atmosphere import pressure_notes
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
@@ -491,7 +492,10 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     numbers: dict[str, Any] = {key: column[rows] for key, column in values.items()}
     vehicle = Vehicle(name=name, time=time[rows], **numbers)
     origins = [f"{key}: {column.origin}" for key, column in columns.items()]
-    notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thinned, *_stable(vehicle))
+    notes = (
+        *(f"time: {flight.origin('time')}", *origins, *flight.notes, *thinned, *_stable(vehicle)),
+        *_pressure_notes(flight),
+    )
     return FlightSchedule(vehicle, **others, notes=notes)
 
 
@@ -592,6 +596,16 @@ def above_sea(above_ground: Column, source: str, ground: float | None) -> Column
         )
     site = errors.number("ground", ground, errors.between(*SITE_ELEVATIONS), "m")
     return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
+
+
+def _pressure_notes(flight: Flight) -> Iterator[str]:
+    """Yield a note on a dynamic pressure that contradicts the speed and the altitude of a flight.
+
+    The pressure counts where forces are computed from it.
+    """
+    names = ("time", "dynamic_pressure", "velocity", "altitude")
+    if set(names) <= flight.columns.keys():
+        yield from pressure_notes(*(flight[name] for name in names))
 
 
 def _stable(vehicle: Vehicle) -> tuple[str, ...]:

@@ -107,7 +107,8 @@ class ModeNotch(Record):
         structure: Any = getattr(flight, "structure", None)
         if not hasattr(structure, "mode_number"):
             raise errors.InputError(
-                f"a notch at {self.mode} needs a flight with a structure over time"
+                f"a notch at {self.mode} has no mode: it needs a flight with a structure over time,"
+                " which rigid in [study] leaves out"
             )
         mode = structure.at(time).bending[structure.mode_number(self.mode)]
         errors.broadcast(time=np.shape(time), notch=self.batch)

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
@@ -19,12 +19,13 @@ from tvclin.base.cards import Column, Columns, Tabled, columns_of
 from tvclin.base.errors import InputError, callable_for, each, finite, instance, one_of, times_row
 from tvclin.base.fields import array_table, spec
 from tvclin.base.lines import Table
+from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
 from tvclin.control.autopilot.filter_table import NOTCH_NUMBERS, ModeNotch
-from tvclin.control.autopilot.gain_table import GainTable, gain_columns
+from tvclin.control.autopilot.gain_table import GAIN_COLUMNS, GainTable, gain_columns
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -274,6 +275,23 @@ def gains_along(
         name: np.broadcast_to(autopilot._at_values(getattr(law, name), values), time.shape)
         for name in GAINS
     }
+
+
+def constant_gains_notes(
+    schedule: GainSchedule, flight: FlightSchedule, times: FloatArray
+) -> Iterator[str]:
+    """Yield a note on times of a flight [s], ``(n,)``, outside the breakpoints of a schedule."""
+    values = flight_variable(flight, schedule.variable, times)
+    low, high = schedule.breakpoints[[0, -1]]
+    outside = times[(values < low) | (values > high)]
+    if outside.size:
+        unit = si_unit(GAIN_COLUMNS.quantities[schedule.variable])
+        span = f"{low:.6g} to {high:.6g} {unit}".rstrip()
+        yield (
+            f"gains are given for {schedule.variable.replace('_', ' ')} {span} and constant beyond,"
+            f" at {outside.size} of {times.size} flight times: the first {outside[0]:.6g} s, the"
+            f" last {outside[-1]:.6g} s"
+        )
 
 
 def with_actuator_of(autopilot: Autopilot, flight: FlightSchedule, time: ArrayLike) -> Autopilot:

@@ -187,7 +187,10 @@ class Sweep(Tabled):
             values = (number(f"sweep.{k}.{name}", column[k], 2) for name, column in columns.items())
             verdict = satisfaction(bool(self.satisfied[k]))
             cells.append((significant(f"sweep.{k}.time", self.times[k]), *values, (verdict,)))
-        return Table("Margins by flight time", ("at [s]", *columns, "criteria"), tuple(cells))
+        count = f", {shown.size} of {self.times.size}" * (shown.size < self.times.size)
+        return Table(
+            f"Margins by flight time{count}", ("at [s]", *columns, "criteria"), tuple(cells)
+        )
 
     def _by_time(self) -> dict[str, FloatArray]:
         """Return the columns of the table by flight time, ``(n,)``, by their headings."""

@@ -16,6 +16,8 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import WindAlong, wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
+from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
+from tvclin.base.quantities import REQUIRED as REQUIRED_DEFLECTION
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.open_loop import ROUNDING
@@ -133,6 +135,23 @@ def required_name(dead_band: float, kind: str = "required") -> str:
     """
     short = f"{dead_band:g}"
     return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
+
+
+_LABELS = {
+    "required": REQUIRED_DEFLECTION,
+    "flown": "limit that the flights require",
+    "forecast_free": NO_FORECAST,
+    "minimum": WIND_KNOWN,
+}
+"""Labels of columns of deflections, by their names without dead band and plane."""
+
+
+def column_label(column: str) -> str:
+    """Return the label of a column, as "required deflection, K = 1, pitch" of required_K1_pitch."""
+    plane = next((plane for plane in PLANES if column.endswith(f"_{plane}")), "")
+    name, _, dead_band = column.removesuffix(f"_{plane}").partition("_K")
+    label = _LABELS.get(name, name.replace("_", " "))
+    return ", ".join(filter(None, (label, dead_band and f"K = {dead_band}", plane)))
 
 
 COLUMNS = {

@@ -24,7 +24,7 @@ from tvclin.base.lines import (
 from tvclin.base.quantities import REQUIRED as REQUIRED_DEFLECTION
 from tvclin.base.quantities import sufficiency, survival
 from tvclin.ensembles.campaign.cases import NOT_KNOWN
-from tvclin.ensembles.campaign.outputs import REQUIRED, plane_columns, required_name
+from tvclin.ensembles.campaign.outputs import REQUIRED, column_label, plane_columns, required_name
 from tvclin.ensembles.campaign.results import CampaignResults
 from tvclin.ensembles.statistics import Quantile, Success, covers_quantile, shares
 from tvclin.requirement.case_requirement import study_requirement
@@ -111,7 +111,10 @@ class CampaignSummary(Shown):
     @property
     def verdict(self) -> str:
         """Whether the limit is sufficient, and the covering deflection with its confidence."""
-        r, kind = self.required, REQUIRED_DEFLECTION if REQUIRED in self.output else self.output
+        r, kind = (
+            self.required,
+            REQUIRED_DEFLECTION if REQUIRED in self.output else column_label(self.output),
+        )
         share = f"{100 * r.probability:g} % of flights, with {100 * r.confidence:g} % confidence"
         of = f"{kind} of {plural(self.unknown.size, 'case')}"
         angle = text(self._bound("verdict", r.upper))
@@ -206,7 +209,9 @@ class CampaignSummary(Shown):
         """Return the tables of the answer with its drivers, and of its convergence."""
         plan, r = self.results.campaign, self.required
         planes = f", both planes, {plan.nozzle.limit_shape} stop" if plan.planes == BOTH else ""
-        caption = f"{plan.vehicle.name or 'vehicle'}, {plan.model}{planes}: {self.output}"
+        caption = (
+            f"{plan.vehicle.name or 'vehicle'}, {plan.model}{planes}: {column_label(self.output)}"
+        )
         rows = tuple(
             (
                 significant(f"convergence.{q.cases}", q.cases, 9),
@@ -228,10 +233,10 @@ class CampaignSummary(Shown):
         rows: list[Row] = [("cases", (done if results.complete else f"{done}, unfinished",))]
         rows += [(f"  {k.split(';')[0]}", (str(count),)) for k, count in results.statuses().items()]
         if results.nominal:
-            rows.append(("nominal", _angle("nominal", results.nominal[self.output])))
+            rows.append(("nominal", self._angle("nominal", results.nominal[self.output])))
         rows += [
-            ("median", _angle("median", self.median)),
-            (of_cases, _angle("estimate", self.required.estimate)),
+            ("median", self._angle("median", self.median)),
+            (of_cases, self._angle("estimate", self.required.estimate)),
             (of_flights, self._bound("upper", self.required.upper)),
         ]
         if self.increase is not None:
@@ -258,9 +263,17 @@ class CampaignSummary(Shown):
             said = "trusts a forecast of the wind; K = 1 needs none"
             rows.append(("this dead band", (said,)))
         drivers = list(results.drivers(self.output).items())[:_MAX_SHOWN]
-        worst = [_with_name(str(k), _angle(f"worst.{k}", angle)) for k, angle in self.worst.items()]
+        worst = [
+            _with_name(str(k), self._angle(f"worst.{k}", angle)) for k, angle in self.worst.items()
+        ]
         driven = [_with_name(k, (*number(f"driver.{k}", rank, 2),)) for k, rank in drivers]
         return [*rows, ("driven by", _joined(driven)), ("worst cases", _joined(worst))]
+
+    def _angle(self, name: str, angle: float) -> Line:
+        """Return the text of an angle [rad] of the cases; infinite it is lost, or not known."""
+        if np.isinf(angle) and np.any(self.unknown):
+            return ("lost or not known",)
+        return _angle(name, angle)
 
     def _bound(self, name: str, angle: float) -> Line:
         """Return the text of a bound of a quantile, `angle` [rad], or why it is infinite.

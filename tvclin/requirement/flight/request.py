@@ -38,7 +38,7 @@ from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.flight.total import DeflectionTotal, worst_total
 from tvclin.requirement.required_quantity import TRIM, Requirement, requirement_among
 from tvclin.vehicle.coefficients import BOTH, PLANES
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, component_in
@@ -375,7 +375,8 @@ class SizingRequest:
         high = last - half if self.stop is None else errors.number("the last one", self.stop)
         if high < low:
             raise errors.InputError(
-                f"the last flight time must not be before the first; got {low:g} to {high:g} s"
+                "flight times are those between start and stop, which must be in this order; got"
+                f" {low:g} to {high:g} s"
             )
         if (high - low) / self.every > _MAX_FLIGHT_TIMES:
             raise errors.InputError(
@@ -574,13 +575,15 @@ class SizingRequest:
 
     @property
     def notes(self) -> list[str]:
-        """Notes on the winds; none without soundings."""
+        """Notes on the flight, on implausible numbers of its vehicle, and on soundings."""
+        of_flight = [*self.schedule.notes, *vehicle_warnings(self.schedule.vehicle)]
         if not self.soundings:
-            return []
+            return of_flight
         scope = (
             "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
         )
         return [
+            *of_flight,
             f"in {', '.join(self.soundings)} only what blows{scope} to the side on which it is"
             " largest counts",
             *(

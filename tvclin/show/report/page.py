@@ -110,11 +110,16 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
     return page_of(plan)[0]
 
 
-def page_of(plan: StudyPlan, progress: Progress | None = None) -> tuple[str, Findings]:
-    """Return the page of a plan, and its findings; same exceptions as `report_html`."""
+def page_of(
+    plan: StudyPlan, progress: Progress | None = None, name: str = "unnamed vehicle"
+) -> tuple[str, Findings]:
+    """Return the page of a plan, and its findings; same exceptions as `report_html`.
+
+    `name`: title of the page where the vehicle has no name, such as that of its file.
+    """
     environment = _environment()
     findings = find(plan, progress)
-    return _page(findings, environment), findings
+    return _page(findings, environment, findings.study.vehicle.name or name), findings
 
 
 def section_html(findings: Findings, name: str) -> str:
@@ -124,8 +129,8 @@ def section_html(findings: Findings, name: str) -> str:
     return "".join(template.blocks[name](context))
 
 
-def _page(findings: Findings, environment: "Environment") -> str:
-    """Return the page of findings as HTML."""
+def _page(findings: Findings, environment: "Environment", name: str) -> str:
+    """Return the page of findings as HTML; `name`: name of the vehicle in the title."""
     names = _names(findings)
     sections = environment.get_template("sections.html").render(names)
     assumed = assumptions.assumptions(findings)
@@ -133,7 +138,7 @@ def _page(findings: Findings, environment: "Environment") -> str:
     return environment.get_template("page.html").render(
         names,
         document={key: value for key, value in document.items() if value},
-        name=findings.study.vehicle.name or "unnamed vehicle",
+        name=name,
         sufficient=sufficient(findings),
         sentence=verdict.sentence(findings),
         basis=verdict.basis(findings),
