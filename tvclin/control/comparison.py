@@ -44,12 +44,11 @@ damping."""
 def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     """Return the H-infinity norm from wind to deflection; infinite if the loop is not stable.
 
-    `plant`, `autopilot`: one each.
-
-    The norm is the highest peak of |G(j omega)|, with the exact delay. The peak is bracketed among
-    frequencies around all roots and gain crossovers and refined to about 1e-12 of its value for
-    well separated roots. For a flexible plant, which has no polynomials, it is the norm of
-    python-control with the Pade approximation of `Autopilot.close`.
+    `plant`, `autopilot`: one each. The norm is the highest peak of the frequency response |G(j
+    omega)|, with the exact delay. The peak is bracketed among frequencies around all roots and gain
+    crossovers and refined to about 1e-12 of its value for well separated roots. For a flexible
+    plant, which has no polynomials, it is the norm of python-control with the Pade approximation of
+    `Autopilot.close`.
     """
     margins = loop_margins(autopilot.exact_loop(plant))
     if not margins.stable:
@@ -470,7 +469,7 @@ def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, fl
 
 
 def _boundary_notes(status: NDArray[np.str_]) -> list[str]:
-    """Return a note for each status other than ok, with the dead bands that have it."""
+    """Return a note for each `status` other than ok, one for each of `DEAD_BANDS`, with its K."""
     bands: dict[str, list[str]] = {}
     for K, reason in zip(DEAD_BANDS, status.tolist(), strict=True):
         bands.setdefault(reason, []).append(f"{K:g}")

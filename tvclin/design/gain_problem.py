@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 from operator import add
 from typing import Any
 
@@ -276,10 +276,13 @@ _MAX_SCAN_RATIO = 1.5
 
 
 def with_sudden_ends(winds: tuple[History, ...], stops: int) -> History:
-    """Return a batch of winds: each complete, and with `stops` sudden ends at even instants."""
-    combined = reduce(
-        add, (wind * row for wind, row in zip(winds, np.eye(len(winds)), strict=True))
-    )
+    """Return a batch of winds: each complete, and with `stops` sudden ends at even instants.
+
+    The batch is flat, ``(winds * (stops + 1),)``.
+    """
+    # The k-th wind times the k-th unit row is a batch with zero winds but for the k-th.
+    rows = zip(winds, np.eye(len(winds)), strict=True)
+    combined = reduce(add, (wind * row for wind, row in rows))
     times = np.linspace(combined.onset, combined.end, stops + 2)[1:]
     return combined.before(times).cases(np.arange(times.size), times.shape)
 
@@ -293,52 +296,50 @@ def required_limits(
     limit above which no accuracy is needed. `scan_count`: number of limits above the required limit
     that are flown as well, because windows of losses lie there.
     """
-    rows = problem.autopilot(points)
-    winds = with_sudden_ends(problem.winds, problem.stops)
+    rows, winds = problem.autopilot(points), with_sudden_ends(problem.winds, problem.stops)
+    survive = partial(_survive, problem, rows, winds)
     steps = int(np.ceil(np.log(_MIN_LIMIT_RATIO / _MAX_LIMIT_RATIO) / np.log(_LIMIT_RATIO)))
     falling = _MAX_LIMIT_RATIO * _LIMIT_RATIO ** np.arange(steps + 1)
-    above = int(np.sum(falling > goal)) + 1
+    # Each row is flown with falling limits until it diverges, at first with all down to the goal.
     diverged, survived = np.full(len(points), np.inf), np.full(len(points), np.inf)
-    open_rows, first, size = np.arange(len(points)), 0, max(_LIMITS_PER_FLIGHT, above)
+    open_rows, first = np.arange(len(points)), 0
+    size = max(_LIMITS_PER_FLIGHT, int(np.sum(falling > goal)) + 1)
     while open_rows.size and first < falling.size:
         limits = falling[first : first + size]
-        outcome = _survive(problem, rows, open_rows, winds, np.tile(limits, (open_rows.size, 1)))
+        outcome = survive(open_rows, np.tile(limits, (open_rows.size, 1)))
         at = np.where(outcome.all(axis=1), limits.size, np.argmin(outcome, axis=1))
-        lasts = np.where(at > 0, limits[at - 1], survived[open_rows])
-        survived[open_rows] = lasts
+        survived[open_rows] = np.where(at > 0, limits[at - 1], survived[open_rows])
         ends = at < limits.size
         diverged[open_rows[ends]] = limits[at[ends]]
         open_rows, first, size = open_rows[~ends], first + size, _LIMITS_PER_FLIGHT
     survived[open_rows] = diverged[open_rows] = falling[-1]  # the lowest limit is sufficient
+    # Brackets below the goal are subdivided.
     bracketed = np.flatnonzero(np.isfinite(survived) & (diverged < goal) & (diverged < survived))
-    for _ in range(_REFINEMENTS):
-        if not bracketed.size:
-            break
+    for _ in range(_REFINEMENTS if bracketed.size else 0):
         brackets = np.linspace(survived[bracketed], diverged[bracketed], _SUBDIVISIONS + 1, axis=1)
-        outcome = _survive(problem, rows, bracketed, winds, brackets[:, 1:-1])
+        outcome = survive(bracketed, brackets[:, 1:-1])
         at = np.where(outcome.all(axis=1), _SUBDIVISIONS - 1, np.argmin(outcome, axis=1))
         survived[bracketed], diverged[bracketed] = (
             np.take_along_axis(brackets, (at + k)[:, np.newaxis], axis=1)[:, 0] for k in (0, 1)
         )
+    # A higher limit that diverges raises the requirement to the next limit of the scan.
     candidates = np.flatnonzero(survived < goal)
     if candidates.size:
         scan = survived[candidates, np.newaxis] * np.linspace(1.0, _MAX_SCAN_RATIO, scan_count + 1)
-        lossy = ~_survive(problem, rows, candidates, winds, scan)
-        highest = scan_count - np.argmax(
-            lossy[:, ::-1], axis=1
-        )  # index of the highest limit that diverges
+        lossy = ~survive(candidates, scan)
+        highest = scan_count - np.argmax(lossy[:, ::-1], axis=1)
         above = scan[np.arange(candidates.size), np.minimum(highest + 1, scan_count)]
         survived[candidates] = np.where(lossy.any(axis=1), above, survived[candidates])
     return survived
 
 
 def _survive(
-    problem: GainProblem, rows: Autopilot, which: IndexArray, winds: History, limits: FloatArray
+    problem: GainProblem, rows: Autopilot, winds: History, which: IndexArray, limits: FloatArray
 ) -> BoolArray:
     """Return whether rows of gains survive all winds with limits normalised by trim, ``(k, n)``.
 
-    `problem`: plant and nozzle. `rows`: autopilots of all rows, ``(m,)``. `which`: indices of k of
-    these rows. `winds`: batch of winds. `limits`: ``(k, n)``.
+    `problem`: plant and nozzle. `rows`: autopilots of all rows, ``(m,)``. `winds`: batch of winds.
+    `which`: indices of k of the rows. `limits`: ``(k, n)``.
     """
     law = Autopilot(
         attitude_gain=rows.attitude_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]

@@ -315,8 +315,8 @@ def _loads(
 ) -> tuple[float, float]:
     """Return the largest angle of attack and attitude of a flight, relative to the peak wind.
 
-    `plant`, `law`, `wind`: what flies. `limit`: deflection limit [rad]. `flown`: sample rate and
-    hardware of `flight_responses`.
+    `plant`, `law`, `wind`: they are flown. `limit`: deflection limit [rad]. `flown`: sample rate
+    and hardware of `flight_responses`.
     """
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)

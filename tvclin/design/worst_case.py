@@ -263,7 +263,10 @@ class _Case:
         return dict(zip(self.names, spread.T, strict=True))
 
     def plant(self, values: Mapping[str, FloatArray]) -> Plant:
-        """Return the plants with `values` [SI], ``(n,)`` by name, for the nominal ones."""
+        """Return the plants with some numbers other than the nominal ones.
+
+        `values`: these numbers [SI], ``(n,)`` by name; those of the loop are ignored.
+        """
         names = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
         changed = self.subject.replace(**{k: v for k, v in values.items() if k in names})
         if isinstance(changed, Vehicle):
@@ -271,7 +274,10 @@ class _Case:
         return Plant.from_coefficients(changed, self.model)
 
     def loop(self, values: Mapping[str, FloatArray]) -> Autopilot:
-        """Return the autopilots with `values` [SI], ``(n,)`` by name, for the nominal ones."""
+        """Return the autopilots with some numbers other than the nominal ones.
+
+        `values`: these numbers [SI], ``(n,)`` by name.
+        """
         a = self.autopilot
         factor = values.get("gain", 1.0)
         changes: dict[str, Any] = {
@@ -293,7 +299,7 @@ class _Case:
         """
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
-            """Return the margin at values of the parameters, ``(n,)``."""
+            """Return the margin of loops with the numbers `values` [SI], ``(n,)`` by name."""
             key = tuple(np.asarray(v).tobytes() for v in values.values())
             if key not in self.analyses:
                 self.analyses[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
@@ -309,7 +315,10 @@ class _Case:
         """
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
-            """Return minus the required deflection [rad], ``(n,)``; -inf beyond linearity."""
+            """Return minus the required deflection [rad], ``(n,)``; -inf in winds beyond linearity.
+
+            `values`: numbers [SI], ``(n,)`` by name.
+            """
             assert self.wind is not None
             wind = self.wind.history(dict(values))
             required = required_deflection(self.plant(values), wind, dead_band)

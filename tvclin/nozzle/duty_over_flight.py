@@ -363,18 +363,15 @@ class _Conditions:
         motion = complete if interval is None else complete.between(*interval)
         if motion is None:
             return replace(point, status=flight.status)
-        data = nozzle.data
-        options = (point.limit, request.steady_window, data, vehicle if data else None)
-        duty, noise_rate, end = duty_of_motion(motion, *options), np.zeros(2), float(wind.end)
-        noisy = (
-            complete.between(end + _NOISE_START / pole, end + _NOISE_END / pole)
-            if request.rate_noise
-            else None
-        )
-        if noisy is not None:
-            noise_rate = _spent(duty_of_motion(noisy, *options)) / float(
-                noisy.times[-1] - noisy.times[0]
-            )
+        data, window = nozzle.data, request.steady_window
+        options = (point.limit, window, data, vehicle if data else None)
+        duty, noise_rate = duty_of_motion(motion, *options), np.zeros(2)
+        if request.rate_noise:  # noise alone moves the nozzle some time after the wind
+            begin, end = (float(wind.end) + t / pole for t in (_NOISE_START, _NOISE_END))
+            noisy = complete.between(begin, end)
+            if noisy is not None:
+                duration = float(noisy.times[-1] - noisy.times[0])
+                noise_rate = _spent(duty_of_motion(noisy, *options)) / duration
         span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
         without_noise = _spent(duty) - noise_rate * span
         return replace(

@@ -22,8 +22,8 @@ class Motion:
 
     `times` [s], `deflection` [rad]: ``(n + 1,)``, with straight lines between. `at` [s]: a time in
     each step, ``(n,)``, and at these times: `angle`, `rate`, `acceleration`: the deflection and its
-    derivatives [rad, rad/s, rad/s2]; `angle_of_attack` [rad]; `vehicle_acceleration`: the angular
-    acceleration of the vehicle [rad/s2]. `weights` [s]: of an integral over time, ``(n,)``.
+    derivatives [rad, rad/s, rad/s2]; `angle_of_attack` [rad]; `angular_acceleration`: of the
+    vehicle [rad/s2]. `weights` [s]: of an integral over time, ``(n,)``.
     `peak_acceleration`: the largest acceleration [rad/s2].
     """
 
@@ -62,28 +62,29 @@ class Motion:
         )
 
     @classmethod
-    def of_flight(cls, f: NozzleFlight) -> Self:
-        """Return the motion of a flight `f` with its actuator, right after the start of each step.
+    def of_flight(cls, flight: NozzleFlight) -> Self:
+        """Return the motion of a flight with its actuator, right after the start of each step.
 
         Integrals take every second time, in the middle between two changes of the command. Without
         an actuator the motion is taken from sample to sample.
         """
-        if f.rate is None or f.acceleration is None:
-            rows = (f.times, f.deflection, f.angle_of_attack, f.attitude)
-            return cls.of_samples(*(row[:: f.times_per_sample] for row in rows))
-        weights = np.zeros(f.times.size - 1)
-        weights[1::2] = f.times[2::2] - f.times[:-2:2]
+        t, delta, alpha = flight.times, flight.deflection, flight.angle_of_attack
+        if flight.rate is None or flight.acceleration is None:
+            rows = (t, delta, alpha, flight.attitude)
+            return cls.of_samples(*(row[:: flight.times_per_sample] for row in rows))
+        weights = np.zeros(t.size - 1)
+        weights[1::2] = t[2::2] - t[:-2:2]
         return cls(
-            times=f.times,
-            deflection=f.deflection,
-            at=f.times[:-1],
-            angle=f.deflection[:-1],
-            rate=f.rate[:-1],
-            acceleration=f.acceleration[:-1],
-            peak_acceleration=largest(f.acceleration, f.times),
-            angle_of_attack=f.angle_of_attack[:-1],
+            times=t,
+            deflection=delta,
+            at=t[:-1],
+            angle=delta[:-1],
+            rate=flight.rate[:-1],
+            acceleration=flight.acceleration[:-1],
+            peak_acceleration=largest(flight.acceleration, t),
+            angle_of_attack=alpha[:-1],
             angular_acceleration=np.pad(
-                _second_derivative(f.times, f.attitude), (1, 0), mode="edge"
+                _second_derivative(t, flight.attitude), (1, 0), mode="edge"
             ),
             weights=weights,
         )
@@ -194,20 +195,13 @@ def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tupl
             notes.append("k + s_E a_x is negative: the nozzle turns away by itself")
     frictionless = inertia * motion.acceleration + stiffness * motion.angle + constant + inertial
     moving = np.abs(rate) > AT_REST * np.abs(rate).max()
-    torque = (
-        frictionless
-        + nozzle.damping * rate
-        + np.where(moving, nozzle.friction * np.sign(rate), 0.0)
-    )
+    friction = np.where(moving, nozzle.friction * np.sign(rate), 0.0)
+    torque = frictionless + nozzle.damping * rate + friction
     power = torque * rate
-    moving_torque, resting_torque = (
-        np.where(moving, torque, 0.0),
-        np.where(moving, 0.0, np.abs(torque)),
-    )
-    peak, peak_power = largest(moving_torque, motion.at), int(np.argmax(power))
+    peak, peak_power = largest(np.where(moving, torque, 0.0), motion.at), int(np.argmax(power))
     work = Work(
         torque=peak,
-        holding=float(resting_torque.max()),
+        holding=float(np.where(moving, 0.0, np.abs(torque)).max()),
         rms_torque=rms(torque, weights),
         power=Point(max(float(power[peak_power]), 0.0), float(motion.at[peak_power])),
         energy=float((np.maximum(power, 0.0) * weights).sum()),

@@ -509,8 +509,8 @@ class Autopilot(Feedback):
     def _closed(self, method: str, plant: AnyPlant) -> LinearSystem:
         """Return the closed loop around a plant; warnings point at the caller of the public method.
 
-        `method`: name of the public method, for messages. Inputs: `DISTURBANCES`. Outputs: the
-        plant's and the deflection.
+        `method`: name of the public method, for messages. Inputs: wind, attitude command and
+        deflection disturbance. Outputs: the plant's and the deflection.
         """
         self._require_single(method, plant)
         warn_of_feedback(self, plant, stacklevel=4)

@@ -167,11 +167,17 @@ class AutopilotDesign:
     def from_table(cls, table: Mapping[str, Any], folder: Path = Path()) -> Self:
         """Return the specification in a file's table [autopilot], with its [[autopilot.filter]].
 
-        Parameters ---------- table : mapping Keys and values of the table, as TOML gives them.
-        folder : Path Folder in which the table of gains that `schedule` names is looked for first.
+        Parameters
+        ----------
+        table : mapping
+            Keys and values of the table, as TOML gives them.
+        folder : Path
+            Folder in which the table of gains that `schedule` names is looked for first.
 
-        Raises ------ InputError For unknown keys, and in the same cases as `AutopilotDesign` and
-        `load_gains`.
+        Raises
+        ------
+        InputError
+            For unknown keys, and in the same cases as `AutopilotDesign` and `load_gains`.
         """
         keys = AUTOPILOT_TABLE.read(table)
         name, rows = keys.pop("schedule", None), keys.pop("filter", ())

@@ -52,9 +52,10 @@ class StableRange:
     upper: float
 
     def line(self, key: str = "edge", within: float = np.inf) -> Line:
-        """Return the factors that differ from one by at most `within` in a sentence; () without.
+        """Return the sentence that the loop is unstable at these factors; () if it names none.
 
-        `key`: first part of the names of the numbers.
+        It names factors that differ from one by at most `within`. `key`: first part of the keys of
+        the numbers.
         """
         bounds = {"lower": self.lower, "upper": self.upper}
         shown = [

@@ -142,7 +142,7 @@ class GainSchedule:
         return cls(points, rule(coefficients, **arguments), variable)
 
     def at(self, value: ArrayLike) -> Autopilot:
-        """Return the autopilot at a value of the variable, or a batch of it at several.
+        """Return the autopilot at a value of the variable [SI], or a batch of it at several.
 
         Raises
         ------

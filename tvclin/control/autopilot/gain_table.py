@@ -56,8 +56,8 @@ def gain_columns(
 ) -> Columns:
     """Return the columns of a table of gains, as `load_gains` reads them; zero gains are omitted.
 
-    `breakpoints`: values ``(n,)`` of the variable in SI units. `gains`: gains by name, ``(n,)`` or
-    constant.
+    `variable`: variable of the flight. `breakpoints`: its values ``(n,)`` in SI units. `gains`:
+    gains by name, ``(n,)`` or constant.
     """
     columns = [
         Column(name, np.asarray(gain), si_unit(GAINS[name]), () if np.ndim(gain) == 0 else None)
@@ -122,5 +122,5 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
 
 
 def _is_known(column: str) -> bool:
-    """Return whether a column of this name is read."""
+    """Return whether a column of this name in a table of gains is read."""
     return column in GAIN_COLUMNS.keys or column.startswith(COLUMN_PREFIX)

@@ -79,7 +79,7 @@ class WindResponse:
         return abs(peak_output(self._motion, row, self._settling_time)[0])
 
     def _row(self, output: str) -> AnyArray:
-        """Return the row of an output; `InputError` for an unknown one."""
+        """Return an output's factors on the states of loop and wind; `InputError` if unknown."""
         return self._rows[self.labels.index(one_of("output", output, self.labels))]
 
 

@@ -92,10 +92,11 @@ def open_loop(
 ) -> LinearSystem:
     """Return the state space of the loop, broken at the command, for one autopilot or a batch.
 
-    Inputs: `DISTURBANCES`, the command, and with `sensor_noise` the noises `SENSOR_NOISE` of
-    attitude and rate sensor. Outputs: the plant's, the deflection and the returned command. States,
-    in this order: plant, actuator, with `pade` the Pade approximation of the delay (else it is left
-    out), integrator, filters. `plant`: one plant or a batch, which broadcasts with the autopilot.
+    Inputs: wind, attitude command and deflection disturbance (`DISTURBANCES`), the command, and
+    with `sensor_noise` the noises of attitude and rate sensor (`SENSOR_NOISE`). Outputs: the
+    plant's, the deflection and the returned command. States, in this order: plant, actuator, with
+    `pade` the Pade approximation of the delay (else it is left out), integrator, filters. `plant`:
+    one plant or a batch, which broadcasts with the autopilot.
     """
     vehicle = plant_blocks(plant, autopilot.actuator, autopilot.lateral_sensors)
     delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
@@ -114,12 +115,13 @@ def open_loop(
 def closed_loop(
     autopilot: Feedback, plant: AnyPlant, *, sensor_noise: bool = False, command: bool = False
 ) -> LinearSystem:
-    """Return the closed loop from `DISTURBANCES` to outputs and deflection.
+    """Return the closed loop of an autopilot and a plant, from disturbances to all outputs.
 
-    `autopilot`, `plant`: one each or batches, which broadcast. The outputs are those of the plant
-    and of the lateral sensors; the delay is its Pade approximation. With `sensor_noise` the noises
-    `SENSOR_NOISE` are further inputs, whose direct parts are those of what the sensors put out;
-    with `command` an input `COMMAND`, which adds to the returned command, an output too.
+    `autopilot`, `plant`: one each or batches, which broadcast. Inputs: wind, attitude command and
+    deflection disturbance (`DISTURBANCES`); outputs: the plant's, the lateral sensors', and the
+    deflection. The delay is its Pade approximation. With `sensor_noise` the noises of attitude and
+    rate sensor are further inputs, whose direct parts are those of what the sensors put out; with
+    `command` an input that adds to the returned command, an output too.
     """
     loop = open_loop(autopilot, plant, pade=True, sensor_noise=sensor_noise)
     inputs = (*DISTURBANCES, *SENSOR_NOISE * sensor_noise, *(COMMAND,) * command)
@@ -143,8 +145,8 @@ def autopilot_blocks(
 ) -> list[LinearSystem]:
     """Return the blocks of an autopilot, from the sensors and the attitude command to the command.
 
-    `plant`: its names of sensed attitude and rate are the inputs. `period` [s]: with it the blocks
-    are difference equations.
+    They are to be connected by signal name. `plant`: its names of sensed attitude and rate are
+    inputs. `period` [s]: with it the blocks are difference equations.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
     if autopilot.controller is not None:
@@ -172,9 +174,9 @@ def _controller_blocks(
     """Return the blocks of an autopilot whose law is a state space `controller`.
 
     They lead from the sensors and the attitude command to the command. The controller's input
-    attitude is the attitude minus its command, unless the command is an input too. `chains`: the
-    filters of each of `CHAINS`. `plant`: names the sensors. `period` [s]: with it the blocks are
-    difference equations.
+    attitude is the attitude minus its command, unless the command is an input too. `chains`:
+    filters of attitude, rate and command, by the names `CHAINS`. `plant`: names the sensors.
+    `period` [s]: with it the blocks are difference equations.
     """
     check_controller(controller, plant)
     takes_command = _ATTITUDE_COMMAND in controller.inputs
@@ -190,7 +192,7 @@ def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
 
 
 def controller_system(controller: LinearSystem) -> LinearSystem:
-    """Return a controller with inputs named as `LAW_INPUTS`, and numbered states."""
+    """Return a controller with inputs named as those of a law, `LAW_INPUTS`, numbered states."""
     names = dict(zip(("attitude", "attitude_rate"), LAW_INPUTS[:2], strict=True)) | SENSOR_OF
     states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
     return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
@@ -209,7 +211,7 @@ def measured_outputs(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
 def in_steps(system: LinearSystem, period: FloatArray) -> LinearSystem:
     """Return difference equations of a period [s], with a zero-order hold of continuous inputs.
 
-    `InputError` for a system of another sample time.
+    `system`: continuous, or difference equations of that period; `InputError` for another one.
     """
     if system.period is None:
         return system.to_steps(period)
@@ -223,7 +225,7 @@ def in_steps(system: LinearSystem, period: FloatArray) -> LinearSystem:
 
 
 def attitude_integral(present: bool) -> LinearSystem:
-    """Return the integrator of the attitude error among `LAW_INPUTS`; no states if not present."""
+    """Return the integrator of a law's attitude error; without states if not `present`."""
     n, name, inputs = int(present), (INTEGRAL,) if present else (), len(LAW_INPUTS)
     matrices = np.zeros((n, n)), np.eye(n, inputs), np.eye(n), np.zeros((n, inputs))
     return LinearSystem(*matrices, LAW_INPUTS, name, name)
@@ -237,10 +239,10 @@ def law_blocks(
 ) -> list[LinearSystem]:
     """Return the blocks of a law's states and filters: sensors to `LAW_INPUTS`, output to command.
 
-    `chains`: the filters of each of `CHAINS`. `states`: the law's states, driven by `LAW_INPUTS`.
-    `sensed`: names of attitude and attitude rate before the filters. `period` [s]: with it all
-    blocks are difference equations: filters by the bilinear rule, each exact at its own frequency,
-    the law's states with a zero-order hold on their inputs.
+    `chains`: filters of attitude, rate and command, by the names `CHAINS`. `states`: the law's
+    states, driven by `LAW_INPUTS`. `sensed`: names of attitude and attitude rate before the
+    filters. `period` [s]: with it all blocks are difference equations: filters by the bilinear
+    rule, each exact at its own frequency, the law's states with a zero-order hold on their inputs.
     """
     ends = ((sensed[0], LAW_INPUTS[0]), (sensed[1], LAW_INPUTS[1]), (LAW_OUTPUT, RETURNED))
     blocks = [states if period is None else in_steps(states, period)] if states.outputs else []
@@ -406,10 +408,10 @@ _MAX_POLE_TIMES_PERIOD = 50.0
 
 
 def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem, LinearSystem]:
-    """Return the plant with its actuator, and the law in steps of a sample, as state spaces.
+    """Return the plant with its actuator, and the law of a sampled autopilot, as state spaces.
 
-    `autopilot`: with a sample rate. The first leads from the command to what the law reads, the
-    second from there to the returned command.
+    The first is continuous and leads from the command to what the law reads, the second is in steps
+    of a sample and leads from there to the returned command. `InputError` as in `sampled_loop`.
     """
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = measured_outputs(autopilot, plant)
@@ -453,7 +455,11 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     h, T = (np.broadcast_to(array, batch) for array in (period, delay))
 
     def open_steps(delays: FloatArray, cases: IndexArray) -> LinearSystem:
-        """Return open loops of `cases` of the batch in steps, with `delays` [s], both ``(k,)``."""
+        """Return open loops in steps of a sample, from the command to the returned command.
+
+        `delays`: their delays [s], ``(k,)``. `cases`: their indices in the flattened batch,
+        ``(k,)``.
+        """
         vehicles, laws = (system.cases(cases, batch) for system in (vehicle, law))
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
@@ -470,6 +476,9 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
 
 
 def _w_plane_loops(steps: LinearSystem, period: FloatArray) -> StateLoop:
-    """Return the loops in w = (2/h)(z - 1)/(z + 1) of loops in steps of h = `period` [s]."""
+    """Return the loops L in w = (2/h)(z - 1)/(z + 1), closed by 1 + L = 0.
+
+    `steps`: open loops -L in steps of h, from the command to the returned command. `period`: h [s].
+    """
     A, B, C, D = steps.matrices()
     return w_plane_loop((A, B, 0.0 - C, 0.0 - D), period)

@@ -108,7 +108,7 @@ class AccelerometerLaw(LinearLaw):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(1, 1)`` and G ``(1, 5)`` of s' = F s + G m, s the acceleration [m/s^2] measured.
 
-        s is the state of the sensor's lag, and m are the `LAW_INPUTS`.
+        s is the state of the sensor's lag, and m are the measurements, `LAW_INPUTS`.
         """
         alpha, deflection, rate = self.sensitivities
         inputs = np.array([[0.0, rate, 0.0, alpha, deflection]])

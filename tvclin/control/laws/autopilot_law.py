@@ -82,12 +82,15 @@ class SystemLaw(_AutopilotLaw):
 
     @property
     def state_space(self) -> LinearSystem:
-        """State space of the controller, from `LAW_INPUTS` to its output."""
+        """State space of the controller, from the measurements to its output."""
         return controller_system(self.autopilot.system)
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of s' = F s + G m of a continuous controller; `InputError` for a sampled one."""
+        """F and G of s' = F s + G m of a continuous controller, m being the measurements.
+
+        `InputError` for a sampled controller.
+        """
         system = self.autopilot.system
         if system.period is not None:
             raise InputError(
@@ -102,7 +105,11 @@ class SystemLaw(_AutopilotLaw):
         return LawNumbers(attitude=1.0)
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the deflection [rad] of a continuous controller with `states` ``(k, ...)``."""
+        """Return the deflection [rad] that a continuous controller commands, before the limit.
+
+        `measured`: measurements, of which it reads some. `states`: its states, ``(k, ...)``.
+        `limit`: is not used.
+        """
         system = self.autopilot.system
         values = [measured[_MEASURED.index(name)] for name in system.inputs]
         terms = [*zip(system.C[0], states, strict=True), *zip(system.D[0], values, strict=True)]
@@ -175,7 +182,7 @@ class SaturatedLaw(_AutopilotLaw, LinearLaw):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(1, 1)`` and G ``(1, 5)`` of s' = F s + G m, s the integral of the attitude [rad s].
 
-        m are the `LAW_INPUTS`. Without integral gain there are no states.
+        m are the measurements, `LAW_INPUTS`. Without integral gain there are no states.
         """
         if not self.autopilot.integral_gain:
             return super().states

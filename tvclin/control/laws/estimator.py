@@ -129,7 +129,7 @@ class EstimatedLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of s' = F s + G m, the estimator's states before the law's; m: `LAW_INPUTS`.
+        """F and G of s' = F s + G m, the estimator's states before the law's; m: measurements.
 
         The law receives the estimates in place of the measurements.
         """

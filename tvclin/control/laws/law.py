@@ -99,7 +99,7 @@ class Law(Record, ABC):
 
     @property
     def state_space(self) -> LinearSystem:
-        """State space from `LAW_INPUTS` to the law's states."""
+        """State space from the measurements, `LAW_INPUTS`, to the law's states."""
         F, G = self.states
         G = np.pad(G, ((0, 0), (0, len(LAW_INPUTS) - G.shape[1])))
         names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
@@ -129,9 +129,14 @@ class Law(Record, ABC):
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the demanded deflection [rad], before the limit.
 
-        Parameters ---------- measured : Measurement Measurements [rad, rad/s], numbers or ``(...)``
-        over flights. states : ndarray States of the law, ``(k, ...)``. limit : float or ndarray
-        Deflection limit [rad], which a law may use, ``(...)``.
+        Parameters
+        ----------
+        measured : Measurement
+            Measurements [rad, rad/s], numbers or ``(...)`` over flights.
+        states : ndarray
+            States of the law, ``(k, ...)``.
+        limit : float or ndarray
+            Deflection limit [rad], which a law may use, ``(...)``.
         """
 
 
@@ -219,7 +224,7 @@ class FilteredLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of s' = F s + G m of the law; states of filters belong to the flight."""
+        """F and G of the law's s' = F s + G m, m being measurements; filters have none."""
         return self.law.states
 
     @property

@@ -94,7 +94,10 @@ class CovarianceHistory(GaussianOutputs):
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
         """Return the largest ``|mean|`` plus `sigmas` standard deviations, and its time [s].
 
-        Raises ------ InputError As `mean`, and for a number of standard deviations beyond 0 to 10.
+        Raises
+        ------
+        InputError
+            As `mean`, and for a number of standard deviations beyond 0 to 10.
         """
         k = errors.number("sigmas", sigmas, errors.between(0.0, 10.0))
         sizes = np.abs(self.mean(output)) + k * self.deviation(output)
@@ -116,7 +119,10 @@ class CovarianceHistory(GaussianOutputs):
 
         It is the double integral of the covariance of ``|y'|`` at two times.
 
-        Raises ------ InputError As `travel`.
+        Raises
+        ------
+        InputError
+            As `travel`.
         """
         rate, direct = self._rate(output)
         chosen = self._moments.chosen
@@ -143,13 +149,15 @@ class CovarianceHistory(GaussianOutputs):
     def crossings(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected number of crossings of +limit upwards and of -limit downwards.
 
-        Raises ------ InputError As `travel`, and for a limit, in the SI unit of the output, that is
-        not positive.
+        Raises
+        ------
+        InputError
+            As `travel`, and for a limit, in the SI unit of the output, that is not positive.
         """
         return float(np.trapezoid(self.crossing_rate(limit, output), self.times))
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> FloatArray:
-        """Return the expected crossings [1/s] of both limits at the times, ``(n,)``.
+        """Return the expected crossings [1/s] of +-limit by an output at the times, ``(n,)``.
 
         Raises
         ------

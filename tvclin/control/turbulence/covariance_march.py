@@ -95,8 +95,8 @@ class VaryingLoop:
         """
         index = np.searchsorted(self._starts, times, side="right") - 1
         index = np.clip(index, 0, len(self._starts) - 1)
-        places = np.clip((times - self._starts[index]) / self._lengths[index], 0.0, 1.0)
-        return index * len(_POINTS), interpolation_factors(_POINTS, places)
+        positions = np.clip((times - self._starts[index]) / self._lengths[index], 0.0, 1.0)
+        return index * len(_POINTS), interpolation_factors(_POINTS, positions)
 
     def _slopes(self, values: FloatArray) -> FloatArray:
         """Return the derivatives [1/s] of a function of time at the nodes, ``(nodes, ...)``.
@@ -148,17 +148,15 @@ def _interpolated(
     counts = np.maximum(np.ceil(np.diff(breaks) / _MAX_INTERVAL_S - 1e-9), 1.0).astype(int)
     lengths = np.repeat(np.diff(breaks) / counts, counts)
     starts = breaks[0] + np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
-    places = np.append(_POINTS, _CHECKED_POINT)
+    points = np.append(_POINTS, _CHECKED_POINT)
     parts: list[tuple[FloatArray, FloatArray, DrivenLoop]] = []
     for halving in range(_MAX_HALVINGS + 1):
-        times = starts[:, np.newaxis] + lengths[:, np.newaxis] * places
+        times = starts[:, np.newaxis] + lengths[:, np.newaxis] * points
         loops = loop_at(times.ravel())
-        fits = _fits(loops, times.shape)
-        fits |= halving == _MAX_HALVINGS
-        nodes = np.broadcast_to(fits[:, np.newaxis], times.shape).copy()
-        nodes[:, -1] = False
-        node_index = np.flatnonzero(nodes)
-        fitting = loops.mapped(lambda a, index=node_index: a[index])  # type: ignore[misc]
+        fits = _fits(loops, times.shape) | (halving == _MAX_HALVINGS)
+        # Intervals that fit are taken with their nodes, without the checked point.
+        nodes = np.arange(times.size).reshape(times.shape)[fits, :-1].ravel()
+        fitting = loops.mapped(lambda a, index=nodes: a[index])  # type: ignore[misc]
         parts.append((starts[fits], lengths[fits], fitting))
         if np.all(fits):
             break
@@ -167,14 +165,14 @@ def _interpolated(
         lengths = np.concatenate([half, half])
     first, size = (np.concatenate(column) for column in list(zip(*parts, strict=True))[:2])
     order = np.argsort(first)
-    rows = (order[:, np.newaxis] * len(_POINTS) + np.arange(len(_POINTS))).ravel()
-    return first[order], size[order], _joined([part[2] for part in parts], rows)
+    nodes = (order[:, np.newaxis] * len(_POINTS) + np.arange(len(_POINTS))).ravel()
+    return first[order], size[order], _joined([part[2] for part in parts], nodes)
 
 
-def _joined(loops: list[DrivenLoop], rows: IndexArray) -> DrivenLoop:
-    """Return the batches of `loops` as one batch, in the order of the indices `rows`."""
-    queues = [list(loop.arrays) for loop in loops]
-    joined = iter([np.concatenate(arrays)[rows] for arrays in zip(*queues, strict=True)])
+def _joined(loops: list[DrivenLoop], order: IndexArray) -> DrivenLoop:
+    """Return the batches of `loops` as one batch, in the order of these indices."""
+    columns = zip(*(loop.arrays for loop in loops), strict=True)
+    joined = (np.concatenate(arrays)[order] for arrays in columns)
     return loops[0].mapped(lambda _: next(joined))
 
 
@@ -271,7 +269,7 @@ def march(
     time, after its sample, ``(states, states)``; by default that of a vehicle at rest and a
     stationary filter.
     """
-    known = np.zeros(times.size) if wind is None else np.asarray(wind(times))
+    angles = np.zeros(times.size) if wind is None else np.asarray(wind(times))
     first_loop = loop if isinstance(loop, DrivenLoop) else loop.at(times[:1]).mapped(np.squeeze)
     n = first_loop.A.shape[-1]
     P, mean = np.zeros((n, n)), np.zeros(n)
@@ -280,14 +278,14 @@ def march(
         *(matrix[filtered, filtered] for matrix in (first_loop.A, first_loop.noise))
     )
     if loop.jumps:
-        mean, P = _jumped(_jumps(loop, len(loop.jumps) - 1, times[:1])[0], mean, P, known[0])
+        mean, P = _jumped(_jumps(loop, len(loop.jumps) - 1, times[:1])[0], mean, P, angles[0])
     P = P if start is None else start
     means, covariances = np.zeros((times.size, n)), np.zeros((times.size, n, n))
     covariances[0], means[0] = P, mean
     spread = np.linspace(times[0], times[-1], min(_MAX_CHOSEN, times.size))
     chosen = np.unique(np.clip(np.searchsorted(times, spread - _CLOSE_TIMES_S), 0, times.size - 1))
     is_chosen = np.isin(np.arange(times.size), chosen)
-    transitions, passed = [], np.eye(n)
+    transitions, passed = [], np.eye(n)  # from a chosen time to the next, and since the last one
     for first in range(0, times.size - 1, _STEPS_AT_ONCE):
         part = times[first : first + _STEPS_AT_ONCE + 1]
         F, Q, forced = _steps(loop, part, wind)
@@ -296,7 +294,7 @@ def march(
             step = F[k - first]
             transition = step
             if jump is not None:
-                mean, P = _jumped(jump, mean, P, known[k])
+                mean, P = _jumped(jump, mean, P, angles[k])
                 transition = step @ jump.matrix
             mean = step @ mean + forced[k - first]
             P = step @ P @ step.T + Q[k - first]
@@ -310,7 +308,7 @@ def march(
             f"the motion grows beyond all numbers within {times[-1] - times[0]:.6g} s; the loop is"
             " not stable: take a shorter time"
         )
-    return Moments(known, means, covariances, chosen, np.array(transitions))
+    return Moments(angles, means, covariances, chosen, np.array(transitions))
 
 
 def _jumped(
@@ -347,8 +345,8 @@ def _jumps_before(
     ends = np.cumsum([_sample_steps(jump).size for jump in loop.jumps])
     numbers = first + np.arange(len(times) - 1)
     for index, end in enumerate(ends):
-        ahead = np.flatnonzero((numbers > 0) & (numbers % ends[-1] == end % ends[-1]))
-        for k, jump in zip(ahead, _jumps(loop, index, times[ahead]), strict=True):
+        behind = np.flatnonzero((numbers > 0) & (numbers % ends[-1] == end % ends[-1]))
+        for k, jump in zip(behind, _jumps(loop, index, times[behind]), strict=True):
             jumps[k] = jump
     return jumps
 

@@ -185,7 +185,7 @@ class LoopCovariance(GaussianOutputs):
         return float(self._weights @ self._absolute_rates(output))
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> float:
-        """Return the expected crossings [1/s] of both limits, +limit upwards and -limit downwards.
+        """Return an output's expected crossings [1/s], of +limit upwards and -limit downwards.
 
         Raises
         ------
