@@ -14,6 +14,8 @@ ComplexArray = NDArray[np.complex128]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 IndexArray = NDArray[np.intp]
+Real = float | FloatArray
+"""A number of one vehicle, or those of a batch."""
 
 
 class Storage:

@@ -66,19 +66,31 @@ def solve_with_drift(
     Newton's method finds inside a bracket.
     """
     L = _minus_log_R(p)
-    high = _upper_bracket(p, K, kappa, K1, rho, L)
+
+    def residual(z: FloatArray) -> FloatArray:
+        """Return the left side of the equation at `z`, in its shape."""
+        x = K * z
+        return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
+
+    with np.errstate(divide="ignore", over="ignore"):
+        high = np.minimum(p / K, 1.0 / (1.0 - K))
+    for _ in range(60):  # for b2 > b1 the bracket may have to be larger
+        outside = residual(high) > 0.0
+        if not np.any(outside):
+            break
+        high = np.where(outside, 1.5 * high, high)
     low = np.zeros_like(high)
     z = np.minimum(K1 * p * solve_triangular(p, K), high)
     converged = np.zeros(z.shape, dtype=bool)
     for _ in range(100):
         x = K * z
-        residual = _residual(z, K, kappa, K1, rho, L)
+        left = residual(z)
         bend = moments(rho * x, 0)[..., 0]  # (x^2 psi)' = x M_0
         slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * bend)
-        low, high = np.where(residual > 0.0, z, low), np.where(residual < 0.0, z, high)
-        iterate = z - residual / slope
+        low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
+        iterate = z - left / slope
         iterate = np.where((iterate >= low) & (iterate <= high), iterate, (low + high) / 2.0)
-        iterate = np.where((residual == 0.0) | converged, z, iterate)
+        iterate = np.where((left == 0.0) | converged, z, iterate)
         converged |= np.abs(iterate - z) <= 4.0 * _EPSILON * iterate
         z = iterate
         if np.all(converged):
@@ -90,33 +102,6 @@ def psi(x: FloatArray) -> FloatArray:
     """Return psi(x) = (e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x), in the shape of x."""
     m = moments(x, 1)
     return np.asarray(m[..., 0] - m[..., 1])
-
-
-def _residual(z: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
-    """Return the left side of the equation in z of `solve_with_drift`, zero at its solution.
-
-    With x = K z: K1 (1 - e^(x - L)) - (1 - K) z - kappa [x + x^2 psi(rho x)]. `z`: boundary limit y
-    times p. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1). `K1`: 1 - kappa. `rho`: b1/beta. `L`:
-    -ln R of the triangular wind. All broadcast.
-    """
-    x = K * z
-    return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
-
-
-def _upper_bracket(p: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
-    """Return an upper bracket of z, where `_residual` is not positive.
-
-    It is the smaller of p/K and 1/(1 - K); for b2 > b1 it may have to be larger. `p`: pole times
-    half the duration. `K`, `kappa`, `K1`, `rho`, `L`: as in `_residual`.
-    """
-    with np.errstate(divide="ignore", over="ignore"):
-        high = np.minimum(p / K, 1.0 / (1.0 - K))
-    for _ in range(60):
-        outside = _residual(high, K, kappa, K1, rho, L) > 0.0
-        if not np.any(outside):
-            break
-        high = np.where(outside, 1.5 * high, high)
-    return high
 
 
 def _minus_log_R(p: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from typing import Any, Self
 import numpy as np
 
 from tvclin.base import errors
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import Real
 from tvclin.base.cards import Record, card, card_rows, lines
 from tvclin.base.fields import derived, parameters, spec
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
@@ -79,21 +79,15 @@ class Coefficients(Record):
     Report eqs (2), (B4), (B5), (B7) and (15b); the damping is derived in docs/theory.md.
     """
 
-    mu_alpha: float | FloatArray = field(metadata=_number("per time squared", "mu_alpha"))
-    mu_delta: float | FloatArray = field(
-        metadata=_number("per time squared", "mu_delta", errors.nonzero)
-    )
-    C1: float | FloatArray = field(default=0.0, metadata=_number("per time", "C1"))
-    C2: float | FloatArray = field(default=0.0, metadata=_number("per time cubed", "C2"))
-    b1: float | FloatArray = field(default=0.0, metadata=_number("per time", "b1"))
-    b2: float | FloatArray = field(default=0.0, metadata=_number("per time", "b2"))
-    q: float | FloatArray = field(
-        default=0.0, metadata=_number("per time squared", "q", errors.nonnegative)
-    )
-    damping: float | FloatArray = field(
-        default=0.0, metadata=_number("per time", "damping", errors.nonnegative)
-    )
-    velocity: float | FloatArray = field(
+    mu_alpha: Real = field(metadata=_number("per time squared", "mu_alpha"))
+    mu_delta: Real = field(metadata=_number("per time squared", "mu_delta", errors.nonzero))
+    C1: Real = field(default=0.0, metadata=_number("per time", "C1"))
+    C2: Real = field(default=0.0, metadata=_number("per time cubed", "C2"))
+    b1: Real = field(default=0.0, metadata=_number("per time", "b1"))
+    b2: Real = field(default=0.0, metadata=_number("per time", "b2"))
+    q: Real = field(default=0.0, metadata=_number("per time squared", "q", errors.nonnegative))
+    damping: Real = field(default=0.0, metadata=_number("per time", "damping", errors.nonnegative))
+    velocity: Real = field(
         default=0.0,
         metadata=spec("speed", check=errors.nonnegative, card=False, document=False),
     )
@@ -168,7 +162,7 @@ class Coefficients(Record):
         )
 
     @classmethod
-    def from_beta(cls, *, beta: float | FloatArray, B: float | FloatArray, **others: Any) -> Self:
+    def from_beta(cls, *, beta: Real, B: Real, **others: Any) -> Self:
         """Return the coefficients with mu_alpha = beta^2 and mu_delta = beta^2/B.
 
         Parameters
@@ -198,13 +192,13 @@ class Coefficients(Record):
         return np.broadcast_shapes(*(np.shape(getattr(self, name)) for name in NUMBERS))
 
     @property
-    def beta_squared(self) -> float | FloatArray:
+    def beta_squared(self) -> Real:
         """Coefficient mu_alpha [1/s^2], which is not a square for a stable vehicle."""
         return self.mu_alpha
 
     @property
     @derived("per time", of=_if_unstable("beta"))
-    def beta(self) -> float | FloatArray:
+    def beta(self) -> Real:
         """Vehicle response parameter beta [1/s], eq (B4).
 
         Raises
@@ -221,7 +215,7 @@ class Coefficients(Record):
 
     @property
     @derived("per time", label="pole p", of=_if_unstable("pole"))
-    def pole(self) -> float | FloatArray:
+    def pole(self) -> Real:
         """Unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
 
         It is beta without damping, and smaller with it; the other pole is -(p + damping).
@@ -242,13 +236,13 @@ class Coefficients(Record):
 
     @property
     @derived()
-    def B(self) -> float | FloatArray:
+    def B(self) -> Real:
         """Trim deflection per angle of attack B = N l_a/(T l_c), eq (2)."""
         return self.mu_alpha / self.mu_delta
 
     @property
     @derived(of=_if_unstable("K1"), document=False)
-    def K1(self) -> float | FloatArray:
+    def K1(self) -> Real:
         """Ratio K1 = (p + b2)/(p + b1), p being the `pole`, eq (15b); `InputError` if stable."""
         return (self.pole + self.b2) / (self.pole + self.b1)
 

@@ -160,10 +160,8 @@ class Filter(Record):
         pole_damping : array_like
             zeta_p, positive; the notch is about 2 zeta_p w wide.
         """
-        w, poles = (
-            _bounded_positive("frequency", frequency, "rad/s"),
-            _bounded_positive("pole_damping", pole_damping),
-        )
+        w = _bounded_positive("frequency", frequency, "rad/s")
+        poles = _bounded_positive("pole_damping", pole_damping)
         zeros = _bounded_damping("zero_damping", zero_damping)
         broadcast(frequency=w.shape, zero_damping=zeros.shape, pole_damping=poles.shape)
         return cls(

@@ -14,14 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray, IndexArray
+from tvclin.base.arrays import IndexArray, Real
 from tvclin.base.cards import Row, card, card_rows, lines
 from tvclin.base.errors import InputError, between, broadcast, each, flag, instance, plain, shown
 from tvclin.base.fields import fields_of, spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.vehicle.filters import Filter, filter_cells
-
-Number = float | FloatArray
 
 _MAX_NUMBER = 1e12
 """Largest size of a number, in SI units."""
@@ -89,27 +87,27 @@ class BendingMode(_Batched):
         For a damping below zero, sizes beyond 1e-12 to 1e12, and shapes that do not broadcast.
     """
 
-    frequency: Number = field(metadata=spec("natural frequency", check=_positive_size))
-    damping: Number = field(metadata=spec("number", check=_damping))
-    modal_mass: Number = field(metadata=spec("mass", check=_positive_size, card=False))
-    gimbal_displacement: Number = field(metadata=spec("number", check=_bounded, card=False))
-    gimbal_slope: Number = field(metadata=spec("per length", check=_bounded, card=False))
-    attitude_slope: Number = field(metadata=spec("per length", check=_bounded, card=False))
-    rate_slope: Number = field(metadata=spec("per length", check=_bounded, card=False))
-    pressure_displacement: Number = field(
+    frequency: Real = field(metadata=spec("natural frequency", check=_positive_size))
+    damping: Real = field(metadata=spec("number", check=_damping))
+    modal_mass: Real = field(metadata=spec("mass", check=_positive_size, card=False))
+    gimbal_displacement: Real = field(metadata=spec("number", check=_bounded, card=False))
+    gimbal_slope: Real = field(metadata=spec("per length", check=_bounded, card=False))
+    attitude_slope: Real = field(metadata=spec("per length", check=_bounded, card=False))
+    rate_slope: Real = field(metadata=spec("per length", check=_bounded, card=False))
+    pressure_displacement: Real = field(
         default=0.0, metadata=spec("number", check=_bounded, card=False)
     )
-    drift_displacement: Number = field(
+    drift_displacement: Real = field(
         default=0.0, metadata=spec("number", check=_bounded, card=False)
     )
-    accelerometer_displacement: Number = field(
+    accelerometer_displacement: Real = field(
         default=0.0, metadata=spec("number", check=_bounded, card=False)
     )
-    accelerometer_slope: Number = field(
+    accelerometer_slope: Real = field(
         default=0.0, metadata=spec("per length", check=_bounded, card=False)
     )
-    tank_displacements: tuple[Number, ...] = ()
-    tank_slopes: tuple[Number, ...] = ()
+    tank_displacements: tuple[Real, ...] = ()
+    tank_slopes: tuple[Real, ...] = ()
 
     def __post_init__(self) -> None:
         """Check displacements and slopes at the tanks, then all other numbers."""
@@ -150,13 +148,13 @@ class SloshTank(_Batched):
         As `BendingMode`, and unless either length or frequency is given.
     """
 
-    mass: Number = field(metadata=spec("mass", check=_positive_size))
-    station: Number = field(metadata=spec("length", check=_bounded))
-    damping: Number = field(metadata=spec("number", check=_damping, card=False))
-    pendulum_length: Number | None = field(
+    mass: Real = field(metadata=spec("mass", check=_positive_size))
+    station: Real = field(metadata=spec("length", check=_bounded))
+    damping: Real = field(metadata=spec("number", check=_damping, card=False))
+    pendulum_length: Real | None = field(
         default=None, metadata=spec("length", check=_positive_size, card=False)
     )
-    frequency: Number | None = field(
+    frequency: Real | None = field(
         default=None, metadata=spec("natural frequency", check=_positive_size, card=False)
     )
 
@@ -187,9 +185,9 @@ class Engine(_Batched):
         As `BendingMode`.
     """
 
-    mass: Number = field(metadata=spec("mass", check=_positive_size))
-    arm: Number = field(metadata=spec("length", check=_bounded, card=False))
-    moment_of_inertia: Number = field(
+    mass: Real = field(metadata=spec("mass", check=_positive_size))
+    arm: Real = field(metadata=spec("length", check=_bounded, card=False))
+    moment_of_inertia: Real = field(
         default=0.0, metadata=spec("inertia", check=_inertia, card=False)
     )
 
@@ -200,12 +198,12 @@ class Engine(_Batched):
             raise InputError("an engine needs an arm or a moment_of_inertia other than zero")
 
     @property
-    def static_moment(self) -> Number:
+    def static_moment(self) -> Real:
         """Static moment s_E = m_E l_E [kg m]."""
         return self.mass * self.arm
 
     @property
-    def inertia_about_gimbal(self) -> Number:
+    def inertia_about_gimbal(self) -> Real:
         """Moment of inertia about the gimbal J_E = I_E + m_E l_E^2 [kg m^2]."""
         return self.moment_of_inertia + self.mass * self.arm**2
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base import errors
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import FloatArray, Real
 from tvclin.base.cards import card, card_rows, lines
 from tvclin.base.fields import fields_of, parameters, spec
 from tvclin.vehicle.structure import Structure
@@ -101,35 +101,25 @@ class Vehicle:
     deflection.
     """
 
-    weight: float | FloatArray = field(
-        metadata=spec("force", "gross weight W", check=errors.positive)
-    )
-    moment_of_inertia: float | FloatArray = field(
+    weight: Real = field(metadata=spec("force", "gross weight W", check=errors.positive))
+    moment_of_inertia: Real = field(
         metadata=spec("inertia", "moment of inertia I", check=errors.positive)
     )
-    normal_force_slope: float | FloatArray = field(
+    normal_force_slope: Real = field(
         metadata=spec("force slope", "normal force slope N", check=errors.nonnegative)
     )
-    thrust: float | FloatArray = field(metadata=spec("force", "thrust T", check=errors.positive))
-    aerodynamic_arm: float | FloatArray = field(metadata=spec("length", "aerodynamic arm l_a"))
-    control_arm: float | FloatArray = field(
-        metadata=spec("length", "control arm l_c", check=errors.nonzero)
-    )
-    axial_force: float | FloatArray = field(
-        metadata=spec("force", "axial force F_A", check=errors.nonnegative)
-    )
-    velocity: float | FloatArray = field(
-        metadata=spec("speed", "velocity V_n", check=errors.positive)
-    )
-    attitude: float | FloatArray = field(
-        metadata=spec("angle", "attitude Theta_n", check=_checked_attitude)
-    )
+    thrust: Real = field(metadata=spec("force", "thrust T", check=errors.positive))
+    aerodynamic_arm: Real = field(metadata=spec("length", "aerodynamic arm l_a"))
+    control_arm: Real = field(metadata=spec("length", "control arm l_c", check=errors.nonzero))
+    axial_force: Real = field(metadata=spec("force", "axial force F_A", check=errors.nonnegative))
+    velocity: Real = field(metadata=spec("speed", "velocity V_n", check=errors.positive))
+    attitude: Real = field(metadata=spec("angle", "attitude Theta_n", check=_checked_attitude))
     name: str = ""
-    time: float | FloatArray | None = field(default=None, metadata=spec("time", "time of flight"))
-    control_force_slope: float | FloatArray | None = field(
+    time: Real | None = field(default=None, metadata=spec("time", "time of flight"))
+    control_force_slope: Real | None = field(
         default=None, metadata=spec("force slope", check=errors.positive)
     )
-    pitch_damping: float | FloatArray = field(
+    pitch_damping: Real = field(
         default=0.0,
         metadata=spec(
             "damping moment",
@@ -241,12 +231,12 @@ class Vehicle:
         return self if self.structure is None else replace(self, structure=None)
 
     @property
-    def mass(self) -> float | FloatArray:
+    def mass(self) -> Real:
         """Gross mass m = W/g [kg]."""
         return self.weight / STANDARD_GRAVITY
 
     @property
-    def control_force(self) -> float | FloatArray:
+    def control_force(self) -> Real:
         """Control force per deflection [N/rad]: `control_force_slope`, by default the thrust."""
         return self.thrust if self.control_force_slope is None else self.control_force_slope
 

@@ -31,8 +31,6 @@ from tvclin.linear.response import attitude_responses
 from tvclin.numerics.pieces import moments
 from tvclin.winds.histories import History
 
-ConvolutionWeights = tuple[AnyArray, AnyArray, AnyArray]
-
 _NEGLIGIBLE_SHARE = 1e-12
 """Share of the load, relative to the largest, below which a stable mode is neglected."""
 _NAME = "angle_of_attack"
@@ -170,7 +168,9 @@ class LoadCase:
         return np.stack([np.ones_like(pairs), pairs], axis=-1).ravel()
 
 
-def convolution_weights(rates: ArrayLike, widths: FloatArray) -> ConvolutionWeights:
+def convolution_weights(
+    rates: ArrayLike, widths: FloatArray
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Return the decay e^(-rate width) over cells, and two weights of a line's convolution.
 
     INT_0^width e^(-rate y) line(y) dy is start_weights line(0) + end_weights line(width), with the
@@ -178,11 +178,8 @@ def convolution_weights(rates: ArrayLike, widths: FloatArray) -> ConvolutionWeig
     """
     integrals = moments(np.asarray(rates) * widths, 1)
     end_weights = widths * integrals[..., 1]
-    return (
-        np.exp(-np.asarray(rates) * widths),
-        widths * integrals[..., 0] - end_weights,
-        end_weights,
-    )
+    start_weights = widths * integrals[..., 0] - end_weights
+    return np.exp(-np.asarray(rates) * widths), start_weights, end_weights
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ linear piece. The nodes are refined where the rate or the peak begins or ceases 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -287,8 +287,7 @@ def optimum_with_rate_limit(
     if unlimited.peak == 0.0:
         status = NOT_EXCITED if constraints.demands.size else STABLE
         return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
-    switches = unlimited.switch_times - start
-    program, peak, change = _refined(constraints, switches, rate, unlimited.peak, steps)
+    program, peak, change = _refined(constraints, unlimited, start, rate, steps)
     values = program.minimum_motion(peak * (1.0 + _RELATIVE_CHANGE)) if np.isfinite(peak) else None
     if values is None:
         sufficient = 1.001 * program.minimum_rate()
@@ -323,23 +322,22 @@ def minimum_peak_at_rate(
     `constraints`, `unlimited`: conditions of the case, and its `optimum_deflection`, from `start`
     [s] on. The tolerance of a linear program, 1e-7 of the peak, is added to it.
     """
-    switches = unlimited.switch_times - start
-    _, peak, _ = _refined(constraints, switches, rate, unlimited.peak, _STEPS)
+    _, peak, _ = _refined(constraints, unlimited, start, rate, _STEPS)
     return peak * unlimited.peak * (1.0 + _ACTIVE_DISTANCE)
 
 
 def _refined(
-    constraints: Constraints, switches: FloatArray, rate: float, unit: float, steps: int
+    constraints: Constraints, unlimited: Optimum, start: float, rate: float, steps: int
 ) -> tuple[RateProgram, float, float]:
     """Return the program on nodes that are fine enough, the peak in units, and its last change.
 
-    `constraints`: conditions of the case. `switches`: times [s] at which the deflection without
-    rate limit switches. `rate`: limit [rad/s]. `unit`: [rad] of values. `steps`: intervals to begin
-    with. The peak is infinite where the rate is too small.
+    `constraints`: conditions of the case. `unlimited`: deflection of minimum peak at any rate, from
+    `start` [s] on; its peak is the unit. `rate`: limit [rad/s]. `steps`: intervals to begin with.
+    The peak is infinite where the rate is too small.
     """
-    nodes = _first_nodes(constraints, switches, steps)
+    nodes = _first_nodes(constraints, unlimited.switch_times - start, steps)
     change, lowest = np.inf, np.inf
-    best = program = RateProgram(constraints, nodes, rate, unit)
+    best = program = RateProgram(constraints, nodes, rate, unlimited.peak)
     for _ in range(_REFINEMENTS):
         solution = program.minimum_peak()
         if solution is None:
@@ -350,7 +348,7 @@ def _refined(
             best, lowest = program, peak
         if change < _RELATIVE_CHANGE:
             break
-        program = RateProgram(constraints, _with_corners(program, *solution), rate, unit)
+        program = replace(program, nodes=_with_corners(program, *solution))
     return best, lowest, max(change, 0.0)
 
 
