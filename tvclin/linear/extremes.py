@@ -209,7 +209,8 @@ def refined_maximum(
 def _last_zero(function: Function, times: FloatArray, towards: FloatArray) -> Point | None:
     """Return the last point at which a function falls through zero; None if it does not.
 
-    `times`: [s], ``(n,)``. `towards`: values of the function at these times; zeros are omitted.
+    `function`: from times ``(n,)`` [s] to values. `times`: of samples [s], ``(n,)``. `towards`:
+    values of the function at these times; zeros are omitted.
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 

@@ -284,8 +284,10 @@ def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
 
     Parameters
     ----------
-    plant, deflection, wind
-        As in `attitude_responses`.
+    plant : Plant
+        One plant or a batch.
+    deflection, wind : History
+        Deflection and wind angle of attack [rad]; all batches broadcast.
 
     Notes
     -----
@@ -305,8 +307,10 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
 
     Parameters
     ----------
-    plant, deflection, wind
-        As in `attitude_responses`.
+    plant : Plant
+        One plant or a batch.
+    deflection, wind : History
+        Deflection and wind angle of attack [rad]; all batches broadcast.
     """
     modes = unstable_modes(plant)
     values, tolerance, _ = _at_poles(modes, deflection, wind)
@@ -328,8 +332,10 @@ def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
 
     Parameters
     ----------
-    plant, deflection, wind
-        As in `attitude_responses`.
+    plant : Plant
+        One plant or a batch.
+    deflection, wind : History
+        Deflection and wind angle of attack [rad]; all batches broadcast.
     """
     return judge(plant, deflection, wind).stable
 

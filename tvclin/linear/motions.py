@@ -161,7 +161,7 @@ def _engine_forces(
 
 
 def _tank_value(values: tuple[Any, ...], k: int) -> Any:
-    """Return the value of a mode at tank number k; zero where the mode has none."""
+    """Return element k of the values of a mode by tank; zero for a mode without values."""
     return values[k] if values else 0.0
 
 

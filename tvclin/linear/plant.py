@@ -305,7 +305,8 @@ class Plant(WithCoefficients):
     def low_order_terms(self) -> list[FloatArray]:
         """Return the last coefficients of D, N_deflection and N_wind of the attitude, ``(..., k)``.
 
-        They are divided by s where it divides all of them (in yaw).
+        D is the denominator, N the numerators, highest power of s first. They are divided by s
+        where it divides all of them (in yaw).
         """
         terms = [self.denominator, *(self.numerator("attitude", i) for i in INPUTS)]
         common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)

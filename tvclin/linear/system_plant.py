@@ -278,14 +278,16 @@ class SystemPlant(Plant):
     def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
         """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
 
-        The signal is the output drift_rate [m/s] or lateral_acceleration [m/s^2], at the station
-        of its own sensor; without an output drift_rate it is the speed of the coefficients times
-        the flight_path_angle.
+        The signal is the output drift_rate [m/s] or lateral_acceleration [m/s^2], at the station of
+        its own sensor; without an output drift_rate it is the speed of the coefficients times the
+        flight_path_angle.
 
         Parameters
         ----------
-        signal, station
-            Same as in `Plant.lateral_rows`.
+        signal : {"drift_rate", "acceleration"}
+            The signal, as in `Plant.lateral_rows`.
+        station : float
+            Position of the accelerometer [m], without effect here.
 
         Raises
         ------
@@ -382,8 +384,8 @@ class SystemPlant(Plant):
     def attitude_fractions(self, poles: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Return N_deflection(p), N_wind(p) and D'(p) of the attitude at poles, each ``(..., N)``.
 
-        They are up to a factor: the residues and ones. Same parameters as
-        `Plant.attitude_fractions`.
+        N are the numerators and D the denominator, up to a factor: the residues and ones. `poles`:
+        poles of the plant [1/s], ``(..., N)``; NaN stays NaN.
         """
         residues = self._attitude_residues
         if _ACCELERATION in self.inputs:
@@ -399,9 +401,10 @@ class SystemPlant(Plant):
         return at_poles[..., 0], at_poles[..., 1], np.ones_like(poles)
 
     def low_order_terms(self) -> list[FloatArray]:
-        """Return the last two coefficients of D, N_deflection and N_wind of the attitude.
+        """Return the last coefficients of D, N_deflection and N_wind of the attitude, ``(..., 2)``.
 
-        They are up to a factor: D is one, or s with a pole at zero, or zero with several.
+        D is the denominator, N the numerators, up to a factor: D is one, or s with a pole at zero,
+        or zero with several.
         """
         residues = self._attitude_residues[..., :2]
         poles = self.poles[..., np.newaxis]

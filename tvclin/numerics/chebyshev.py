@@ -241,7 +241,10 @@ def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
 
 
 def _worth(run: slice, degree: int) -> bool:
-    """Return whether the times of a run suffice for interpolants of a degree and its double."""
+    """Return whether the times of an interval suffice for interpolants of a degree and its double.
+
+    `run`: slice of these times among all times.
+    """
     return run.stop - run.start >= _MIN_TIMES_PER_POINT * (2 * degree + 1)
 
 
