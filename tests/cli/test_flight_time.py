@@ -203,6 +203,13 @@ def test_a_single_time_has_structure_and_actuator_of_the_schedule_to_the_last_di
     assert mode.frequency == pytest.approx(14.4, rel=1e-14)
     for plan in (tv.load_study(time), tv.load_study("flight.csv", 52.0)):
         assert plan.nozzle.actuator.natural_frequency == pytest.approx(15.6, rel=1e-14)
+    other = ("--set", "nozzle.actuator_frequency_rad_per_s=30", "--json")
+    along, at_time = (json.loads(run("margins", x, *other).stdout) for x in (flight, time))
+    common = along["margins"].keys() & at_time["margins"].keys()
+    assert common
+    for name in common:
+        assert at_time["margins"][name] == along["margins"][name][0], name
+    assert at_time["margins"] != single["margins"]
     assert "bending 1" in run("poles", time).output
     missed = run("margins", flight, "--set", "criteria.phase_margin_deg=49")
     assert "(NOT MET at 1 of 2 flight times)" in " ".join(missed.output.split())

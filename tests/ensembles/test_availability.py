@@ -421,6 +421,19 @@ def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archi
         assert known == (result.fraction().unknown == 0)
 
 
+@pytest.mark.parametrize("azimuth", [5e-324, 1e-308, 1e-160])
+def test_a_cross_wind_whose_square_is_below_all_numbers_is_calm(flight, azimuth) -> None:
+    height = np.arange(0.0, 49e3, 1e3)
+    north = 40.0 * np.exp(-(((height - 12e3) / 5e3) ** 2))
+    south = one(tv.WindProfile(height=height, east=0.0 * height, north=north))
+    gust = tv.OneMinusCosineGust(peak=0.02, duration=2.0)
+    calm, faint = (
+        tv.availability(flight, south, limit=1.0, azimuth=x, plane="both", gust=gust).required[0]
+        for x in (0.0, azimuth)
+    )
+    assert faint == calm > 0.0
+
+
 def test_a_gap_in_which_not_every_wind_is_counted_is_noted(flight, archive) -> None:
     wind = archive[11]
     keep = (wind.height <= 9.1e3) | (wind.height >= 11.4e3)

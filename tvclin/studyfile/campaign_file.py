@@ -251,8 +251,10 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
     if lists:
         schedule = schedule_of(table, "[schedule]", folder)
-        schedule = replace(schedule, structure=None) if is_rigid(document) else schedule
-        return {"schedule": schedule, "source": "the lists in [schedule]"}
+        return {
+            "schedule": _as_specified(schedule, document),
+            "source": "the lists in [schedule]",
+        }
     SOURCE_TABLE.read(table)
     study, campaign = document.get("study", {}), document.get("campaign", {})
     vehicle = study.get("vehicle", campaign.get("vehicle"))
@@ -265,9 +267,7 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     schedule = load_schedule(vehicle_source(source, folder))
     if "structure" in table:
         schedule = with_structure(schedule, table["structure"], folder)
-    if is_rigid(document):
-        schedule = replace(schedule, structure=None)
-    flight = {"schedule": schedule, "source": source}
+    flight = {"schedule": _as_specified(schedule, document), "source": source}
     named = isinstance(vehicle, str)
     same = named and Path(vehicle_source(source, folder)) == Path(vehicle_source(vehicle, folder))
     if same or not _is_vehicle(vehicle_source(source, folder)):
@@ -281,8 +281,8 @@ def with_flight_data(
 ) -> dict[str, Any]:
     """Return vehicle and nozzle by field, with structure and actuator of the flight at its time.
 
-    A structure of the vehicle file counts unless [schedule] names one, and an actuator in [nozzle]
-    counts. A flight of another vehicle changes neither.
+    A structure of the vehicle file counts unless [schedule] names one. A flight of another vehicle
+    changes neither.
     """
     same = {"vehicle": vehicle, "nozzle": nozzle}
     table, time = document.get("schedule"), getattr(vehicle, "time", None)
@@ -307,10 +307,22 @@ def with_flight_data(
 
 
 def with_flight_actuator(nozzle: Nozzle, flight: FlightSchedule, time: ArrayLike) -> Nozzle:
-    """Return the nozzle with the actuator of a flight at a time [s], if no other is given."""
-    if nozzle.actuator is not USUAL_ACTUATOR:
-        return nozzle
-    return replace(nozzle, actuator=flight_actuator(flight, time) or USUAL_ACTUATOR)
+    """Return the nozzle with the actuator of a flight at a time [s], if the flight has one."""
+    actuator = flight_actuator(flight, time)
+    return nozzle if actuator is None else replace(nozzle, actuator=actuator)
+
+
+def _as_specified(schedule: FlightSchedule, document: Mapping[str, Any]) -> FlightSchedule:
+    """Return a flight without what a document replaces: its structure, its actuator.
+
+    The structure is left out of a rigid vehicle. An actuator in [nozzle] counts more than that of
+    the flight, at a single time as over the flight.
+    """
+    if is_rigid(document):
+        schedule = replace(schedule, structure=None)
+    if nozzle_of(document).actuator is not USUAL_ACTUATOR:
+        schedule = replace(schedule, actuator_frequency=None, actuator_damping=None)
+    return schedule
 
 
 def _is_of_flight(document: Mapping[str, Any], folder: Path) -> bool:

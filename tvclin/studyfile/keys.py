@@ -159,7 +159,8 @@ _HELP = {
     "bending.tank_slopes_per_in": "Slopes at the tanks, in the order of [[slosh]].",
     "flight schedule.nominal_deflection": "Deflection of the nominal flight.",
     "flight schedule.altitude": "Altitude.",
-    "flight schedule.actuator_frequency": "Natural frequency of the actuator.",
+    "flight schedule.actuator_frequency": "Natural frequency of the actuator; one in [nozzle]"
+    " counts more.",
     "flight schedule.actuator_damping": "Damping ratio of the actuator.",
     "gains.time": "Time of flight, rising.",
     "gains.speed": "Speed, rising, in place of the time.",

@@ -39,8 +39,6 @@ _MAX_BOUND_SPREAD = 0.02
 """Largest relative difference of the bounds of a requirement that is used for its growth."""
 _MIN_YEARS = 3
 """Number of years below which a note says that other years may be windier."""
-_SMALLEST_AZIMUTH = np.sqrt(np.finfo(float).tiny)
-"""Azimuth [rad] below which a flight is due north: squares of cross winds underflow."""
 
 
 def availability(
@@ -142,7 +140,6 @@ def availability(
         gust_speed = errors.number("gust_speed", gust_speed, errors.between(-1e3, 1e3), "m/s")
     azimuths = scalar_or_row("azimuth", azimuth)
     errors.directions("azimuth", azimuths)
-    azimuths = np.where(np.abs(azimuths) < _SMALLEST_AZIMUTH, 0.0, azimuths)
     growth = growth_of(persistence)
     capability = errors.number(
         "limit", limit, errors.small_angle("a deflection", errors.nonnegative), "rad"

@@ -161,6 +161,8 @@ _SOUNDING_OFFSET = 1e6
 """Offset [m] between the heights of successive soundings, where all are in one array."""
 _STRENGTH_QUANTILE = 0.95
 """Quantile of known wind speeds at a height that a strong unknown wind has."""
+_MIN_WIND_M_PER_S = np.sqrt(np.finfo(float).tiny)
+"""Speed [m/s] whose square is below all numbers: a slower wind in a plane counts as calm."""
 _GUST_SEGMENTS = 64
 """Number of straight segments that approximate a gust."""
 
@@ -359,6 +361,7 @@ class SoundingWinds:
         wind = self.east * sine + self.north * cosine
         if plane == "yaw":
             wind = self.north * sine - self.east * cosine
+        wind = np.where(np.abs(wind) < _MIN_WIND_M_PER_S, 0.0, wind)
         if self.gaps.size:
             below, above = wind[self.gaps - 1], wind[self.gaps + 2]
             stronger = np.where(np.abs(below) > np.abs(above), below, above)
