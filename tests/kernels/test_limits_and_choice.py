@@ -218,6 +218,20 @@ def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatc
     assert choice.fastest(small_roots, 0.13) == "compiled"
 
 
+def test_a_command_loads_machine_code_for_short_calls_that_together_are_worth_it(monkeypatch):
+    monkeypatch.setattr(choice, "_is_cached", lambda function: True)
+    monkeypatch.setattr(choice, "available", lambda: True)
+    monkeypatch.setattr(choice, "machine_code", lambda function: "compiled")
+    with choice.in_a_command():
+        calls = [choice.fastest(small_roots, 0.009) for _ in range(4)]
+        assert calls == [small_roots] * 4  # too little work for the import
+        choice.announce(1.0)
+        assert choice.fastest(small_roots, 0.009) == "compiled"
+        assert [choice.fastest(switches, 0.009) for _ in range(3)] == [switches] * 2 + ["compiled"]
+    choice.announce(1.0)  # of no command
+    assert choice.fastest(switches, 0.009) is switches
+
+
 def test_commands_compile_a_kernel_once_their_calls_come_to_two_seconds(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(choice, "_cached", set())

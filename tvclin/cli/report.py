@@ -37,6 +37,8 @@ def report(
     Exit code 0: the answer to every question of the file is yes, or no limit was given; 1: the
     answer to one is not yes; 2: bad input.
     """
+    from tvclin.kernels.choice import announce
+    from tvclin.plots.boundaries import CURVES_SECONDS
     from tvclin.show.report.page import page_of
 
     if source is None:
@@ -51,6 +53,7 @@ def report(
         Path(target).write_text(page, encoding="utf-8", newline="")
         findings.append(result)
 
+    announce(CURVES_SECONDS)
     with bar("parts of the page") as progress:
         write_whole(output, write)
     say(f"Wrote {called(output)}. {text(sentence(findings[0]))}")

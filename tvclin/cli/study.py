@@ -98,6 +98,11 @@ def study(
     """
     changes = limits.over, partial(_with_limit_shape, limit_shape), question.over, gains.over
     plan = case_of(source, *changes, wind=winds.over, questions=("study",), time=time)
+    if plot is not None:
+        from tvclin.kernels.choice import announce
+        from tvclin.plots.boundaries import CURVES_SECONDS
+
+        announce(CURVES_SECONDS)
     with bar("answers") as progress:
         findings = find(questioned(plan), progress, omitted=("flown",))  # of the page
     if plot is not None:

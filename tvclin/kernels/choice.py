@@ -70,8 +70,8 @@ def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> N
 
 
 _MIN_LOADING_SECONDS, _MIN_COMPILING_SECONDS = 0.02, 2.0
-"""Time of a call in plain Python [s] above which cached machine code is loaded, and above which
-it is compiled; the latter also of all such calls in commands."""
+"""Time of a call in plain Python [s] above which cached machine code is loaded, of all calls of a
+command together; and above which it is compiled, also of all such calls in commands."""
 _MIN_IMPORTING_SECONDS = 0.4
 """Time of a command in plain Python [s] from which numba is imported, which takes as long."""
 _LONG = 5.0
@@ -89,9 +89,13 @@ _similar_calls: ContextVar[int] = ContextVar("_alike", default=1)
 
 @dataclass
 class _PlainWork:
-    """Work [s] given to plain Python, and whether that was warned of; kernels with machine code."""
+    """Work [s] given to plain Python, and whether that was warned of; kernels with machine code.
+
+    `by_kernel`: work [s] given to plain Python in a command, by kernel.
+    """
 
     seconds: float = 0.0
+    by_kernel: dict[Callable[..., Any], float] = field(default_factory=dict)
     announced: bool = False
     loaded: set[Callable[..., Any]] = field(default_factory=set)
 
@@ -115,6 +119,7 @@ def fastest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     selected, command = fastest_uncounted(function, seconds), _command.get()
     if command is not None and selected is function:
         command.seconds += seconds
+        command.by_kernel[function] = command.by_kernel.get(function, 0.0) + seconds
     return selected
 
 
@@ -128,6 +133,7 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
     compiled = _pinned.get()
     if compiled is None:
         total, command = seconds * _similar_calls.get(), _command.get()
+        earlier = 0.0 if command is None else command.by_kernel.get(function, 0.0)
         compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
         loads = (
             command is None
@@ -136,10 +142,15 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
         )
         compiled = compile_now or (
             loads
-            and total > _MIN_LOADING_SECONDS
+            and earlier + total > _MIN_LOADING_SECONDS
             and (
                 _is_cached(function)
-                or (command is not None and _may_wait.get() and _repays(function, seconds))
+                or (
+                    total > _MIN_LOADING_SECONDS
+                    and command is not None
+                    and _may_wait.get()
+                    and _repays(function, seconds)
+                )
             )
         )
         if command is not None:
@@ -283,6 +294,16 @@ def in_a_command() -> AbstractContextManager[None]:
     Compile a kernel once its calls in all commands are, each too short by itself.
     """
     return _within(_command, _PlainWork())
+
+
+def announce(seconds: float) -> None:
+    """Count work [s] that a command is going to do, so that it imports numba before it, not within.
+
+    `seconds`: its approximate time in plain Python at least. Outside commands nothing is counted.
+    """
+    command = _command.get()
+    if command is not None:
+        command.seconds += seconds
 
 
 def compiling_nothing() -> AbstractContextManager[None]:

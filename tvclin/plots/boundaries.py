@@ -64,6 +64,8 @@ _DURATIONS = errors.between(1e-6, 1e6)
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
 _POINTS, _FLOWN_POINTS = 200, 40
 """Durations of the wind; with a gust, where the trim law is flown for each."""
+CURVES_SECONDS = 1.0
+"""Time of the curves of `study_chart` in plain Python [s], at least."""
 
 
 def boundary_chart(
