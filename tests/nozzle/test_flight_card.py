@@ -14,8 +14,7 @@ from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.control.laws.law import NoisyLaw
 from tvclin.flights.closed_loop.fly import fly_nozzle
-from tvclin.nozzle.data_sheet import flight_reason
-from tvclin.nozzle.duty import NozzleVerdict
+from tvclin.nozzle.data_sheet import NozzleVerdict, flight_reason
 from tvclin.nozzle.duty_over_flight import FlownDuty
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.questions import questions

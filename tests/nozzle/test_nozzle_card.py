@@ -11,9 +11,8 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.case.flexible_autopilot import specified_law
 from tvclin.flights.closed_loop.fly import fly_nozzle
-from tvclin.nozzle.duty import duty_of_motion
+from tvclin.nozzle.duty import Motion, duty_of_motion
 from tvclin.nozzle.duty_over_flight import FlownDuty
-from tvclin.nozzle.motion import Motion
 from tvclin.studyfile.study_plan import StudyPlan
 
 PER_DEGREE = 180.0 / np.pi

@@ -1,12 +1,15 @@
-"""Duty of a nozzle over a flight: by flight time and wind, its tables, and unknown winds."""
+"""Data sheet of a nozzle and its verdict, and the duty over a flight: by time and wind, and tables.
+
+The data sheet says what a nozzle offers; a verdict compares it with the duty of motions.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -14,17 +17,183 @@ from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.fields import Field, derived, document, fields_of, spec, specs
+from tvclin.base.fields import (
+    Field,
+    chosen,
+    derived,
+    document,
+    fields_of,
+    record_table,
+    spec,
+    specs,
+)
 from tvclin.base.files import write_rows
 from tvclin.base.lines import Line, Table
+from tvclin.base.quantities import satisfaction, survival
+from tvclin.base.units import written
+from tvclin.case.nozzle import Nozzle
 from tvclin.flights.closed_loop.fly_many import NO_FLIGHT, SURVIVED, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import select_unstable
-from tvclin.nozzle.duty import NozzleDuty, NozzleVerdict
-from tvclin.nozzle.motion import Work
+from tvclin.nozzle.duty import NozzleDuty, Work
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.sizing import flight_times, hundredths
+
+_RELATIVE_TOLERANCE = 1e-12
+"""Excess of a requirement, relative to what is available, that counts as rounding."""
+
+
+def requirements_on_nozzle(
+    nozzle: Nozzle, duties: Sequence[NozzleDuty], travel: float
+) -> dict[str, float]:
+    """Return the requirements of motions on a nozzle [SI], by the names of its limits.
+
+    `duties`: one for each motion. `travel`: travel of the whole flight [rad]. Flights keep to the
+    rate limit of `nozzle`, which an actuator of second order may exceed by a thousandth.
+    """
+    rate = max((abs(duty.rate.value) for duty in duties), default=0.0)
+    required = {
+        "limit": max((abs(duty.angle.value) for duty in duties), default=0.0),
+        "rate_limit": min(rate, nozzle.rate_limit or np.inf),
+        "acceleration_limit": max((abs(duty.acceleration.value) for duty in duties), default=0.0),
+        "travel_limit": travel,
+    }
+    work = [duty.work for duty in duties if duty.work is not None]
+    if nozzle.data is not None:
+        holding = (w.holding + nozzle.data.friction for w in work)
+        required["torque_limit"] = max([0.0, *holding, *(abs(w.torque.value) for w in work)])
+        required["power_limit"] = max((w.power.value for w in work), default=0.0)
+    return required
+
+
+@dataclass(frozen=True)
+class DataSheetLine(Shown):
+    """A line of a data sheet: the required value and the available value, in `unit`.
+
+    `required`: value that the flights use within the limits, at least the lower bound; infinite
+    where no value is sufficient, NaN where it is not known. `available`: the value that the nozzle
+    offers; None where the data sheet has none.
+    """
+
+    name: str = field(metadata=spec())
+    unit: str = field(metadata=spec())
+    required: float = field(metadata=spec(label="used"))
+    available: float | None = field(metadata=spec())
+
+    @property
+    @derived(infinite="-")
+    def remaining(self) -> float | None:
+        """Remaining margin, available minus required; negative where the nozzle is insufficient."""
+        if self.available is None:
+            return None
+        margin = self.available - self.required
+        return max(margin, 0.0) if self.satisfied else margin  # negative by rounding only
+
+    @property
+    @derived()
+    def satisfied(self) -> bool | None:
+        """Whether the available value is sufficient; None where either value is not known."""
+        if self.available is None or np.isnan(self.required):
+            return None
+        return bool(self.required <= self.available * (1.0 + _RELATIVE_TOLERANCE))
+
+    @property
+    def ratio(self) -> float:
+        """Ratio of the required to the available value; -1 without an available value."""
+        return (
+            -1.0 if self.available is None else float(np.nan_to_num(self.required / self.available))
+        )
+
+
+@dataclass(frozen=True)
+class NozzleVerdict(Shown):
+    """Verdict on a nozzle by the lines of its data sheet, the largest required fraction first.
+
+    `diverged`: flights that are not survived, in words. `unknown`: flights and winds that cannot be
+    judged, with the reason and a remedy, in words.
+    """
+
+    lines: tuple[DataSheetLine, ...] = field(metadata=spec(card=False))
+    diverged: tuple[str, ...] = field(default=(), metadata=spec())
+    unknown: tuple[str, ...] = field(default=(), metadata=spec())
+
+    @classmethod
+    def of(
+        cls,
+        nozzle: Nozzle,
+        required: dict[str, float],
+        diverged: Iterable[str] = (),
+        unknown: Iterable[str] = (),
+    ) -> Self:
+        """Return the verdict on a nozzle with requirements [SI] by the names of its limits.
+
+        `diverged`, `unknown`: flights that are lost, and what cannot be judged, in words. Where a
+        flight diverges with the available values, the required values are not known.
+        """
+        lines, diverged = [], tuple(diverged)
+        for item in chosen(nozzle, *required):
+            minimum, available = item.in_document_unit(required[item.name]), item.value(nozzle)
+            if diverged and minimum <= (available or 0.0):
+                minimum = np.nan
+            lines.append(DataSheetLine(item.title, written(item.suffix), minimum, available))
+        return cls(tuple(sorted(lines, key=lambda line: -line.ratio)), diverged, tuple(unknown))
+
+    @classmethod
+    def unknown_of(cls, nozzle: Nozzle, unknown: Iterable[str]) -> Self:
+        """Return the verdict on a nozzle with unknown requirements, for reasons in words."""
+        return cls.of(
+            nozzle, dict.fromkeys(requirements_on_nozzle(nozzle, (), np.nan), np.nan), (), unknown
+        )
+
+    @property
+    @derived(card=False)
+    def satisfied(self) -> bool | None:
+        """Whether all flights are survived and all lines satisfied; None where not known."""
+        answers = [line.satisfied for line in self.lines if line.available is not None]
+        if self.diverged or False in answers:
+            return False
+        return None if not answers or None in answers or self.unknown else True
+
+    @property
+    def reason(self) -> str:
+        """The reason of the verdict, in words: a flight, a wind, or the worst line."""
+        if self.diverged:
+            others = len(self.diverged) - 1
+            return f"{self.diverged[0]}{f', and {others} more' if others else ''}"
+        if self.unknown and self.satisfied is None:
+            return "; ".join(self.unknown)
+        worst = next((line for line in self.lines if line.available is not None), None)
+        if worst is None or self.satisfied is None:
+            return ""
+        if np.isinf(worst.required):
+            return f"no {worst.name} is sufficient"
+        required, available = (
+            f"{x:.4g} {worst.unit}" for x in (worst.required, worst.available or 0.0)
+        )
+        return f"{worst.name} used {required}, available {available}"
+
+    @property
+    @derived(label="verdict")
+    def words(self) -> str:
+        """The verdict in a sentence, with its reason."""
+        specified = any(line.available is not None for line in self.lines)
+        if not (specified or self.diverged or self.unknown):
+            return "nothing is judged; give a limit and a rate limit"
+        word = survival(False) if self.diverged else satisfaction(self.satisfied)
+        return f"{word}: {self.reason}" if self.reason else word
+
+    def _repr_html_(self) -> str:
+        """Return the lines of the data sheet and the verdict for a notebook."""
+        return "".join(table(lines, ((self.words,),)) for lines in self.tables())
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the table of used, available and remaining values."""
+        caption = "Requirements on the nozzle" + ", where that is known" * bool(self.unknown)
+        labels = ("", (f"{line.name} [{line.unit}]" for line in self.lines))
+        names = ("required", "available", "remaining")
+        return (record_table(caption, "sheet", self.lines, *names, labels=labels),)
+
 
 _MINIMA = ("minimum_angle", "minimum_rate", "minimum_acceleration")
 """Fields of the minima in a known wind."""

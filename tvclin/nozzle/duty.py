@@ -1,11 +1,10 @@
-"""Duty of a nozzle in a motion, and its comparison with the data sheet.
+"""Duty of a nozzle in a motion: angle, rate, travel, and torque, power and energy.
 
-Duty is angle, rate, travel, torque, power and energy; the data sheet says what a nozzle offers.
+A motion consists of steps, from samples or from a flight with its actuator.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -14,16 +13,211 @@ from numpy.typing import ArrayLike
 
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Shown, table
-from tvclin.base.fields import Field, chosen, derived, record_table, rows, spec, specs
+from tvclin.base.cards import Shown
+from tvclin.base.fields import Field, rows, spec, specs
 from tvclin.base.lines import Table, quantities
 from tvclin.base.lines import number as figure
-from tvclin.base.quantities import satisfaction, survival
-from tvclin.base.units import written
-from tvclin.case.nozzle import Nozzle, NozzleData
+from tvclin.case.nozzle import NozzleData
+from tvclin.flights.closed_loop.fly import NozzleFlight
 from tvclin.linear.extremes import Point
-from tvclin.nozzle.motion import AT_REST, Motion, Work, largest, rms, work_of
 from tvclin.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion of a nozzle and of its vehicle.
+
+    `times` [s], `deflection` [rad]: ``(n + 1,)``, with straight lines between. `at` [s]: a time in
+    each step, ``(n,)``, and at these times: `angle`, `rate`, `acceleration`: the deflection and its
+    derivatives [rad, rad/s, rad/s2]; `angle_of_attack` [rad]; `angular_acceleration`: of the
+    vehicle [rad/s2]. `weights` [s]: of an integral over time, ``(n,)``.
+    `peak_acceleration`: the largest acceleration [rad/s2].
+    """
+
+    times: FloatArray
+    deflection: FloatArray
+    at: FloatArray
+    angle: FloatArray
+    rate: FloatArray
+    acceleration: FloatArray
+    peak_acceleration: Point
+    angle_of_attack: FloatArray
+    angular_acceleration: FloatArray
+    weights: FloatArray
+
+    @classmethod
+    def of_samples(
+        cls, t: FloatArray, delta: FloatArray, alpha: FloatArray, attitude: FloatArray
+    ) -> Self:
+        """Return a motion from n samples, with differences as derivatives, between samples.
+
+        `t`: times [s], ``(n,)``. `delta`, `alpha`, `attitude`: deflection, angle of attack and
+        attitude [rad], ``(n,)``.
+        """
+        acceleration = _second_derivative(t, delta)
+        return cls(
+            times=t,
+            deflection=delta,
+            at=_middle(t),
+            angle=_middle(delta),
+            rate=np.diff(delta) / np.diff(t),
+            acceleration=_middle(np.pad(acceleration, 1, mode="edge")),
+            peak_acceleration=largest(acceleration, t[1:-1]),
+            angle_of_attack=_middle(alpha),
+            angular_acceleration=_middle(np.pad(_second_derivative(t, attitude), 1, mode="edge")),
+            weights=np.diff(t),
+        )
+
+    @classmethod
+    def of_flight(cls, flight: NozzleFlight) -> Self:
+        """Return the motion of a flight with its actuator, right after the start of each step.
+
+        Integrals take every second time, in the middle between two changes of the command. Without
+        an actuator the motion is taken from sample to sample.
+        """
+        t, delta, alpha = flight.times, flight.deflection, flight.angle_of_attack
+        if flight.rate is None or flight.acceleration is None:
+            rows = (t, delta, alpha, flight.attitude)
+            return cls.of_samples(*(row[:: flight.times_per_sample] for row in rows))
+        weights = np.zeros(t.size - 1)
+        weights[1::2] = t[2::2] - t[:-2:2]
+        return cls(
+            times=t,
+            deflection=delta,
+            at=t[:-1],
+            angle=delta[:-1],
+            rate=flight.rate[:-1],
+            acceleration=flight.acceleration[:-1],
+            peak_acceleration=largest(flight.acceleration, t),
+            angle_of_attack=alpha[:-1],
+            angular_acceleration=np.pad(
+                _second_derivative(t, flight.attitude), (1, 0), mode="edge"
+            ),
+            weights=weights,
+        )
+
+    @property
+    def steps(self) -> FloatArray:
+        """Lengths of the steps [s], ``(n,)``."""
+        return np.diff(self.times)
+
+    def between(self, start: float, stop: float) -> Self | None:
+        """Return the motion from `start` to `stop` [s]; None where it has fewer than two steps."""
+        inside = np.flatnonzero((self.times[:-1] >= start) & (self.times[1:] <= stop))
+        if inside.size < 2:
+            return None
+        steps = slice(inside[0], inside[-1] + 1)
+        rows = {k: getattr(self, k)[steps] for k in ("at", "angle", "rate", "acceleration")}
+        ends = slice(steps.start, steps.stop + 1)
+        return type(self)(
+            times=self.times[ends],
+            deflection=self.deflection[ends],
+            **rows,
+            peak_acceleration=largest(rows["acceleration"], rows["at"]),
+            angle_of_attack=self.angle_of_attack[steps],
+            angular_acceleration=self.angular_acceleration[steps],
+            weights=self.weights[steps],
+        )
+
+
+def largest(values: FloatArray, times: FloatArray) -> Point:
+    """Return the largest of `values` in size, with its sign, and its time [s]."""
+    k = int(np.argmax(np.abs(values)))
+    return Point(float(values[k]), float(times[k]))
+
+
+def rms(values: FloatArray, weights: FloatArray) -> float:
+    """Return the root mean square of `values`, with the weights [s] of an integral over time."""
+    return float(np.sqrt(np.average(values**2, weights=weights)))
+
+
+def _second_derivative(t: FloatArray, values: FloatArray) -> FloatArray:
+    """Return second derivatives of n `values` at inner times `t` [s], ``(n - 2,)``."""
+    return np.diff(np.diff(values) / np.diff(t)) / ((t[2:] - t[:-2]) / 2.0)
+
+
+def _middle(values: FloatArray) -> FloatArray:
+    """Return the means of neighbours among n values, ``(n - 1,)``."""
+    return (values[1:] + values[:-1]) / 2.0
+
+
+AT_REST = 1e-6
+"""Fraction of the largest rate below which a rate counts as zero."""
+
+
+@dataclass(frozen=True)
+class Work(Shown):
+    """Torque, power and energy of the actuators.
+
+    `torque`: largest torque [N m] while the nozzle turns, with friction. `holding`: largest torque
+    [N m] at rest, to which friction adds or takes up to M_f. `rms_torque`: root of the mean square
+    [N m] at all times, with friction in motion. `power`: largest power [W] of the actuators.
+    `energy`: work of the actuators [J], from which `returned` [J], the work of the nozzle on them,
+    is not subtracted.
+    `corner_power`: largest torque times largest rate [W], never below the largest power.
+    `stiffness`: k + s_E a_x [N m/rad]; with a negative one the nozzle turns away by itself.
+    """
+
+    torque: Point = field(
+        metadata=specs(
+            Field(kind="moment", of="torque.value"),
+            Field(kind="time", name="torque_time", of="torque.time"),
+        )
+    )
+    holding: float = field(metadata=spec("moment", name="holding_torque"))
+    rms_torque: float = field(metadata=spec("moment"))
+    power: Point = field(
+        metadata=specs(
+            Field(kind="power", of="power.value"),
+            Field(kind="time", name="power_time", of="power.time"),
+        )
+    )
+    energy: float = field(metadata=spec("energy"))
+    returned: float = field(metadata=spec("energy", name="returned_energy"))
+    corner_power: float = field(metadata=spec("power"))
+    stiffness: float
+
+
+def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:
+    """Return torque, power and energy of a motion, and notes on omitted terms.
+
+    `nozzle`: engine and hinge, see `nozzle_duty` for the equation. `vehicle`: None on a bench.
+    """
+    engine, weights, rate = nozzle.engine, motion.weights, motion.rate
+    inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)
+    stiffness, constant, inertial = nozzle.stiffness, 0.0, np.zeros(rate.size)
+    notes = []
+    if vehicle is None:
+        notes.append("without a vehicle the torque is that on a bench: no thrust, no acceleration")
+    else:
+        mass, thrust = float(vehicle.mass), float(vehicle.thrust)
+        a_x = (thrust - float(vehicle.axial_force)) / mass
+        force = float(vehicle.normal_force_slope) * motion.angle_of_attack
+        force = force + float(vehicle.control_force) * motion.angle
+        a_n = force / mass - float(vehicle.control_arm) * motion.angular_acceleration
+        inertial = inertia * motion.angular_acceleration - moment * a_n
+        stiffness += moment * a_x
+        constant = float(engine.mass) * a_x * nozzle.offset + thrust * nozzle.thrust_offset
+        if stiffness < 0.0:
+            notes.append("k + s_E a_x is negative: the nozzle turns away by itself")
+    frictionless = inertia * motion.acceleration + stiffness * motion.angle + constant + inertial
+    moving = np.abs(rate) > AT_REST * np.abs(rate).max()
+    friction = np.where(moving, nozzle.friction * np.sign(rate), 0.0)
+    torque = frictionless + nozzle.damping * rate + friction
+    power = torque * rate
+    peak, peak_power = largest(np.where(moving, torque, 0.0), motion.at), int(np.argmax(power))
+    work = Work(
+        torque=peak,
+        holding=float(np.where(moving, 0.0, np.abs(torque)).max()),
+        rms_torque=rms(torque, weights),
+        power=Point(max(float(power[peak_power]), 0.0), float(motion.at[peak_power])),
+        energy=float((np.maximum(power, 0.0) * weights).sum()),
+        returned=float((np.maximum(-power, 0.0) * weights).sum()),
+        corner_power=abs(peak.value) * float(np.abs(rate).max()),
+        stiffness=stiffness,
+    )
+    return work, notes
+
 
 _STOP_TOLERANCE = 1e-3
 """Distance from the limit, relative to it, within which a deflection is at the limit."""
@@ -242,158 +436,3 @@ def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
             f"{name} must be a row of {t.size} numbers, as times; got {row.shape}"
         )
     return row
-
-
-_RELATIVE_TOLERANCE = 1e-12
-"""Excess of a requirement, relative to what is available, that counts as rounding."""
-
-
-def requirements_on_nozzle(
-    nozzle: Nozzle, duties: Sequence[NozzleDuty], travel: float
-) -> dict[str, float]:
-    """Return the requirements of motions on a nozzle [SI], by the names of its limits.
-
-    `duties`: one for each motion. `travel`: travel of the whole flight [rad]. Flights keep to the
-    rate limit of `nozzle`, which an actuator of second order may exceed by a thousandth.
-    """
-    rate = max((abs(duty.rate.value) for duty in duties), default=0.0)
-    required = {
-        "limit": max((abs(duty.angle.value) for duty in duties), default=0.0),
-        "rate_limit": min(rate, nozzle.rate_limit or np.inf),
-        "acceleration_limit": max((abs(duty.acceleration.value) for duty in duties), default=0.0),
-        "travel_limit": travel,
-    }
-    work = [duty.work for duty in duties if duty.work is not None]
-    if nozzle.data is not None:
-        holding = (w.holding + nozzle.data.friction for w in work)
-        required["torque_limit"] = max([0.0, *holding, *(abs(w.torque.value) for w in work)])
-        required["power_limit"] = max((w.power.value for w in work), default=0.0)
-    return required
-
-
-@dataclass(frozen=True)
-class DataSheetLine(Shown):
-    """A line of a data sheet: the required value and the available value, in `unit`.
-
-    `required`: value that the flights use within the limits, at least the lower bound; infinite
-    where no value is sufficient, NaN where it is not known. `available`: the value that the nozzle
-    offers; None where the data sheet has none.
-    """
-
-    name: str = field(metadata=spec())
-    unit: str = field(metadata=spec())
-    required: float = field(metadata=spec(label="used"))
-    available: float | None = field(metadata=spec())
-
-    @property
-    @derived(infinite="-")
-    def remaining(self) -> float | None:
-        """Remaining margin, available minus required; negative where the nozzle is insufficient."""
-        if self.available is None:
-            return None
-        margin = self.available - self.required
-        return max(margin, 0.0) if self.satisfied else margin  # negative by rounding only
-
-    @property
-    @derived()
-    def satisfied(self) -> bool | None:
-        """Whether the available value is sufficient; None where either value is not known."""
-        if self.available is None or np.isnan(self.required):
-            return None
-        return bool(self.required <= self.available * (1.0 + _RELATIVE_TOLERANCE))
-
-    @property
-    def ratio(self) -> float:
-        """Ratio of the required to the available value; -1 without an available value."""
-        return (
-            -1.0 if self.available is None else float(np.nan_to_num(self.required / self.available))
-        )
-
-
-@dataclass(frozen=True)
-class NozzleVerdict(Shown):
-    """Verdict on a nozzle by the lines of its data sheet, the largest required fraction first.
-
-    `diverged`: flights that are not survived, in words. `unknown`: flights and winds that cannot be
-    judged, with the reason and a remedy, in words.
-    """
-
-    lines: tuple[DataSheetLine, ...] = field(metadata=spec(card=False))
-    diverged: tuple[str, ...] = field(default=(), metadata=spec())
-    unknown: tuple[str, ...] = field(default=(), metadata=spec())
-
-    @classmethod
-    def of(
-        cls,
-        nozzle: Nozzle,
-        required: dict[str, float],
-        diverged: Iterable[str] = (),
-        unknown: Iterable[str] = (),
-    ) -> Self:
-        """Return the verdict on a nozzle with requirements [SI] by the names of its limits.
-
-        `diverged`, `unknown`: flights that are lost, and what cannot be judged, in words. Where a
-        flight diverges with the available values, the required values are not known.
-        """
-        lines, diverged = [], tuple(diverged)
-        for item in chosen(nozzle, *required):
-            minimum, available = item.in_document_unit(required[item.name]), item.value(nozzle)
-            if diverged and minimum <= (available or 0.0):
-                minimum = np.nan
-            lines.append(DataSheetLine(item.title, written(item.suffix), minimum, available))
-        return cls(tuple(sorted(lines, key=lambda line: -line.ratio)), diverged, tuple(unknown))
-
-    @classmethod
-    def unknown_of(cls, nozzle: Nozzle, unknown: Iterable[str]) -> Self:
-        """Return the verdict on a nozzle with unknown requirements, for reasons in words."""
-        return cls.of(
-            nozzle, dict.fromkeys(requirements_on_nozzle(nozzle, (), np.nan), np.nan), (), unknown
-        )
-
-    @property
-    @derived(card=False)
-    def satisfied(self) -> bool | None:
-        """Whether all flights are survived and all lines satisfied; None where not known."""
-        answers = [line.satisfied for line in self.lines if line.available is not None]
-        if self.diverged or False in answers:
-            return False
-        return None if not answers or None in answers or self.unknown else True
-
-    @property
-    def reason(self) -> str:
-        """The reason of the verdict, in words: a flight, a wind, or the worst line."""
-        if self.diverged:
-            others = len(self.diverged) - 1
-            return f"{self.diverged[0]}{f', and {others} more' if others else ''}"
-        if self.unknown and self.satisfied is None:
-            return "; ".join(self.unknown)
-        worst = next((line for line in self.lines if line.available is not None), None)
-        if worst is None or self.satisfied is None:
-            return ""
-        if np.isinf(worst.required):
-            return f"no {worst.name} is sufficient"
-        required, available = (
-            f"{x:.4g} {worst.unit}" for x in (worst.required, worst.available or 0.0)
-        )
-        return f"{worst.name} used {required}, available {available}"
-
-    @property
-    @derived(label="verdict")
-    def words(self) -> str:
-        """The verdict in a sentence, with its reason."""
-        specified = any(line.available is not None for line in self.lines)
-        if not (specified or self.diverged or self.unknown):
-            return "nothing is judged; give a limit and a rate limit"
-        word = survival(False) if self.diverged else satisfaction(self.satisfied)
-        return f"{word}: {self.reason}" if self.reason else word
-
-    def _repr_html_(self) -> str:
-        """Return the lines of the data sheet and the verdict for a notebook."""
-        return "".join(table(lines, ((self.words,),)) for lines in self.tables())
-
-    def tables(self) -> tuple[Table, ...]:
-        """Return the table of used, available and remaining values."""
-        caption = "Requirements on the nozzle" + ", where that is known" * bool(self.unknown)
-        labels = ("", (f"{line.name} [{line.unit}]" for line in self.lines))
-        names = ("required", "available", "remaining")
-        return (record_table(caption, "sheet", self.lines, *names, labels=labels),)

@@ -49,19 +49,14 @@ from tvclin.linear.plant import Plant
 from tvclin.nozzle.data_sheet import (
     DutyPoint,
     FlightDuty,
+    NozzleVerdict,
     WindDuty,
     flight_reason,
+    requirements_on_nozzle,
     unjudged_flights,
     unknown_winds,
 )
-from tvclin.nozzle.duty import (
-    WINDOW,
-    NozzleDuty,
-    NozzleVerdict,
-    duty_of_motion,
-    requirements_on_nozzle,
-)
-from tvclin.nozzle.motion import Motion
+from tvclin.nozzle.duty import WINDOW, Motion, NozzleDuty, duty_of_motion
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.flight_winds import (
     PlacedWind,
