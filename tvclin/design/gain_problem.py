@@ -17,6 +17,7 @@ import numpy as np
 
 from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.base.fields import checked, quantity
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
@@ -55,14 +56,14 @@ class GainProblem:
     criteria: Criteria
     gains: Sequence[str]
     actuator: Actuator | None
-    delay: float
-    crossover: float | None
+    delay: float = quantity("delay", check=errors.nonnegative)
+    crossover: float | None = quantity("natural frequency", None, errors.positive)
     filters: tuple[Filter, ...]
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
     limits: bool
     stops: int
-    sample_rate: float | None
+    sample_rate: float | None = quantity("sample rate", None, errors.positive)
 
     def __post_init__(self) -> None:
         """Check plant, winds, criteria, free gains and nozzle, and that a minimum exists."""
@@ -84,17 +85,9 @@ class GainProblem:
                 f"actuator must be an Actuator or None; got {errors.shown(self.actuator)}"
             )
         errors.single("actuator", () if self.actuator is None else self.actuator.batch)
-        if self.sample_rate is not None:
-            rate = errors.number("sample_rate", self.sample_rate, errors.positive, "Hz")
-            object.__setattr__(self, "sample_rate", rate)
+        checked(self)
         if errors.flag("limits", self.limits):
             check_sample_rate(self.flown_rate, self.actuator)
-        object.__setattr__(
-            self, "delay", errors.number("delay", self.delay, errors.nonnegative, "s")
-        )
-        if self.crossover is not None:
-            limit = errors.number("crossover", self.crossover, errors.positive, "rad/s")
-            object.__setattr__(self, "crossover", limit)
         if errors.whole_number("stops", self.stops) and not self.limits:
             raise errors.InputError(
                 "stops are sudden ends of a wind in flights with a limit: give limits=True with"

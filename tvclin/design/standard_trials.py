@@ -224,19 +224,15 @@ def law_trials(
     flown = {"sample_rate": sample_rate, **hardware}
     pairs = [(law, wind) for law in laws.items() for wind in winds.items()]
 
-    def progress_of(pair: int) -> Callable[[int, int], None]:
-        """Return the report of progress within a pair of law and wind, by its index."""
-
-        def report(done: int, total: int) -> None:
-            """Report the work on all pairs, from the work `done` of `total` on this one."""
-            if progress is not None:
-                progress(pair * total + done, len(pairs) * total)
-
-        return report
+    def report(pair: int, done: int, total: int) -> None:
+        """Report the work on all pairs, from the work `done` of `total` on one, by its index."""
+        if progress is not None:
+            progress(pair * total + done, len(pairs) * total)
 
     with repeated(len(pairs)):
         return LawTrials(
-            _trial(plant, *pair, cuts, loads, flown, progress_of(k)) for k, pair in enumerate(pairs)
+            _trial(plant, *pair, cuts, loads, flown, partial(report, k))
+            for k, pair in enumerate(pairs)
         )
 
 
@@ -289,11 +285,10 @@ def _trial(
     """
     options = {"cuts": cuts, "highest": _MAX_LIMIT, "progress": progress, **flown}
     boundary = closed_loop_boundary(plant, law[1], wind[1], **options)
-    loads_of_flight = (np.nan, np.nan)
+    alpha, attitude = np.nan, np.nan
     if loads and np.isfinite(boundary.limit):
-        loads_of_flight = _loads(
-            plant, law[1], wind[1], _LOAD_LIMIT_RATIO * abs(boundary.deflection), flown
-        )
+        limit = _LOAD_LIMIT_RATIO * abs(boundary.deflection)
+        alpha, attitude = _loads(plant, law[1], wind[1], limit, flown)
     return LawTrial(
         law=law[0],
         wind=wind[0],
@@ -305,8 +300,8 @@ def _trial(
         creeps=boundary.has_unstable_mode,
         monotone=boundary.monotone,
         looked=boundary.refinements,
-        peak_angle_of_attack=loads_of_flight[0],
-        peak_attitude=loads_of_flight[1],
+        peak_angle_of_attack=alpha,
+        peak_attitude=attitude,
     )
 
 
@@ -321,11 +316,9 @@ def _loads(
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)
     outputs = flight_responses(plant, law, wind, times, deflection_limit=limit, **flown)
+    alpha, attitude = (np.abs(outputs[name]).max() for name in ("angle_of_attack", "attitude"))
     peak = abs(float(wind.peak))
-    angle, attitude = (
-        float(np.abs(outputs[name]).max()) / peak for name in ("angle_of_attack", "attitude")
-    )
-    return angle, attitude
+    return float(alpha) / peak, float(attitude) / peak
 
 
 LEGEND = f"Any law, {NO_FORECAST}: {QUANTITIES[NO_FORECAST]}; - where the wind changes its sign."
@@ -384,13 +377,10 @@ def limit_tables(
 
     trims = {wind: entry.trim_deg for wind, entry in wind_bounds.items()}
     beyond = ("wind", "trim in that wind [deg]", f"{WIND_KNOWN} [deg]", "over trim")
+    over_trim = tuple(rows("", dict.fromkeys(trims, 1.0)))
     return (
         Table("Required deflection limit of each law [deg]", head, tuple(rows("_deg", trims))),
-        Table(
-            "Required limit of each law, over trim in that wind",
-            head,
-            tuple(rows("", dict.fromkeys(trims, 1.0))),
-        ),
+        Table("Required limit of each law, over trim in that wind", head, over_trim),
         Table("Trim in each wind, and the minimum of any control", beyond, tuple(minimum_rows())),
     )
 

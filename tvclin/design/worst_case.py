@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -191,11 +192,11 @@ def worst_case(
     case = _Case(subject, autopilot, tuple(ends), np.array(list(ends.values())), model, plane, wind)
     K = float(within("dead_band", number("dead_band", dead_band), 0.0, 1.0))
     corners = np.array(list(product((0.0, 1.0), repeat=len(ends))))
-    margins = {name: case.worst(corners, case.margin(name)) for name in _SHOWN_MARGINS}
+    margins = {name: case.worst(corners, partial(case.margin, name)) for name in _SHOWN_MARGINS}
     deflection = None
     if wind is not None:
         proved = model == "fixed-path" and K == 1.0 and wind.gust is None
-        deflection = case.worst(corners, case.deflection(K), proved)
+        deflection = case.worst(corners, partial(case.deflection, K), proved)
         deflection = replace(
             deflection, value=abs(deflection.value), nominal=abs(deflection.nominal)
         )
@@ -292,40 +293,26 @@ class _Case:
             )
         return replace(a, **changes)
 
-    def margin(self, name: str) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
-        """Return the function from values of the parameters ``(n,)`` to a margin ``(n,)``.
+    def margin(self, name: str, values: Mapping[str, FloatArray]) -> FloatArray:
+        """Return a margin of loops, ``(n,)``, zero where a loop is unstable.
 
-        `name`: name of the stability margin, which is zero where the loop is unstable.
+        `name`: its name in `Margins`. `values`: numbers other than nominal [SI], ``(n,)`` by name.
         """
+        key = tuple(np.asarray(v).tobytes() for v in values.values())
+        if key not in self.analyses:
+            self.analyses[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
+        margins = np.asarray(getattr(self.analyses[key], name), float)
+        return np.nan_to_num(margins, nan=0.0, posinf=np.inf)
 
-        def value(values: Mapping[str, FloatArray]) -> FloatArray:
-            """Return the margin of loops with the numbers `values` [SI], ``(n,)`` by name."""
-            key = tuple(np.asarray(v).tobytes() for v in values.values())
-            if key not in self.analyses:
-                self.analyses[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
-            margins: Margins = self.analyses[key]
-            return np.nan_to_num(np.asarray(getattr(margins, name), float), nan=0.0, posinf=np.inf)
+    def deflection(self, dead_band: float, values: Mapping[str, FloatArray]) -> FloatArray:
+        """Return minus the required deflection [rad], ``(n,)``; -inf in winds beyond linearity.
 
-        return value
-
-    def deflection(self, dead_band: float) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
-        """Return the function from parameter values to minus the required deflection [rad].
-
-        `dead_band`: K. The values are ``(n,)`` by name, the result is ``(n,)``.
+        `dead_band`: K. `values`: numbers other than nominal [SI], ``(n,)`` by name.
         """
-
-        def value(values: Mapping[str, FloatArray]) -> FloatArray:
-            """Return minus the required deflection [rad], ``(n,)``; -inf in winds beyond linearity.
-
-            `values`: numbers [SI], ``(n,)`` by name.
-            """
-            assert self.wind is not None
-            wind = self.wind.history(dict(values))
-            required = required_deflection(self.plant(values), wind, dead_band)
-            linear = within_linear(wind.peak)
-            return np.where(linear, -np.abs(required.deflection), -np.inf)
-
-        return value
+        assert self.wind is not None
+        wind = self.wind.history(dict(values))
+        required = required_deflection(self.plant(values), wind, dead_band)
+        return np.where(within_linear(wind.peak), -np.abs(required.deflection), -np.inf)
 
     def worst(
         self,
