@@ -38,6 +38,8 @@ def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
     """Return the boundary limit y of eq (12) in a triangular wind without drift, over static trim.
 
     `p`: fast pole times half the duration [-], positive. `K`: dead band, 0 to 1, of the same shape.
+    y = (1 - e^(-s))/(p (1 - K)), where s + c (1 - e^(-s)) = L, c = K/(1 - K) and L = -ln(2 e^(-p) -
+    e^(-2p)).
     """
     L = _minus_log_R(p)
     with np.errstate(divide="ignore"):
@@ -60,10 +62,10 @@ def solve_with_drift(
 
         K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0
 
-    `p`: pole times half the duration. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1). `K1`: 1 -
-    kappa. `rho`: b1/beta. All arrays have one shape. For b2 <= b1 the left side falls from a
-    positive value at z = 0 and is concave, so that it has one root, below p/K and 1/(1 - K), which
-    Newton's method finds inside a bracket.
+    y is the boundary limit. `p`: pole times half the duration. `K`: dead band. `kappa`: (b1 -
+    b2)/(beta + b1). `K1`: 1 - kappa. `rho`: b1/beta. All arrays have one shape. L = -ln(2 e^(-p) -
+    e^(-2p)). For b2 <= b1 the left side falls from a positive value at z = 0 and is concave, so
+    that it has one root, below p/K and 1/(1 - K), which Newton's method finds inside a bracket.
     """
     L = _minus_log_R(p)
 

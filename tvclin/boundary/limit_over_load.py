@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base import errors
-from tvclin.base.arrays import ComplexArray, FloatArray
+from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import array_table, derived, spec
 from tvclin.base.lines import NONE_SUFFICIENT, Table
 from tvclin.base.quantities import FORECAST_FREE, NO_FORECAST, WIND_KNOWN, sufficiency
@@ -259,7 +259,7 @@ class LoadLimits:
     @cached_property
     def dense_program(self) -> LoadProgram:
         """Program on nodes that resolve the oscillating zeros of the load as well."""
-        nodes, zeros = self.program.nodes, _oscillating_zeros(self.case)
+        nodes, zeros = self.program.nodes, self.case.oscillating_zeros
         if not zeros.size:
             return self.program
         span = nodes[-1] - nodes[0]
@@ -500,19 +500,6 @@ def _nodes(case: LoadCase) -> FloatArray:
         parts.append(np.linspace(end, last, int((last - end) * unstable.imag.max()) + 2))
     nodes = np.concatenate(parts)
     return separate_nodes(nodes[(nodes >= start) & (nodes <= after[-1])], 1e-6 / case.fastest)
-
-
-def _oscillating_zeros(case: LoadCase) -> ComplexArray:
-    """Return the complex zeros [1/s] from deflection to load of a `case`, the upper of each pair.
-
-    A control without load oscillates at them.
-    """
-    A, B, C, D = case.plant.matrices()
-    through = D[-1, 0] + case.ratio
-    if through == 0.0:
-        return np.zeros(0, complex)
-    zeros = np.linalg.eigvals(A - np.outer(B[:, 0], C[-1]) / through)
-    return np.asarray(zeros[zeros.imag > 0.0], dtype=complex)
 
 
 def load_trade_off(

@@ -107,7 +107,8 @@ def ramped_deflection(
 
     `minimum`: d0 [rad], the minimum deflection at any rate, positive. `pole`: the unstable pole p
     [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which broadcast with
-    `minimum`; both may be infinite. Returned: infinite where no deflection is sufficient.
+    `minimum`; both may be infinite. Returned: d of d0 = d f(p d/v) f(p v/c), f(x) = (1 - e^-x)/x, v
+    = min(r, sqrt(c d)); infinite where no deflection is sufficient.
     """
     d0, r, c = np.broadcast_arrays(
         *(np.asarray(x, dtype=float) for x in (minimum, rate, acceleration))
@@ -126,8 +127,9 @@ def ramp_rate(minimum: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> Flo
     """Return the minimum rate [rad/s] of a ramp to a limit `deflection` d [rad], of one pole.
 
     `minimum`: d0 [rad], the minimum deflection at any rate. `pole`: the unstable pole p [1/s]. It
-    is the inverse of `ramped_deflection`: d0 = d f(x) with x = p d/r, which Lambert's W solves.
-    Zero where no deflection is required, and infinite where no rate is sufficient. All broadcast.
+    is the inverse of `ramped_deflection`: d0 = d (1 - e^-x)/x with x = p d/r, which Lambert's W
+    solves. Zero where no deflection is required, and infinite where no rate is sufficient. All
+    broadcast.
     """
     from scipy.special import lambertw
 
@@ -481,8 +483,9 @@ class _Case:
         """Return whether the other unstable pole q does not raise a deflection `d` [rad].
 
         `d` is what the fastest pole p requires at the rate limit `rate` [rad/s]. The condition of q
-        is satisfied by a motion to -d at a time t, after which the fast pole counts e^(-p t): with
-        v and f of the module, and the demand d2 of q,
+        is satisfied by a motion to -d at a time t, after which the fast pole counts e^(-p t). With
+        f(x) = (1 - e^-x)/x, the rate v that is reached, the acceleration limit c and the demand d2
+        of q,
 
             (v/q) f(q v/c) (1 - e^(-q d/v) - e^(-q t) (1 - e^(-2 q d/v))) = d2.
         """

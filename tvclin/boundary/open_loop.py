@@ -70,7 +70,7 @@ class _AfterTrim:
     modes: AnyArray
 
     def peaks(self, cases: IndexArray, limits: FloatArray, sufficient: FloatArray) -> FloatArray:
-        """Return the minimum peaks m(L) from the exit of the dead band on, ``(n,)``.
+        """Return the minimum peaks m(L) after trim up to K L, ``(n,)``.
 
         `cases`: n indices of cases. `limits`: their L. `sufficient`: deflections returned in place
         of m(L) where they are proved to be no less. All are normalised by B alpha_w,max.
@@ -85,8 +85,9 @@ def _iterated(
 ) -> FloatArray:
     """Return the largest limits L that diverge after trim, ``(n,)``, by L <- max(K L, m(L)).
 
-    `after`: the problem with m(L). `cases`: n indices of its cases. `lower`: smallest results.
-    `highest`: limits from which the iteration starts. All limits are normalised by B alpha_w,max.
+    m(L) is the minimum peak after trim up to K L. `after`: the problem. `cases`: n indices of its
+    cases. `lower`: smallest results. `highest`: limits from which the iteration starts. All limits
+    are normalised by B alpha_w,max.
     """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)
@@ -114,8 +115,9 @@ def _bisected(
 ) -> FloatArray:
     """Return the highest limits that diverge after trim, ``(n,)``, by a grid and bisection.
 
-    `after`: the problem with m(L). `cases`: n indices of its cases. `lower`: result if none above
-    it diverges. `highest`: a limit that trim never exceeds. All are normalised by B alpha_w,max.
+    L diverges if the minimum peak after trim up to K L exceeds it. `after`: the problem. `cases`: n
+    indices of its cases. `lower`: result if none above it diverges. `highest`: a limit that trim
+    never exceeds. All are normalised by B alpha_w,max.
     """
 
     def diverges(which: IndexArray, limits: FloatArray) -> BoolArray:

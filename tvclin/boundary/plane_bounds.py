@@ -156,6 +156,11 @@ class PlanePair:
         pitch, yaw = (np.exp(-p[0] * time) for p in self.poles)
         return np.asarray(np.real(vector) * pitch + 1j * np.imag(vector) * yaw)
 
+    def demand_between(self, s: FloatArray, T: FloatArray) -> ComplexArray:
+        """Return the demand [rad] of the wind from `s` to `T` [s]; zero for T < s."""
+        demand = self.wind_demand(s) - self.decayed(self.wind_demand(T), np.maximum(T - s, 0.0))
+        return np.where(T > s, demand, 0.0)
+
     def moment_driver(self, t: FloatArray) -> Vectors:
         """Return the driver -B alpha_w [rad] of the report's exit on wind at `t` [s], complex."""
         pitch, yaw = (plant.coefficients.B for plant in self.plants)
@@ -242,11 +247,11 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
         """Return the bound [rad] for a wind between `s` and `T` [s]."""
-        return gauge(_between(pair, s, T))
+        return gauge(pair.demand_between(s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
         """Return the bound [rad] for a wind between its onset and `T` [s]."""
-        return limit_shape.gauge(_between(pair, np.full((1, 1), onset), T))
+        return limit_shape.gauge(pair.demand_between(np.full((1, 1), onset), T))
 
     grid = two_sided(times[:, np.newaxis], times)
     s, T = (times[i] for i in np.unravel_index(np.argmax(grid), grid.shape))
@@ -259,12 +264,6 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
         _refined_maximum(two_sided, (s, T), step, (onset, end)),
         _refined_maximum(from_onset, (latest, latest), step, (onset, end)),
     )
-
-
-def _between(pair: PlanePair, s: FloatArray, T: FloatArray) -> ComplexArray:
-    """Return the demand [rad] of the wind of `pair` from `s` to `T` [s]; zero for T < s."""
-    demand = pair.wind_demand(s) - pair.decayed(pair.wind_demand(T), np.maximum(T - s, 0.0))
-    return np.where(T > s, demand, 0.0)
 
 
 def _refined_maximum(
@@ -477,8 +476,8 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
 
     `moments`: the conditions in cells. `onset`: start of the control [s]. It solves l . d -> max,
     N(l) <= 1 (Kelley 1960). N(l) is the largest l . m of the moments m of any deflection v within
-    S, attained by the v furthest along l at each time. For the v_i of earlier steps a small linear
-    program solves
+    S, the limit shape, attained by the v furthest along l at each time. For the v_i of earlier
+    steps a small linear program solves
 
         max of l . d with l . m_i <= 1   =   min of sum w_i with sum w_i m_i = d, w >= 0
 

@@ -179,9 +179,11 @@ def _requirement_after_trim(
 ) -> float:
     """Return the largest limit [rad] that diverges after trim up to K times it, or `minimum`.
 
-    L <- max(K L, m(L)) from the largest trim on, as in `open_loop`. The rectangle of both planes'
-    separate minima is no less than m, and is tried first. `pair`: plants and wind. `literal`:
-    whether the exit of the dead band is on trim, not on the wind. `minimum`: smallest result [rad].
+    By L <- max(K L, m(L)) from the largest trim on, as in `open_loop`, m(L) being the minimum over
+    all unstable modes of both planes after trim up to K L. The rectangle of both planes' separate
+    minima is no less than m, and is tried first. `pair`: plants and wind. `limit_shape`: of the
+    nozzle. `K`: dead band. `literal`: whether its exit is on trim, not on the wind. `minimum`:
+    smallest result [rad].
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
@@ -191,7 +193,7 @@ def _requirement_after_trim(
     limit = float(max(heights.max(), limit_shape.gauge(pair.trim(times)).max()))
 
     def demand(limit: float, sufficient: float, solved: bool) -> float:
-        """Return m(L) [rad] at the limit L, or an upper bound of it.
+        """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
         The bound, of separate planes, is returned where it is `sufficient` [rad] or m is not to be
         `solved`.

@@ -243,7 +243,13 @@ class Coefficients(Record):
     @property
     @derived(of=_if_unstable("K1"), document=False)
     def K1(self) -> Real:
-        """Ratio K1 = (p + b2)/(p + b1), p being the `pole`, eq (15b); `InputError` if stable."""
+        """Ratio K1 = (p + b2)/(p + b1) of wind to deflection at the `pole` p, eq (15b).
+
+        Raises
+        ------
+        InputError
+            As `beta`.
+        """
         return (self.pole + self.b2) / (self.pole + self.b1)
 
 

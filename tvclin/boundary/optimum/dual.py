@@ -41,8 +41,6 @@ _STEP_LENGTHS = 12
 """Number of trial lengths of a Newton step, each half the previous: down to 1/2048 of it."""
 _RELATIVE_RESIDUAL = 1e-13
 """Violation of a condition relative to the sizes of its terms: some hundred roundings."""
-_NEGLIGIBLE_MULTIPLIER = 1e-200
-"""Multiplier, relative to the largest, that cannot be distinguished from zero: e^-460."""
 _SINGULAR_VALUE_CUTOFF = 1e-13
 """Singular value of a Newton step, relative to the largest, below which it is rounding: no step
 along its direction."""
@@ -177,7 +175,7 @@ def split_cells(cells: FloatArray, uncertain: IndexArray) -> FloatArray:
 
 
 def best_multipliers(window: Window) -> SignedSum:
-    """Return the sum lambda . e whose sign is the optimal deflection, scaled so that L1 = peak.
+    """Return the sum lambda . e whose sign is the optimal deflection, its L1 norm being the peak.
 
     `window`: the poles' exponentials e_i, and their demands d_i, which must not all be zero.
 
@@ -198,7 +196,7 @@ def best_multipliers(window: Window) -> SignedSum:
     fastest = int(np.argmax(np.real(c.poles)))
     slower = c.poles[fastest] / 3.0
     if (
-        not _is_underflowing(window, best.multipliers)
+        not window.is_underflowing(best.multipliers)
         or c.pulsations[fast]
         or slower < np.sort(c.decays)[-2]
     ):
@@ -248,49 +246,23 @@ def _from_grid(window: Window) -> SignedSum:
     for _ in range(_GRID_REFINEMENTS):
         levels, prices = grid_optimum(window.constraints, cells)
         switches, uncertain = switch_times_of(cells, levels)
-        for guess in _scaled(window, [_vanishing_at(window, switches), prices]):
+        for guess in _scaled(window, [window.vanishing_at(switches), prices]):
             solution = _newton(guess)
             best = solution if best is None or solution.residual < best.residual else best
             if best.residual < _RELATIVE_RESIDUAL:
                 return best
-        if _is_underflowing(window, prices):
+        if window.is_underflowing(prices):
             break
         cells = split_cells(cells, uncertain)
     assert best is not None
     return best
 
 
-def _is_underflowing(window: Window, multipliers: FloatArray) -> bool:
-    """Return whether one of `multipliers` ``(n,)`` is too small, relative to the largest.
-
-    `window`: the poles' exponentials e_i, by whose sizes they are weighted.
-    """
-    sizes = np.abs(multipliers) * window.sizes
-    return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())
-
-
-def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
-    """Return multipliers ``(n,)`` whose sum lambda . e is smallest, or zero, at `times` [s].
-
-    `window`: the poles' exponentials e_i, and their demands d_i.
-    """
-    c = window.constraints
-    if not times.size:
-        return c.demands / window.sizes**2
-    values = c.basis(times)
-    with np.errstate(divide="ignore", over="ignore"):
-        scale = 1.0 / np.abs(values).max(axis=1)
-    scale = np.where(np.isfinite(scale), scale, 1.0)
-    weight = np.abs(values / window.sizes[:, np.newaxis]).max(axis=0)
-    rows = np.nan_to_num((values * scale[:, np.newaxis] * weight).T, posinf=0.0, neginf=0.0)
-    return np.linalg.svd(rows)[2][-1] * scale
-
-
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
     """Return the sum of each of `guesses`, multipliers ``(n,)``, at its best scale and sign.
 
-    `window`: the poles' exponentials e_i, and their demands d_i. They ascend by residual, not by
-    the dual value, which does not change with very small multipliers.
+    `window`: the poles' exponentials e_i, and their demands d_i. The sums ascend by residual, not
+    by the dual value, which does not change with very small multipliers.
     """
     trials = []
     for guess in guesses:

@@ -87,6 +87,19 @@ class LoadCase:
         """The largest |s| [1/s]."""
         return float(np.abs(self.poles).max())
 
+    @cached_property
+    def oscillating_zeros(self) -> ComplexArray:
+        """Complex zeros [1/s] from deflection to load, the upper of each pair, ``(m,)``.
+
+        A control without load oscillates at them.
+        """
+        A, B, C, D = self.plant.matrices()
+        through = D[-1, 0] + self.ratio
+        if through == 0.0:
+            return np.zeros(0, complex)
+        zeros = np.linalg.eigvals(A - np.outer(B[:, 0], C[-1]) / through)
+        return np.asarray(zeros[zeros.imag > 0.0], dtype=complex)
+
     def column(self, values: AnyArray) -> FloatArray:
         """Return complex numbers of k modes as real ones of m, a pair having two: ``(..., m)``.
 
@@ -198,12 +211,12 @@ class LoadWeights:
     prices: ComplexArray
 
     def proof(self, reference: FloatArray, rate_prices: FloatArray | None) -> tuple[float, float]:
-        """Return INT h delta_0 dt + rate INT |K| dt, and INT |h - K'| dt of the lower bound.
+        """Return INT h delta_0 dt + rate INT |K| dt, and INT |h - K'| dt, of the lower bound.
 
-        The density h and the function K of the rate limit are those of the module's inequality.
-
-        `reference`: delta_0 in the cells [rad], ``(n,)``. `rate_prices`: prices of the rate limit
-        in the cells, ``(n,)``, or None: K' = h where a price is not zero.
+        h [1/s] is the density with which a deflection counts in the weighted load, and K the
+        multiplier of the rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``.
+        `rate_prices`: prices of the rate limit in the cells, ``(n,)``, or None: K' = h where a
+        price is not zero.
         """
         n = self.widths.size
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))

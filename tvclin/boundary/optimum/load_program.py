@@ -136,10 +136,10 @@ class LoadProgram:
 
     @cached_property
     def _static_bounds(self) -> tuple[IndexArray, float]:
-        """Indices of variables in wide cells after the wind, and their bound over the load bound.
+        """Indices of the deflection's variables in wide cells, and their bound over the load bound.
 
-        With rows at the nodes alone the load could oscillate between them; so the static load of
-        the deflection is within the bound.
+        With rows at the nodes alone the load could oscillate between them; so the load of the
+        deflection in equilibrium, delta (1 + M B)/B, is within the bound there.
         """
         B, M = float(self.case.plant.coefficients.B), self.case.ratio
         wide = np.flatnonzero(self.widths * self.case.fastest > _MAX_WIDTH_OVER_TIME_CONSTANT)

@@ -202,7 +202,7 @@ def certify(
         primal=abs(limit),
         dual=dual,
         gap=(abs(limit) - dual) / abs(limit),
-        residual=_violation(window, switches, limit),
+        residual=window.violation(switches, limit),
         tail=beyond / summed.norm,
     )
 
@@ -236,47 +236,24 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     """
     # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
     # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
-    fitted, demands = _moments(window, switches).sum(axis=1), window.constraints.demands
+    fitted, demands = window.piece_moments(switches).sum(axis=1), window.constraints.demands
     weights = fitted / window.sizes**2
     limit = float(weights @ demands / (weights @ fitted))
-    violation = _violation(window, switches, limit)
+    violation = window.violation(switches, limit)
     for _ in range(3 if switches.size else 0):
         signs = (-1.0) ** np.arange(switches.size)
         columns = [2.0 * limit * signs * window.constraints.basis(switches)]
-        columns.append(limit * _moments(window, switches).sum(axis=1, keepdims=True))
+        columns.append(limit * window.piece_moments(switches).sum(axis=1, keepdims=True))
         rows = np.hstack(columns) / window.sizes[:, np.newaxis]
         missing = window.constraints.demands - columns[1][:, 0]
         step = np.linalg.lstsq(rows, missing / window.sizes, rcond=None)[0]
         trial, moved = switches + step[:-1], limit * (1.0 + step[-1])
         if np.any(np.diff(trial, prepend=0.0, append=window.end) < 0.0):
             break
-        if _violation(window, trial, moved) >= violation:
+        if window.violation(trial, moved) >= violation:
             break
-        switches, limit, violation = trial, moved, _violation(window, trial, moved)
+        switches, limit, violation = trial, moved, window.violation(trial, moved)
     return switches, float(limit)
-
-
-def _violation(window: Window, switches: FloatArray, limit: float) -> float:
-    """Return the largest violation of a condition, relative to the sizes of its terms.
-
-    `window`: the conditions, moments of the poles' exponentials. `switches`: times [s], ``(k,)``.
-    `limit`: first deflection [rad].
-    """
-    demands = window.constraints.demands
-    pieces = limit * _moments(window, switches)
-    sizes = np.abs(pieces).sum(axis=1) + np.abs(demands)
-    return float((np.abs(pieces.sum(axis=1) - demands) / sizes).max())
-
-
-def _moments(window: Window, switches: FloatArray) -> FloatArray:
-    """Return the moments of the pieces of a unit deflection, +1 first, ``(n, k + 1)``.
-
-    `window`: the poles' exponentials e_i. `switches`: times [s] at which it changes its sign,
-    ``(k,)``.
-    """
-    signs = (-1.0) ** np.arange(switches.size + 1)
-    knots = np.concatenate([[0.0], switches, [window.end]])
-    return window.constraints.moments(knots) * signs
 
 
 def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = None) -> FloatArray:

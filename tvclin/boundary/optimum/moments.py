@@ -38,6 +38,8 @@ _POINTS_PER_HALF_PERIOD = 16
 """Points of the grid for each half wave of a complex pole."""
 _MAX_POINTS = 200_000
 """Largest number of points for a complex pole, to bound the memory; beyond it they are coarser."""
+_NEGLIGIBLE_MULTIPLIER = 1e-200
+"""Multiplier, relative to the largest, that cannot be distinguished from zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,6 +264,42 @@ class Window:
         signs = np.where(areas < 0.0, -1.0, 1.0)
         norm = float(np.abs(areas).sum())
         return SignedSum(self, multipliers, zeros, signs, norm, moments @ signs)
+
+    def piece_moments(self, switches: FloatArray) -> FloatArray:
+        """Return the moments of the pieces of a unit deflection, +1 first, ``(n, k + 1)``.
+
+        `switches`: times [s] at which it changes its sign, ``(k,)``.
+        """
+        signs = (-1.0) ** np.arange(switches.size + 1)
+        return self.constraints.moments(np.concatenate([[0.0], switches, [self.end]])) * signs
+
+    def violation(self, switches: FloatArray, limit: float) -> float:
+        """Return the largest violation of a condition, relative to the sizes of its terms.
+
+        `switches`: times [s] at which the deflection switches, ``(k,)``. `limit`: its first value
+        [rad].
+        """
+        demands, pieces = self.constraints.demands, limit * self.piece_moments(switches)
+        sizes = np.abs(pieces).sum(axis=1) + np.abs(demands)
+        return float((np.abs(pieces.sum(axis=1) - demands) / sizes).max())
+
+    def is_underflowing(self, multipliers: FloatArray) -> bool:
+        """Return whether one of `multipliers` ``(n,)`` is e^-460 of the largest, or smaller."""
+        sizes = np.abs(multipliers) * self.sizes
+        return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())
+
+    def vanishing_at(self, times: FloatArray) -> FloatArray:
+        """Return multipliers ``(n,)`` whose sum lambda . e is smallest, or zero, at `times` [s]."""
+        c = self.constraints
+        if not times.size:
+            return c.demands / self.sizes**2
+        values = c.basis(times)
+        with np.errstate(divide="ignore", over="ignore"):
+            scale = 1.0 / np.abs(values).max(axis=1)
+        scale = np.where(np.isfinite(scale), scale, 1.0)
+        weight = np.abs(values / self.sizes[:, np.newaxis]).max(axis=0)
+        rows = np.nan_to_num((values * scale[:, np.newaxis] * weight).T, posinf=0.0, neginf=0.0)
+        return np.linalg.svd(rows)[2][-1] * scale
 
     def tail(self, multipliers: FloatArray) -> float:
         """Return a bound of the integral of |lambda . e| past the end of a cut window.

@@ -8,7 +8,6 @@ with beta1 the slow pole, beta2 the fast one, and t_s the time of the single swi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -48,7 +47,12 @@ def switch_time(
         (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
         return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
 
-    return _bracketed_zero(excess, min(horizon, _MAX_DECAY_TIMES / min(poles)))
+    last = min(horizon, _MAX_DECAY_TIMES / min(poles))
+    at_start, at_end = excess(0.0), excess(last)
+    if at_start == 0.0 or at_start * at_end >= 0.0:
+        return np.inf
+    rising = lambda t, _: np.array([np.sign(at_end) * excess(float(t[0]))])  # noqa: E731
+    return float(roots_between(np.zeros(1), np.array([last]), rising)[0])
 
 
 def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
@@ -60,16 +64,6 @@ def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
     if pole * t < 0.5:
         return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
     return 1.0 + math.exp(-pole * horizon), -2.0 * math.exp(-pole * t)
-
-
-def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
-    """Return the zero between 0 and `last` of `excess`; infinite without a change of sign."""
-    ends = excess(0.0), excess(last)
-    if ends[0] == 0.0 or ends[0] * ends[1] >= 0.0:
-        return np.inf
-    sign = np.sign(ends[1])
-    rises = lambda t, _: np.array([sign * excess(float(t[0]))])  # noqa: E731
-    return float(roots_between(np.zeros(1), np.array([last]), rises)[0])
 
 
 def switch_variable(y: float, ratio: float) -> float:
