@@ -16,7 +16,7 @@ from tests.turns import by_turns, usual
 from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
-from tvclin.flights.sixdof.airframe import Airframe, Engine, senses, wind_setter
+from tvclin.flights.sixdof.airframe import Airframe, Engine, motion_readers, wind_setter
 from tvclin.flights.sixdof.fly_sixdof import SixDof
 from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, nominal_trajectory, planet_xml
 
@@ -188,7 +188,7 @@ def test_the_path_angle_is_that_of_the_velocity_over_the_ground(configuration_i,
     initial = {"h-sl-ft": 0.0, "u-fps": configuration_i.velocity / FOOT}
     initial["theta-rad"] = configuration_i.attitude
     engine = Engine(model_xml(configuration_i), initial, 0.01, planet=planet_xml())
-    sense = senses(engine, plane, 0.0)
+    sense = motion_readers(engine, plane, 0.0)
     wind_setter(engine, plane, 0.0)(np.tan(5 * DEGREE) * configuration_i.velocity)
     engine.writer(DEFLECTIONS[plane])(0.005)
     for _ in range(200):

@@ -115,7 +115,7 @@ class Case:
 
     @property
     def shape(self) -> str:
-        """Shape of the wind."""
+        """Shape of the wind, such as "triangular"; "sampled" for a history."""
         return str(getattr(self.wind, "shape", "sampled"))
 
     @property
@@ -179,7 +179,10 @@ class Case:
 
     @property
     def history(self) -> History:
-        """The wind as a history; the first wind of an ensemble."""
+        """The wind [rad] as a history, a gust at the worst time for K = 1.
+
+        An ensemble gives its first wind.
+        """
         return self.history_at(1.0)
 
     def history_at(self, dead_band: float) -> History:

@@ -188,7 +188,7 @@ def gain_notes(
         )
     half_sample = 0.5 / case.hardware["sample_rate"]
     if not satisfied:
-        yield _better(case, criteria)
+        yield _better_gains(case, criteria)
     elif delay_margin < half_sample:
         yield (
             f"the delay margin, {1e3 * delay_margin:.3g} ms, is below half a sample of the flights,"
@@ -207,7 +207,7 @@ def actuator_notes(case: Case) -> Iterator[str]:
         )
 
 
-def _better(case: Case, criteria: Criteria) -> str:
+def _better_gains(case: Case, criteria: Criteria) -> str:
     """Return the note on a rule with gains that satisfy the criteria, or on the search for them.
 
     `case`: the vehicle and its autopilot, whose gains do not satisfy them.

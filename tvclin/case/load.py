@@ -77,7 +77,7 @@ class LoadBound:
 
     @property
     def bound(self) -> float:
-        """Bound as an angle [rad]."""
+        """Bound as an angle of attack [rad]."""
         if self.load is not None:
             return self.load
         if self.q_alpha is not None and self.dynamic_pressure is not None:
@@ -88,11 +88,16 @@ class LoadBound:
 
     @property
     def ratio(self) -> float:
-        """Ratio of moment slopes M_delta/M_alpha."""
+        """Ratio M_delta/M_alpha of the slopes of the bending moment; zero for another bound."""
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
     def at_pressure(self, ratio: float) -> Self:
-        """Return the load limit at so many times the dynamic pressure; an angle stays as it is.
+        """Return the load limit at another dynamic pressure; an angle stays as it is.
+
+        Parameters
+        ----------
+        ratio : float
+            That dynamic pressure over the present one, positive.
 
         Raises
         ------
@@ -111,8 +116,19 @@ class LoadBound:
     ) -> LoadTradeOff:
         """Return the trade-off curve of limit over load in the wind of a case.
 
-        `fraction`: fraction of the deflection limit that is available in the plane. `only_bound`:
-        whether the curve is only its point at the bound.
+        Parameters
+        ----------
+        case : Case
+            The vehicle, the wind and the nozzle.
+        fraction : float
+            Fraction of the deflection limit that is available in the plane, at most 1.
+        only_bound : bool
+            Whether the curve is only its point at the bound.
+
+        Raises
+        ------
+        InputError
+            For a fraction out of range, and as `load_trade_off`.
         """
         instance("case", case, Case, "of a wind and a nozzle")
         fraction = number("fraction", fraction, between(1e-9, 1.0))

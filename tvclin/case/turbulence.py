@@ -353,13 +353,13 @@ class LoopInTurbulence(Shown):
     @cached_property
     @derived("angle")
     def travel(self) -> float | None:
-        """Expected travel of the nozzle in `duration` [rad]; None where it has none."""
+        """Expected travel of the nozzle in `duration` [rad]; None for a rate without a variance."""
         return self.history.travel() if self.deflection_rate is not None else None
 
     @cached_property
     @derived("angle")
     def travel_deviation(self) -> float | None:
-        """Standard deviation of that travel [rad]; None where it has none."""
+        """Standard deviation of `travel` [rad]; None for a rate without a variance."""
         return self.history.travel_deviation() if self.deflection_rate is not None else None
 
     def tables(self) -> list[Table]:

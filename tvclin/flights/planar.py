@@ -101,7 +101,7 @@ class PlanarMotion:
         `deflection`: deflection minus the nominal one [rad]. `gust`: wind angle of attack [rad]
         relative to the nominal flight.
         """
-        now = self._now(t)
+        now = self._nominal_state(t)
         alpha, speed = self._air(now, x, gust)
         ratio = self._ratio(speed, now.altitude + x[4]) if self.nominal is not None else 1.0
         v = self.vehicle
@@ -137,10 +137,10 @@ class PlanarMotion:
         states = dict(zip(self.states, x, strict=True))
         lateral = {name: states[name] for name in self.sensors.states}
         if self.sensors.drift_rate:
-            lateral["drift_rate"] = self._drift_rate(self._now(t), x)
+            lateral["drift_rate"] = self._drift_rate(self._nominal_state(t), x)
         return lateral
 
-    def _drift_rate(self, now: _Now, x: Any) -> Any:
+    def _drift_rate(self, now: _Nominal, x: Any) -> Any:
         """Return the velocity normal to the nominal path [m/s].
 
         `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``.
@@ -152,9 +152,9 @@ class PlanarMotion:
 
         `x`: states, ``(states, ...)``. `gust`: wind angle of attack [rad] on the nominal path.
         """
-        return self._air(self._now(t), x, gust)[0]
+        return self._air(self._nominal_state(t), x, gust)[0]
 
-    def _air(self, now: _Now, x: Any, gust: Any) -> tuple[Any, Any]:
+    def _air(self, now: _Nominal, x: Any, gust: Any) -> tuple[Any, Any]:
         """Return the angle of attack [rad] and the air speed [m/s].
 
         `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``. `gust`: wind angle of
@@ -180,7 +180,14 @@ class PlanarMotion:
         return 0.0 if self.nominal is None else 1.0
 
     def _path(
-        self, now: _Now, theta: Any, gamma: Any, speed: Any, alpha: Any, ratio: Any, delta: Any
+        self,
+        now: _Nominal,
+        theta: Any,
+        gamma: Any,
+        speed: Any,
+        alpha: Any,
+        ratio: Any,
+        delta: Any,
     ) -> tuple[Any, Any]:
         """Return the rates of flight path angle [rad/s] and speed [m/s^2], nominal rates included.
 
@@ -206,20 +213,20 @@ class PlanarMotion:
     def _ratio(self, speed: Any, altitude: Any) -> Any:
         """Return the dynamic pressure over that of the vehicle's coefficients.
 
-        `speed`: air speed [m/s]. `altitude`: [m].
+        `speed`: air speed [m/s]. `altitude`: altitude [m].
         """
         return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
 
-    def _now(self, t: Any) -> _Now:
-        """Return the nominal flight at a time `t` [s]; frozen, that of the vehicle."""
+    def _nominal_state(self, t: Any) -> _Nominal:
+        """Return the nominal flight at a time `t` [s], or the vehicle's state if it is frozen."""
         v = self.vehicle
         if self.nominal is None:
-            return _Now(v.mass, v.velocity, v.attitude, 0.0)
+            return _Nominal(v.mass, v.velocity, v.attitude, 0.0)
         return _nominal_at(self.nominal, t) if np.ndim(t) else _latest(self.nominal, float(t))
 
 
 @dataclass(frozen=True, eq=False)
-class _Now:
+class _Nominal:
     """The nominal flight at a time."""
 
     mass: Any
@@ -228,9 +235,9 @@ class _Now:
     altitude: Any
 
 
-def _nominal_at(nominal: NominalFlight, t: Any) -> _Now:
+def _nominal_at(nominal: NominalFlight, t: Any) -> _Nominal:
     """Return mass, speed, path angle and altitude of the nominal flight at times `t` [s]."""
-    return _Now(nominal.mass(t), *nominal.states_within(t))
+    return _Nominal(nominal.mass(t), *nominal.states_within(t))
 
 
 _latest = lru_cache(maxsize=1)(_nominal_at)
@@ -270,7 +277,7 @@ class PlanarCase:
     span: tuple[float, float]
 
     def flown(self, command: Command, limit: float) -> Solution:
-        """Return the flight of a command from equilibrium, within a limit [rad].
+        """Return the flight of a nozzle command from equilibrium, within a deflection limit [rad].
 
         `InputError` for noise, and a rate limit without an actuator.
         """
@@ -335,7 +342,7 @@ class PlanarCase:
         return self.motion.rates(t, x, min(max(float(turned(t)), -limit), limit), gust(t))
 
     def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Solution:
-        """Return the flight of arcs, with NaN after the end of the last one.
+        """Return a solution with NaN after the end of the last of its arcs.
 
         `rows`: function from times [s] to states and deflection.
         """

@@ -78,6 +78,11 @@ class FlightComparison:
 
         A flight that leaves the range of its model in the wind counts until it does.
 
+        Parameters
+        ----------
+        name : str
+            Name of the output, such as "attitude".
+
         Raises
         ------
         InputError
@@ -135,7 +140,7 @@ class FlightComparison:
 
     @property
     def largest(self) -> dict[str, tuple[float, float]]:
-        """Peaks of both flights [rad, rad/s], by their names."""
+        """Peaks of the flight and of the linear flight [rad, rad/s], by their names."""
         return {
             f"largest {name.replace('_', ' ')} over the wind [deg]": self.peaks(name)
             for name in PEAKS
@@ -360,7 +365,7 @@ class SampledFlight(FlightComparison):
 
     @property
     def largest(self) -> dict[str, tuple[float, float]]:
-        """Peaks of both flights [rad, rad/s], by their names."""
+        """Peaks of the flight and of the rigid vehicle's flight [rad, rad/s], by their names."""
         return super().largest | {"largest rate of the nozzle [deg/s]": self.peak_rates}
 
 

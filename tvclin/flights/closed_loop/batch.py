@@ -202,17 +202,17 @@ class Batch:
 
     @cached_property
     def system(self) -> LinearSystem:
-        """Plants with the lateral sensors of the laws, whose states follow the plant's."""
+        """Plants with the lateral sensors of the laws, whose states follow those of the plant."""
         return self.laws.sensors.system(self.plant)
 
     @property
     def vehicles(self) -> tuple[int, ...]:
-        """Shape of the batch of vehicles."""
+        """Shape of the batch of vehicles, which are plants with their hardware."""
         return np.broadcast_shapes(self.plant.batch, self.hardware.batch)
 
     @property
     def indices(self) -> tuple[IntArray, IntArray]:
-        """Indices of the vehicle and the wind of each flight, ``(m,)``."""
+        """Flat indices of the vehicle and of the wind of each flight in their batches, ``(m,)``."""
         vehicle, encountered = self.vehicle, self.encountered
         if vehicle is None or encountered is None:
             vehicle, encountered = (
@@ -371,7 +371,11 @@ class Timing(NamedTuple):
         return self.lengths[:, 1:] / self.substeps
 
     def steps(self, joint: FloatArray, fine: FloatArray, ramp: FloatArray) -> Steps:
-        """Return the `Steps` of these samples with the transition matrices of their vehicles."""
+        """Return the `Steps` of these samples with transition matrices of their vehicles.
+
+        `joint`, `fine`: matrices J over the parts of a sample and over their substeps. `ramp`:
+        response to a linear deflection in a substep.
+        """
         lengths, substeps, pace, late = self
         quick = np.where(self.short > 0.0, pace * self.short, 0.0)
         return Steps(joint, fine, substeps, ramp, lengths, self.short, quick, late)
@@ -382,9 +386,10 @@ def steps_of(
 ) -> Steps:
     """Return the transition matrices of p vehicles in winds of `terms` polynomial coefficients.
 
-    `driven`, `ramp`: results of `with_wind` and `with_ramp`, ``(p,)``; ``(parts, p)`` if the
-    matrices differ between the parts of a sample. `plant`: plants without nozzle, ``(p,)``.
-    `timing`: samples and parts of the vehicles.
+    `driven`, `ramp`: vehicles with nozzle and with the states of a polynomial wind, and plants with
+    those of a linear deflection, ``(p,)``; ``(parts, p)`` if the matrices differ between the parts
+    of a sample. `plant`: plants without nozzle, ``(p,)``. `timing`: samples and parts of the
+    vehicles.
     """
     lengths, n, short = timing.lengths[:, 1:], len(plant.states), timing.short
     joint = joint_steps(driven, n, lengths, terms)
@@ -395,10 +400,11 @@ def steps_of(
 def _cases(
     batch: Batch, judges: OutcomeCriteria, criteria_index: IntArray
 ) -> tuple[Cases, FloatArray]:
-    """Return the numbers of each of m flights, and rows of noise of their attitude rates [rad/s].
+    """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
 
-    `batch`: the flights. `judges`: outcome criteria of the different plants. `criteria_index`:
-    index of each vehicle's criteria in `judges`, ``(p,)``.
+    The second result is rows of noise of measured attitude rates [rad/s]. `judges`: outcome
+    criteria of the different plants. `criteria_index`: index in `judges` of each of p vehicles,
+    ``(p,)``.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
     h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]

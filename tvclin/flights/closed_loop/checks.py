@@ -92,7 +92,7 @@ def check_samples(span: float, length: float) -> None:
 
 
 def check_fastest_pole(plant: AnyPlant, length: float) -> None:
-    """Raise `InputError` if a plant has too fast a pole for a sample period `length` [s]."""
+    """Raise `InputError` if a pole of a plant is too fast for a sample period `length` [s]."""
     pole = float(fastest_poles(plant))
     if not pole * length <= MAX_POLE_TIMES_SAMPLE:
         raise errors.InputError(

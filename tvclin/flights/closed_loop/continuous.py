@@ -85,7 +85,7 @@ class Loop:
 
     @cached_property
     def servo(self) -> int:
-        """Number of states of the nozzle."""
+        """Number of states of the nozzle: 0 without an actuator, else its order, 1 or 2."""
         return 0 if self.actuator is None else self.actuator.denominator.size - 1
 
     @cached_property
@@ -95,7 +95,7 @@ class Loop:
 
     @property
     def size(self) -> int:
-        """Number of all states."""
+        """Number of all states, of the vehicle, the nozzle and the law."""
         return self.order + self.servo + len(self.memory[0])
 
     @cached_property
@@ -111,8 +111,7 @@ class Loop:
         """Return the measurements of the law; the deflection is NaN without an actuator.
 
         `t`: time [s]. `states`: all states of the loop, ``(n, ...)``. `wind`: wind angle [rad].
-        `regime`: regime of the nozzle, within which the deflection is smooth; without it, it is
-        clipped.
+        `regime`: active limits; without it the deflection is clipped at its limit.
         """
         path = states[2] if "flight_path_angle" in self.equations.states else 0.0 * states[0]
         alpha = self.equations.angle_of_attack(t, states[: self.order], wind)
@@ -121,9 +120,10 @@ class Loop:
         return Measurement(states[0], states[1], path, alpha, deflection, **lateral)
 
     def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
-        """Return the deflection [rad]; with a regime it is smooth beyond the regime's end.
+        """Return the deflection [rad] of the actuator, from all states of the loop, ``(n, ...)``.
 
-        `states`: all states of the loop, ``(n, ...)``.
+        `regime`: active limits, with which it is smooth beyond the limit; without it, it is clipped
+        there.
         """
         position = states[self.order]
         if regime is None:
@@ -139,9 +139,10 @@ class Loop:
         return self.gain * self.law.demand(measured, memory, self.limit)
 
     def command(self, states: FloatArray, measured: Measurement, regime: Regime) -> Any:
-        """Return the command [rad]: the demand, or the full limit of the regime's mode.
+        """Return the command [rad]: the demand of the law, or the full limit while that is engaged.
 
         `states`: all states of the loop, ``(n, ...)``. `measured`: measurements of the law.
+        `regime`: active limits, whose `mode` is the sign of the full limit, or zero.
         """
         return regime.mode * self.limit if regime.mode else self.demand(states, measured)
 
@@ -157,7 +158,7 @@ class Loop:
         return np.clip(demand, -self.limit, self.limit)
 
     def pull(self, states: FloatArray, command: Any) -> Any:
-        """Return the unlimited s' of a first-order nozzle s, or s'' of a second-order nozzle.
+        """Return s' of a first-order nozzle s without its rate limit, or s'' of second order.
 
         `states`: all states of the loop, ``(n, ...)``. `command`: commanded deflection [rad].
         """
@@ -241,9 +242,9 @@ def regime_after_jump(
 ) -> Regime:
     """Return the regime after a possible jump of the command, with the rate limited or not.
 
-    The rate is limited if it is at its limit in the direction of the nozzle's pull. `t`: time [s].
-    `states`: all states of the loop. `regime`: regime before. `gust`: wind angle [rad] as a
-    function of the time.
+    The rate is limited if it is at its limit in the direction in which the command accelerates the
+    nozzle. `t`: time [s]. `states`: all states of the loop. `regime`: active limits before. `gust`:
+    wind angle [rad] as a function of the time.
     """
     if loop.actuator is None or loop.rate_limit == np.inf:
         return regime
@@ -255,7 +256,7 @@ def regime_after_jump(
 
 
 def ends_of(loop: Loop, regime: Regime, gust: Any) -> list[End]:
-    """Return the events that can end a regime of a loop.
+    """Return the events that can end a regime, in which the active limits stay the same.
 
     `gust`: wind angle [rad] as a function of the time.
     """
@@ -268,10 +269,10 @@ def ends_of(loop: Loop, regime: Regime, gust: Any) -> list[End]:
 
 
 def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
-    """Return the end of a mode: demand below `release` if engaged, else above `engage`.
+    """Return the event at which the law engages the full limit, or if engaged, releases it.
 
-    `gust`: wind angle [rad] as a function of the time. `sign`: sign of the full limit that is left
-    or reached.
+    `regime`: active limits. `gust`: wind angle [rad] as a function of the time. `sign`: sign of the
+    full limit.
     """
 
     def past(t: Any, states: FloatArray) -> Any:
@@ -285,12 +286,11 @@ def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
 
 
 def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
-    """Return the end of a rate regime, which begins and ends by the pull of the nozzle.
+    """Return the event at which the nozzle leaves its rate limit r, or if free, reaches it.
 
-    First order, s' = pull: held where ``|pull| > r``, let go where ``|pull| < r``, r the rate
-    limit. Second order, s'' = pull: held where ``|s'| > r``, let go where the pull changes its
-    sign. `gust`: wind angle [rad] as a function of the time. `sign`: sign of the rate that is left
-    or reached.
+    First order, s' = pull: at the limit while ``|pull| > r``. Second order, s'' = pull: at the
+    limit from ``|s'| > r`` until the pull changes its sign. `regime`: active limits. `gust`: wind
+    angle [rad] as a function of the time. `sign`: sign of the rate.
     """
     max_rate, order, first = loop.rate_limit, loop.order, loop.servo == 1
     then = regime._replace(rate=0.0 if regime.rate else sign)
@@ -298,7 +298,7 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
         return End(lambda t, x: sign * x[order + 1] - max_rate, max_rate, then)
 
     def pull(t: Any, states: FloatArray) -> Any:
-        """Return the pull in the direction of the sign, at a time `t` [s]."""
+        """Return the pull at a time `t` [s], positive in the direction of the rate limit."""
         measured = loop.measured(t, states, gust(t), regime)
         return sign * loop.pull(states, loop.command(states, measured, regime))
 
@@ -313,8 +313,7 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
 def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the deflection leaves its limit, or if free, reaches it.
 
-    `loop`: gives the limit. `regime`: active limits. `sign`: sign of the limit that is left or
-    reached.
+    `loop`: gives the limit. `regime`: active limits. `sign`: sign of the deflection.
     """
     limit, order = loop.limit, loop.order
     if regime.stop:
@@ -324,7 +323,7 @@ def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
 
 
 def _signs(active: float) -> tuple[float, ...]:
-    """Return the signs of the limit that an event can leave, if one is active, or else reach."""
+    """Return the signs of a limit that an event changes: that of the active limit, else both."""
     return (active,) if active else (1.0, -1.0)
 
 
@@ -332,7 +331,8 @@ def first_missed_end(result: Any, ends: list[End]) -> tuple[float, Regime] | Non
     """Return time [s] and next regime of the first end of a regime that the solver stepped over.
 
     Such an end lies within a solver step, with the same sign of its event function at both sides;
-    None without such an end. `result`: solution of `solve_ivp`. `ends`: ends of the regime.
+    None without such an end. `result`: solution of `solve_ivp`. `ends`: events that can end the
+    regime.
     """
     from scipy.optimize import brentq, minimize_scalar
 
@@ -392,7 +392,11 @@ class ContinuousFlight:
     max_attitude: float = LOST
 
     def arcs(self, start: float, stop: float) -> list[Arc]:
-        """Return the arcs of the flight from equilibrium at `start` to just beyond `stop` [s]."""
+        """Return the arcs of the flight from equilibrium at `start` to just beyond `stop` [s].
+
+        An arc is the solution between two events: breakpoints of the wind, and changes of the
+        active limits.
+        """
         stop = max(float(np.nextafter(stop, np.inf)), start + 1e-9)
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
@@ -445,10 +449,11 @@ class ContinuousFlight:
         gust: Any,
         ends: list[End],
     ) -> Any:
-        """Return the solver's result from a state to the end of the regime or of the span.
+        """Return the result of `solve_ivp` from a state to the first event or the end of a span.
 
-        `rates`: derivatives of the states. `span`: start and end [s]. `gust`: wind angle [rad] as a
-        function of the time. `ends`: events that can end the regime.
+        `rates`: derivatives of the states. `span`: start and end [s]. `state`: all states of the
+        loop. `regime`: active limits. `gust`: wind angle [rad] as a function of the time. `ends`:
+        events that can end the regime.
         """
         from scipy.integrate import solve_ivp
 
@@ -474,7 +479,7 @@ class ContinuousFlight:
     def rows(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
         """Return n plant states and deflection [rad] at times [s] ``(m,)``, shape ``(n + 1, m)``.
 
-        `arcs`: result of `ContinuousFlight.arcs`.
+        `arcs`: solutions between events, which cover the times.
         """
         starts = np.array([arc.start for arc in arcs])
         index = np.searchsorted(starts, times, side="right") - 1
@@ -490,7 +495,7 @@ class ContinuousFlight:
 
     @cached_property
     def _absolute_tolerance(self) -> FloatArray:
-        """Absolute tolerance of each state."""
+        """Absolute tolerance of the solver for each state, ``(n,)``."""
         tolerance = np.full(self.loop.size, _ATOL * abs(float(self.wind.peak)))
         tolerance[: self.loop.order] *= self.loop.equations.scales
         return tolerance
@@ -512,9 +517,9 @@ class ContinuousFlight:
 
 
 def _with_evaluation_limit(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Return the function `rates`, which raises `InputError` after too many evaluations.
+    """Return derivatives of states as a function that raises `InputError` after too many calls.
 
-    `rates`: derivatives of the states of one flight, of the time [s], the states and more.
+    `rates`: the derivatives, a function of the time [s], the states and more.
     """
     evaluations = count(1)
 
@@ -531,10 +536,10 @@ def _with_evaluation_limit(rates: Callable[..., FloatArray]) -> Callable[..., Fl
 
 
 def _event(end: End) -> Any:
-    """Return the solver's event function of the end of a regime, which rises through zero."""
+    """Return the event function for `solve_ivp` of an end, which rises through zero there."""
 
     def past(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
-        """Return the event function of the end; positive after it."""
+        """Return by how much the states are past the end; negative before it."""
         return float(end.past(t, states))
 
     past.terminal = True  # type: ignore[attr-defined]
@@ -543,13 +548,13 @@ def _event(end: End) -> Any:
 
 
 def _flight_end(max_attitude: float) -> Any:
-    """Return the event function of a flight's end, a millionth beyond `LOST` or the attitude.
+    """Return the event function of the end of a flight: a state or the attitude is too large.
 
-    `max_attitude`: largest attitude [rad].
+    `max_attitude`: largest attitude [rad]; the end is a millionth beyond it.
     """
 
     def remaining(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
-        """Return the smaller distance of the states from their limits; negative beyond one."""
+        """Return the smaller distance of states and attitude to their limits; negative beyond."""
         to_loss = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
         return min(to_loss, max_attitude * (1.0 + 1e-6) - abs(float(states[0])))
 

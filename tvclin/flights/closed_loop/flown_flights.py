@@ -57,7 +57,7 @@ class FlownFlight:
     goes_on: bool = False
 
     def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
-        """Return plants and autopilots at times [s]."""
+        """Return the plants and the autopilots of the flight at times [s], batches ``(n,)``."""
         together, which = FlownFlights([self]), np.zeros(times.size, np.int64)
         pressure = together.pressure_at(times, which)
         return together.plants_at(times, which, pressure), together.laws_at(times, which)
@@ -65,7 +65,7 @@ class FlownFlight:
     @property
     def breaks(self) -> FloatArray:
         """Times [s], the ends included, between which plants and autopilots are smooth."""
-        return self._inside([self.vehicle_breaks, self.wind.breaks])
+        return self._times_between([self.vehicle_breaks, self.wind.breaks])
 
     @property
     def vehicle_breaks(self) -> FloatArray:
@@ -80,9 +80,9 @@ class FlownFlight:
         schedule = self.autopilot
         if isinstance(schedule, GainSchedule) and schedule.variable == "time":
             times.append(schedule.breakpoints)
-        return self._inside(times)
+        return self._times_between(times)
 
-    def _inside(self, times: Sequence[FloatArray]) -> FloatArray:
+    def _times_between(self, times: Sequence[FloatArray]) -> FloatArray:
         """Return the ends of the flight and several arrays of times [s] between them, rising."""
         ends = self.start, self.stop
         return np.unique(np.clip(np.concatenate([*times, ends]), *ends))
@@ -100,14 +100,14 @@ class FlownFlight:
 
     @cached_property
     def stages(self) -> Stages:
-        """Stages of the sampled flight by itself, as of `sampled_stages`."""
+        """Matrices of the loop at all samples of this flight alone."""
         return sampled_stages([self])
 
     @cached_property
     def further(self) -> FlownFlight | None:
-        """The flight until it can settle after its wind; None where it ends with the schedule.
+        """The same flight with a later end, at which it can be settled; None if it cannot go on.
 
-        In a wind that lasts as long as it is known it ends with that.
+        It cannot in a wind that lasts as long as it is known.
         """
         end = float(np.max(self.wind.history.end))
         if not self.goes_on or not end < self.wind.known[1]:
@@ -162,7 +162,7 @@ class FlownFlights:
         return np.minimum(times, self.flights[0].flight.span[1])
 
     def _by_flight(self, which: IntArray) -> Iterator[tuple[FlownFlight, AnyArray]]:
-        """Yield each flight among the indices `which`, with its positions there."""
+        """Yield each flight among the indices `which`, and the positions of its index in them."""
         for index in np.unique(which).tolist():
             yield self.flights[index], np.flatnonzero(which == index)
 
@@ -201,10 +201,11 @@ def sampled_stages(
     storage: Storage | None = None,
     surfaces: dict[Any, Surface | None] | None = None,
 ) -> Stages:
-    """Return the stages of sampled flights with one model, structure and autopilot but for gains.
+    """Return the matrices of the loops at all samples of several flights.
 
-    `storage`, `surfaces`: memory and interpolants of earlier flights, see `Stages`. `InputError`
-    for an autopilot without a sample rate, and as `fly_many`.
+    `flights`: sampled flights with one model, structure and autopilot but for gains. `storage`,
+    `surfaces`: memory and interpolants of earlier flights, see `Stages`. `InputError` for an
+    autopilot without a sample rate, and as `fly_many`.
     """
     first, together = flights[0], FlownFlights(flights)
     law = first.law
@@ -245,9 +246,9 @@ def flown_in_winds(
 ) -> tuple[FlownCases, Flights]:
     """Return the outcomes of m sampled flights, and the arrays of the kernel at their ends.
 
-    `stages`: sampled loops and winds. `which`: index of the wind of each flight, ``(m,)``. `limit`,
-    `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``. `track`: whether the
-    samples of a single flight are recorded.
+    `stages`: matrices of the loops at their samples, and winds. `which`: index of the wind of each
+    flight, ``(m,)``. `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``.
+    `track`: whether the samples of a single flight are recorded.
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
@@ -302,9 +303,9 @@ def fly_together(
 
 
 def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Stages]]:
-    """Yield slices of flights whose stages are in memory at one time, and these stages.
+    """Yield slices of flights, and the matrices of their loops at all samples, of limited memory.
 
-    The stages of a slice are overwritten by those of the next; a single flight keeps its own.
+    Those of a slice are overwritten by those of the next; a single flight keeps its own.
     """
     if len(flights) == 1:
         yield slice(0, 1), flights[0].stages
@@ -315,7 +316,7 @@ def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Sta
 
 
 def _parts(flights: Sequence[FlownFlight]) -> Iterator[slice]:
-    """Yield slices of flights whose stages are in memory at one time."""
+    """Yield slices of flights whose matrices at all samples are in memory at one time."""
     samples = [
         (flight.stop - flight.start) * float(np.asarray(flight.law.sample_rate or 1.0))
         for flight in flights

@@ -140,7 +140,7 @@ class FlownMargins(Shown):
 
     @property
     def spare_line(self) -> Line:
-        """Limit over boundary, as a number to two decimals."""
+        """Limit over boundary as text, a number to two decimals."""
         return lines.number("flown.spare", self.spare, 2)
 
     @property
@@ -153,7 +153,7 @@ class FlownMargins(Shown):
     @property
     @derived()
     def notes(self) -> tuple[str, ...]:
-        """Notes on the margins."""
+        """Sentences on the status, on margins without a failure, and on changes that survive."""
         notes = [] if self.status == OK else [self.status]
         for name in CHANGES:
             m: FlownMargin = getattr(self, name)
@@ -380,9 +380,9 @@ def _linear_margins(flight: Batch, pole: float) -> dict[str, float]:
 
 
 def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMargin:
-    """Return the smallest change that fails, by a scan from the largest change to none.
+    """Return the flown margin of one quantity, by a scan from the largest change to none.
 
-    `name`: name of the change, see `CHANGES`. `linear`: linear margin, a factor or a delay [s].
+    `name`: name of the change, see `CHANGES`. `linear`: its linear margin, a factor or a delay [s].
     `pole`: fastest unstable pole of the plant [1/s].
     """
     if name == "delay":

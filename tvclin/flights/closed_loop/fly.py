@@ -228,7 +228,7 @@ class LinearEquations:
 
     @property
     def scales(self) -> FloatArray:
-        """Scales of the states, ``(n,)``: 1 of the vehicle, the largest rate of each sensor."""
+        """Scales of the states, ``(n,)``: 1 for the vehicle, the largest rate for a sensor."""
         scales = np.ones(len(self.states))
         sensors = slice(len(self.plant.states), None)
         scales[sensors] = np.abs(self._system.A[sensors]).max(axis=-1, initial=1.0)
@@ -262,7 +262,7 @@ class LinearEquations:
 
     @cached_property
     def _system(self) -> LinearSystem:
-        """The plant with its lateral sensors."""
+        """State space of the plant with its lateral sensors."""
         return self.sensors.system(self.plant)
 
 
@@ -363,7 +363,7 @@ def fly_nozzle(
 def times_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:
     """Return the even number of times in a sample period `length` [s] that resolve a flight.
 
-    `plant`, `actuator`: their fastest pole counts.
+    They resolve the fastest pole of `plant` and `actuator`.
     """
     poles = np.zeros(1) if actuator is None else np.roots(actuator.denominator)
     fastest = max(float(np.abs(poles).max()), float(fastest_poles(plant)))

@@ -225,8 +225,8 @@ def fly_along(
     along = checked_flight(flight, autopilot, wind_of_flight, start, stop, model, plane)
     slopes: dict[str, FloatArray] = {}
     if alpha_moment is not None:
-        slopes["alpha_moment"] = _slope(flight, "alpha_moment", alpha_moment)
-        slopes["deflection_moment"] = _slope(flight, "deflection_moment", deflection_moment)
+        slopes["alpha_moment"] = _moment_slope(flight, "alpha_moment", alpha_moment)
+        slopes["deflection_moment"] = _moment_slope(flight, "deflection_moment", deflection_moment)
     max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
     if along.law.sample_rate is None:
         if deflection_limit is not None or np.isfinite(max_rate):
@@ -328,7 +328,7 @@ def fly_many_along(
 def _winds_along(
     flight: FlightSchedule, wind: Any, plane: str, sign: str | None
 ) -> tuple[list[WindAlong], tuple[int, ...]]:
-    """Return the winds along a flight, and the shape of their batch.
+    """Return the winds along a flight with their dynamic pressure, and the shape of their batch.
 
     `wind`: a history or a batch of histories, or soundings. `plane`: plane of the motion. `sign`:
     "head", "tail" or "frozen", see `fly_along`. Winds at nominal dynamic pressure have the same
@@ -346,7 +346,7 @@ def _winds_along(
     return [wind_along(flight, case, plane, sign) for case in cases], wind.batch
 
 
-def _slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
+def _moment_slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatArray:
     """Return the slope of a moment [N m/rad] at the times of a flight, ``(n,)``.
 
     `value`: the slope, one or one for each time. `name`: name of the argument, for messages.
@@ -406,7 +406,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     order = steps.shape[-1] - terms
     index = np.searchsorted(knots, times[:-1] + 1e-12, side="right") - 1
     local = np.array(
-        [_shifted(pieces, knots, int(j), t) for j, t in zip(index, times, strict=False)]
+        [_coefficients_at(pieces, knots, int(j), t) for j, t in zip(index, times, strict=False)]
     )
     forced = (steps[:, :order, order:] @ local[..., np.newaxis])[..., 0]
     states = np.zeros((times.size, order))
@@ -427,7 +427,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     return times.astype(float), np.column_stack([states[:, :n], deflection]), rates
 
 
-def _shifted(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> FloatArray:
+def _coefficients_at(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> FloatArray:
     """Return the coefficients of a wind's polynomial about a time [s]; zeros before its onset.
 
     `pieces`: coefficients about the breakpoints, ``(k, terms)``. `knots`: breakpoints [s],

@@ -48,38 +48,38 @@ _RATE_AT_LIMIT = 0.999
 
 
 def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
-    """Return whether each surviving flight still reaches limits long afterwards, ``(m,)``.
+    """Return whether the nozzle of each of m flights still reaches limits long after it, ``(m,)``.
 
-    `f`: arrays of the flights at their ends. `laws`: their laws; flights of laws with noise are not
-    continued.
+    Those that survive are continued in still air, but for laws with noise. `f`: arrays of the
+    flights at their ends. `laws`: their laws.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.cases.law]
     active = np.flatnonzero((f.now.outcome == SURVIVED_CODE) & silent & (f.cases.settling > 0))
     quiet, g = np.zeros(active.size, dtype=int), f
-    where = active
+    indices = active
     for _ in range(int(WAITING / (SETTLING * _INTERVAL_OVER_SETTLING))):
         if not active.size:
             break
-        g = _continued(g, where, laws)
+        g = _continuation(g, indices, laws)
         at_rate_limit = g.now.peaks[:, 3] >= _RATE_AT_LIMIT * g.cases.rate_limit
         limited = (g.now.peaks[:, 5] > 0.0) | at_rate_limit
         quiet = np.where(limited, 0, quiet + 1)
-        where = np.flatnonzero(quiet < _QUIET_INTERVALS)
-        active, quiet = active[where], quiet[where]
+        indices = np.flatnonzero(quiet < _QUIET_INTERVALS)
+        active, quiet = active[indices], quiet[indices]
     cycles = np.zeros(f.cases.limit.size, dtype=bool)
     cycles[active] = True
     return cycles
 
 
-def _continued(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
-    """Return the flights at indices `where`, continued through an interval of still air.
+def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
+    """Return the flights at `indices` after a further interval, in still air.
 
-    `f`: arrays of the flights at their ends. `laws`: laws of the flights.
+    `f`: arrays of all flights at their ends. `laws`: laws of the flights.
     """
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
-        cases=Cases._make(array[where] for array in f.cases),
-        now=FlightStates._make(array[where] for array in f.now),
+        cases=Cases._make(array[indices] for array in f.cases),
+        now=FlightStates._make(array[indices] for array in f.now),
         track=f.track[:0],
     )
     ring = g.now.commands.shape[1]

@@ -102,8 +102,8 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
             for stepper in steppers:
                 stepper.look(k)
-        x = _both(pair, lambda f: f.now.y[:, 0])[active]
-        s = _both(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
+        x = _vectors(pair, lambda f: f.now.y[:, 0])[active]
+        s = _vectors(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
         outcomes.attitude[active] = np.maximum(outcomes.attitude[active], np.abs(x))
         outcomes.deflection[active] = np.maximum(outcomes.deflection[active], limit_shape.gauge(s))
         if m == 1:
@@ -113,8 +113,8 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
             active = np.flatnonzero(outcomes.ended < 0)
             if not active.size:
                 break
-        measured = _both(pair, lambda f: f.now.measured)[active]
-        states = _both(pair, lambda f: f.now.states)[active, :order]
+        measured = _vectors(pair, lambda f: f.now.measured)[active]
+        states = _vectors(pair, lambda f: f.now.states)[active, :order]
         demand, command = law.demand(measured, states, limit[active]), np.zeros(m, complex)
         command[active], at_stop = law.limited(demand, limit[active])
         outcomes.saturated[active] += at_stop
@@ -123,7 +123,7 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
     return outcomes
 
 
-def _both(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vectors:
+def _vectors(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vectors:
     """Return the vectors pitch + j yaw of an array of the flights in both planes.
 
     `pair`: arrays of the flights in pitch and in yaw. `array`: function that selects the array.
@@ -303,9 +303,7 @@ def fly_planes(
             planes, (wind.pitch, wind.yaw), both.plane_limits, strict=True
         )
     ]
-    return _flown_planes(
-        flown_in_step(pair, both, flat), float(wind.onset), 1.0 / rate, limit.shape
-    )
+    return _record(flown_in_step(pair, both, flat), float(wind.onset), 1.0 / rate, limit.shape)
 
 
 def flown_plane_limit(
@@ -399,10 +397,10 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
         )
 
 
-def _flown_planes(
+def _record(
     outcomes: PlaneOutcomes, start: float, length: float, shape: tuple[int, ...]
 ) -> FlownPlanes:
-    """Return the record of outcomes in the shape of the limits.
+    """Return the outcomes as a public record, in the shape of the limits.
 
     `start`: start of the flights [s]. `length`: sample period [s]. `shape`: shape of the limits.
     """

@@ -125,13 +125,13 @@ def fly_planes_along(
     ]
     if pair[0].law.sample_rate != pair[1].law.sample_rate:
         raise errors.InputError("autopilot must have the same sample_rate in both planes")
-    flown = _flown(pair, shape, limit, max_rate)
-    further = _further(pair) if flown.status == UNDECIDED else None
-    return flown if further is None else _flown(further, shape, limit, max_rate)
+    flown = _flight_in_planes(pair, shape, limit, max_rate)
+    further = _continuation(pair) if flown.status == UNDECIDED else None
+    return flown if further is None else _flight_in_planes(further, shape, limit, max_rate)
 
 
-def _further(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
-    """Return the flights of both planes until they can settle; None where they cannot go on.
+def _continuation(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
+    """Return the flights of both planes with a later end, at which they can be settled, or None.
 
     `pair`: flights in pitch and in yaw.
     """
@@ -139,13 +139,13 @@ def _further(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
     return [replace(along, stop=max(stops), goes_on=False) for along in pair] if stops else None
 
 
-def _flown(
+def _flight_in_planes(
     pair: Sequence[FlownFlight],
     shape: CircularShape | PolygonShape,
     limit: float,
     rate_limit: float,
 ) -> FlightAlong:
-    """Return a sampled flight in both planes.
+    """Return the outputs and the status of a sampled flight in both planes.
 
     `pair`: flights in pitch and in yaw. `shape`: limit shape of unit limit. `limit`, `rate_limit`:
     limits of the deflection vector [rad] and of the rate in each plane [rad/s].
@@ -166,13 +166,13 @@ def _flown(
             cases = flown_cases(f, np.ones(1, bool), unstable_loops(batch, within))
             statuses.add(str(cases.status[0]))
     status = next(word for word in (LOST, RINGS, UNDECIDED, SURVIVED) if word in statuses)
-    made = {
+    by_plane = {
         plane: with_outputs(along, *tracked_states(f, limit * plane_limit), status, {})
         for plane, along, f, plane_limit in zip(
             PLANES, pair, flights, shape.plane_limits, strict=True
         )
     }
-    return _vectors(made, shape, limit)
+    return _vector_flight(by_plane, shape, limit)
 
 
 def _normals(shape: CircularShape | PolygonShape) -> FloatArray:
@@ -194,14 +194,15 @@ def _separate_limits(shape: CircularShape | PolygonShape) -> FloatArray:
     return shape.each_plane().plane_limits
 
 
-def _vectors(
-    made: dict[str, FlightAlong], shape: CircularShape | PolygonShape, limit: float
+def _vector_flight(
+    by_plane: dict[str, FlightAlong], shape: CircularShape | PolygonShape, limit: float
 ) -> FlightAlong:
-    """Return the flight of both planes from the flights of each, with the common status.
+    """Return the outputs of a flight in both planes from those in each, with the common status.
 
-    `made`: flights by plane. `shape`: limit shape of unit limit. `limit`: deflection limit [rad].
+    `by_plane`: flights in pitch and yaw. `shape`: limit shape of unit limit. `limit`: deflection
+    limit [rad].
     """
-    pitch, yaw = (made[plane] for plane in PLANES)
+    pitch, yaw = (by_plane[plane] for plane in PLANES)
     outputs = {
         name: np.hypot(values, yaw.outputs[name])
         for name, values in pitch.outputs.items()
@@ -209,11 +210,11 @@ def _vectors(
     }
     deflection = pitch.outputs["deflection"] + 1j * yaw.outputs["deflection"]
     outputs["deflection"] = shape.gauge(deflection)
-    rates = [np.abs(along.outputs["deflection_rate"]) for along in made.values()]
+    rates = [np.abs(along.outputs["deflection_rate"]) for along in by_plane.values()]
     outputs["deflection_rate"] = np.maximum(*rates)
     outputs["pressure_ratio"] = pitch.outputs["pressure_ratio"]
     status = pitch.status
     if status == SURVIVED and outputs["deflection"].max() > limit * (1.0 + _ROUNDING):
         status = OUTSIDE
-    planes = {plane: replace(along, status=status) for plane, along in made.items()}
+    planes = {plane: replace(along, status=status) for plane, along in by_plane.items()}
     return FlightAlong(pitch.times, outputs, status, planes)

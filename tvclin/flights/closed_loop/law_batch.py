@@ -145,7 +145,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
 
 
 def _array(law: Any) -> AnyArray:
-    """Return an array of laws; `InputError` for another type."""
+    """Return a law, or an array of laws, as an array of laws; `InputError` for another type."""
     laws = np.asarray(law, dtype=object)
     if not laws.size or laws.ndim > MAX_AXES or not all(isinstance(x, Law) for x in laws.flat):
         raise InputError(
@@ -158,7 +158,8 @@ def _array(law: Any) -> AnyArray:
 def _batch_of_gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
     """Return the laws of an autopilot with a batch of gains, for flights of a batch `shape`.
 
-    `InputError` for an actuator, a delay, a sample rate, and a batch of filters.
+    `gains`: the autopilot. `InputError` for an actuator, a delay, a sample rate, and a batch of
+    filters.
     """
     has_hardware = gains.actuator is not None or np.any(np.asarray(gains.delay))
     if has_hardware or gains.sample_rate is not None:

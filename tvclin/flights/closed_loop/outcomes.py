@@ -51,7 +51,10 @@ def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
 
 
 def decidable(plant: AnyPlant) -> BoolArray:
-    """Return whether each plant has one or two real unstable poles and a control moment."""
+    """Return whether flights of each plant have an outcome, in the shape of the batch.
+
+    They have for one or two real unstable poles and a control moment.
+    """
     reach = _unstable_poles(plant)[-1]
     return (np.isfinite(reach) & (reach > 0.0)).reshape(plant.batch)
 

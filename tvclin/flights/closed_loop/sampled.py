@@ -49,20 +49,20 @@ def finish(f: Flights, laws: LawBatch) -> None:
     Python.
     """
     if not isinstance(f.laws.numbers, np.ndarray) and None in laws.numbers:
-        _in_python(f, laws)
+        _finish_in_python(f, laws)
         return
     cases = f.cases.limit.size
-    samples, first = float(_last(f).sum()), 0
+    samples, first = float(_minimum_samples(f).sum()), 0
     seconds = samples * kernel.PLAIN
     with np.errstate(all="ignore"):  # a lost flight may overflow
         fly = choice.fastest(kernel.fly, seconds)
-        plain = f if fly is not kernel.fly else _plain(f)
+        plain = f if fly is not kernel.fly else _with_law_list(f)
         while first < cases and fly is kernel.fly:
             start = perf_counter()  # an undecided flight takes longer than the estimate
             fly(plain, first, first + 1)
             fly, first = choice.fastest_uncounted(kernel.fly, perf_counter() - start), first + 1
     if first < cases:
-        compact = _compact(f)
+        compact = _with_law_array(f)
         work = samples * kernel.COMPILED
         in_slices(lambda a, b: fly(compact, first + a, first + b), cases - first, work)
 
@@ -73,13 +73,13 @@ def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: F
     `pitch`, `yaw`: flights of both planes, changed in place. `normals`: normals of the limit shape,
     ``(k, 2)``; empty for a circle. `limit`: deflection limits [rad], ``(m,)``.
     """
-    fly = choice.fastest(fly_in_planes, 2.0 * float(_last(pitch).sum()) * kernel.PLAIN)
-    take = _plain if fly is fly_in_planes else _compact
+    fly = choice.fastest(fly_in_planes, 2.0 * float(_minimum_samples(pitch).sum()) * kernel.PLAIN)
+    take = _with_law_list if fly is fly_in_planes else _with_law_array
     with np.errstate(all="ignore"):  # a lost flight may overflow
         fly(take(pitch), take(yaw), normals, limit, 0, limit.size)
 
 
-def _in_python(f: Flights, laws: LawBatch) -> None:
+def _finish_in_python(f: Flights, laws: LawBatch) -> None:
     """Step flights to their ends, in place; Python evaluates each law for all its flights at once.
 
     `f`: the flights, changed in place. `laws`: their laws, without numbers for the kernel.
@@ -105,10 +105,10 @@ class Stepper:
 
     def __init__(self, f: Flights) -> None:
         """Choose plain Python or machine code by the length of the flights, changed in place."""
-        self._look = choice.fastest(kernel.look, float(_last(f).sum()) * kernel.PLAIN)
+        self._look = choice.fastest(kernel.look, float(_minimum_samples(f).sum()) * kernel.PLAIN)
         compiled = self._look is not kernel.look  # both, as machine code takes other arrays
         self._advance = machine_code(kernel.advance) if compiled else kernel.advance
-        self._flights = _compact(f) if compiled else f
+        self._flights = _with_law_array(f) if compiled else f
 
     def look(self, k: int) -> int:
         """Evaluate measurements and outcomes at sample `k`; return the number of active flights."""
@@ -123,7 +123,7 @@ class Stepper:
         self._advance(self._flights, k, demand, engage, release)
 
 
-def _last(f: Flights) -> IntArray:
+def _minimum_samples(f: Flights) -> IntArray:
     """Return the smallest number of samples of each of the flights `f`, ``(m,)``."""
     return np.where(f.cases.finish < NEVER, f.cases.finish, f.cases.ends + f.cases.settling)
 
@@ -144,7 +144,7 @@ def _demand(law: Any, f: Flights, flights: IntArray) -> FloatArray:
     return np.asarray(demand, dtype=float)
 
 
-def _plain(f: Flights) -> Flights:
+def _with_law_list(f: Flights) -> Flights:
     """Return the flights `f` with the numbers of their laws as a list, for plain Python."""
     numbers = f.laws.numbers
     if isinstance(numbers, np.ndarray):
@@ -152,7 +152,7 @@ def _plain(f: Flights) -> Flights:
     return f._replace(laws=f.laws._replace(numbers=numbers))
 
 
-def _compact(f: Flights) -> Flights:
+def _with_law_array(f: Flights) -> Flights:
     """Return the flights `f` with the numbers of their laws as an array, for machine code."""
     if isinstance(f.laws.numbers, np.ndarray):
         return f
@@ -189,7 +189,7 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     actuator, f = flight.hardware.actuator, flown(flight, track=True)
     n = len(flight.system.states)
     system = plant_with_actuator(flight.plant, actuator, flight.laws.sensors)
-    _check(f, n)
+    _check_recorded(f, n)
     at = _substeps(f, system, n, times)
     rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
@@ -209,12 +209,12 @@ def outputs_of(plant: LinearSystem, rows: FloatArray, gusts: FloatArray) -> Floa
     return np.asarray(plant.C @ rows[:-1] + direct)
 
 
-def _check(f: Flights, order: int) -> None:
+def _check_recorded(f: Flights, order: int) -> None:
     """Raise `InputError` if the recorded flight `f` has a state that exceeds `LOST`.
 
     `order`: number of states of the plant, which come first.
     """
-    track = _written(f)
+    track = _recorded_rows(f)
     with np.errstate(invalid="ignore"):
         beyond = ~(np.abs(track[:, :order]).max(axis=1) <= LOST)
     if np.any(beyond):
@@ -290,12 +290,13 @@ class _Substeps(NamedTuple):
 
 
 def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _Substeps:
-    """Return the substeps that contain m times [s] of a recorded flight `f`.
+    """Return the substeps that contain m times [s] of a recorded flight.
 
-    `system`: plant with nozzle, whose first `n` states are the plant's.
+    `f`: arrays of the flight with its track. `system`: plant with nozzle, whose first `n` states
+    are the plant's.
     """
     N, order = f.now.y.shape[1], len(system.states)
-    limit, track = float(f.cases.limit[0]), _written(f)
+    limit, track = float(f.cases.limit[0]), _recorded_rows(f)
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
@@ -324,7 +325,7 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
     return at._replace(unlimited=unlimited)
 
 
-def _written(f: Flights) -> FloatArray:
+def _recorded_rows(f: Flights) -> FloatArray:
     """Return the rows of the track of a single flight `f` that were written, ``(k, N + 4)``."""
     return f.track[~np.isnan(f.track[:, -1])]
 

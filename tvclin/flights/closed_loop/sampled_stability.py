@@ -87,12 +87,12 @@ def equilibrium_step(batch: Batch) -> FloatArray:
 
 
 def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the step matrices of k flights at equilibrium, ``(k, n, n)``.
+    """Return the matrices of k loops over a sample at equilibrium, finite ones, ``(k, n, n)``.
 
     `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        steps = _composed(batch, f, cases)
+        steps = _loop_steps(batch, f, cases)
     # A gain whose step overflows is unstable.
     steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_OVERFLOW_EIGENVALUE * np.eye(
         steps.shape[-1]
@@ -100,12 +100,12 @@ def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     return steps
 
 
-def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the step matrices of k flights, ``(k, n, n)``, on the states of `equilibrium_step`.
+def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
+    """Return the matrices of k loops over a sample at equilibrium, ``(k, n, n)``.
 
-    `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights. Each signal is
-    rows of coefficients on these states. The last `command_count` commands [rad], of which all but
-    one are pending, are states.
+    They act on the n states of `equilibrium_step`, and each signal of the loop is a matrix of its
+    coefficients on them. The last `command_count` commands [rad], of which all but one are pending,
+    are states. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
     """
     k, arrays = cases.size, (f.now.y, f.now.states, f.now.commands)
     order, law_order, command_count = (array.shape[1] for array in arrays)
@@ -158,17 +158,17 @@ def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     for index in np.unique(f.cases.law[cases]).tolist():
         numbers, flights = batch.laws.numbers[index], np.flatnonzero(f.cases.law[cases] == index)
         if numbers is None:
-            slopes[flights] = _of_law(
+            slopes[flights] = _slopes_of_law(
                 batch.laws.laws[index], small[flights], limit[flights], slopes.shape[1]
             )
             continue
         different = flights if numbers.leans else flights[:1]
-        rows = [_of_numbers(numbers, small[i], limit[i], slopes.shape[1]) for i in different]
+        rows = [_slopes_of_numbers(numbers, small[i], limit[i], slopes.shape[1]) for i in different]
         slopes[flights] = np.array(rows)
     return slopes
 
 
-def _of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
+def _slopes_of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
     """Return the derivatives of a demand by measurements and law states, ``(8 + s,)``.
 
     `numbers`: numbers of the law. `small`: finite difference. `limit`: deflection limit [rad].
@@ -179,7 +179,7 @@ def _of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> 
     return [(value - values[-1]) / small for value in values[:-1]]
 
 
-def _of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
+def _slopes_of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
     """Return the derivatives of m demands by measurements and law states, ``(m, 8 + s)``.
 
     `law`: law in Python. `small`: finite differences, ``(m,)``. `limit`: deflection limits [rad],
@@ -235,9 +235,10 @@ def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, fl
 def linear_delay_margin(batch: Batch, pole: float) -> float:
     """Return the smallest further delay [s] with which the loop is unstable.
 
-    The delay is f + n samples. With the fraction f included in l, n = arg(l)/theta samples bring a
-    mode to the unit circle where ``|l| = 1``; f is the root for which n is a whole number. `batch`:
-    one flight with a stable loop. `pole`: fastest unstable pole of the plant [1/s].
+    The delay is f + n samples. With the fraction f included in the response l of the loop
+    (`_response`), n = arg(l)/theta samples bring a mode to the unit circle where ``|l| = 1``; f is
+    the root for which n is a whole number. `batch`: one flight with a stable loop. `pole`: fastest
+    unstable pole of the plant [1/s].
     """
     from scipy.optimize import brentq
 
@@ -263,10 +264,11 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
 
 
 def _response(batch: Batch, name: str, samples: float) -> Response:
-    """Return the loop response l as a function of the angles theta [rad] of z = e^(j theta).
+    """Return the response l(z) of an opened loop as a function of the angle of z = e^(j theta).
 
-    `batch`: one flight. `name`: "gain" or "effectiveness", the factor by which the loop is opened.
-    `samples`: whole samples of further delay.
+    The loop with a factor on the gain or the effectiveness is at its stability limit where factor
+    times l is 1. `batch`: one flight. `name`: "gain" or "effectiveness". `samples`: whole samples
+    of further delay.
     """
 
     def step(gain: float, effectiveness: float) -> FloatArray:
@@ -293,10 +295,10 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
 
 
 def _angles(batch: Batch, pole: float, samples: float) -> FloatArray:
-    """Return rising angles theta [rad] up to pi that resolve l(z) at z = e^(j theta).
+    """Return rising angles theta [rad] up to pi that resolve the response of a loop.
 
     `batch`: one flight. `pole`: fastest unstable pole of the plant [1/s]. `samples`: delay in
-    samples, whose phase turns l.
+    samples, with which the phase turns.
     """
     logarithmic = np.geomspace(
         _MIN_FREQUENCY_OVER_POLE * pole * float(batch.hardware.length), np.pi, _LOGARITHMIC_ANGLES

@@ -148,7 +148,7 @@ class Stages:
         return self.laws.lateral_sensors
 
     def batch(self, which: IntArray, limit: FloatArray, rate_limit: FloatArray) -> Batch:
-        """Return the batch of m flights with limits, in equilibrium at their starts.
+        """Return a batch of m flights with limits, from equilibrium.
 
         `which`: index of the wind of each flight, ``(m,)``, which also selects its vehicle.
         `limit`, `rate_limit`: limits of deflection [rad] and deflection rate [rad/s], ``(m,)``.
@@ -207,7 +207,10 @@ class Stages:
 
     @cached_property
     def _pieces(self) -> tuple[FloatArray, FloatArray]:
-        """Breakpoints [s] and polynomials of the winds, with infinite breakpoints at the end."""
+        """Breakpoints [s] ``(w, k)`` and polynomials ``(w, k, terms)`` of all winds.
+
+        Winds with fewer breakpoints have infinite ones at the end.
+        """
         made = [polynomial_pieces(wind.pieces) for wind in self.winds]
         count, terms = (max(pieces.shape[axis] for _, pieces in made) for axis in (1, 2))
         all_knots = np.full((self.flight_of_wind.size, count), np.inf)
@@ -221,7 +224,7 @@ class Stages:
 
     @cached_property
     def _timing(self) -> Timing:
-        """Timing of the samples, with the same substeps in each."""
+        """Lengths of all samples and of their parts, with the same substeps in each."""
         count = self.times.size
         length, delay = (np.full(count, float(x)) for x in (self.period, self.hardware.delay))
         timing = Timing.of(self.hardware, (count,), length, delay)
@@ -231,14 +234,14 @@ class Stages:
 
     @cached_property
     def steps(self) -> Steps:
-        """Steps of all stages."""
+        """Transition matrices over each of the n samples of all flights."""
         arrays = self._arrays
         fine = arrays.get("fine", arrays["joint"])
         return self._timing.steps(arrays["joint"], fine, arrays["ramp"])
 
     @cached_property
     def _arrays(self) -> dict[str, FloatArray]:
-        """Steps and sensor rows of all stages by name, as in `Steps` and `Vehicles`.
+        """Transition matrices and sensor rows of all samples by name, as in `Steps` and `Vehicles`.
 
         Samples within an interval of smooth plants are interpolated.
         """
@@ -258,10 +261,10 @@ class Stages:
         return added > self.times.size / _SAMPLES_PER_BREAK
 
     def _in_pressure(self, interval: IntArray, pressure: FloatArray) -> dict[str, FloatArray]:
-        """Return the arrays of all n stages by name, interpolated in time and dynamic pressure.
+        """Return the matrices of all n samples by name, interpolated in time and dynamic pressure.
 
         `interval`: number of the interval of each sample in which its vehicle is smooth, ``(n,)``;
-        negative for none. `pressure`: q/q_n at the places within each sample, ``(places, n)``.
+        negative for none. `pressure`: q/q_n at the times of `_places`, ``(places, n)``.
         """
         edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), interval.size]
         exact, pending = np.ones(interval.size, bool), []
@@ -296,10 +299,10 @@ class Stages:
         return arrays
 
     def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
-        """Return the interpolant in time and pressure for the interval that contains a sample.
+        """Return the interpolant of the matrices in the interval of time that contains a sample.
 
-        `sample`: index of the sample. `pressure`: values of q/q_n that its range includes. None
-        where it does not converge, and for a range in which a vehicle is impossible.
+        `sample`: index of the sample. `pressure`: values of q/q_n that its range of pressures
+        includes. None where it does not converge, and for a range in which a vehicle is impossible.
         """
         flight = int(self.flight[sample])
         breaks = self.vehicle_breaks[flight]
@@ -318,10 +321,11 @@ class Stages:
     def _arrays_in(
         self, flight: int, times: FloatArray, pressure: FloatArray, change: FloatArray
     ) -> dict[str, FloatArray]:
-        """Return the arrays of stages of one flight that begin at times [s], by name.
+        """Return the matrices of m samples of one flight, by name, at given dynamic pressures.
 
-        `flight`: index of the flight. `pressure`: q/q_n in the middle of each part of a sample.
-        `change`: its change from there to the second Gauss point of the part.
+        `flight`: index of the flight. `times`: starts of the samples [s], ``(m,)``. `pressure`:
+        q/q_n in the middle of each part of a sample. `change`: its change from there to the second
+        Gauss point of the part.
         """
         places = self._places(times)
         parts = len(places) // 2 - 1
@@ -330,10 +334,10 @@ class Stages:
         return self._assembled(places, which, (pressure + sides * change).ravel(), middle=True)
 
     def _places(self, times: FloatArray) -> FloatArray:
-        """Return the times [s] of the matrices of stages that begin at `times`, ``(places, m)``.
+        """Return the times [s] at which the vehicle counts for samples, ``(places, m)``.
 
         They are the first Gauss point of each part of a sample, the second ones, its start, and its
-        middle.
+        middle. `times`: starts of the samples [s], ``(m,)``.
         """
         lengths = self._timing.lengths[0, 1:, np.newaxis]
         begins = times + np.stack([self.period - lengths[0], [0.0]])[: len(lengths)]
@@ -359,10 +363,11 @@ class Stages:
     def _arrays_at(
         self, times: FloatArray, sample: IntArray, *, middle: bool = False
     ) -> dict[str, FloatArray]:
-        """Return the arrays of stages that begin at times [s], by name.
+        """Return the matrices of m samples by name, ``(m, ...)``.
 
-        `sample`: index of a sample of the flight of each time. `middle`: whether A and gust input
-        in the middle of the samples are among the arrays.
+        `times`: starts of the samples [s], ``(m,)``. `sample`: index of a sample of the same flight
+        for each. `middle`: whether A and gust input in the middle of the samples are among the
+        matrices.
         """
         places = self._places(times)[: None if middle else -1]
         flight = np.tile(self.flight[sample], len(places))
@@ -373,11 +378,11 @@ class Stages:
     def _assembled(
         self, places: FloatArray, flight: IntArray, pressure: FloatArray, *, middle: bool
     ) -> dict[str, FloatArray]:
-        """Return the arrays of m stages by name, ``(m, ...)``.
+        """Return the matrices of m samples by name, ``(m, ...)``, from plants at given times.
 
         `places`: times [s] as `_places` gives them, ``(places, m)``. `flight`, `pressure`: indices
         of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places include
-        the middle of samples, and the arrays A and gust input there.
+        the middle of samples, and the matrices A and gust input there.
         """
         count, terms, shape = places.shape[1], self._pieces[1].shape[2], flight.shape
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
@@ -416,7 +421,7 @@ class Stages:
 
     @cached_property
     def _criteria(self) -> dict[str, FloatArray]:
-        """Outcome criteria of all stages: judges, reach and ratio as in `Vehicles`, by name.
+        """Outcome criteria of all samples: judges, reach and ratio as in `Vehicles`, by name.
 
         Those of samples at which no flight is judged are NaN.
         """
@@ -443,7 +448,7 @@ class Stages:
 
     @cached_property
     def _memory(self) -> Memory:
-        """Step matrices of the states of laws and filters, of all stages or one for all."""
+        """Step matrices of the states of laws and filters, for each sample or one for all."""
         laws, count = self.laws, self.times.size
         integral = attitude_integral(bool(np.any(laws.integral_gain)))
         chains = Chains(laws.attitude_filters, laws.rate_filters, laws.filters)
@@ -483,7 +488,7 @@ class Stages:
         return self.first[flight] + np.stack([np.minimum(ends, samples), samples])
 
     def _cases(self, batch: Batch) -> Cases:
-        """Return the numbers of each of m flights, which are judged after their winds."""
+        """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel."""
         count, (vehicle, wind) = batch.shape[0], batch.indices
         flight, (ends, settling) = self.flight_of_wind[wind], self._judged
         zeros, several = np.zeros(count, np.int64), len(self._memory.states) > 1
@@ -506,7 +511,10 @@ class Stages:
 
     @cached_property
     def vehicles(self) -> Vehicles:
-        """Vehicles of all stages; A and gust input in samples next to a knot of the wind."""
+        """Sensor rows and outcome criteria of the vehicles of all samples.
+
+        A and gust input are set in samples next to a knot of the wind, or in all.
+        """
         arrays, moving = self._arrays, self.sensors.system(self.plants)
         starts = np.cumsum([0, *(times.size for times in self.vehicle_breaks)])
         poles = np.abs(np.linalg.eigvals(moving.A[: starts[-1]])).max(axis=-1)
@@ -533,7 +541,7 @@ class Stages:
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
-    """Return a system, or a flat batch of systems, as a batch of a shape (parts, samples)."""
+    """Return a system, or a flat batch of systems, as a batch of the shape (parts, samples)."""
 
     def shaped(matrix: FloatArray) -> FloatArray:
         """Return a matrix, or a flat batch of matrices, as a batch of the shape."""

@@ -84,7 +84,7 @@ class SurvivalLimit:
 
 
 def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray) -> SurvivalLimit:
-    """Return the smallest value above the highest one that does not survive.
+    """Return the smallest value above which all values of a scan and its refinements survive.
 
     `survives`: function from values ``(n,)`` to their status, ``(n,)``. `scan`: equidistant values,
     rising.
@@ -122,7 +122,7 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
 def limits_above_losses(
     lost: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the survival limits of many cases, and whether each is lost at `high`, ``(n,)``.
+    """Return the survival limits of n cases, and whether each case is lost at `high`, ``(n,)``.
 
     Values are tried every `STRIDE` from `low` to `high`; above the highest loss every `FINE` until
     a range of `AHEAD` survives; and the remaining step in `LAST_PARTS`. `lost`: function from
@@ -179,8 +179,8 @@ def status_in_all_winds(
 ) -> Words:
     """Return the status of many flights over all winds: the first other than survived, ``(size,)``.
 
-    `winds`: winds in their order. `status`: function from a wind and a mask of flights to their
-    status. `size`: number of flights. `flown`: called after each wind.
+    `winds`: winds in their order. `status`: function from a wind and a mask of flights to the
+    status of these flights in it. `size`: number of flights. `flown`: called after each wind.
     """
     outcomes = np.full(size, SURVIVED, dtype=object)
     for wind in winds:

@@ -105,12 +105,12 @@ def _loaded(model: str, planet: str | None) -> Any:
     return engine
 
 
-_Two = Callable[[], tuple[float, float]]
+_TwoNumbers = Callable[[], tuple[float, float]]
 _MIN_COMPONENT = 1e-12
 """Smallest component of the wind direction that is written to JSBSim."""
 
 
-class Senses(NamedTuple):
+class MotionReaders(NamedTuple):
     """Functions that read the motion in one plane, without arguments.
 
     `angles`: attitude and flight path angle [rad]. `rates`: attitude rate [rad/s] and acceleration
@@ -118,14 +118,14 @@ class Senses(NamedTuple):
     mass normal to the body, without weight [m/s^2].
     """
 
-    angles: _Two
-    rates: _Two
+    angles: _TwoNumbers
+    rates: _TwoNumbers
     alpha: Callable[[], float]
-    lateral: _Two
+    lateral: _TwoNumbers
 
 
-def senses(engine: Engine, plane: str, heading: float) -> Senses:
-    """Return the readers of the motion in a plane, whose yaw angles are positive to the right.
+def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
+    """Return the functions that read the motion in a plane; yaw angles are positive to the right.
 
     `engine`: JSBSim with the vehicle. `plane`: "pitch" or "yaw". `heading`: direction of the
     vertical plane of the nominal flight [rad], from north over east.
@@ -153,7 +153,7 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
 
     if plane == "pitch":
         gamma = read("flight-path/gamma-rad")
-        return Senses(lambda: (theta(), gamma()), rates, read("aero/alpha-rad"), lateral)
+        return MotionReaders(lambda: (theta(), gamma()), rates, read("aero/alpha-rad"), lateral)
     psi, sideslip = read("attitude/psi-rad"), read("aero/beta-rad")
     (north, east, _), cosine, right = velocities, cos(heading), sin(heading)
 
@@ -162,7 +162,7 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
         across = east() * cosine - north() * right
         return asin(cos(theta()) * sin(psi() - heading)), asin(across / ground_speed())
 
-    return Senses(angles, rates, lambda: -sideslip(), lateral)
+    return MotionReaders(angles, rates, lambda: -sideslip(), lateral)
 
 
 def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float], None]:
@@ -203,32 +203,32 @@ class Prediction:
     JSBSim takes the inputs of the end of a step before the step, so the state at its end is
     predicted: the rate by the engine's integration rule, the angles to second order.
 
-    `senses`: readers of the plane, at the start of a flight. `step`: step [s]. `sensors`: lateral
+    `readers`: readers of the plane, at the start of a flight. `step`: step [s]. `sensors`: lateral
     sensors of the law. `turn`: rotation of the flight path in the step before the flight [rad].
     """
 
     __slots__ = (
         "_acceleration", "_acceleration_before", "_alpha", "_attitude", "_deflection", "_lateral",
-        "_path", "_path_before", "_rate", "_senses", "_step", "_wind_angle",
+        "_path", "_path_before", "_rate", "_readers", "_step", "_wind_angle",
     )  # fmt: skip
 
     def __init__(
-        self, senses: Senses, step: float, sensors: LateralSensors, turn: float = 0.0
+        self, readers: MotionReaders, step: float, sensors: LateralSensors, turn: float = 0.0
     ) -> None:
         """Read the state in the plane at the start of a flight."""
-        self._senses, self._step = senses, step
+        self._readers, self._step = readers, step
         self._lateral = LateralMotion(sensors, step) if sensors.signals else None
         if self._lateral is not None:
-            self._lateral.move(0.0, senses.lateral()[0], 0.0, 0.0)
-        self._attitude, self._path = senses.angles()
-        self._rate, self._acceleration = senses.rates()
+            self._lateral.move(0.0, readers.lateral()[0], 0.0, 0.0)
+        self._attitude, self._path = readers.angles()
+        self._rate, self._acceleration = readers.rates()
         self._path_before, self._acceleration_before = self._path - turn, self._acceleration
         self._alpha = self._wind_angle = self._deflection = 0.0
 
     def measurement(self, angle: float, nominal: Row) -> Measurement:
         """Return the predicted measurements of a law, minus the outputs of the nominal flight.
 
-        `angle`: wind angle [rad] at the end of the step. `nominal`: row of the nominal flight
+        `angle`: wind angle [rad] at the end of the step. `nominal`: outputs of the nominal flight
         there.
         """
         h, rate = self._step, self._rate
@@ -244,20 +244,20 @@ class Prediction:
         )
         return plain if self._lateral is None else self._lateral.measured(plain)
 
-    def moved(self, deflection: float, angle: float, nominal: Row) -> Row:
-        """Return the row after a step, minus the nominal one; updates the state.
+    def after_step(self, deflection: float, angle: float, nominal: Row) -> Row:
+        """Return the outputs after a step, minus those of the nominal flight, and update the state.
 
-        `deflection`: deflection [rad], and `angle`: wind angle [rad] in the step. `nominal`: row of
-        the nominal flight at its end.
+        `deflection`: deflection [rad], and `angle`: wind angle [rad] in the step. `nominal`:
+        outputs of the nominal flight at its end.
         """
         self._acceleration_before, self._path_before = self._acceleration, self._path
         self._deflection, self._wind_angle = deflection, angle
-        self._attitude, self._path = attitude, path = self._senses.angles()
-        (self._rate, self._acceleration), self._alpha = self._senses.rates(), self._senses.alpha()
+        self._attitude, self._path = attitude, path = self._readers.angles()
+        (self._rate, self._acceleration), self._alpha = self._readers.rates(), self._readers.alpha()
         off = attitude - nominal[0], self._rate - nominal[1], path - nominal[2]
         force, acceleration = 0.0, self._acceleration - nominal[6]
         if self._lateral is not None:
-            speed, force = self._senses.lateral()
+            speed, force = self._readers.lateral()
             self._lateral.move(off[2], speed, force := force - nominal[5], acceleration)
         return (*off, self._alpha - nominal[3], deflection, force, acceleration)
 
@@ -301,11 +301,11 @@ class Airframe:
         model = model_xml(vehicle, heading, departure)
         engine = Engine(model, initial, step, planet=planet, drift=drift)
         self.engine, self._step = engine, step
-        self._bend = {name: engine.writer(path) for name, path in DEFLECTIONS.items()}
-        self._senses = {name: senses(engine, name, heading) for name in DEFLECTIONS}
-        self._blows = {name: wind_setter(engine, name, heading) for name in DEFLECTIONS}
-        self._blow, self._plane = self._blows[plane], plane
-        self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if surroundings else None
+        self._deflection_setters = {name: engine.writer(path) for name, path in DEFLECTIONS.items()}
+        self._readers = {name: motion_readers(engine, name, heading) for name in DEFLECTIONS}
+        self._wind_setters = {name: wind_setter(engine, name, heading) for name in DEFLECTIONS}
+        self._plane, c = plane, Coefficients.from_vehicle(vehicle, plane)
+        self._gains = _hold_gains(c) if surroundings else None
         self._nominal: list[Row] = []
 
     def fly(
@@ -327,7 +327,7 @@ class Airframe:
         nominal flight is straight. `sensors`: lateral sensors of the law.
         """
         nominal = self._nominal_rows(len(speeds), trajectory)
-        rows = self._flown(steering, speeds, angles, nominal, trajectory, sensors)
+        rows = self._deviation_rows(steering, speeds, angles, nominal, trajectory, sensors)
         return rows[:, : len(OUTPUTS)]
 
     def fly_both(
@@ -345,11 +345,11 @@ class Airframe:
         [rad]. `speeds`, `angles`: wind along the flight and to its right [m/s], and as angles
         [rad], ``(2, n)``; the first are zero. `sensors`: lateral sensors of the law.
         """
-        self._begin()
-        planes = [Prediction(self._senses[name], self._step, sensors) for name in DEFLECTIONS]
-        setters = (self._bend, self._blows)
+        self._restart()
+        planes = [Prediction(self._readers[name], self._step, sensors) for name in DEFLECTIONS]
+        setters = (self._deflection_setters, self._wind_setters)
         set_deflections, set_winds = ([setter[name] for name in DEFLECTIONS] for setter in setters)
-        nominal = [_straight(*self._senses[name].angles()) for name in DEFLECTIONS]
+        nominal = [_straight_row(*self._readers[name].angles()) for name in DEFLECTIONS]
         rows: list[list[Row]] = [[(0.0,) * _COLUMNS] * len(planes)]
         for speed, angle in zip(speeds.T[1:].tolist(), angles.T[1:].tolist(), strict=True):
             inputs = list(zip(planes, angle, nominal, strict=True))
@@ -360,7 +360,7 @@ class Airframe:
             self.engine.run()
             rows.append(
                 [
-                    plane.moved(d, a, row)
+                    plane.after_step(d, a, row)
                     for d, (plane, a, row) in zip(deflections, inputs, strict=True)
                 ]
             )
@@ -369,13 +369,13 @@ class Airframe:
         return np.array(rows)[..., : len(OUTPUTS)]
 
     def _nominal_rows(self, count: int, trajectory: FloatArray | None) -> Iterator[Row]:
-        """Return an iterator over the rows of the nominal flight, step by step.
+        """Return an iterator over the outputs of the nominal flight, step by step.
 
         `count`: number of the steps. `trajectory`: `OUTPUTS` of the nominal flight in pitch,
         ``(count, 5)``; without it the nominal flight is straight. `InputError` where it ends
         before.
         """
-        start = _straight(*self._begin())
+        start = _straight_row(*self._restart())
         if self._gains is None:
             return repeat(start)
         if len(self._nominal) < count:
@@ -384,7 +384,7 @@ class Airframe:
             if trajectory is not None and self._plane == "pitch":
                 reference[:, : len(OUTPUTS)] = trajectory
             rows = _plain_rows(reference)
-            flown = self._flown(hold, zeros, zeros, rows, trajectory, _ACCELEROMETER)
+            flown = self._deviation_rows(hold, zeros, zeros, rows, trajectory, _ACCELEROMETER)
             self._nominal = list(_plain_rows(flown + reference[: len(flown)]))
         if len(self._nominal) < count:
             raise InputError(
@@ -393,12 +393,12 @@ class Airframe:
             )
         return iter(self._nominal)
 
-    def _begin(self) -> tuple[float, float]:
-        """Return attitude and flight path angle [rad] at the start, after a reset to it."""
+    def _restart(self) -> tuple[float, float]:
+        """Reset JSBSim to the start, and return attitude and flight path angle [rad] there."""
         self.engine.reset()
-        return self._senses[self._plane].angles()
+        return self._readers[self._plane].angles()
 
-    def _flown(
+    def _deviation_rows(
         self,
         steering: Steering,
         speeds: FloatArray,
@@ -407,26 +407,27 @@ class Airframe:
         trajectory: FloatArray | None,
         sensors: LateralSensors,
     ) -> FloatArray:
-        """Return the rows of a flight at m samples, minus the rows of the nominal one, ``(m, 7)``.
+        """Return the outputs of a flight at m samples, minus those of the nominal one, ``(m, 7)``.
 
         `steering`: function of the deflection. `speeds`, `angles`: wind speed [m/s] and wind angle
-        [rad] at each step, ``(n,)``, m <= n. `nominal`: rows of the nominal flight. `trajectory`:
-        its `OUTPUTS` in pitch, ``(n, 5)``; without it the nominal flight is straight. `sensors`:
-        lateral sensors of the law.
+        [rad] at each step, ``(n,)``, m <= n. `nominal`: outputs of the nominal flight.
+        `trajectory`: its `OUTPUTS` in pitch, ``(n, 5)``; without it the nominal flight is straight.
+        `sensors`: lateral sensors of the law.
         """
-        self._begin()
-        h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
+        self._restart()
+        h, run, set_deflection = self._step, self.engine.run, self._deflection_setters[self._plane]
+        set_wind_speed = self._wind_setters[self._plane]
         hold_other_plane = self._attitude_hold(trajectory)
-        prediction = Prediction(self._senses[self._plane], h, sensors, turn=h * next(nominal)[1])
+        prediction = Prediction(self._readers[self._plane], h, sensors, turn=h * next(nominal)[1])
         rows: list[Row] = [(0.0,) * _COLUMNS]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
         for k, (speed, angle, row) in enumerate(gusts, start=1):
             deflection = steering(k, prediction.measurement(angle, row))
             hold_other_plane()
-            bend(row[4] + deflection)
-            blow(speed)
+            set_deflection(row[4] + deflection)
+            set_wind_speed(speed)
             run()
-            rows.append(prediction.moved(deflection, angle, row))
+            rows.append(prediction.after_step(deflection, angle, row))
             if not abs(rows[-1][0]) <= MAX_ATTITUDE:
                 break
         return np.array(rows)
@@ -440,8 +441,8 @@ class Airframe:
         if self._gains is None:
             return lambda: None
         (other_plane,) = set(DEFLECTIONS) - {self._plane}
-        (angles, rates, *_), bend = self._senses[other_plane], self._bend[other_plane]
-        on_lean, on_rate = self._gains
+        angles, rates, *_ = self._readers[other_plane]
+        set_deflection, (on_lean, on_rate) = self._deflection_setters[other_plane], self._gains
         reference: Iterator[Row] = repeat((0.0, 0.0))
         if trajectory is not None and other_plane == "pitch":
             reference = _plain_rows(trajectory[1:, [1, 4]])
@@ -450,13 +451,14 @@ class Airframe:
             """Set the deflection of the other plane for the next step."""
             path_rate, deflection = next(reference)
             attitude, path = angles()
-            bend(deflection + on_lean * (attitude - path) + on_rate * (rates()[0] - path_rate))
+            rate = rates()[0] - path_rate
+            set_deflection(deflection + on_lean * (attitude - path) + on_rate * rate)
 
         return hold
 
 
-def _straight(attitude: float, path: float) -> Row:
-    """Return the row of a straight flight with an attitude and a flight path angle [rad]."""
+def _straight_row(attitude: float, path: float) -> Row:
+    """Return the outputs of a straight flight with an attitude and a flight path angle [rad]."""
     return (attitude, 0.0, path, *(0.0,) * (_COLUMNS - 3))
 
 
@@ -465,21 +467,18 @@ def _plain_rows(rows: FloatArray) -> Iterator[Row]:
     return map(tuple, rows.tolist())
 
 
-def _hold(c: Coefficients) -> tuple[float, float]:
-    """Return the gains of the attitude hold on nose minus path, and on the attitude rate [s].
+def _hold_gains(c: Coefficients) -> tuple[float, float]:
+    """Return the gains of an attitude hold on nose minus path, and on the attitude rate [s].
 
     `c`: coefficients of the vehicle in the plane.
     """
-    frequency = max(
-        _HOLD_OVER_AIRFRAME_FREQUENCY * abs(float(c.mu_alpha)) ** 0.5, _MIN_HOLD_FREQUENCY
-    )
-    return (frequency**2 + float(c.mu_alpha)) / float(c.mu_delta), 2.0 * frequency / float(
-        c.mu_delta
-    )
+    mu_alpha, mu_delta = float(c.mu_alpha), float(c.mu_delta)
+    frequency = max(_HOLD_OVER_AIRFRAME_FREQUENCY * abs(mu_alpha) ** 0.5, _MIN_HOLD_FREQUENCY)
+    return (frequency**2 + mu_alpha) / mu_delta, 2.0 * frequency / mu_delta
 
 
 def _hold_steering(on_lean: float, on_rate: float) -> Steering:
-    """Return the steering of the attitude hold, from its gains of `_hold`."""
+    """Return the steering of an attitude hold, from its gains on nose minus path and rate."""
     return lambda k, measured: (
         on_lean * (measured.attitude - measured.flight_path_angle)
         + on_rate * measured.attitude_rate
@@ -494,9 +493,10 @@ _MAX_CASES = 8
 
 @contextmanager
 def reused_airframe(*case: *_Case) -> Iterator[Airframe]:
-    """Provide an airframe of a case, reused if idle: a new one takes a third of a flight.
+    """Provide JSBSim with a vehicle, an idle one if possible: loading takes a third of a flight.
 
-    Airframes in use are not shared, so that threads, and laws that fly themselves, have their own.
+    `case`: arguments of `Airframe`. Airframes in use are not shared, so that threads, and laws that
+    fly themselves, have their own.
     """
     try:
         airframe = _IDLE[case].pop()

@@ -116,7 +116,11 @@ class SixDof:
         return Coefficients.from_vehicle(self.vehicle, self.plane)
 
     def air(self, wind: History, start: float, stop: float) -> Air:
-        """Return a wind at the steps of a flight from `start` to `stop` [s] or just beyond."""
+        """Return the wind at the steps of a flight from `start` to `stop` [s] or just beyond.
+
+        `wind`: one wind angle [rad]. With a condition the nominal flight is included. `InputError`
+        for a wind from before the start, and an angle that no horizontal wind can make.
+        """
         check_span(start, stop)
         check_history("wind", wind, start)
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2

@@ -209,6 +209,9 @@ class LateralMotion:
         return self._drift + 0.5 * self._step * (self._drift_rate + rate)
 
     def _lagged(self, force: float) -> float:
-        """Return the lagged acceleration [m/s^2] at the end of a step, with the force there."""
+        """Return the acceleration [m/s^2] of the accelerometer at the end of a step, with its lag.
+
+        `force`: force per mass there [m/s^2].
+        """
         decayed = self._force + self._decay * (self._acceleration - self._force)
         return decayed + self._ramp * (force - self._force)
