@@ -35,16 +35,10 @@ _ROUNDING = 1e-12
 class SoundingSpeeds:
     """Wind speeds of a sounding along a flight, over the speed of the vehicle at each time.
 
-    Attributes
-    ----------
-    time : ndarray
-        Flight times [s], ``(n,)``; before the first and after the last the wind is calm.
-    path : ndarray
-        Flight path angles [rad], ``(n,)``.
-    wind, bias : dict of str to ndarray
-        By the plane of their wind angle: in pitch speeds along the path, positive from behind, and
-        in yaw across it, ``(n,)``. Of the whole wind, and of the mean wind for which the flight
-        path is biased.
+    `time`: flight times [s], ``(n,)``; before the first and after the last the wind is calm.
+    `path`: flight path angles [rad], ``(n,)``. `wind`, `bias`: speeds, ``(n,)``, by the plane of
+    their wind angle: in pitch along the path, positive from behind, and in yaw across it; of the
+    entire wind, and of the mean wind for which the flight path is biased.
     """
 
     time: FloatArray
@@ -60,16 +54,10 @@ class SoundingSpeeds:
     def encountered(
         self, plane: str, angle: FloatArray, times: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack in a plane [rad] and q/q_n at times [s].
+        """Return wind angles of attack in a plane [rad] and q/q_n at times [s], in their shape.
 
-        Parameters
-        ----------
-        plane : str
-            Plane of the angle; the other plane has the wind of the sounding.
-        angle : ndarray
-            Wind angles at nominal speed [rad], eq (B1e), beyond the bias.
-        times : ndarray
-            Times [s], of the same shape.
+        `plane`: plane of the angle; the other plane has the wind of the sounding. `angle`: wind
+        angles at nominal speed [rad], eq (B1e), beyond the bias, at the times.
         """
         path = np.interp(times, self.time, self.path)
         bias, wind = (
@@ -88,14 +76,8 @@ class SoundingSpeeds:
 class FlightWind(NominalWind):
     """A wind in flight time, as a vehicle encounters it with the wind of a sounding.
 
-    Attributes
-    ----------
-    history : History
-        Wind angles [rad] at the nominal speed of the flight, eq (B1e).
-    plane : str
-        Plane of these angles.
-    speeds : SoundingSpeeds
-        The wind of both planes.
+    `history`: wind angles [rad] at the nominal speed of the flight, eq (B1e). `plane`: plane of
+    these angles. `speeds`: the wind of both planes.
     """
 
     plane: str
@@ -236,8 +218,8 @@ class MeasuredPlanes:
         wind = self.parts.get(plane)
         if wind is None or self.gust is None:
             return wind
-        part = abs(self._direction(vehicle)[plane])
-        return replace(wind, gust=gust_at(self.gust, vehicle) * part) if part else wind
+        size = abs(self._direction(vehicle)[plane])
+        return replace(wind, gust=gust_at(self.gust, vehicle) * size) if size else wind
 
     def _direction(self, vehicle: Vehicle) -> dict[str, float]:
         """Return the unit vector, by plane, of the largest wind around a vehicle's time."""

@@ -110,10 +110,13 @@ class FlightSchedule(Shown):
 
     def _checked_actuator(self) -> dict[str, FloatArray]:
         """Return frequency [rad/s] and damping of the actuator by name, checked; empty without."""
-        given = {name: getattr(self, name) for name in _ACTUATOR if getattr(self, name) is not None}
-        if len(given) == 1:
+        checked = {
+            name: errors.positive(name, getattr(self, name))
+            for name in _ACTUATOR
+            if getattr(self, name) is not None
+        }
+        if len(checked) == 1:
             raise errors.InputError("an actuator over the flight needs a frequency and a damping")
-        checked = {name: errors.positive(name, value) for name, value in given.items()}
         for name, array in checked.items():
             object.__setattr__(self, name, array)
         return checked

@@ -103,30 +103,16 @@ def load_schedule(
 
 
 def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> AnyVehicle:
-    """Return the vehicle of a name, a file, or a flight schedule at a time [s].
+    """Return the vehicle of a name, a file, or a flight schedule at a time of flight [s].
 
-    Parameters
-    ----------
-    source : str or path
-        See `load_any_vehicle` without a time; see `load_schedule` with one.
-    time : float, optional
-        Time of flight [s].
-
-    Raises
-    ------
-    InputError
-        For a schedule without a time, a time outside the flight, a vehicle that bends at another
-        time than its own, and as `load_any_vehicle` and `load_schedule`.
+    `source`: as in `load_any_vehicle` without a time, as in `load_schedule` with one. `InputError`
+    for a schedule without a time, a time outside the flight, a vehicle that bends at another time
+    than its own, and as `load_any_vehicle` and `load_schedule`.
     """
     if time is None:
         return load_any_vehicle(source)
-    if not is_schedule(source) and source_tables(source).keys() & {
-        "bending",
-        "slosh",
-        "engine",
-        "sensors",
-        "structure",
-    }:
+    of_structure = {"bending", "slosh", "engine", "sensors", "structure"}
+    if not is_schedule(source) and source_tables(source).keys() & of_structure:
         raise InputError(
             f"{called(source)} has a structure, which is known at the vehicle's own time alone:"
             f" leave out the time of flight; got {time:g} s"
@@ -257,7 +243,7 @@ def _pop_flight_columns(row: dict[str, Any]) -> dict[str, Any]:
 
 def _csv_rows(text: str, source: str) -> list[Row]:
     """Return the rows of a schedule in the text of a CSV file; `source`: its path, for errors."""
-    sheet = sheet_in(lines_of(text, source), _number_of_known_keys, "keys, such as time_s,weight_N")
+    sheet = sheet_in(lines_of(text, source), _key_count, "keys, such as time_s,weight_N")
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
         if keys.count(key) > 1:
@@ -267,7 +253,7 @@ def _csv_rows(text: str, source: str) -> list[Row]:
     return _rows({k: _column(called(source), labels, k, c) for k, c in columns}, labels)
 
 
-def _number_of_known_keys(headings: Headings) -> float:
+def _key_count(headings: Headings) -> float:
     """Return how well a line of headings fits: the number of keys of vehicles and schedules."""
     schedule_keys = {*VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
     return float(sum(heading.text in schedule_keys for heading in headings))

@@ -136,7 +136,7 @@ def load_structure(
     and its negative are the same mode: where displacements and slopes have changed their sign
     against the row before, they are turned, and a note says so.
     """
-    sheet = read_sheet(source, "a table of modes", _known_keys, "keys such as time_s,name,damping")
+    sheet = read_sheet(source, "a table of modes", _key_count, "keys such as time_s,name,damping")
     for needed in ("time_s", "name"):
         if needed not in [heading.text for heading in sheet.headings]:
             raise sheet.error(f"a table of modes needs the column {needed}")
@@ -197,7 +197,7 @@ def _rows_by_name(
     return rows, times
 
 
-def _known_keys(headings: Headings) -> float:
+def _key_count(headings: Headings) -> float:
     """Return how well a line of headings fits: the number of columns of a table of modes."""
     return float(sum(heading.text in {"time_s", "name", *_KEYS} for heading in headings))
 

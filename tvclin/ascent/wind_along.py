@@ -44,15 +44,9 @@ _MAX_INTERVAL_S = 0.1
 class WindAlong:
     """Wind along a flight, in one plane.
 
-    Attributes
-    ----------
-    history : History
-        Wind angles of attack [rad] over the time of flight; a batch at nominal dynamic pressure
-        alone.
-    encountered : EncounteredWind, EncounteredPlanes or FlightWind, optional
-        Wind with its dynamic pressure; None for the nominal one.
-    known : tuple of float
-        First and last time of flight [s] at which the wind is known.
+    `history`: wind angles of attack [rad] over the time of flight; a batch at nominal dynamic
+    pressure alone. `encountered`: wind with its dynamic pressure; None for the nominal one.
+    `known`: first and last time of flight [s] at which the wind is known.
     """
 
     history: History
@@ -107,27 +101,13 @@ def wind_along(
 ) -> WindAlong:
     """Return one wind along a flight with the dynamic pressure encountered.
 
-    Parameters
-    ----------
-    flight : FlightSchedule
-        Flight with its path angles.
-    wind : History or MeasuredWind
-        Wind angles of attack [rad] over the time of flight, or the wind of `fly_through` without
-        its window.
-    plane : {"pitch", "yaw"}
-        Plane of the wind angles.
-    sign : {"head", "tail", "frozen"}, optional
-        Direction of the largest angle of a history in the pitch plane: by default a head wind,
-        whatever the sign of the angle. A history in the yaw plane is a cross wind, and a sounding
-        has its own direction. "frozen" is the nominal dynamic pressure.
-    gust_time : float, optional
-        Time of flight [s] of the gust of a `MeasuredWind`.
-
-    Raises
-    ------
-    InputError
-        For another sign, the sign of a sounding, a path on which no horizontal wind has the angle,
-        and a gust without its time.
+    `wind`: wind angles of attack [rad] over the time of flight, or the wind of `fly_through`
+    without its window. `plane`: plane of the wind angles, pitch or yaw. `sign`: direction of the
+    largest angle of a history in pitch, "head" (by default, whatever the sign of the angle) or
+    "tail"; "frozen" is the nominal dynamic pressure. A history in yaw is a cross wind, and a
+    sounding has its own direction. `gust_time`: time of flight [s] of the gust of a `MeasuredWind`.
+    `InputError` for another sign, a path on which no horizontal wind has the angle, and a gust
+    without its time.
     """
     instance("flight", flight, FlightSchedule, "see load_schedule")
     one_of("plane", plane, PLANES)
@@ -188,16 +168,9 @@ def sounding_along(
 ) -> WindAlong:
     """Return the wind of a sounding along a flight, or an interval of it.
 
-    Parameters
-    ----------
-    history : History
-        Wind angles [rad] at the nominal speed of the flight, eq (B1e).
-    speeds : SoundingSpeeds or None
-        Wind of both planes; None for the nominal dynamic pressure.
-    plane : {"pitch", "yaw"}
-        Plane of the wind angles.
-    known : tuple of float
-        First and last time of flight [s] at which the sounding is known.
+    `history`: wind angles [rad] at the nominal speed of the flight, eq (B1e). `speeds`: wind of
+    both planes; None for the nominal dynamic pressure. `plane`: plane of the wind angles, pitch or
+    yaw. `known`: first and last time of flight [s] at which the sounding is known.
     """
     if speeds is None:
         return WindAlong(history, known=known)
@@ -248,20 +221,10 @@ def planes_along(
 ) -> dict[str, WindAlong]:
     """Return a wind of both planes along a flight, by plane, with its dynamic pressure.
 
-    Parameters
-    ----------
-    flight, gust_time
-        Same as in `wind_along`.
-    wind : PlaneWind or MeasuredPlanes
-        Wind angles of attack [rad] over the time of flight, or the wind of `fly_through` in both
-        planes.
-    sign : {"frozen"}, optional
-        The nominal dynamic pressure; by default that encountered in the wind of both planes.
-
-    Raises
-    ------
-    InputError
-        Same as `wind_along`, and for a wind of one plane, or a batch.
+    `wind`: wind angles of attack [rad] over the time of flight, or the wind of `fly_through` in
+    both planes. `sign`: "frozen" for the nominal dynamic pressure; by default it is encountered in
+    the wind of both planes. `gust_time`: time of flight [s] of the gust of a sounding.
+    `InputError` as `wind_along`, and for a wind of one plane, or a batch.
     """
     instance("flight", flight, FlightSchedule, "see load_schedule")
     if sign is not None:
@@ -317,26 +280,12 @@ class SoundingWind(VehicleWind):
     """Wind of a sounding that a vehicle encounters around its time of flight.
 
     As over a whole flight, the part with the sign of its peak counts, for boundaries are defined
-    for winds of one sign.
-
-    Attributes
-    ----------
-    name : str
-        Name of the sounding.
-    profile : WindProfile
-        Wind over height.
-    schedule : FlightSchedule
-        Flight of the vehicle, with its altitude.
-    azimuth : float
-        Direction of flight [rad], from north, clockwise.
-    window : float
-        Length [s] of the interval that counts, about the time of the vehicle.
-    gust : History or callable, optional
-        Gust on top of it; see `MeasuredWind`.
-    bias : WindProfile, optional
-        Mean wind for which the flight path is biased; see `fly_through`.
-    in_flight : bool
-        Whether the history is in flight time, or begins at zero.
+    for winds of one sign. `name`: name of the sounding. `profile`: wind over height. `schedule`:
+    flight of the vehicle, with its altitude. `azimuth`: direction of flight [rad], from north,
+    clockwise. `window`: length [s] of the interval that counts, about the time of the vehicle.
+    `gust`: gust on top of it; see `MeasuredWind`. `bias`: mean wind for which the flight path is
+    biased; see `fly_through`. `in_flight`: whether the history is in flight time, or begins at
+    zero.
     """
 
     name: str
@@ -360,13 +309,10 @@ class SoundingWind(VehicleWind):
         return self.name
 
     def history(self, vehicle: Any, plane: str) -> History:
-        """Return the wind angle of attack [rad] of a vehicle in a plane.
+        """Return the wind angle of attack [rad] of a vehicle in a plane, pitch or yaw.
 
-        Raises
-        ------
-        InputError
-            For a vehicle without a time of flight, and for a wind that is calm or not known at
-            that time.
+        `InputError` for a vehicle without a time of flight, and for a wind that is calm or not
+        known at its time.
         """
         wind, time = self._along(plane), self._time(vehicle)
         first, last = wind.known

@@ -78,7 +78,7 @@ def read_turbulence(
         sheet.text.require(~np.isnan(values), sheet.line, lambda _, said=missing_in: said)  # type: ignore[misc]
         columns[name] = factor * values
     with naming(sheet.text.source):
-        return _over_altitude(columns, spectrum, component)
+        return _turbulence(columns, spectrum, component)
 
 
 def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> Turbulence:
@@ -90,10 +90,10 @@ def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> 
     if any(level.keys() != levels[0].keys() for level in levels):
         raise InputError("[[turbulence.level]] must have a length in each level, or in none")
     columns = {name: np.array([level[name] for level in levels]) for name in levels[0]}
-    return _over_altitude(columns, spectrum, component)
+    return _turbulence(columns, spectrum, component)
 
 
-def _over_altitude(columns: Mapping[str, FloatArray], spectrum: str, component: str) -> Turbulence:
+def _turbulence(columns: Mapping[str, FloatArray], spectrum: str, component: str) -> Turbulence:
     """Return the turbulence of columns of a table over altitude.
 
     `columns`: altitude [m], intensity [m/s] and perhaps length [m], ``(n,)``. `spectrum`,

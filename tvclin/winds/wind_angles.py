@@ -69,12 +69,9 @@ def wind_triangle(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return wind angles of attack in pitch and yaw [rad], and q/q_n, of horizontal winds.
 
-    Parameters
-    ----------
-    path : array_like
-        Angle Theta_n of the path above the horizontal [rad].
-    along, across : array_like
-        Wind speeds w and c over the speed of the vehicle; w is positive from behind.
+    q/q_n is the dynamic pressure over the nominal one. `path`: angle Theta_n of the path above the
+    horizontal [rad]. `along`, `across`: wind speeds w and c over the speed of the vehicle; w is
+    positive from behind.
     """
     in_pitch = pressure_in_winds(path, along)
     pitch = np.arctan2(np.multiply(along, np.sin(path)), 1.0 - np.multiply(along, np.cos(path)))
@@ -310,21 +307,12 @@ class EncounteredWind:
     A wind has an angle, a speed, or is the sum of both. Its direction gives the fractions of either
     in pitch or along the path, and in yaw or across. It must end.
 
-    Attributes
-    ----------
-    plane : str
-        Plane of the wind angles of attack.
-    path : ndarray
-        Angle of each path above the horizontal [rad], ``(n,)`` or a common scalar.
-    angle, speed : History or None
-        Wind angles [rad], and wind speeds over the speed of the vehicle.
-    of_angle : tuple of ndarray
-        Fractions of the angle in pitch and in yaw, ``(n,)`` or common scalars.
-    of_speed : tuple of float
-        Fractions of the speed along the path, positive from behind, and across.
-    flight : tuple of ndarray, optional
-        For a single wind: times [s] of a flight, angles of its path [rad], and speeds of the
-        vehicle over the speed by which `speed` is divided.
+    `plane`: plane of the wind angles of attack. `path`: angle of each path above the horizontal
+    [rad], ``(n,)`` or a common scalar. `angle`, `speed`: wind angles [rad], and wind speeds over
+    the speed of the vehicle; None without. `of_angle`: fractions of the angle in pitch and in yaw,
+    ``(n,)`` or common scalars. `of_speed`: fractions of the speed along the path, positive from
+    behind, and across. `flight`: for a single wind times [s] of a flight, angles of its path [rad],
+    and speeds of the vehicle over the speed by which `speed` is divided.
     """
 
     plane: str

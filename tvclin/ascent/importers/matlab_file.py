@@ -46,11 +46,8 @@ class _DamagedError(Exception):
 def read_matlab(path: Path) -> dict[str, Value]:
     """Return the variables of the .mat file of version 5 at a path, by name.
 
-    Raises
-    ------
-    InputError
-        For a file that cannot be read, is of another version, is damaged, or holds more than
-        `MAX_BYTES` bytes or `MAX_NUMBERS` numbers when it is unpacked.
+    `InputError` for a file that cannot be read, is of another version, is damaged, or holds more
+    than `MAX_BYTES` bytes or `MAX_NUMBERS` numbers when it is unpacked.
     """
     name, content = called(path), read_bytes(path, "the log of a simulation")
     order = {b"IM": "<", b"MI": ">"}.get(content[126:_HEADER])

@@ -12,10 +12,10 @@ from tvclin.ascent.importers.powered_flight import (
     Flight,
     Slope,
     above_sea,
-    given_gimbal,
-    given_slope,
     powered,
     schedule_of_flight,
+    specified_gimbal,
+    specified_slope,
 )
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray
@@ -356,9 +356,9 @@ def read_openrocket(
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
     flight = powered(flight, start, stop, _free(sheet, flight))
     if slope is not None:
-        flight = flight.with_columns(normal_force_coefficient_slope=given_slope(flight, slope))
+        flight = flight.with_columns(normal_force_coefficient_slope=specified_slope(flight, slope))
     flight = flight.with_columns(
-        gimbal_station=given_gimbal(flight, gimbal),
+        gimbal_station=specified_gimbal(flight, gimbal),
         dynamic_pressure=_dynamic_pressure(flight),
         reference_area=_reference_area(flight, reference_area),
     )

@@ -571,14 +571,14 @@ _COMPUTED = {
 """Functions of the quantities that are computed from other columns."""
 
 
-def given_slope(flight: Flight, slope: Slope) -> Column:
+def specified_slope(flight: Flight, slope: Slope) -> Column:
     """Return a specified slope [1/rad] at the Mach number of each row of a flight."""
     column = slope_at_mach(slope, flight["mach"])
     _check_slope(column.values)
     return column
 
 
-def given_gimbal(flight: Flight, station: float) -> Column:
+def specified_gimbal(flight: Flight, station: float) -> Column:
     """Return the station of a gimbal [m] at each row of a flight."""
     return Column(np.full(len(flight.places), station), f"gimbal at {station:g} m, given,")
 

@@ -12,10 +12,10 @@ from tvclin.ascent.importers.powered_flight import (
     Flight,
     Slope,
     above_sea,
-    given_gimbal,
-    given_slope,
     powered,
     schedule_of_flight,
+    specified_gimbal,
+    specified_slope,
 )
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
@@ -107,9 +107,9 @@ def read_rasaero(
         notes=(*omitted, *sheet.notes),
     )
     flight = powered(flight, start, stop, np.isfinite(columns["pressure_station"].values))
-    slope = given_slope(flight, normal_force_coefficient_slope)
+    slope = specified_slope(flight, normal_force_coefficient_slope)
     flight = flight.with_columns(
-        gimbal_station=given_gimbal(flight, gimbal),
+        gimbal_station=specified_gimbal(flight, gimbal),
         moment_of_inertia=Column(
             np.interp(flight["time"], times, inertias),
             f"given at {times.size} times from {times[0]:g} to {times[-1]:g} s",

@@ -50,23 +50,14 @@ _KNOWN_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Requirements:
-    """Deflections [rad] that soundings require.
+    """Deflections [rad] that n soundings require towards a azimuths, arrays ``(a, n)``.
 
-    Attributes
-    ----------
-    lower, upper : ndarray
-        Bounds, with calm and with a strong wind where it is not known, ``(a, n)`` for azimuths and
-        soundings; NaN where the sounding is not judged. Where trim reaches a limit more than once,
-        and no flight decided, `upper` is the largest possible requirement of a flight, at most the
-        largest trim.
-    lowest : ndarray
-        Lowest limits with which flights may survive, ``(a, n)``.
-    wind_known : ndarray of bool
-        Whether the wind is known wherever it may count, ``(a, n)``.
-    reasons : list of str
-        Reason why a sounding is not judged, or empty.
-    judged : ndarray
-        First and last time [s] of the judged interval of the flight, ``(n, 2)``.
+    `lower`, `upper`: bounds, with calm and with a strong wind where it is not known; NaN where the
+    sounding is not judged. Where trim reaches a limit more than once, and no flight decided,
+    `upper` is the largest possible requirement of a flight, at most the largest trim. `lowest`:
+    lowest limits with which flights may survive. `wind_known`: whether the wind is known wherever
+    it may count. `reasons`: for each sounding why it is not judged, or empty. `judged`: first and
+    last time [s] of the judged interval of the flight, ``(n, 2)``.
     """
 
     lower: FloatArray
@@ -81,7 +72,8 @@ class Requirements:
 class FlightInterval:
     """Interval of a flight that is judged, up to the end of `FlightMode.until_stable`.
 
-    `marches`: by plane, for planes with an unstable mode.
+    `path`: its heights and speeds. `marches`: its equations by plane, for planes with an unstable
+    mode.
     """
 
     path: FlightPath

@@ -38,16 +38,9 @@ than once while the path drifts slowly; docs/availability.md has measured ratios
 class Additions:
     """Growth and gust that are added to the winds of soundings, and the dynamic pressure.
 
-    Attributes
-    ----------
-    growth : WindGrowth or None
-        Growth of the wind until launch.
-    gust : History or None
-        A gust, by its angle [rad].
-    gust_speed : float or None
-        Wind speed [m/s] at the peak of the gust, in place of its angle.
-    pressure : bool
-        Whether the dynamic pressure encountered counts, or the nominal one.
+    `growth`: growth of the wind until launch, or None. `gust`: a gust, by its angle [rad], or None.
+    `gust_speed`: wind speed [m/s] at the peak of the gust, in place of its angle. `pressure`:
+    whether the dynamic pressure encountered counts, or the nominal one.
     """
 
     growth: WindGrowth | None
@@ -71,20 +64,14 @@ class Additions:
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Bounds of the deflections [rad] that winds require, as sizes ``(n,)``.
+    """Bounds of the deflections [rad] that n winds require, as sizes ``(n,)``.
 
-    Attributes
-    ----------
-    lower : ndarray
-        The largest min(trim, demand), or the minimum peak over several unstable modes if larger.
-    upper : ndarray
-        Largest possible requirement of a flight, at most the largest trim; infinite where a flight
-        on a quick path diverges with a limit that it never reaches.
-    lowest : ndarray
-        Lowest limit with which a flight may survive: less than `lower` where trim reaches `lower`
-        with both signs, or more than once while the path drifts, or the moment changes its sign.
-    highest : ndarray
-        A limit that the law never reaches.
+    `lower`: the largest min(trim, demand), or the minimum peak over several unstable modes if
+    larger. `upper`: largest possible requirement of a flight, at most the largest trim; infinite
+    where a flight on a quick path diverges with a limit that it never reaches. `lowest`: lowest
+    limit with which a flight may survive: less than `lower` where trim reaches `lower` with both
+    signs, or more than once while the path drifts, or the moment changes its sign. `highest`: a
+    limit that the law never reaches.
     """
 
     lower: FloatArray
@@ -97,16 +84,9 @@ class Bounds:
 class PlaneMarch:
     """Equations of an interval of a flight in a plane, along which winds are marched.
 
-    Attributes
-    ----------
-    path : FlightPath
-        The interval of the flight.
-    plane : str
-        Plane of the motion.
-    motion : FlightMode
-        The equations of the vehicle, with an unstable mode.
-    fastest : FlightMode
-        Equations of the plane whose rates set the steps of both planes.
+    `path`: the interval of the flight. `plane`: plane of the motion. `motion`: the equations of the
+    vehicle, with an unstable mode. `fastest`: equations of the plane whose rates set the steps of
+    both planes.
     """
 
     path: FlightPath
@@ -270,18 +250,10 @@ class PlaneMarch:
 
 @dataclass(frozen=True, eq=False)
 class MarchedWinds:
-    """Winds of soundings in a plane of an interval of a flight, with their bounds.
+    """Winds of n soundings in a plane of an interval of a flight, one each, with their bounds.
 
-    Attributes
-    ----------
-    march : PlaneMarch
-        The equations of the flight in the plane.
-    winds : LineWinds
-        One wind of each sounding.
-    bounds : Bounds
-        Bounds of their requirements.
-    pressure : bool
-        Whether the dynamic pressure encountered counts.
+    `march`: equations of the flight in the plane. `bounds`: bounds of the required deflections.
+    `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
     """
 
     march: PlaneMarch

@@ -109,9 +109,9 @@ class PairGrowth:
 
 
 def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
-    """Return the growth until launch that an argument `persistence` states.
+    """Return the growth until launch of an argument `persistence`.
 
-    It is an angle [rad], zero for None; or the growth of winds; or that of pairs, for "pairs".
+    It is an angle [rad], zero for None; or the growth of winds or pairs; "pairs" is the default.
     `InputError` for another word, a negative angle and one that is not small.
     """
     if persistence is None:
@@ -171,12 +171,8 @@ _GUST_SEGMENTS = 64
 class FlightPath:
     """A flight over height, as arrays ``(f,)``.
 
-    Attributes
-    ----------
-    height, time, speed, climb : ndarray
-        Height [m], time [s], speed [m/s] and flight path angle [rad].
-    densest : float
-        Height [m] of the largest rho V^2, in the standard atmosphere.
+    `height` [m], `time` [s], `speed` [m/s], `climb`: flight path angle [rad]. `densest`: height [m]
+    of the largest rho V^2, in the standard atmosphere.
     """
 
     height: FloatArray
@@ -265,16 +261,11 @@ def _angle(sine: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class SoundingWinds:
-    """Winds of soundings over height, with two additional levels at the edges of each gap.
+    """Winds of n soundings over height, with two additional levels at the edges of each gap.
 
-    Attributes
-    ----------
-    height, east, north : ndarray
-        Levels [m] and winds towards east and north [m/s], of all soundings one after the other.
-    offsets : ndarray of int
-        Index of the first level of each sounding, and the number of all levels, ``(n + 1,)``.
-    gaps : ndarray of int
-        Index of the lower of both levels in each gap.
+    `height`, `east`, `north`: levels [m] and winds towards east and north [m/s], of all soundings
+    one after the other. `offsets`: index of the first level of each sounding, and the number of all
+    levels, ``(n + 1,)``. `gaps`: index of the lower of both levels in each gap.
     """
 
     height: FloatArray
@@ -452,12 +443,8 @@ class SoundingWinds:
 class LineWinds:
     """Winds along a flight, straight between their times and zero beyond them.
 
-    Attributes
-    ----------
-    times : ndarray
-        Times [s] that do not decrease, ``(n, k)``.
-    speeds : dict of str to ndarray
-        Winds at `times` [m/s] by plane, ``(n, k)``: along the path in pitch, across it in yaw.
+    `times`: times [s] that do not decrease, ``(n, k)``. `speeds`: winds at these [m/s] by plane,
+    ``(n, k)``: along the path in pitch, across it in yaw.
     """
 
     times: FloatArray

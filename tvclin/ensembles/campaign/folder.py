@@ -103,7 +103,7 @@ def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
 
 
 def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
-    """Return the manifest of a folder, and write that of a campaign where the folder has none.
+    """Return the manifest of a folder, and write a new one of a campaign where it has none.
 
     `compiled`: as in `new_manifest`. `InputError` where the folder holds another campaign.
     """
@@ -321,12 +321,8 @@ def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyA
 
     `folder`, `manifest`: folder of the campaign, and the manifest in it, of which the file must be.
     The hash in the file is of the returned arrays, so that damage to values, types, names or
-    order raises an exception and never changes a number.
-
-    Raises
-    ------
-    InputError
-        For a file that is missing, damaged, or of another campaign or chunk.
+    order raises an exception and never changes a number. `InputError` for a file that is missing,
+    damaged, or of another campaign or chunk.
     """
     file = chunk_file(folder, chunk)
     try:
