@@ -13,17 +13,11 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, flag, instance, number, one_of, positive, single
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds import wind_angles
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import SampledWind, checked_gust
 from tvclin.winds.soundings.profile import WindProfile, wind_angles_along
-from tvclin.winds.wind_angles import (
-    MAX_LINEAR_ANGLE,
-    NominalWind,
-    angle_in_plane,
-    checked_linear,
-    wind_triangle,
-)
 
 GustOf = History | Callable[[Vehicle], History]
 """A gust, or a function from a vehicle to its gust: a wind speed has another angle for each."""
@@ -49,7 +43,7 @@ class SoundingSpeeds:
     @property
     def pressure(self) -> FloatArray:
         """Dynamic pressure encountered over the nominal one at the times, ``(n,)``."""
-        return wind_triangle(self.path, self.wind["pitch"], self.wind["yaw"])[2]
+        return wind_angles.wind_triangle(self.path, self.wind["pitch"], self.wind["yaw"])[2]
 
     def encountered(
         self, plane: str, angle: FloatArray, times: FloatArray
@@ -66,14 +60,14 @@ class SoundingSpeeds:
         )
         speed = np.sin(angle) / (np.sin(path) if plane == "pitch" else 1.0)
         wind[plane] = bias[plane] + speed
-        *angles, ratio = wind_triangle(path, wind["pitch"], wind["yaw"])
-        nominal = wind_triangle(path, bias["pitch"], bias["yaw"])
+        *angles, ratio = wind_angles.wind_triangle(path, wind["pitch"], wind["yaw"])
+        nominal = wind_angles.wind_triangle(path, bias["pitch"], bias["yaw"])
         k = PLANES.index(plane)
         return angles[k] - nominal[k], ratio
 
 
 @dataclass(frozen=True, eq=False)
-class FlightWind(NominalWind):
+class FlightWind(wind_angles.NominalWind):
     """A wind in flight time, as a vehicle encounters it with the wind of a sounding.
 
     `history`: wind angles [rad] at the nominal speed of the flight, eq (B1e). `plane`: plane of
@@ -169,7 +163,7 @@ class MeasuredWind:
         if self.gust is None:
             return around
         gust = gust_at(self.gust, vehicle)
-        checked_linear(abs(float(around(time))) + abs(float(gust.peak)))
+        wind_angles.checked_linear(abs(float(around(time))) + abs(float(gust.peak)))
         return around + gust.shift(float(time - 0.5 * (gust.onset + gust.end))) * sign
 
 
@@ -299,7 +293,7 @@ def fly_through(
     across = {"pitch": unbiased.in_plane(azimuth), "yaw": unbiased.cross_plane(azimuth)}
     planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
     angles = {
-        k: wind_angles_along(schedule, unbiased.height, across[k], k, MAX_LINEAR_ANGLE)
+        k: wind_angles_along(schedule, unbiased.height, across[k], k, wind_angles.MAX_LINEAR_ANGLE)
         for k in planes
     }
     first, last = (f(time[k] for time, _ in angles.values()) for f, k in ((max, 0), (min, -1)))
@@ -376,7 +370,8 @@ def _beyond_linear(
         return ()
     return (
         f"{' and '.join(where)} the wind meets the flight at more than"
-        f" {np.degrees(MAX_LINEAR_ANGLE):.3g} deg, of which linear aerodynamics says nothing",
+        f" {np.degrees(wind_angles.MAX_LINEAR_ANGLE):.3g} deg, of which linear aerodynamics says"
+        " nothing",
     )
 
 
@@ -391,8 +386,8 @@ def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
     def of_vehicle(vehicle: Vehicle) -> History:
         """Return the gust as wind angles [rad] of a vehicle."""
         across = plane if plane == "pitch" else "yaw"
-        angle = float(angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
-        return gust * (checked_linear(angle) / float(gust.peak))
+        angle = float(wind_angles.angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
+        return gust * (wind_angles.checked_linear(angle) / float(gust.peak))
 
     return of_vehicle
 

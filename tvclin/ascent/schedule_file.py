@@ -16,20 +16,10 @@ from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
 from tvclin.base.sheet import MISSING_NUMBERS, Headings, cell_number, lines_of, sheet_in
 from tvclin.base.tables import FileTable
+from tvclin.vehicle import vehicle_file
 from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
-from tvclin.vehicle.vehicle_file import (
-    SCHEDULE_HEADINGS,
-    VEHICLE_TABLE,
-    build_structure,
-    build_vehicle,
-    is_csv,
-    is_schedule,
-    parse_vehicle,
-    read_vehicle_text,
-    source_tables,
-)
 
 _BEFORE, _AFTER = 25.0, 50.0
 """Nominal flight before and after the time of a vehicle [s], where no span is given."""
@@ -86,16 +76,16 @@ def load_schedule(
     (41.0, 116.0)
     """
     path("source", source, "a name or a path")
-    if is_csv(source) and not exists(source):
+    if vehicle_file.is_csv(source) and not exists(source):
         raise InputError(f"{called(source)} does not exist; name a flight schedule, or a vehicle")
-    text, name = read_vehicle_text(source)
+    text, name = vehicle_file.read_vehicle_text(source)
     folder = Path(name).parent
-    if is_csv(name):
+    if vehicle_file.is_csv(name):
         return _from_rows(_csv_rows(text, name), name, folder, Structure())
     table = _schedule_table(text, name)
     if table is not None:
-        return schedule_of(table, name, folder, build_structure(tables_of(text, name)))
-    vehicle, condition = parse_vehicle(text, name), load_flight_condition(source)
+        return schedule_of(table, name, folder, vehicle_file.build_structure(tables_of(text, name)))
+    vehicle, condition = vehicle_file.parse_vehicle(text, name), load_flight_condition(source)
     reference = time_of(vehicle)
     first = reference - _BEFORE if start is None else start
     last = reference + _AFTER if stop is None else stop
@@ -112,7 +102,10 @@ def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> A
     if time is None:
         return load_any_vehicle(source)
     of_structure = {"bending", "slosh", "engine", "sensors", "structure"}
-    if not is_schedule(source) and source_tables(source).keys() & of_structure:
+    if (
+        not vehicle_file.is_schedule(source)
+        and vehicle_file.source_tables(source).keys() & of_structure
+    ):
         raise InputError(
             f"{called(source)} has a structure, which is known at the vehicle's own time alone:"
             f" leave out the time of flight; got {time:g} s"
@@ -172,7 +165,7 @@ def _from_rows(
     for label, row in _with_inertia_rates(rows):
         with naming(f"{source}, {label}"):
             others.append(_pop_flight_columns(row))
-            vehicles.append(build_vehicle(row))
+            vehicles.append(vehicle_file.build_vehicle(row))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
     times = [float(np.asarray(v.time)) for v in vehicles]
@@ -192,7 +185,9 @@ def _from_rows(
 
 def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
     """Return the rows without those at rest before the flight, and a note on these."""
-    speeds = [key for key, (name, _) in VEHICLE_TABLE.keys.items() if name == "velocity"]
+    speeds = [
+        key for key, (name, _) in vehicle_file.VEHICLE_TABLE.keys.items() if name == "velocity"
+    ]
     still = 0
     while still < len(rows) and any(rows[still][1].get(key) == 0.0 for key in speeds):
         still += 1
@@ -204,7 +199,7 @@ def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
 
 def _numbers_of(rows: list[Row], *names: str) -> list[dict[str, float]]:
     """Return the numbers of rows in SI units by name; empty where one of `names` is missing."""
-    keys = VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys
+    keys = vehicle_file.VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys
     values = [
         {keys[key][0]: value * keys[key][1] for key, value in row.items() if key in keys}
         for _, row in rows
@@ -231,7 +226,7 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
     )
     if not np.all(np.diff(times) > 0.0):
         return rows
-    (key,) = VEHICLE_TABLE.write({"inertia_rate": 0.0})
+    (key,) = vehicle_file.VEHICLE_TABLE.write({"inertia_rate": 0.0})
     rates = np.gradient(inertias, times).tolist()
     return [(label, row | {key: rate}) for (label, row), rate in zip(rows, rates, strict=True)]
 
@@ -255,7 +250,7 @@ def _csv_rows(text: str, source: str) -> list[Row]:
 
 def _key_count(headings: Headings) -> float:
     """Return how well a line of headings fits: the number of keys of vehicles and schedules."""
-    schedule_keys = {*VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
+    schedule_keys = {*vehicle_file.VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
     return float(sum(heading.text in schedule_keys for heading in headings))
 
 
@@ -291,7 +286,7 @@ def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
     """
     document, source = tables_of(text, source), called(source)
     table = document.get("schedule")
-    others = document.keys() - SCHEDULE_HEADINGS
+    others = document.keys() - vehicle_file.SCHEDULE_HEADINGS
     if table is not None and others:
         raise InputError(
             f"{source}: a schedule has nothing beside [schedule], [structure], [engine] and"

@@ -24,17 +24,11 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, NotKnownError, instance, number, one_of, positive
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.winds import wind_angles
 from tvclin.winds.histories import History, VehicleWind
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import SampledWind
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.wind_angles import (
-    FROZEN,
-    SIGNS,
-    EncounteredWind,
-    along_from_angle,
-    pressure_in_winds,
-)
 
 _MAX_INTERVAL_S = 0.1
 """Longest interval [s] of the straight lines between the encountered angles of a sounding."""
@@ -50,7 +44,7 @@ class WindAlong:
     """
 
     history: History
-    encountered: EncounteredWind | EncounteredPlanes | FlightWind | None = None
+    encountered: wind_angles.EncounteredWind | EncounteredPlanes | FlightWind | None = None
     known: tuple[float, float] = (-np.inf, np.inf)
 
     def pressure(self, times: FloatArray) -> FloatArray:
@@ -112,20 +106,20 @@ def wind_along(
     instance("flight", flight, FlightSchedule, "see load_schedule")
     one_of("plane", plane, PLANES)
     if sign is not None:
-        one_of("sign", sign, (*SIGNS, FROZEN))
+        one_of("sign", sign, (*wind_angles.SIGNS, wind_angles.FROZEN))
     if isinstance(wind, MeasuredWind):
         return _sounding(flight, wind, plane, sign, gust_time)
     instance("wind", wind, History, "such as TriangularWind, or the wind of fly_through")
     if gust_time is not None:
         raise InputError("gust_time is that of the gust of a sounding: add a pulse to a history")
-    if sign == FROZEN or not np.any(np.isfinite(wind.onset)):
+    if sign == wind_angles.FROZEN or not np.any(np.isfinite(wind.onset)):
         return WindAlong(wind)
     in_pitch = 0.0
     if plane == "pitch":
-        in_pitch = SIGNS[sign or "head"] * float(np.sign(wind.peak))
+        in_pitch = wind_angles.SIGNS[sign or "head"] * float(np.sign(wind.peak))
     directions = np.asarray(in_pitch), np.asarray(float(plane != "pitch"))
     paths = flight.flight_path_angle
-    encountered = EncounteredWind(
+    encountered = wind_angles.EncounteredWind(
         plane,
         paths[0],
         wind,
@@ -150,8 +144,10 @@ def _sounding(
     `wind`: the sounding along this flight. `plane`: of the wind angles, pitch or yaw. `sign`:
     "frozen" for the nominal dynamic pressure, or None. `gust_time`: time of flight [s] of its gust.
     """
-    if sign in SIGNS:
-        raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
+    if sign in wind_angles.SIGNS:
+        raise InputError(
+            f"measured winds have their own sign: leave sign, or take {wind_angles.FROZEN}"
+        )
     if (wind.gust is None) != (gust_time is None):
         raise InputError("gust_time must be given for a sounding with a gust, and for no other")
     full_wind = replace(wind, window=None)
@@ -159,7 +155,7 @@ def _sounding(
     if gust_time is not None:
         time = number("gust_time", gust_time, unit="s")
         history = full_wind.of_both_signs(flight.at(time).rigid)
-    speeds = None if sign == FROZEN else wind.speeds
+    speeds = None if sign == wind_angles.FROZEN else wind.speeds
     return sounding_along(history, speeds, plane, wind.known)
 
 
@@ -208,9 +204,9 @@ class EncounteredPlanes:
         path = np.interp(times, self.flight.times, self.flight.flight_path_angle)
         along = np.zeros(times.shape)
         if np.any(angles["pitch"]):
-            along = along_from_angle(path, angles["pitch"])
-        across = np.sqrt(pressure_in_winds(path, along)) * np.tan(angles["yaw"])
-        return angles[self.plane], pressure_in_winds(path, along, across)
+            along = wind_angles.along_from_angle(path, angles["pitch"])
+        across = np.sqrt(wind_angles.pressure_in_winds(path, along)) * np.tan(angles["yaw"])
+        return angles[self.plane], wind_angles.pressure_in_winds(path, along, across)
 
 
 def planes_along(
@@ -228,7 +224,7 @@ def planes_along(
     """
     instance("flight", flight, FlightSchedule, "see load_schedule")
     if sign is not None:
-        one_of("sign", sign, (FROZEN,))
+        one_of("sign", sign, (wind_angles.FROZEN,))
     if isinstance(wind, MeasuredPlanes):
         return _sounding_in_planes(flight, wind, sign, gust_time)
     instance("wind", wind, PlaneWind, "or the wind of fly_through with plane='both'")
@@ -237,7 +233,7 @@ def planes_along(
     if gust_time is not None:
         raise InputError("gust_time is that of the gust of a sounding: add a pulse to a history")
     histories = {plane: getattr(wind, plane) for plane in PLANES}
-    if sign == FROZEN:
+    if sign == wind_angles.FROZEN:
         return {plane: WindAlong(history) for plane, history in histories.items()}
     encountered = {plane: EncounteredPlanes(plane, wind, flight) for plane in PLANES}
     if np.any(np.isnan(encountered["pitch"].at(wind.pitch.probe_times())[1])):
@@ -261,7 +257,7 @@ def _sounding_in_planes(
         component = wind.component(plane, vehicle)
         if component is None:
             windy = next(iter(wind.parts.values()))
-            calm, speeds = windy.wind * 0.0, None if sign == FROZEN else windy.speeds
+            calm, speeds = windy.wind * 0.0, None if sign == wind_angles.FROZEN else windy.speeds
             winds[plane] = sounding_along(calm, speeds, plane, wind.known)
         else:
             time = None if component.gust is None else gust_time

@@ -10,19 +10,11 @@ from tvclin.base.errors import InputError, fraction, instance, shown, whole_numb
 from tvclin.base.fields import Field, derived, rows, spec, specs
 from tvclin.base.lines import Table, degrees, number, quantities
 from tvclin.base.quantities import sufficiency
+from tvclin.ensembles import statistics
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.cases import NOT_KNOWN, evaluate
 from tvclin.ensembles.campaign.outputs import required_name
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions
-from tvclin.ensembles.statistics import (
-    Quantile,
-    Success,
-    covers_quantile,
-    quantile_bound,
-    sensitivities,
-    shares,
-    success_probability,
-)
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.requirement.study import Study
 from tvclin.vehicle.linear_vehicle import complete_vehicle
@@ -66,7 +58,7 @@ class DispersedStudy(Shown):
     values: dict[str, FloatArray]
     deflection: FloatArray
     status: AnyArray
-    required: Quantile = field(
+    required: statistics.Quantile = field(
         metadata=specs(
             Field(name="cases", of="required.cases", significant=9),
             Field(name="probability", of="required.probability", card=False),
@@ -76,7 +68,7 @@ class DispersedStudy(Shown):
             Field(kind="angle", name="lower", of="required.lower", card=False),
         )
     )
-    success: Success | None = field(metadata=spec(card=False))
+    success: statistics.Success | None = field(metadata=spec(card=False))
     drivers: dict[str, float] = field(metadata=spec())
 
     def _repr_html_(self) -> str:
@@ -86,7 +78,7 @@ class DispersedStudy(Shown):
     def tables(self) -> tuple[Table, Table]:
         """Return the tables of the covering deflection [deg] and of the rank correlations."""
         r = self.required
-        of_cases, of_flights = shares(r.probability, r.confidence)
+        of_cases, of_flights = statistics.shares(r.probability, r.confidence)
         covers = degrees("dispersed.upper", r.upper, unit="deg")
         if np.isinf(r.upper):
             few = f"too few cases to say{r.few_cases}"
@@ -133,7 +125,9 @@ class DispersedStudy(Shown):
         has_answer = ~np.isnan(self.deflection)
         unknown = np.isin(self.status[has_answer], NOT_KNOWN)
         level = self.required.probability, self.required.confidence
-        return covers_quantile(self.nominal.limit, self.deflection[has_answer], unknown, *level)
+        return statistics.covers_quantile(
+            self.nominal.limit, self.deflection[has_answer], unknown, *level
+        )
 
     @property
     @derived("angle")
@@ -203,11 +197,11 @@ def disperse_study(
         values=values,
         deflection=deflection,
         status=columns["status"].astype(str),
-        required=quantile_bound(counted, probability, confidence),
+        required=statistics.quantile_bound(counted, probability, confidence),
         success=None
         if limit is None
-        else success_probability(sufficient, counted.size, confidence),
-        drivers=sensitivities({k: v[has_answer] for k, v in values.items()}, counted),
+        else statistics.success_probability(sufficient, counted.size, confidence),
+        drivers=statistics.sensitivities({k: v[has_answer] for k, v in values.items()}, counted),
     )
 
 

@@ -19,23 +19,14 @@ from tvclin.base.errors import InputError, between, directions, instance, nonzer
 from tvclin.base.fields import checked, quantity
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds import pulses
 from tvclin.winds.histories import History
-from tvclin.winds.pulses import (
-    MAX_DURATION,
-    OneMinusCosineGust,
-    RectangularWind,
-    SampledWind,
-    TriangularWind,
-    checked_duration,
-    checked_gust,
-    checked_peak,
-)
 from tvclin.winds.wind_angles import angle_in_plane, angles_from_speed, angles_from_vector_size
 
 SHAPES: dict[str, Callable[..., Any]] = {
-    "triangular": TriangularWind,
-    "rectangular": RectangularWind,
-    "one-minus-cosine": OneMinusCosineGust,
+    "triangular": pulses.TriangularWind,
+    "rectangular": pulses.RectangularWind,
+    "one-minus-cosine": pulses.OneMinusCosineGust,
 }
 
 
@@ -75,7 +66,9 @@ class ShapedWind:
     duration: float
     heading: float | None = None
     gust: History | None = None
-    gust_at: float | None = quantity("time", None, between(-MAX_DURATION, MAX_DURATION))
+    gust_at: float | None = quantity(
+        "time", None, between(-pulses.MAX_DURATION, pulses.MAX_DURATION)
+    )
     speed: float | None = quantity("speed", None, nonzero)
     gust_speed: float | None = quantity("speed", None, nonzero)
 
@@ -86,11 +79,11 @@ class ShapedWind:
         one_of("shape of the wind", self.shape, SHAPES)
         object.__setattr__(self, "peak", number("peak of the wind", self.peak))
         object.__setattr__(self, "duration", number("duration of the wind", self.duration))
-        checked_peak(self.peak)
-        checked_duration("duration of the wind", self.duration)
+        pulses.checked_peak(self.peak)
+        pulses.checked_duration("duration of the wind", self.duration)
         if self.heading is not None:
             number("heading of the wind", self.heading, directions, "rad")
-        checked_gust(self.gust)
+        pulses.checked_gust(self.gust)
         checked(self)
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
@@ -327,7 +320,7 @@ class WindEnsemble:
 
     def __post_init__(self) -> None:
         """Check the samples, and set them to arrays; `InputError` as the class says."""
-        checked = SampledWind(time=self.time, angle=self.angle)
+        checked = pulses.SampledWind(time=self.time, angle=self.angle)
         if checked.angle.ndim != 2:
             raise InputError(
                 f"angle must hold one wind in each row; got an array of shape {checked.angle.shape}"
@@ -356,4 +349,4 @@ class WindEnsemble:
 
     def history(self, values: dict[str, Any]) -> History:
         """Return the winds with the indices ``values["wind"]``; the first wind without them."""
-        return SampledWind(time=self.time, angle=self.angle[values.get("wind", 0)])
+        return pulses.SampledWind(time=self.time, angle=self.angle[values.get("wind", 0)])

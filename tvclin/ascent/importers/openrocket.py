@@ -7,16 +7,7 @@ from os import PathLike
 
 import numpy as np
 
-from tvclin.ascent.importers.powered_flight import (
-    MOST_ROWS,
-    Flight,
-    Slope,
-    above_sea,
-    powered,
-    schedule_of_flight,
-    specified_gimbal,
-    specified_slope,
-)
+from tvclin.ascent.importers import powered_flight
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray
 from tvclin.base.errors import InputError, between, finite, number, shown
@@ -179,7 +170,7 @@ def _altitude(sheet: Sheet, ground: float | None) -> Column:
             )
         return sheet.numbers(sea, "length")
     above_ground = sheet.need("Altitude", "length", "tick it and export again")
-    return above_sea(above_ground, sheet.text.source, ground)
+    return powered_flight.above_sea(above_ground, sheet.text.source, ground)
 
 
 def _slope_column(sheet: Sheet) -> dict[str, Column]:
@@ -216,7 +207,7 @@ def _unread(sheet: Sheet) -> list[str]:
     return notes
 
 
-def _damping(flight: Flight) -> tuple[dict[str, Column], list[str]]:
+def _damping(flight: powered_flight.Flight) -> tuple[dict[str, Column], list[str]]:
     """Return the damping of a flight, unless its jet has the wrong sign, and notes on it.
 
     OpenRocket adds damping of the air and of the jet, m' l_c^2, which it subtracted before August
@@ -243,7 +234,7 @@ def _damping(flight: Flight) -> tuple[dict[str, Column], list[str]]:
     ]
 
 
-def _rounded(sheet: Sheet, flight: Flight) -> list[str]:
+def _rounded(sheet: Sheet, flight: powered_flight.Flight) -> list[str]:
     """Return notes on an inertia or a density that was written with too few decimals.
 
     `sheet`: the cells as texts. `flight`: the powered rows, as numbers [SI].
@@ -269,7 +260,7 @@ def _rounded(sheet: Sheet, flight: Flight) -> list[str]:
     return notes
 
 
-def _free(sheet: Sheet, flight: Flight) -> BoolArray:
+def _free(sheet: Sheet, flight: powered_flight.Flight) -> BoolArray:
     """Return whether each row of a flight is free: beyond the rod, with a centre of pressure.
 
     Shape ``(n,)``. The event of leaving the rod is in a comment of the sheet.
@@ -291,12 +282,12 @@ def read_openrocket(
     path: str | PathLike[str],
     *,
     gimbal_station: float,
-    normal_force_coefficient_slope: Slope | None = None,
+    normal_force_coefficient_slope: powered_flight.Slope | None = None,
     ground: float | None = None,
     reference_area: float | None = None,
     start: float | None = None,
     stop: float | None = None,
-    max_rows: int = MOST_ROWS,
+    max_rows: int = powered_flight.MOST_ROWS,
 ) -> FlightSchedule:
     """Return the flight schedule of a simulation that OpenRocket exported.
 
@@ -353,22 +344,24 @@ def read_openrocket(
     slope = normal_force_coefficient_slope
     sheet = _export(path)
     columns, notes = _columns(sheet, ground, slope_column=slope is None)
-    flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
-    flight = powered(flight, start, stop, _free(sheet, flight))
+    flight = powered_flight.Flight(source=sheet.text.source, places=sheet.places, columns=columns)
+    flight = powered_flight.powered(flight, start, stop, _free(sheet, flight))
     if slope is not None:
-        flight = flight.with_columns(normal_force_coefficient_slope=specified_slope(flight, slope))
+        flight = flight.with_columns(
+            normal_force_coefficient_slope=powered_flight.specified_slope(flight, slope)
+        )
     flight = flight.with_columns(
-        gimbal_station=specified_gimbal(flight, gimbal),
+        gimbal_station=powered_flight.specified_gimbal(flight, gimbal),
         dynamic_pressure=_dynamic_pressure(flight),
         reference_area=_reference_area(flight, reference_area),
     )
     damping, damping_notes = _damping(flight)
     notes += [*_unread(sheet), *damping_notes, *_rounded(sheet, flight), *_wind(flight)]
     flight = flight.with_columns(**damping).noted(*notes, *sheet.notes)
-    return schedule_of_flight(flight, "OpenRocket simulation", max_rows)
+    return powered_flight.schedule_of_flight(flight, "OpenRocket simulation", max_rows)
 
 
-def _wind(flight: Flight) -> list[str]:
+def _wind(flight: powered_flight.Flight) -> list[str]:
     """Return a note where the air speed of a flight, Mach times sound, is not that over ground."""
     if "sound" not in flight.columns:
         return []
@@ -383,7 +376,7 @@ def _wind(flight: Flight) -> list[str]:
     ]
 
 
-def _dynamic_pressure(flight: Flight) -> Column:
+def _dynamic_pressure(flight: powered_flight.Flight) -> Column:
     """Return the dynamic pressure q [Pa] of a flight, of the most exact columns of its air."""
     if "temperature" in flight.columns:
         temperature = flight.columns["temperature"]
@@ -401,7 +394,7 @@ def _dynamic_pressure(flight: Flight) -> Column:
     return Column(0.5 * density * flight["velocity"] ** 2, origin)
 
 
-def _reference_area(flight: Flight, reference_area: float | None) -> Column:
+def _reference_area(flight: powered_flight.Flight, reference_area: float | None) -> Column:
     """Return the reference area S [m^2] at each row of a flight: of the file, or a specified one.
 
     `reference_area`: area [m^2], or None for that of the file.

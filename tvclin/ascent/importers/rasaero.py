@@ -7,16 +7,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.importers.powered_flight import (
-    MOST_ROWS,
-    Flight,
-    Slope,
-    above_sea,
-    powered,
-    schedule_of_flight,
-    specified_gimbal,
-    specified_slope,
-)
+from tvclin.ascent.importers import powered_flight
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
 from tvclin.base.sheet import Column, Headings, letters, read_sheet
@@ -47,11 +38,11 @@ def read_rasaero(
     *,
     gimbal_station: float,
     moment_of_inertia: tuple[ArrayLike, ArrayLike],
-    normal_force_coefficient_slope: Slope,
+    normal_force_coefficient_slope: powered_flight.Slope,
     ground: float | None = None,
     start: float | None = None,
     stop: float | None = None,
-    max_rows: int = MOST_ROWS,
+    max_rows: int = powered_flight.MOST_ROWS,
 ) -> FlightSchedule:
     """Return the flight schedule of a flight that RASAero II exported.
 
@@ -97,19 +88,21 @@ def read_rasaero(
         key: sheet.need(name, kind, _MEND, _POUNDS if kind == "force" else None)
         for key, (kind, name) in _NEEDED.items()
     }
-    columns["altitude"] = above_sea(columns["altitude"], sheet.text.source, ground)
+    columns["altitude"] = powered_flight.above_sea(columns["altitude"], sheet.text.source, ground)
     omitted: list[str] = []
     climb = sheet.optional("climb", "Vel-V", "speed", omitted)
-    flight = Flight(
+    flight = powered_flight.Flight(
         source=sheet.text.source,
         places=sheet.places,
         columns=columns | climb,
         notes=(*omitted, *sheet.notes),
     )
-    flight = powered(flight, start, stop, np.isfinite(columns["pressure_station"].values))
-    slope = specified_slope(flight, normal_force_coefficient_slope)
+    flight = powered_flight.powered(
+        flight, start, stop, np.isfinite(columns["pressure_station"].values)
+    )
+    slope = powered_flight.specified_slope(flight, normal_force_coefficient_slope)
     flight = flight.with_columns(
-        gimbal_station=specified_gimbal(flight, gimbal),
+        gimbal_station=powered_flight.specified_gimbal(flight, gimbal),
         moment_of_inertia=Column(
             np.interp(flight["time"], times, inertias),
             f"given at {times.size} times from {times[0]:g} to {times[-1]:g} s",
@@ -120,7 +113,7 @@ def read_rasaero(
             f" {flight.origin('drag_coefficient')}; dC_N/dalpha = {slope.origin}",
         ),
     )
-    return schedule_of_flight(flight, "RASAero II flight", max_rows)
+    return powered_flight.schedule_of_flight(flight, "RASAero II flight", max_rows)
 
 
 def _inertias(times_and_inertias: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:

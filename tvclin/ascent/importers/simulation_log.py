@@ -9,15 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tvclin.ascent.importers import powered_flight
 from tvclin.ascent.importers.column_map import QUANTITIES, Wanted, fit_of, map_of, mapped_columns
 from tvclin.ascent.importers.matlab_file import MAX_NUMBERS, read_matlab, too_large
-from tvclin.ascent.importers.powered_flight import (
-    MOST_ROWS,
-    Flight,
-    powered,
-    schedule_of_flight,
-    thinned_rows,
-)
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
@@ -100,7 +94,7 @@ def read_log(
     *,
     start: float | None = None,
     stop: float | None = None,
-    max_rows: int = MOST_ROWS,
+    max_rows: int = powered_flight.MOST_ROWS,
 ) -> SimulatedFlight:
     """Return the schedule and the wind of a simulation's log.
 
@@ -141,8 +135,8 @@ def read_log(
     if wanted is None:
         wanted = map_of(_by_our_names(sheet), _KNOWN)
     read = mapped_columns(sheet, wanted, _KNOWN)
-    flight = Flight(source=sheet.text.source, places=sheet.places, columns=read)
-    flight = powered(flight, start, stop)
+    flight = powered_flight.Flight(source=sheet.text.source, places=sheet.places, columns=read)
+    flight = powered_flight.powered(flight, start, stop)
     angle, how = _wind(flight)
     sources = {str(source) for _, _, source in wanted.values()}
     omitted = [heading.text for heading in sheet.headings if heading.text not in sources]
@@ -151,8 +145,8 @@ def read_log(
     others = {k: v for k, v in flight.columns.items() if k not in (*_WIND, "angle_of_attack")}
     flight = replace(flight, columns=others).noted(f"wind: {how}", *notes)
     name = Path(a_path("path", path)).stem
-    schedule = schedule_of_flight(flight, name, max_rows)
-    rows, _ = thinned_rows(flight["time"], {"wind": angle}, max_rows)
+    schedule = powered_flight.schedule_of_flight(flight, name, max_rows)
+    rows, _ = powered_flight.thinned_rows(flight["time"], {"wind": angle}, max_rows)
     return SimulatedFlight(schedule, SampledWind(time=flight["time"][rows], angle=angle[rows]))
 
 
@@ -224,7 +218,7 @@ def _by_our_names(sheet: Sheet) -> dict[str, str | float]:
     return {(text if text in keys else name): text for text, name in named.items()}
 
 
-def _wind(flight: Flight) -> tuple[FloatArray, str]:
+def _wind(flight: powered_flight.Flight) -> tuple[FloatArray, str]:
     """Return the wind angle [rad] at each row of a flight, ``(n,)``, and its origin in words."""
     have = flight.columns
     if "wind_angle" in have:

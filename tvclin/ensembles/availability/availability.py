@@ -16,17 +16,9 @@ from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import checked, file_table, quantity, word
 from tvclin.case.case import Case
+from tvclin.ensembles.availability import sounding_winds
 from tvclin.ensembles.availability.availability_record import Availability, scalar_or_row
 from tvclin.ensembles.availability.judge import STOPS, Judge
-from tvclin.ensembles.availability.sounding_winds import (
-    HALF_DAY,
-    MAX_BOUNDED_DISTANCE,
-    PairGrowth,
-    SoundingWinds,
-    WindGrowth,
-    grown_by,
-    growth_of,
-)
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS
 from tvclin.requirement.encountered_requirement import uses_encountered_pressure
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -50,7 +42,7 @@ def availability(
     plane: str = BOTH,
     limit_shape: str = "round",
     model: str = DEFAULT_MODEL,
-    persistence: float | WindGrowth | PairGrowth | str | None = None,
+    persistence: float | sounding_winds.WindGrowth | sounding_winds.PairGrowth | str | None = None,
     gust: History | None = None,
     gust_speed: float | None = None,
     known_to: float | None = None,
@@ -140,7 +132,7 @@ def availability(
         gust_speed = errors.number("gust_speed", gust_speed, errors.between(-1e3, 1e3), "m/s")
     azimuths = scalar_or_row("azimuth", azimuth)
     errors.directions("azimuth", azimuths)
-    growth = growth_of(persistence)
+    growth = sounding_winds.growth_of(persistence)
     capability = errors.number(
         "limit", limit, errors.small_angle("a deflection", errors.nonnegative), "rad"
     )
@@ -154,7 +146,7 @@ def availability(
         model=model,
         azimuths=azimuths,
         limit_shape=errors.one_of("limit_shape", limit_shape, STOPS),
-        growth=growth if isinstance(growth, WindGrowth) else None,
+        growth=growth if isinstance(growth, sounding_winds.WindGrowth) else None,
         gust=gust,
         gust_speed=gust_speed,
         known_to=None
@@ -204,7 +196,7 @@ def _check_usable(soundings: Soundings) -> None:
 
 
 def _added(
-    growth: float | WindGrowth | PairGrowth,
+    growth: float | sounding_winds.WindGrowth | sounding_winds.PairGrowth,
     lower: FloatArray,
     upper: FloatArray,
     soundings: Soundings,
@@ -214,17 +206,20 @@ def _added(
     `growth`: model of persistence, or the increase itself [rad]. `lower`, `upper`: bounds of the
     required deflection [rad] by azimuth and sounding, ``(a, n)``.
     """
-    if isinstance(growth, WindGrowth):
+    if isinstance(growth, sounding_winds.WindGrowth):
         note = "each required deflection includes the growth of the wind until launch"
         return np.zeros(lower.shape[0]), [note]
-    if isinstance(growth, PairGrowth):
+    if isinstance(growth, sounding_winds.PairGrowth):
         usable = upper - lower <= _MAX_BOUND_SPREAD * upper
-        added, pairs = grown_by(growth, np.where(usable, lower, np.nan), soundings.times)
+        added, pairs = sounding_winds.grown_by(
+            growth, np.where(usable, lower, np.nan), soundings.times
+        )
         added = np.maximum(added, 0.0)
         angles = ", ".join(f"{angle:.4f}" for angle in np.degrees(added).tolist())
         return added, [
             f"persistence adds {angles} deg; the required deflections of {100 * growth.quantile:g}"
-            f" % of {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
+            f" % of {pairs} pairs {sounding_winds.HALF_DAY:g} h apart grew by less, scaled to"
+            f" {growth.hours:g} h"
         ]
     notes = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
     return np.full(lower.shape[0], growth), notes
@@ -235,8 +230,8 @@ def _gaps(judge: Judge, soundings: Soundings) -> list[str]:
 
     `judge` has the path of the flight, along which the gaps of `soundings` between levels count.
     """
-    winds = SoundingWinds.of(soundings[soundings.usable], judge.path)
-    count, gap = int(np.sum(winds.has_bounded_gaps)), 1e-3 * MAX_BOUNDED_DISTANCE
+    winds = sounding_winds.SoundingWinds.of(soundings[soundings.usable], judge.path)
+    count, gap = int(np.sum(winds.has_bounded_gaps)), 1e-3 * sounding_winds.MAX_BOUNDED_DISTANCE
     if not count:
         return []
     return [
@@ -331,7 +326,7 @@ class AvailabilityRequest:
     soundings: Soundings
     azimuth: float = quantity("angle", check=errors.directions)
     plane: str = word((BOTH, *PLANES), BOTH)
-    persistence: float | WindGrowth | PairGrowth | str | None = None
+    persistence: float | sounding_winds.WindGrowth | sounding_winds.PairGrowth | str | None = None
     known_to: float | None = quantity("length", None, errors.between(0.0, 1e5))
     confidence: float = quantity("number", 0.95, errors.fraction)
     least_part: float | None = quantity("number", None, errors.between(0.0, 1.0))
@@ -342,7 +337,7 @@ class AvailabilityRequest:
         errors.instance("flight", self.flight, FlightSchedule, "see load_schedule")
         _check_usable(self.soundings)
         checked(self)
-        growth_of(self.persistence)
+        sounding_winds.growth_of(self.persistence)
 
     def availability(
         self,

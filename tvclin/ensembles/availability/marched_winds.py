@@ -14,16 +14,8 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.ensembles.availability.sounding_winds import FlightPath, LineWinds, WindGrowth, on_lines
+from tvclin.requirement import time_varying
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.requirement.time_varying import (
-    FLIGHT_SUBSTEPS,
-    LimitedFlights,
-    curves,
-    decided_by_flights,
-    even_steps,
-    peaks_over_modes,
-    with_calm_after,
-)
 from tvclin.requirement.varying_curves import Curves, smaller
 from tvclin.requirement.varying_equations import Equations
 from tvclin.vehicle.coefficients import PLANES
@@ -97,15 +89,15 @@ class PlaneMarch:
     @cached_property
     def _steps(self) -> tuple[FloatArray, Equations]:
         """Times [s] of even steps, and the equations at these times."""
-        steps = even_steps(self.fastest, self._span)
+        steps = time_varying.even_steps(self.fastest, self._span)
         return steps, self.motion.at_steps(steps)
 
     @cached_property
     def _flight_steps(self) -> tuple[FloatArray, Equations]:
         """Times [s] of the steps of flights, and the equations there and in the calm after them."""
-        steps = even_steps(self.fastest, self._span, FLIGHT_SUBSTEPS)
+        steps = time_varying.even_steps(self.fastest, self._span, time_varying.FLIGHT_SUBSTEPS)
         nothing = np.zeros(steps.shape)
-        times = with_calm_after(self._steps[1], steps, nothing, nothing)[0]
+        times = time_varying.with_calm_after(self._steps[1], steps, nothing, nothing)[0]
         return steps, self.motion.at_steps(times)
 
     @property
@@ -119,7 +111,9 @@ class PlaneMarch:
         `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
         """
         steps, equations = self._steps
-        return curves(equations, *self.path.encountered(steps, winds, self.plane, pressure))
+        return time_varying.curves(
+            equations, *self.path.encountered(steps, winds, self.plane, pressure)
+        )
 
     def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) [rad] and its time [s], ``(n,)`` each.
@@ -136,15 +130,15 @@ class PlaneMarch:
         """
         steps, equations = self._steps
         encountered = self.path.encountered(steps, winds, self.plane, pressure)
-        march = curves(equations, *encountered)
+        march = time_varying.curves(equations, *encountered)
         limit, highest = self._limit(march)[0], march.highest_limit
         limit = np.maximum(limit, self._limit_at_levels(winds, pressure, march, encountered))
         if np.any(equations.paired):
             return Bounds(limit, limit, limit, highest)
         minimum = np.zeros(limit.shape)
-        for cases, peaks in peaks_over_modes(equations, encountered, march.path):
+        for cases, peaks in time_varying.peaks_over_modes(equations, encountered, march.path):
             minimum[cases] = peaks[:, 0]
-        flown, lowest = decided_by_flights(equations, march, limit)
+        flown, lowest = time_varying.decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
         if np.any(equations.quick_path | equations.changes_sign) or self._law_may_diverge:
@@ -238,14 +232,16 @@ class PlaneMarch:
             speeds = self.path.speed_of_angle(sign * angle, at, self.plane, additions.pressure)
         return np.where(calm[:, np.newaxis], 0.0, speeds)
 
-    def flights(self, winds: LineWinds, pressure: bool) -> LimitedFlights:
+    def flights(self, winds: LineWinds, pressure: bool) -> time_varying.LimitedFlights:
         """Return flights of the ideal trim law through winds, and the calm after them.
 
         `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
         """
         steps, equations = self._flight_steps
         *encountered, onset = self.path.encountered(steps, winds, self.plane, pressure)
-        return LimitedFlights(equations, *with_calm_after(self._steps[1], *encountered), onset)
+        return time_varying.LimitedFlights(
+            equations, *time_varying.with_calm_after(self._steps[1], *encountered), onset
+        )
 
 
 @dataclass(frozen=True, eq=False)

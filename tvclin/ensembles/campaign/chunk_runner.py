@@ -10,16 +10,7 @@ import re
 import signal
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent import futures
 from contextlib import contextmanager
 from itertools import islice
 from multiprocessing import get_context, parent_process, resource_tracker
@@ -66,7 +57,7 @@ _interrupted = Event()
 
 
 @contextmanager
-def processes(workers: int) -> Iterator[Executor]:
+def processes(workers: int) -> Iterator[futures.Executor]:
     """Yield an executor of `workers` processes of this machine with a single thread each."""
     if not 1 <= whole_number("workers", workers) <= _MAX_WORKERS:
         raise InputError(f"workers must be from 1 to {_MAX_WORKERS}; got {workers}")
@@ -82,7 +73,7 @@ def processes(workers: int) -> Iterator[Executor]:
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Executor]:
+def cluster(address: str) -> Iterator[futures.Executor]:
     """Yield an executor of the workers of a Dask scheduler.
 
     `address`: of the scheduler, such as "tcp://10.0.0.1:8786". `InputError` when no scheduler
@@ -90,7 +81,7 @@ def cluster(address: str) -> Iterator[Executor]:
     """
     distributed = imported("distributed", "a scheduler needs distributed", "campaign")
     try:
-        with ThreadPoolExecutor(1) as thread:  # a notebook has its own event loop
+        with futures.ThreadPoolExecutor(1) as thread:  # a notebook has its own event loop
             thread.submit(asyncio.run, _connect(distributed, address)).result()
         client = distributed.Client(address, timeout=_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
@@ -99,20 +90,20 @@ def cluster(address: str) -> Iterator[Executor]:
     with client:
         try:
             yield client.get_executor(pure=False)
-        except (distributed.KilledWorker, CancelledError):
+        except (distributed.KilledWorker, futures.CancelledError):
             raise InputError(
                 f"the workers or the scheduler at {address} were lost; what was finished is kept,"
                 " run it again into the same folder"
             ) from None
 
 
-class _Processes(ProcessPoolExecutor):
+class _Processes(futures.ProcessPoolExecutor):
     """Processes that Ctrl-C (SIGINT) interrupts only in their tasks.
 
     A process that is interrupted while it starts or waits for a task would print a traceback.
     """
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> futures.Future[Any]:
         """Return the future of a call of a function in a worker, where SIGINT interrupts it."""
         with _interrupts("SIG_BLOCK"):  # a process inherits the mask of the one that spawns it
             return super().submit(_interruptible, fn, *args, **kwargs)
@@ -204,7 +195,7 @@ def run_campaign(
     campaign: Campaign,
     folder: str | PathLike[str],
     *,
-    executor: Executor | None = None,
+    executor: futures.Executor | None = None,
     shard: str | None = None,
     compiled: bool | None = None,
     progress: Progress | None = None,
@@ -269,7 +260,7 @@ def run_campaign(
 def resume_campaign(
     folder: str | PathLike[str],
     *,
-    executor: Executor | None = None,
+    executor: futures.Executor | None = None,
     shard: str | None = None,
     progress: Progress | None = None,
 ) -> CampaignResults:
@@ -321,7 +312,7 @@ def _checked(folder: object, executor: object, progress: object) -> Path:
     `executor` and `progress` are checked too: an `Executor` and a callable, or None.
     """
     if executor is not None:
-        instance("executor", executor, Executor, "such as ProcessPoolExecutor")
+        instance("executor", executor, futures.Executor, "such as ProcessPoolExecutor")
     if progress is not None:
         callable_for("progress", progress, "of the cases done and of all cases")
     return path("folder", folder)
@@ -330,7 +321,7 @@ def _checked(folder: object, executor: object, progress: object) -> Path:
 def _work(
     manifest: Manifest,
     folder: Path,
-    executor: Executor | None,
+    executor: futures.Executor | None,
     shard: str | None,
     progress: Progress | None,
 ) -> CampaignResults:
@@ -390,7 +381,7 @@ def _groups(campaign: Campaign, chunks: range) -> Iterator[range]:
 
 
 def _finished(
-    chunks: list[int], folder: str, seal: str, executor: Executor | None
+    chunks: list[int], folder: str, seal: str, executor: futures.Executor | None
 ) -> Iterator[int]:
     """Run chunks and yield their numbers as they are finished.
 
@@ -402,19 +393,19 @@ def _finished(
         return
     remaining = iter(chunks)
 
-    def submit(count: int) -> Iterable[Future[int]]:
+    def submit(count: int) -> Iterable[futures.Future[int]]:
         """Return the futures of the next `count` chunks, given to the executor."""
         return [executor.submit(run_chunk, folder, seal, k) for k in islice(remaining, count)]
 
-    running: set[Future[Any]] = set()
+    running: set[futures.Future[Any]] = set()
     try:
         running.update(submit(_MAX_SUBMITTED))
         while running:
-            finished, running = wait(running, return_when=FIRST_COMPLETED)
+            finished, running = futures.wait(running, return_when=futures.FIRST_COMPLETED)
             for future in finished:
                 yield future.result()
             running.update(submit(len(finished)))
-    except BrokenExecutor:
+    except futures.BrokenExecutor:
         raise InputError(
             "a worker process has died (killed, or out of memory); what was finished is kept: run"
             f" it again into {folder}"

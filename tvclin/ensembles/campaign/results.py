@@ -11,6 +11,7 @@ from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.cards import Column, Columns, Tabled
 from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
 from tvclin.base.fields import Field, derived, specs
+from tvclin.ensembles import statistics
 from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints
 from tvclin.ensembles.campaign.case_replay import Replay, replay_case
 from tvclin.ensembles.campaign.cases import UNDECIDED, evaluate, nominal
@@ -23,15 +24,6 @@ from tvclin.ensembles.campaign.folder import (
 )
 from tvclin.ensembles.campaign.outputs import MOTIONS, columns
 from tvclin.ensembles.dispersions import UNITS_OF
-from tvclin.ensembles.statistics import (
-    Driver,
-    Quantile,
-    Success,
-    loss_drivers,
-    quantile_bound,
-    sensitivities,
-    success_probability,
-)
 
 _MAX_CASES_IN_MEMORY = 1_000_000
 """Largest number of cases of a campaign without a folder."""
@@ -161,7 +153,7 @@ class CampaignResults(Tabled):
         output: str | None = None,
         probability: float | None = None,
         confidence: float | None = None,
-    ) -> Quantile:
+    ) -> statistics.Quantile:
         """Return the quantile [rad] of an output over all cases; see `quantile_bound`.
 
         Parameters
@@ -179,11 +171,11 @@ class CampaignResults(Tabled):
         answers = self.answers(output)
         if not answers.size:
             raise InputError("there is no finished case with an answer")
-        return quantile_bound(answers, *self._level(probability, confidence))
+        return statistics.quantile_bound(answers, *self._level(probability, confidence))
 
     def success(
         self, limit: float | None = None, output: str | None = None, confidence: float | None = None
-    ) -> Success | None:
+    ) -> statistics.Success | None:
         """Return the probability that a limit [rad] is sufficient; None without a limit.
 
         Parameters
@@ -210,9 +202,11 @@ class CampaignResults(Tabled):
         limit = number("limit", limit, small_angle("a deflection"), "rad")
         answers = self.answers(output)
         confidence = self._level(None, confidence)[1]
-        return success_probability(int(np.sum(answers <= limit)), answers.size, confidence)
+        return statistics.success_probability(
+            int(np.sum(answers <= limit)), answers.size, confidence
+        )
 
-    def survival(self, confidence: float | None = None) -> Success | None:
+    def survival(self, confidence: float | None = None) -> statistics.Success | None:
         """Return the probability that a flight survives; None where nothing was flown.
 
         Parameters
@@ -222,7 +216,7 @@ class CampaignResults(Tabled):
         """
         return self._flight_probability(0, confidence)
 
-    def loss(self, confidence: float | None = None) -> Success | None:
+    def loss(self, confidence: float | None = None) -> statistics.Success | None:
         """Return the probability that a flight is lost; None where nothing was flown.
 
         Parameters
@@ -232,7 +226,9 @@ class CampaignResults(Tabled):
         """
         return self._flight_probability(1, confidence)
 
-    def _flight_probability(self, which: int, confidence: float | None) -> Success | None:
+    def _flight_probability(
+        self, which: int, confidence: float | None
+    ) -> statistics.Success | None:
         """Return the probability of survival (`which` is 0) or loss (1) of a flight.
 
         `confidence`: of its interval, by default that of the campaign. None without flights.
@@ -242,7 +238,7 @@ class CampaignResults(Tabled):
             return None
         total = sum(counts) + self.statuses().get(UNDECIDED, 0)
         confidence = self._level(None, confidence)[1]
-        return success_probability(counts[which], total, confidence) if total else None
+        return statistics.success_probability(counts[which], total, confidence) if total else None
 
     @property
     def flights(self) -> tuple[int, int] | None:
@@ -252,7 +248,7 @@ class CampaignResults(Tabled):
         survived = self.column("flight_survived")
         return int(np.sum(survived == 1.0)), int(np.sum(survived == 0.0))
 
-    def loss_drivers(self) -> dict[str, Driver]:
+    def loss_drivers(self) -> dict[str, statistics.Driver]:
         """Return the drivers of the loss of flights by parameter, the strongest first.
 
         Empty where nothing was flown, no flight is lost, or every flight is lost.
@@ -260,7 +256,7 @@ class CampaignResults(Tabled):
         if "flight" not in self.campaign.outputs:
             return {}
         drawn, survived = self._drawn_and("flight_survived")
-        return loss_drivers(drawn, survived == 0.0)
+        return statistics.loss_drivers(drawn, survived == 0.0)
 
     def drivers(self, output: str | None = None) -> dict[str, float]:
         """Return the rank correlation of dispersed parameters with an output, the strongest first.
@@ -269,7 +265,7 @@ class CampaignResults(Tabled):
         number.
         """
         drawn, values = self._drawn_and(self._output(output))
-        return sensitivities(drawn, values) if values.size else {}
+        return statistics.sensitivities(drawn, values) if values.size else {}
 
     def _drawn_and(self, output: str) -> tuple[dict[str, FloatArray], FloatArray]:
         """Return dispersed parameters by name, and an output, of cases where that is no NaN.
@@ -286,7 +282,7 @@ class CampaignResults(Tabled):
         output: str | None = None,
         probability: float | None = None,
         confidence: float | None = None,
-    ) -> tuple[Quantile, ...]:
+    ) -> tuple[statistics.Quantile, ...]:
         """Return the quantiles of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all cases.
 
         `output`, `probability`, `confidence`: parameters of `quantile`.
@@ -294,7 +290,7 @@ class CampaignResults(Tabled):
         answers = self.answers(output)
         sizes = sorted({max(answers.size >> k, 1) for k in range(5)}) if answers.size else []
         level = self._level(probability, confidence)
-        return tuple(quantile_bound(answers[:n], *level) for n in sizes)
+        return tuple(statistics.quantile_bound(answers[:n], *level) for n in sizes)
 
     def worst(self, count: int = 5, output: str | None = None) -> IntArray:
         """Return the indices of the cases that require most, ``(count,)``, the worst first.
