@@ -160,16 +160,24 @@ def success_probability(successes: int, cases: int, confidence: float = 0.9) -> 
     `successes`, `cases`: number of successful cases, and of all. `confidence`: of the interval, in
     (0, 1). `InputError` for no case, more successes than cases, and another confidence.
     """
-    from scipy.special import betaincinv  # scipy.stats takes half a second more to import
-
     k, n = whole_number("successes", successes), whole_number("cases", cases)
     if not 0 < n or k > n:
         raise InputError(f"successes must be at most cases, which are not zero; got {k} of {n}")
     c = fraction("confidence", confidence)
-    tail = (1.0 - c) / 2.0
-    low = betaincinv(k, n - k + 1, tail) if k else 0.0
-    high = betaincinv(k + 1, n - k, 1.0 - tail) if k < n else 1.0
-    return Success(k / n, float(low), float(high), c)
+    return Success(k / n, *_clopper_pearson(k, n, c), c)
+
+
+def _clopper_pearson(successes: float, cases: float, confidence: float) -> tuple[float, float]:
+    """Return the ends of the two-sided interval of a probability with a confidence in (0, 1).
+
+    `successes`, `cases`: numbers of successes and of independent cases, which need not be whole.
+    """
+    from scipy.special import betaincinv  # scipy.stats takes half a second more to import
+
+    k, n, tail = successes, cases, (1.0 - confidence) / 2.0
+    low = float(betaincinv(k, n - k + 1.0, tail)) if k > 0.0 else 0.0
+    high = float(betaincinv(k + 1.0, n - k, 1.0 - tail)) if k < n else 1.0
+    return low, high
 
 
 def covers_quantile(
@@ -177,9 +185,10 @@ def covers_quantile(
 ) -> bool | None:
     """Return whether a limit covers the quantile of a requirement, as `Quantile.covered`.
 
-    `limit`: [rad]. `required`: requirements of cases [rad], ``(n,)``. `unknown`: whether that of a
-    case is not known, ``(n,)``. `probability`, `confidence`: as in `quantile_bound`. None also
-    where the verdict is another with infinite than with zero requirements of these cases.
+    `limit`: [rad]. `required`: requirements of cases [rad], ``(n,)``. `unknown`: whether the
+    requirement of a case is not known, ``(n,)``. `probability`, `confidence`: of the quantile, and
+    of its bound. None also where the verdict is another with infinite than with zero requirements
+    of the unknown cases.
     """
     verdicts: set[bool | None] = set()
     for value in (np.inf, 0.0):
@@ -349,8 +358,6 @@ def survival_fraction(
     is by Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up to the first that
     is not positive.
     """
-    from scipy.special import betaincinv  # scipy.stats takes half a second more to import
-
     judged_rows = ~np.isnan(flies)
     judged, flown = int(judged_rows.sum()), int(np.nansum(flies))
     unknown = flies.size - judged
@@ -360,10 +367,8 @@ def survival_fraction(
     n = effective_number(
         (flies if varying else required)[judged_rows], times[judged_rows], season[judged_rows]
     )
-    k, tail = flown / judged * n, (1.0 - confidence) / 2.0
-    lower = float(betaincinv(k, n - k + 1.0, tail)) if flown else 0.0
-    upper = float(betaincinv(k + 1.0, n - k, 1.0 - tail)) if flown < judged else 1.0
-    return SurvivalFraction(flown, judged, unknown, n, lower, upper, confidence)
+    ends = _clopper_pearson(flown / judged * n, n, confidence)
+    return SurvivalFraction(flown, judged, unknown, n, *ends, confidence)
 
 
 def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: IntArray) -> float:

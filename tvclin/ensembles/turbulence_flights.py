@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -89,7 +90,7 @@ class TurbulenceFlights(Shown):
     def is_linear(self) -> bool:
         """Whether rms, travel and crossings of the linear loop hold: it loses a percent of gain.
 
-        Survival is that of the flights: a rare excursion may lose an unstable vehicle.
+        Survival follows from the flights alone: a rare excursion may lose an unstable vehicle.
         """
         return self.largest_exceedance <= MAX_LINEAR_EXCEEDANCE
 
@@ -219,7 +220,7 @@ def fly_turbulence_along(
 ) -> TurbulenceFlights:
     """Return sampled flights with limits in turbulence along a flight, from rest.
 
-    They are at the nominal dynamic pressure, as the linear loop is.
+    They are at the nominal dynamic pressure, as the linear loop without limits is.
 
     Parameters
     ----------
@@ -231,10 +232,14 @@ def fly_turbulence_along(
         The random wind.
     deflection_limit, rate_limit : float
         Deflection limit [rad] and rate limit [rad/s].
-    model, plane, start, stop, wind
-        As in `turbulence_along`.
+    model, plane : str
+        Model of the plant, and plane of the motion, pitch or yaw.
+    start, stop : float, optional
+        First and last time [s] of the flights in turbulence; by default those of the schedule.
+    wind : History, optional
+        The known wind [rad] over the time of flight; by default none.
     runs, seed : int
-        As in `fly_turbulence`.
+        Number of flights, and seed of their winds; see `fly_turbulence`.
 
     Raises
     ------
@@ -242,40 +247,25 @@ def fly_turbulence_along(
         For an autopilot without a sample rate, and as `turbulence_along` and `fly_many_along`.
     """
     errors.instance("schedule", schedule, FlightSchedule, "see load_schedule")
-    parts_of = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
-    errors.instance("autopilot", parts_of, Autopilot, "or a GainSchedule")
-    _check_sampled(parts_of)
+    sampled = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
+    errors.instance("autopilot", sampled, Autopilot, "or a GainSchedule")
+    _check_sampled(sampled)
     limit = _limit(deflection_limit)
-    linear = turbulence_along(
-        schedule,
-        autopilot,
-        turbulence,
-        model=model,
-        plane=plane,
-        wind=wind,
-        start=start,
-        stop=stop,
-    )
+    options: dict[str, Any] = {"model": model, "plane": plane, "start": start, "stop": stop}
+    linear = turbulence_along(schedule, autopilot, turbulence, wind=wind, **options)
     first_time, last_time = schedule.between(start, stop).span
     V = schedule.speed
     lengths = turbulence.over(None if schedule.altitude is None else schedule.height)[1]
     times = _times(first_time, last_time, float(np.min(lengths / V)))
     speeds = flight_variable(schedule, "speed", times)
     heights = None if schedule.altitude is None else flight_variable(schedule, "altitude", times)
-    fly = partial(
-        fly_many_along,
-        schedule,
-        autopilot,
-        deflection_limit=limit,
-        rate_limit=rate_limit,
-        sign="frozen",
-        model=model,
-        plane=plane,
-        start=start,
-        stop=stop,
-    )
     gusts = partial(turbulence.winds, times, speeds, altitude=heights, seed=seed)
-    return _compared(limit, linear, [fly(winds) for winds in _sampled_winds(gusts, wind, runs)])
+    options |= {"deflection_limit": limit, "rate_limit": rate_limit, "sign": "frozen"}
+    flown = [
+        fly_many_along(schedule, autopilot, winds, **options)
+        for winds in _sampled_winds(gusts, wind, runs)
+    ]
+    return _compared(limit, linear, flown)
 
 
 def _check_sampled(autopilot: Autopilot) -> None:
@@ -286,11 +276,10 @@ def _check_sampled(autopilot: Autopilot) -> None:
         )
 
 
-def _limit(value: float) -> float:
+def _limit(deflection_limit: float) -> float:
     """Return a checked deflection limit [rad]; `InputError` unless positive and a small angle."""
-    return errors.number(
-        "deflection_limit", value, errors.small_angle("a deflection", errors.positive), "rad"
-    )
+    check = errors.small_angle("a deflection", errors.positive)
+    return errors.number("deflection_limit", deflection_limit, check, "rad")
 
 
 def _times(start: float, stop: float, time_scale: float) -> FloatArray:

@@ -148,9 +148,10 @@ class PlaneWind:
         return np.asarray(self.pitch(t) + 1j * self.yaw(t))
 
     def remaining_integral(self, s: ArrayLike, t: ArrayLike) -> ComplexArray:
-        """Return `History.remaining_integral` of pitch + j yaw from the times `t` [s] on.
+        """Return the remaining integral, from `t` on, of e^(-s (r - t)) times pitch + j yaw over r.
 
-        Shape ``broadcast(batch, s.shape) + t.shape``.
+        It is the effect that the wind will still have, after the time `t` [s], on unstable modes
+        with the pole `s` [1/s]. Shape ``broadcast(batch, s.shape) + t.shape``.
         """
         return np.asarray(
             self.pitch.remaining_integral(s, t) + 1j * self.yaw.remaining_integral(s, t)

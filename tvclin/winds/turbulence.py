@@ -438,8 +438,8 @@ class Turbulence(Record):
         """Return the wind angles w/V [rad] of `samples` as histories, a batch ``(runs,)``.
 
         Between the times [s] they are straight; a step well below L/V keeps the spectrum. `speed`
-        [m/s], `altitude` [m], the `seed`, and the number of the `first` run are those of `samples`,
-        with its exceptions.
+        [m/s], `altitude` [m], the `seed`, and the number of the `first` run: see `samples`, also
+        for exceptions.
         """
         wind = self.samples(times, speed, altitude=altitude, seed=seed, first=first, runs=runs)
         angle = wind / _SPEEDS("speed", speed, "m/s")

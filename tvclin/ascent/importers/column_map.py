@@ -202,8 +202,8 @@ def _column(
     """Return the column [SI] of a quantity from a sheet, or a constant one.
 
     `name`, `dimension`: name of the quantity, and kind of its unit. `key`: its key in the map.
-    `factor`: factor to SI of the unit of the key, None for that of the column. `source`: name of
-    the column, or the constant.
+    `factor`: factor to SI of the unit of the key; None where the column names its unit. `source`:
+    name of the column, or the constant.
     """
     if not isinstance(source, str):
         value = float(source) * (1.0 if factor is None else factor)

@@ -397,7 +397,7 @@ def _dynamic_pressure(flight: powered_flight.Flight) -> Column:
 def _reference_area(flight: powered_flight.Flight, reference_area: float | None) -> Column:
     """Return the reference area S [m^2] at each row of a flight: of the file, or a specified one.
 
-    `reference_area`: area [m^2], or None for that of the file.
+    `reference_area`: area [m^2] in place of the file's, or None.
     """
     area = flight.columns["reference_area"]
     if reference_area is None:

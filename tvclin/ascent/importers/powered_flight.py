@@ -118,7 +118,7 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
 def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
     """Return Mach numbers, ``(n,)``, and slopes [1/rad] at them, of OpenRocket's analysis.
 
-    They are those of all components: the only column of the `sheet`, or the sum of the others.
+    The slopes are of all components: the only column of the `sheet`, or the sum of the others.
     """
     columns = [heading for heading in sheet.headings if _SLOPE.fullmatch(heading.name)]
     if not columns:

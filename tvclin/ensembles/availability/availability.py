@@ -347,10 +347,10 @@ class AvailabilityRequest:
     ) -> Availability:
         """Return the availability of a case; `InputError` for a nozzle without a limit.
 
-        Same exceptions as the function `availability`. Limit and limit shape (round, where none is
-        given) are those of the nozzle, model, gust and sign are those of the case. `progress`:
-        called with the number of finished soundings and of all soundings. `azimuth`: directions of
-        flight [rad] in place of the one specified.
+        Same exceptions as the function `availability`. The nozzle gives limit and limit shape
+        (round by default), the case model, gust and sign. `progress`: called with the number of
+        finished soundings and of all soundings. `azimuth`: directions of flight [rad] in place of
+        the one specified.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         if case.nozzle.limit is None:

@@ -224,6 +224,11 @@ class Availability(Tabled):
     def today(self, profile: WindProfile) -> Any:
         """Return the verdict from a balloon, a `Today`; a tuple of them for several azimuths.
 
+        Parameters
+        ----------
+        profile : WindProfile
+            The wind over height that the balloon measured.
+
         Raises
         ------
         InputError
@@ -233,18 +238,15 @@ class Availability(Tabled):
         sounding = Soundings.from_profiles([profile], ["2000-01-01"])
         limits = self.limit - self.persistence
         required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
+        first, last = required.judged[0].tolist()
         verdicts = []
-        for a, upper in enumerate(np.atleast_2d(self.upper)):
-            lower, upper_bound = (
-                float(x[a, 0] + self.persistence[a]) for x in (required.lower, required.upper)
-            )
-            judged = upper[~np.isnan(upper)]
-            part = (
-                float(np.mean(judged < upper_bound * _LOWER_RATIO)) if judged.size else float("nan")
-            )
-            span = required.judged[0].tolist()
+        for a, archive in enumerate(np.atleast_2d(self.upper)):
+            bounds = (required.lower[a, 0], required.upper[a, 0])
+            lower, upper = (float(bound + self.persistence[a]) for bound in bounds)
+            judged = archive[~np.isnan(archive)]
+            below = float(np.mean(judged < upper * _LOWER_RATIO)) if judged.size else float("nan")
             verdicts.append(
-                Today(lower, upper_bound, self.limit, part, (span[0], span[1]), required.reasons[0])
+                Today(lower, upper, self.limit, below, (first, last), required.reasons[0])
             )
         return self._plain(verdicts)
 

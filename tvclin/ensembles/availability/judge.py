@@ -312,7 +312,7 @@ class Judge:
     def _in_planes(
         self, in_planes: list[tuple[int, FloatArray]], shape: tuple[int, ...] = ()
     ) -> FloatArray:
-        """Return the required deflections [rad] of the limit shape, from those of single planes.
+        """Return the required deflections [rad] of the limit shape, from single planes.
 
         `in_planes`: pairs of the index of a plane and its required deflections [rad], each of one
         shape; of several in a plane the largest counts. `shape`: this shape if there are none.
@@ -381,11 +381,11 @@ class Judge:
         azimuth: float,
         strong: bool,
     ) -> Iterator[tuple[float, LineWinds]]:
-        """Iterate over signs, and winds with a growth, and a strong unknown wind, of that sign.
+        """Iterate over signs, and winds with growth and a strong unknown wind of this sign.
 
-        `along`: winds over time, in `plane` to be changed; at `height` [m], ``(n, k)``, they are
-        those of `soundings` towards `azimuth` [rad]. `strong`: whether a wind that is not known is
-        strong, or calm. A single sign stands for both where nothing is added to the winds.
+        `along`: winds of `soundings` towards `azimuth` [rad] over time, at heights `height` [m],
+        ``(n, k)``, to be changed in `plane`. `strong`: whether a wind that is not known is strong,
+        or calm. A single sign stands for both where nothing is added to the winds.
         """
         if not strong and self.additions.symmetric:
             yield 1.0, along
@@ -409,8 +409,8 @@ def _judged_interval(flight: FlightSchedule, model: str, planes: tuple[str, ...]
 
     `planes`: planes of the motion. Cached by flight, model and planes.
     """
-    whole = [FlightMode(flight, model, plane, flight.span) for plane in planes]
-    unstable = [mode.until_stable for mode in whole if mode.unstable]
+    modes = [FlightMode(flight, model, plane, flight.span) for plane in planes]
+    unstable = [mode.until_stable for mode in modes if mode.unstable]
     if not unstable:
         return FlightInterval(FlightPath.of(flight), {})
     judged = max((mode.schedule for mode in unstable), key=lambda schedule: schedule.span[1])

@@ -125,9 +125,9 @@ class FlightPlan:
 
     @property
     def law(self) -> Autopilot:
-        """Autopilot with its gains at the breakpoints of a schedule, or that of all times."""
-        given = self.autopilot
-        return given.autopilot if isinstance(given, GainSchedule) else given
+        """Autopilot with its gains at the breakpoints of a schedule, or constant ones."""
+        autopilot = self.autopilot
+        return autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
 
 
 def nominal_gains(plan: FlightPlan, time: float) -> dict[str, float]:
@@ -441,7 +441,7 @@ class Campaign(Case):
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot, designed on `rigid_plant`, or the one that holds the controller."""
+        """The autopilot, designed on `rigid_plant`; with a controller, this controller."""
         if self.controller is not None:
             return super().autopilot
         return self.autopilot_design.autopilot(self.rigid_plant, self.nozzle.actuator)

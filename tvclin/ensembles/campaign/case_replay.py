@@ -277,10 +277,10 @@ class Replay:
 
 
 def _angles(angles: dict[str, float]) -> Iterator[Row]:
-    """Yield a row for each angle [rad] by name, in degrees; an infinite one is that of a loss."""
+    """Yield a row for each angle [rad] by name, in degrees; an infinite one is of a lost flight."""
     for name, angle in angles.items():
-        lost = np.isinf(angle)
-        yield name, ("lost",) if lost else degrees(f"output.{name}", angle, unit="deg")
+        line = degrees(f"output.{name}", angle, unit="deg")
+        yield name, ("lost",) if np.isinf(angle) else line
 
 
 _UNITS = ("deg", "s", "dB")
@@ -321,7 +321,7 @@ def _plain(values: dict[str, float]) -> Iterator[Row]:
 def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
     """Return a case of a campaign, computed again.
 
-    `case`: its number, below that of the cases. `compiled`: whether compiled kernels are used.
+    `case`: its number from zero. `compiled`: whether compiled kernels are used.
     """
     if whole_number("case", case) >= campaign.cases:
         raise InputError(

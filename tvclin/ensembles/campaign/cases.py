@@ -179,9 +179,10 @@ def _flexible(
 
 
 def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:
-    """Return the columns of a batch of n cases of a campaign, as `evaluate`, ``(n,)`` each.
+    """Return the columns of a batch of n cases of a campaign, ``(n,)`` each.
 
-    `first`: number of the first case. `rows`: random numbers in (0, 1), ``(n, parameters)``.
+    They are "case", the dispersed parameters [SI], the outputs and "status". `first`: number of the
+    first case. `rows`: random numbers in (0, 1), ``(n, parameters)``.
     """
     cases, count = drawn(campaign, rows), len(rows)
     index = np.arange(first, first + count, dtype=np.int64)
@@ -191,7 +192,8 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
     def answer(which: IndexArray, case_by_case: bool) -> None:
         """Compute outputs and statuses of the cases with the indices `which`, into the columns.
 
-        `case_by_case`: whether outputs are computed that no batch has, or all others.
+        `case_by_case`: whether to compute the outputs that take a single case at a time, or the
+        others.
         """
         selected = batch(campaign, cases.take(which))
         for name, values in compute(campaign, selected, case_by_case=case_by_case).items():

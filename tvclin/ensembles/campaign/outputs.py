@@ -395,7 +395,7 @@ def _with_plane_columns(campaign: Campaign, columns: dict[str, str]) -> dict[str
 def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the required deflections [rad] of a batch of n cases, ``(n,)`` by column.
 
-    There are columns for each dead band of the campaign, as of `_required_at`.
+    There are columns for each dead band of the campaign; see `_required_at`.
     """
     required: dict[str, FloatArray] = {}
     for dead_band in campaign.dead_bands:
@@ -571,10 +571,7 @@ REGISTRY = {
         lambda campaign: _slow(campaign) or campaign.planes == BOTH,
     ),
     "margins": Output(_margin_columns, _margins),
-    "flight": Output(
-        lambda campaign: _with_plane_columns(campaign, COLUMNS),
-        flights,
-    ),
+    "flight": Output(lambda campaign: _with_plane_columns(campaign, COLUMNS), flights),
     "flown": Output(
         lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},
         _flown_limits,

@@ -231,7 +231,7 @@ class CampaignResults(Tabled):
     ) -> statistics.Success | None:
         """Return the probability of survival (`which` is 0) or loss (1) of a flight.
 
-        `confidence`: of its interval, by default that of the campaign. None without flights.
+        `confidence`: of its interval, by default the campaign's. None without flights.
         """
         counts = self.flights
         if counts is None:

@@ -71,8 +71,8 @@ class CampaignSummary(Shown):
         """Return the summary of an output over the finished cases of `results`.
 
         `output`: name of an angle, by default the first. `limit`: deflection limit [rad], and
-        `probability`, `confidence`: of its quantile; by default those of the campaign. Same
-        exceptions as `CampaignResults.quantile` and `success`.
+        `probability`, `confidence`: of its quantile; by default the campaign's. Same exceptions as
+        `CampaignResults.quantile` and `success`.
         """
         required = results.quantile(output, probability, confidence)
         name = output or results.angles[0]
@@ -278,8 +278,8 @@ class CampaignSummary(Shown):
     def _bound(self, name: str, angle: float) -> Line:
         """Return the text of a bound of a quantile, `angle` [rad], or why it is infinite.
 
-        `name`: name of the number. Infinite is an unknown one, that of flights of which too many
-        are lost, and that of too few cases.
+        `name`: name of the number. A bound is infinite where it is unknown, too many flights are
+        lost, or cases are too few.
         """
         if not np.isinf(angle):
             return _angle(name, angle)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -25,6 +26,8 @@ _MINUTE = "datetime64[m]"
 _MEAN_HEIGHT_STEP = 100.0
 """Step [m] between the heights of a mean wind."""
 _MONTHS = range(1, 13)
+_UTC_OFFSETS = errors.between(-14, 14)
+"""Check of a local time less UTC [h]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -71,25 +74,19 @@ class Soundings:
 
     def __post_init__(self) -> None:
         """Check the arrays, and set all fields; `InputError` as the class says."""
+        set_field = partial(object.__setattr__, self)
         for name, (low, high, unit) in RANGES.items():
-            object.__setattr__(
-                self, name, errors.within(name, getattr(self, name), low, high, unit)
-            )
-        set_ = object.__setattr__
-        set_(self, "offsets", self._checked_offsets())
-        set_(self, "times", to_minutes(self.times))
+            set_field(name, errors.within(name, getattr(self, name), low, high, unit))
+        set_field("offsets", self._checked_offsets())
+        set_field("times", to_minutes(self.times))
         self._check_shapes()
         errors.text("station", self.station)
-        set_(self, "notes", errors.each("notes", self.notes, str, "one for each remark"))
-        set_(
-            self,
-            "utc_offset",
-            errors.number("utc_offset", self.utc_offset, errors.between(-14, 14), "h"),
-        )
+        set_field("notes", errors.each("notes", self.notes, str, "one for each remark"))
+        set_field("utc_offset", errors.number("utc_offset", self.utc_offset, _UTC_OFFSETS, "h"))
         why = errors.each("why", self.why, str, "one for each sounding, or none")
         if not why:
             why = tuple("" if n > 1 else TOO_FEW for n in self.counts.tolist())
-        set_(self, "why", why)
+        set_field("why", why)
         if len(why) != len(self) or np.any((self.counts < 2) & self.usable):
             raise errors.InputError(
                 "why must hold a reason for each sounding with fewer than two levels"
@@ -337,7 +334,7 @@ class SoundingFilter:
         `months`: numbers from 1 to 12, and `years`: first and last; None for all. `station`: its
         name, or None. `utc_offset`: local time minus UTC [h].
         """
-        offset = errors.number("utc_offset", utc_offset, errors.between(-14, 14), "h")
+        offset = errors.number("utc_offset", utc_offset, _UTC_OFFSETS, "h")
         name = None if station is None else errors.text("station", station)
         chosen = _integers("months", months, "from 1 to 12, as [2]") if months is not None else ()
         if months is not None and (not chosen or not all(m in _MONTHS for m in chosen)):
@@ -385,7 +382,7 @@ class SoundingCollection:
             self.counted.setdefault(remark, [0, where])[0] += times
 
     def add(self, addition: SoundingCollection) -> None:
-        """Append the soundings and counts of another collection, such as that of one file."""
+        """Append the soundings and counts of a further collection, `addition`."""
         self.pieces += addition.pieces
         self.why += addition.why
         for name, file in addition.stations.items():

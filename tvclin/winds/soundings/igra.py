@@ -370,46 +370,35 @@ class Rows:
 def collect_levels(
     collection: SoundingCollection, rows: Rows, times: NDArray[np.datetime64], why: list[str]
 ) -> None:
-    """Check levels of n soundings, and add these to a collection.
+    """Check the levels of n soundings, and add the soundings to a collection.
 
     `rows`: the levels. `times`: times [UTC] of the soundings, ``(n,)``. `why`: reason why each is
-    invalid already, or "", to which those found here are added.
+    invalid already, or "", ``(n,)``; further reasons are written into it.
     """
-    invalid = np.array([bool(reason) for reason in why], dtype=bool)
-    checks: Faults = [(rows.broken, lambda _: _BROKEN)]
-    checks += level_faults(rows.speed, height=rows.height, direction=rows.direction)
-    for failed, message in checks:
-        for i in np.flatnonzero(failed).tolist():
-            sounding = int(rows.sounding[i])
-            if not invalid[sounding]:
-                invalid[sounding], why[sounding] = True, f"line {rows.line[i]}: {message(i)}"
-    valid = ~invalid[rows.sounding]
+    _note_faults(rows, why)
     east, north = wind_components(rows.speed, rows.direction)
-    has_wind = valid & ~np.isnan(east + north)
-    ascending = np.flatnonzero(has_wind & ~np.isnan(rows.height))
+    has_wind = _without_fault(why)[rows.sounding] & ~np.isnan(east + north)
+    measured = np.flatnonzero(has_wind & ~np.isnan(rows.height))
     ascending, repeated, sunk = _above_previous(
-        rows.sounding[ascending], rows.height[ascending], ascending
+        rows.sounding[measured], rows.height[measured], measured
     )
-    descending = np.bincount(sunk, minlength=invalid.size) > np.bincount(
-        rows.sounding[ascending], minlength=invalid.size
+    without_height = np.flatnonzero(has_wind & np.isnan(rows.height))
+    interpolated, heights = _interpolated_levels(rows, without_height)
+    index, level = _by_height(
+        rows.sounding,
+        np.concatenate([ascending, interpolated]),
+        np.concatenate([rows.height[ascending], heights]),
     )
-    for i in np.flatnonzero(descending & ~invalid).tolist():
-        invalid[i], why[i] = True, "more than half of its levels lie below the one before"
-    interpolated, height = _interpolated_levels(
-        rows, np.flatnonzero(has_wind & np.isnan(rows.height))
-    )
-    index = np.concatenate([ascending, interpolated])
-    level = np.concatenate([rows.height[ascending], height])
-    order = np.lexsort((index, level, rows.sounding[index]))  # where two are at one height
-    index, level = index[order], level[order]
-    sounding = rows.sounding[index]
-    distinct = np.append(True, (np.diff(level) > 0.0) | (np.diff(sounding) > 0))[: index.size]
-    index, level, sounding = (array[distinct] for array in (index, level, sounding))
-    counts = np.bincount(sounding, minlength=invalid.size)
-    for i in np.flatnonzero((counts < 2) & ~invalid).tolist():
-        invalid[i], why[i] = True, TOO_FEW
-    usable = ~invalid[sounding]
-    omitted = int(np.sum(has_wind & np.isnan(rows.height))) - interpolated.size
+    count = partial(np.bincount, minlength=len(why))
+    falls = count(sunk) > count(rows.sounding[ascending])
+    counts = count(rows.sounding[index])
+    faults = {"more than half of its levels lie below the one before": falls, TOO_FEW: counts < 2}
+    for fault, holds in faults.items():
+        for i in np.flatnonzero(holds).tolist():
+            why[i] = why[i] or fault
+    valid = _without_fault(why)
+    usable = valid[rows.sounding[index]]
+    omitted = without_height.size - interpolated.size
     collection.count(
         "levels with a wind and a pressure, placed in its logarithm", times=interpolated.size
     )
@@ -417,8 +406,41 @@ def collect_levels(
     collection.count("levels of a height that was there already, left out", times=repeated)
     collection.count("levels where the balloon sank, left out", times=sunk.size)
     levels = geometric(level[usable]), east[index[usable]], north[index[usable]]
-    collection.pieces.append((*levels, np.where(invalid, 0, counts), times))
+    collection.pieces.append((*levels, np.where(valid, counts, 0), times))
     collection.why.extend(why)
+
+
+def _without_fault(why: list[str]) -> BoolArray:
+    """Return whether the reason why a sounding is invalid is empty, ``(n,)``."""
+    return np.array([not reason for reason in why], dtype=bool)
+
+
+def _note_faults(rows: Rows, why: list[str]) -> None:
+    """Write the first fault of the levels of a sounding into `why`, where it is empty.
+
+    `why`: reason why each of n soundings is invalid, ``(n,)``.
+    """
+    checks: Faults = [(rows.broken, lambda _: _BROKEN)]
+    checks += level_faults(rows.speed, height=rows.height, direction=rows.direction)
+    for failed, message in checks:
+        for i in np.flatnonzero(failed).tolist():
+            sounding = int(rows.sounding[i])
+            why[sounding] = why[sounding] or f"line {rows.line[i]}: {message(i)}"
+
+
+def _by_height(
+    sounding: IntArray, index: IndexArray, height: FloatArray
+) -> tuple[IndexArray, FloatArray]:
+    """Return indices and heights [m] of levels by sounding and height, one for each height.
+
+    `sounding`: number of the sounding of every level. `index`, `height`: indices of the levels that
+    count, and their heights, ``(m,)``. Of levels at one height the first in the file counts.
+    """
+    order = np.lexsort((index, height, sounding[index]))
+    index, height = index[order], height[order]
+    rises = (np.diff(height) > 0.0) | (np.diff(sounding[index]) > 0)
+    distinct = np.append(True, rises)[: index.size]
+    return index[distinct], height[distinct]
 
 
 def _above_previous(

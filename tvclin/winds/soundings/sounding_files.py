@@ -159,7 +159,7 @@ def recognised_format(text: Text) -> str:
 
 
 def _entry_at(text: Text, entries: list[SoundingEntry], time: str | None) -> SoundingEntry:
-    """Return the sounding of a time; `InputError`, which names those of the text, for another.
+    """Return the sounding of a time; `InputError` for another time, which names all of the text.
 
     `entries`: soundings in the text. `time`: as "2024-01-15 12" [UTC]; None for the first.
     """
@@ -377,8 +377,8 @@ def _add_entry(
 def _entry_time(text: Text, entry: SoundingEntry, file: Path, listed_time: Any) -> Any:
     """Return the time [UTC] of a sounding, or None where it has none.
 
-    `listed_time`: the time from a list, or None; then that of the entry, of the first lines of the
-    text, or in the name of the file counts.
+    `listed_time`: the time from a list, or None; then the entry, the first lines of the text, or
+    the name of the file have it.
     """
     if listed_time is not None:
         return listed_time
