@@ -156,20 +156,20 @@ class Field:
 
     @property
     def document_key(self) -> str:
-        """Key in a document, with its unit."""
+        """Key in a document, with its unit: peak_deg."""
         return self.key or (f"{self.name}_{self.suffix}" if self.suffix else self.name)
 
     def value(self, record: Any) -> Any:
-        """Return the value of a record in the unit of documents: angles in degrees, gains in dB."""
+        """Return the field's value of a `record` in the unit of documents: degrees, dB."""
         return self.in_document_unit(self.si_value(record))
 
     def in_document_unit(self, value: Any) -> Any:
-        """Return a stored value of the field in the unit of documents."""
+        """Return a stored `value` of the field in the unit of documents: degrees, dB."""
         convert = _CONVERSIONS.get(self.kind)
         return value if convert is None else _converted(value, convert)
 
     def si_value(self, record: Any) -> Any:
-        """Return the value of the field of a record, as it is stored."""
+        """Return the field's value of a `record`, as it is stored: in SI units."""
         source = self.of or self.name
         return source(record) if callable(source) else attrgetter(source)(record)
 
@@ -181,7 +181,10 @@ class Field:
         return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
 
     def cell(self, name: str, value: Any, unit: str = "") -> lines.Line:
-        """Return a value in the unit of documents as the cell `name` of a table."""
+        """Return a `value` in the unit of documents as the cell of a table, with `unit` after it.
+
+        `name`: unique name of the number.
+        """
         if isinstance(value, bool | np.bool_ | str):
             return (value or "none",) if isinstance(value, str) else ("yes" if value else "no",)
         if value is None or (self.infinite and np.isinf(value)):
@@ -193,7 +196,7 @@ class Field:
         return lines.number(name, value, digits, unit)
 
     def cell_of(self, name: str, value: Any) -> lines.Line:
-        """Return a stored value as the cell `name` of a table, with its unit."""
+        """Return a stored `value` as the cell `name` of a table, in the unit of documents."""
         return self.cell(name, self.in_document_unit(value), self.unit)
 
     @property
@@ -240,7 +243,7 @@ def chosen(record: Any, *names: str) -> list[Field]:
 
 
 def document(record: Any, *names: str) -> dict[str, Any]:
-    """Return the fields of a record by their keys in a document, in the units of these.
+    """Return the fields of a record by their keys in a document, in degrees and dB.
 
     `names`: names of the fields; without, all that documents show.
     """
@@ -256,7 +259,8 @@ def document(record: Any, *names: str) -> dict[str, Any]:
 def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
     """Return labels and values of fields of a record for a table, except missing values.
 
-    `prefix`: as in `Field.line`. `names`: as in `document`.
+    `prefix`: first part of the names of the numbers, as in "optimum.peak_deg". `names`: of the
+    fields; without, all that documents show.
     """
     return [
         (item.title, item.line(record, prefix))
@@ -273,7 +277,8 @@ def columns(record: Any, *names: str) -> list[Field]:
 def cells(record: Any, prefix: str, *names: str) -> tuple[lines.Line, ...]:
     """Return the values of fields of a record as cells of a table, without units.
 
-    `prefix`: as in `Field.line`. `names`: names of the fields, in the order of the cells.
+    `prefix`: first part of the names of the numbers, as in "optimum.peak_deg". `names`: of the
+    fields, in the order of the cells.
     """
     return tuple(
         item.cell(f"{prefix}.{item.document_key}", item.value(record))
@@ -347,19 +352,19 @@ def quantity(
 
 
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for one of `choices`; `default` and `more` as in `quantity`."""
+    """Return a dataclass field for one of `choices`; `more`: attributes of its `Field`."""
     allowed = tuple(choices)
     check = partial(errors.one_of, choices=allowed)
     return _field(Field(kind="text", check=check, choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for a printable text; `default` and `more` as in `quantity`."""
+    """Return a dataclass field for a printable text; `more`: attributes of its `Field`."""
     return _field(Field(kind="text", check=errors.text, **more), default)
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for True or False; `default` and `more` as in `quantity`."""
+    """Return a dataclass field for True or False; `more`: attributes of its `Field`."""
     return _field(Field(kind="flag", check=errors.flag, **more), default)
 
 
@@ -368,7 +373,7 @@ def count(
 ) -> Any:
     """Return a dataclass field for an integer that passes `check`.
 
-    `default` and `more`: as in `quantity`.
+    `more`: attributes of its `Field`.
     """
     return _field(Field(kind="count", check=check, **more), default)
 

@@ -74,7 +74,7 @@ class LimitShape(ABC):
 
     @abstractmethod
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the support function, max of the scalar product of a point and `direction`.
+        """Return the largest scalar product of a point of the shape and each `direction`.
 
         `direction`: complex vectors, whose shape the result has.
         """

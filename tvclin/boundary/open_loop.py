@@ -124,16 +124,14 @@ def _bisected(
         """Return whether each of `limits` ``(c, ...)`` diverges in case `which` ``(c,)``."""
         flat = limits.ravel()
         repeated = np.repeat(cases[which], limits.size // which.size)
-        return (after.peaks(repeated, flat, flat) > flat * (1.0 + _RELATIVE_ROUNDING)).reshape(
-            limits.shape
-        )
+        exceeded = after.peaks(repeated, flat, flat) > flat * (1.0 + _RELATIVE_ROUNDING)
+        return exceeded.reshape(limits.shape)
 
     indices = np.arange(cases.size)
     levels = np.geomspace(lower, highest, _GRID_LEVELS, axis=-1)
     diverged = diverges(indices, levels[:, :-1])  # the highest is never exceeded by trim
-    last = np.where(
-        diverged.any(axis=-1), _GRID_LEVELS - 2 - np.argmax(diverged[:, ::-1], axis=-1), -1
-    )
+    steps_down = np.argmax(diverged[:, ::-1], axis=-1)
+    last = np.where(diverged.any(axis=-1), _GRID_LEVELS - 2 - steps_down, -1)
     highest_limits, selected = np.array(lower), np.flatnonzero(last >= 0)
     if not selected.size:
         return highest_limits

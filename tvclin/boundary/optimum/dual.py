@@ -275,7 +275,7 @@ def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
 
 
 def _newton(current: SignedSum) -> SignedSum:
-    """Return the sum lambda . e after Newton's iteration from `current`, a sum.
+    """Return the sum of exponentials after Newton's iteration from the sum `current`.
 
     Steps are in the logarithms of the multipliers, for a switch moves in proportion to these. Where
     such a step does not reduce the residual, perhaps because a multiplier has the wrong sign, a

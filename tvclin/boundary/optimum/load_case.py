@@ -213,10 +213,10 @@ class LoadWeights:
     def proof(self, reference: FloatArray, rate_prices: FloatArray | None) -> tuple[float, float]:
         """Return INT h delta_0 dt + rate INT |K| dt, and INT |h - K'| dt, of the lower bound.
 
-        h [1/s] is the density with which a deflection counts in the weighted load, and K the
-        multiplier of the rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``.
-        `rate_prices`: prices of the rate limit in the cells, ``(n,)``, or None: K' = h where a
-        price is not zero.
+        The peak is at least the weighted load minus the first, over the second. h [1/s] is the
+        density with which a deflection counts in the weighted load, and K the multiplier of the
+        rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``. `rate_prices`: prices of the
+        rate limit in the cells, ``(n,)``, or None: K' = h where a price is not zero.
         """
         n = self.widths.size
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))
@@ -231,11 +231,10 @@ class LoadWeights:
         area, size, used = areas.sum(axis=0), np.abs(areas).sum(axis=0), 0.0
         if rate_prices is not None:
             used = self._apply_ramps(area, first, size, rate_prices != 0.0)
-        rest = (self._before[-1] * -self.case.step_states)[
-            self.case.unstable
-        ]  # of h after the last node
-        norm = float(size.sum() + np.abs(rest).sum())
-        return float(area @ reference) + float(rest.real.sum() * reference[-1]) + used, norm
+        # integrals of h after the last node
+        later = (self._before[-1] * -self.case.step_states)[self.case.unstable]
+        norm = float(size.sum() + np.abs(later).sum())
+        return float(area @ reference) + float(later.real.sum() * reference[-1]) + used, norm
 
     @cached_property
     def _before(self) -> ComplexArray:
