@@ -50,8 +50,9 @@ class SoundingSpeeds:
     ) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack in a plane [rad] and q/q_n at times [s], in their shape.
 
-        `plane`: plane of the angle; the other plane has the wind of the sounding. `angle`: wind
-        angles at nominal speed [rad], eq (B1e), beyond the bias, at the times.
+        q/q_n is the dynamic pressure over the nominal one. `plane`: plane of the angle; the other
+        plane has the wind of the sounding. `angle`: wind angles at nominal speed [rad], eq (B1e),
+        beyond the bias, at the times.
         """
         path = np.interp(times, self.time, self.path)
         bias, wind = (
@@ -78,7 +79,10 @@ class FlightWind(wind_angles.NominalWind):
     speeds: SoundingSpeeds
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n at times [s], by the wind triangle."""
+        """Return wind angles of attack [rad] and q/q_n at times [s], by the wind triangle.
+
+        q/q_n is the dynamic pressure over the nominal one.
+        """
         return self.speeds.encountered(self.plane, super().at(times)[0], times)
 
     def between(self, start: float, stop: float) -> FlightWind:
@@ -256,8 +260,10 @@ def fly_through(
         Direction of flight [rad], from north, clockwise.
     plane : {"pitch", "yaw", "both"}
         Plane of the wind angle of attack; "both" returns a wind for each.
-    window, gust
-        Parameters of `MeasuredWind`, or of `MeasuredPlanes`.
+    window : float, optional
+        Length [s] of the interval about the time of a vehicle that counts; by default all times.
+    gust : History or callable, optional
+        Gust on top of the wind, or a function from a vehicle to its gust; see `gust_of_speed`.
     pressure : bool
         Whether the dynamic pressure encountered counts, or the nominal one.
     bias : WindProfile, optional
@@ -393,7 +399,7 @@ def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
 
 
 def gust_at(gust: GustOf, vehicle: Vehicle) -> History:
-    """Return a gust as wind angles [rad] for a vehicle, of which some gusts are functions."""
+    """Return a gust as wind angles [rad] over time: itself, or its function of the vehicle."""
     return gust if isinstance(gust, History) else gust(vehicle)
 
 

@@ -187,7 +187,8 @@ class FlightSchedule(Shown):
     def plants(self, time: ArrayLike, model: str, plane: str) -> Plant:
         """Return the plants at any times [s], a batch of their shape.
 
-        `model`, `plane`: as in `Plant`. Without a moment of the air B is the smallest possible.
+        `model`: name of the model, such as "drift-exact". `plane`: pitch or yaw. Without a moment
+        of the air the trim gain B is the smallest possible.
         """
         v = self.clamped_at(time).rigid
         smallest = _MIN_B * np.asarray(v.control_force)
@@ -365,7 +366,7 @@ def vehicles_at(
     """Return vehicles with their structure at any times [s] of flights with equal times.
 
     They are constant outside the schedule. `time`: times, ``(...)``. `which`: index of the flight
-    of each, ``(...)``. `pressure`: dynamic pressure q/q_n, ``(...)``.
+    of each, ``(...)``. `pressure`: dynamic pressure over the nominal one, q/q_n, ``(...)``.
     """
     lines = TableLines(flights[0].times, time, which)
     tables = [_numbers(flight.vehicle) for flight in flights]

@@ -95,9 +95,10 @@ def load_schedule(
 def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> AnyVehicle:
     """Return the vehicle of a name, a file, or a flight schedule at a time of flight [s].
 
-    `source`: as in `load_any_vehicle` without a time, as in `load_schedule` with one. `InputError`
-    for a schedule without a time, a time outside the flight, a vehicle that bends at another time
-    than its own, and as `load_any_vehicle` and `load_schedule`.
+    `source`: without a time the name of a vehicle or its file; with a time a flight schedule, or a
+    vehicle with a table [flight], by name or file. `InputError` for a schedule without a time, a
+    time outside the flight, a vehicle that bends at another time than its own, and as
+    `load_any_vehicle` and `load_schedule`.
     """
     if time is None:
         return load_any_vehicle(source)

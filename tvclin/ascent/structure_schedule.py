@@ -236,16 +236,17 @@ def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode 
 
 
 def _shape_of(mode: BendingMode) -> FloatArray:
-    """Return the displacements and slopes of a mode, ``(k,)``."""
+    """Return all displacements and slopes of a mode, of the structure and at tanks, ``(k,)``."""
     numbers = [getattr(mode, name) for name in _SHAPE]
     return np.array([*numbers, *mode.tank_displacements, *mode.tank_slopes], float)
 
 
 def _align_signs(elements: list[Any]) -> list[int]:
-    """Return the indices of modes whose sign was changed, in `elements`, to match the row before.
+    """Change signs of a mode at several times where needed; return the indices of these times.
 
-    A shape whose product with the shape before is negative changes its sign, each number weighted
-    with its largest size over the flight.
+    `elements`: the mode, or a tank, at each time, in which changed modes are replaced. A shape
+    whose product with the shape before is negative changes its sign, each number weighted with its
+    largest size over the flight.
     """
     if not isinstance(elements[0], BendingMode):
         return []

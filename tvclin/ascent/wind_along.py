@@ -48,7 +48,7 @@ class WindAlong:
     known: tuple[float, float] = (-np.inf, np.inf)
 
     def pressure(self, times: FloatArray) -> FloatArray:
-        """Return the dynamic pressure q/q_n at times of flight [s], ``(n,)``."""
+        """Return the dynamic pressure over the nominal one at times of flight [s], ``(n,)``."""
         if self.encountered is None:
             return np.ones(times.shape)
         ratio = self.encountered.at(np.reshape(times, (1, -1)))[1]
@@ -198,7 +198,8 @@ class EncounteredPlanes:
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack [rad] of the plane, and q/q_n, at flight times [s].
 
-        The latter is NaN where no horizontal wind along the path has the angle.
+        q/q_n is the dynamic pressure over the nominal one, NaN where no horizontal wind along the
+        path has the angle.
         """
         angles = {plane: np.asarray(getattr(self.wind, plane)(times)) for plane in PLANES}
         path = np.interp(times, self.flight.times, self.flight.flight_path_angle)

@@ -112,9 +112,10 @@ class History(Record, ABC):
         return self.remaining_integral_of(s)(t)
 
     def remaining_integral_of(self, s: ArrayLike) -> Callable[[ArrayLike], AnyArray]:
-        """Return `remaining_integral` as a function of times [s], precomputed at the knots.
+        """Return the integral of e^(-s (r - t)) f(r) dr from t on, as a function of times t [s].
 
-        `s`: poles [1/s] of unstable modes, which broadcast with ``batch``.
+        It is precomputed at the knots. `s`: poles [1/s] of unstable modes, which broadcast with
+        ``batch``.
         """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):

@@ -154,7 +154,6 @@ class ShapedWind:
             For a factor that is zero or no number, and a peak beyond 90 degrees.
         """
         number("factor", factor, nonzero)
-
         scaled = {
             name: getattr(self, name) * factor
             for name in ("peak", "gust", "speed", "gust_speed")
@@ -185,7 +184,7 @@ class ShapedWind:
         Parameters
         ----------
         values : dict
-            Dispersed values; see `history`.
+            Dispersed "wind_peak" [rad] and "wind_duration" [s], ``(n,)``.
         attitude : array_like
             Attitude of the flight of each case [rad].
 
@@ -245,7 +244,7 @@ class ShapedWind:
     def gust_history(self, values: Mapping[str, Any]) -> History | None:
         """Return the gust of cases in the time of the wind, as angles [rad]; None without a gust.
 
-        `values`: dispersed values as in `history`, of which the duration shifts the gust.
+        `values`: dispersed values by name, of which "wind_duration" [s], ``(n,)``, shifts the gust.
 
         Raises
         ------
@@ -263,7 +262,7 @@ class ShapedWind:
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
     """Return the wind angle [rad] in one plane, of a wind with a heading, with its gust there.
 
-    `peaks`: peak angles [rad] of the wind by plane, as `ShapedWind.peaks` returns them.
+    `peaks`: peak angles [rad] of the wind by plane.
     """
     peak, size = peaks[plane], math.copysign(math.hypot(*peaks.values()), wind.peak)
     if peak == 0.0:

@@ -437,9 +437,9 @@ class Turbulence(Record):
     ) -> SampledWind:
         """Return the wind angles w/V [rad] of `samples` as histories, a batch ``(runs,)``.
 
-        Between the times [s] they are straight; a step well below L/V keeps the spectrum. `speed`
-        [m/s], `altitude` [m], the `seed`, and the number of the `first` run: see `samples`, also
-        for exceptions.
+        Between the times [s] they are straight; a step well below L/V keeps the spectrum. `speed`,
+        `altitude`: airspeed [m/s] and altitude [m] at the times. `seed`, `first`: seed of the
+        noise, and number of the first run. Same exceptions as `samples`.
         """
         wind = self.samples(times, speed, altitude=altitude, seed=seed, first=first, runs=runs)
         angle = wind / _SPEEDS("speed", speed, "m/s")

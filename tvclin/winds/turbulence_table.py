@@ -84,7 +84,7 @@ def read_turbulence(
 def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> Turbulence:
     """Return the turbulence over altitude of the tables [[turbulence.level]] of a study file.
 
-    `rows`: the tables. `spectrum`, `component`: names as in `Turbulence`.
+    `rows`: the tables. `spectrum`: "dryden" or "von-karman". `component`: "transverse" or "along".
     """
     levels: list[Mapping[str, float]] = [LEVEL_TABLE.read(row) for row in rows]
     if any(level.keys() != levels[0].keys() for level in levels):
@@ -96,8 +96,8 @@ def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> 
 def _turbulence(columns: Mapping[str, FloatArray], spectrum: str, component: str) -> Turbulence:
     """Return the turbulence of columns of a table over altitude.
 
-    `columns`: altitude [m], intensity [m/s] and perhaps length [m], ``(n,)``. `spectrum`,
-    `component`: names as in `Turbulence`.
+    `columns`: altitude [m], intensity [m/s] and perhaps length [m], ``(n,)``. `spectrum`: "dryden"
+    or "von-karman". `component`: "transverse" or "along".
     """
     return Turbulence(
         columns["intensity"], columns.get("length"), spectrum, component, columns["altitude"]

@@ -101,9 +101,10 @@ def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:
 
 
 def pressure_ratio(path: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Return q/q_n for winds along a path by their angles of attack [rad].
+    """Return q/q_n, dynamic pressure over the nominal one, for winds along a path by their angles.
 
-    NaN where no horizontal wind has the angle.
+    `path`: angle of the path above the horizontal [rad]. `angle`: wind angles of attack [rad]; NaN
+    where no horizontal wind has the angle.
     """
     return wind_triangle(path, along_from_angle(path, angle))[2]
 
@@ -158,9 +159,10 @@ def angle_in_plane(
 def sines_by_heading(heading: float, attitude: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the sines of the wind angles in pitch and in yaw, divided by V_w/V_R.
 
-    `heading`: direction [rad] from which a horizontal wind blows, clockwise from the heading of the
-    flight: pi is a tail wind, pi/2 a wind from the right. `attitude`: attitudes of flights above
-    the horizontal [rad]. Both results have the shape of `attitude`.
+    That is the wind speed over the speed of the vehicle relative to the air. `heading`: direction
+    [rad] from which a horizontal wind blows, clockwise from the heading of the flight: pi is a tail
+    wind, pi/2 a wind from the right. `attitude`: attitudes of flights above the horizontal [rad].
+    Both results have the shape of `attitude`.
     """
     components = -np.cos(heading) * np.sin(attitude), np.sin(heading) + 0.0 * np.asarray(attitude)
     along, across = (np.where(np.abs(sine) < _AXIS_ROUNDING, 0.0, sine) for sine in components)
@@ -174,10 +176,11 @@ def angles_from_vector_size(
 
         sin(alpha_pitch) = -r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
 
-    `peak`: sizes [rad] of the vector of both angles; a negative size reverses the wind. `heading`,
-    `attitude`: as in `sines_by_heading`; peaks and attitudes broadcast. `InputError` for numbers
-    that are not finite, for a wind along a level flight, which has no wind angle, and for a vector
-    that no wind slower than the flight makes.
+    `peak`: sizes [rad] of the vector of both angles; a negative size reverses the wind. `heading`:
+    direction psi [rad] from which the wind blows, clockwise from the heading of the flight: pi is a
+    tail wind. `attitude`: attitudes gamma above the horizontal [rad], which broadcast with the
+    peaks. `InputError` for numbers that are not finite, for a wind along a level flight, which has
+    no wind angle, and for a vector that no wind slower than the flight makes.
     """
     size, gamma = np.broadcast_arrays(
         errors.finite("peak", peak, "rad"), errors.directions("attitude", attitude)
@@ -213,8 +216,9 @@ def angles_from_speed(
 ) -> tuple[float, float]:
     """Return the wind angles [rad] in pitch and in yaw of a horizontal wind, eq (B1e).
 
-    `speed`, `velocity`: of the wind and of the vehicle relative to the air [m/s]. `attitude`,
-    `heading`: as in `sines_by_heading`. `InputError` as `angle_from_speed`.
+    `speed`, `velocity`: of the wind and of the vehicle relative to the air [m/s]. `attitude`:
+    attitude above the horizontal [rad]. `heading`: direction [rad] from which the wind blows,
+    clockwise from the heading of the flight. `InputError` as `angle_from_speed`.
     """
     sines = sines_by_heading(
         errors.number("heading", heading, errors.directions, "rad"), float(attitude)
@@ -287,7 +291,10 @@ class NominalWind:
         return not np.any(np.isfinite(self.history.onset))
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n = 1 at times [s], ``(n, ...)``."""
+        """Return wind angles of attack [rad], and ones, at times [s], ``(n, ...)`` each.
+
+        The ones are the dynamic pressure over the nominal one, q/q_n.
+        """
         return _history_values(self.history, times), np.ones(times.shape)
 
     def between(self, start: float, stop: float) -> NominalWind:
@@ -325,7 +332,10 @@ class EncounteredWind:
 
     @property
     def history(self) -> History:
-        """History with the breakpoints and rates of the wind; values may mix angle and speed."""
+        """Sum of the histories of angle and speed, which has all breakpoints and rates of the wind.
+
+        Its values have a meaning where the wind has an angle alone, or a speed alone.
+        """
         if self.angle is None or self.speed is None:
             wind = self.angle if self.speed is None else self.speed
             assert wind is not None
@@ -335,7 +345,8 @@ class EncounteredWind:
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack [rad] and q/q_n at times [s], ``(n, ...)`` each.
 
-        Both are NaN where no horizontal wind along the path has the angle.
+        q/q_n is the dynamic pressure over the nominal one. Both are NaN where no horizontal wind
+        along the path has the angle.
         """
         pitch, yaw, ratio = self._triangle(times)
         return (pitch if self.plane == "pitch" else yaw), ratio
@@ -348,7 +359,10 @@ class EncounteredWind:
         return np.asarray(np.hypot(pitch, yaw).max(axis=-1))
 
     def _triangle(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return wind angles in pitch and in yaw [rad] and q/q_n at times [s], ``(n, ...)``."""
+        """Return wind angles in pitch and in yaw [rad] and q/q_n at times [s], ``(n, ...)``.
+
+        q/q_n is the dynamic pressure over the nominal one.
+        """
         path, in_pitch, in_yaw = (_broadcast_column(x, times) for x in (self.path, *self.of_angle))
         angle, speed = (_history_values(x, times) for x in (self.angle, self.speed))
         if self.flight is not None:

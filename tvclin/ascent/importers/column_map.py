@@ -101,8 +101,9 @@ Wanted = dict[str, tuple[str, float | None, str | float]]
 def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) -> Wanted:
     """Return the entries of a map from quantities to columns, each with its key and unit.
 
-    `columns`: the map, as in `read_table`. `quantities`: kind of unit of each known quantity.
-    `InputError` for unknown, double and missing ones.
+    `columns`: the map, from our names with a unit or without to names of columns, or constants.
+    `quantities`: kind of unit of each known quantity. `InputError` for unknown, double and missing
+    ones.
     """
     if not isinstance(columns, Mapping):
         raise InputError(

@@ -308,7 +308,7 @@ def read_openrocket(
     reference_area : float, optional
         Reference area [m^2] of a given slope; by default the area of the file.
     start, stop, max_rows
-        Parameters of `read_table`.
+        Earliest and latest time [s], by default of the first burn, and largest number of rows.
 
     Returns
     -------

@@ -60,7 +60,7 @@ def read_rasaero(
     ground : float
         Elevation of the launch site above the sea [m], from -450 to 9000.
     start, stop, max_rows
-        Parameters of `read_table`.
+        Earliest and latest time [s], by default of the first burn, and largest number of rows.
 
     Returns
     -------

@@ -52,7 +52,8 @@ def schedule_from_rocketpy(
         Names of aerodynamic surfaces to leave out of slope and centre of pressure, such as fins
         that the steered vehicle does not have. Drag and mass stay.
     start, stop, max_rows
-        Parameters of `read_table`, within the time from the rail to burnout.
+        Earliest and latest time [s], within the time from the rail to burnout, and largest number
+        of rows.
 
     Returns
     -------

@@ -108,7 +108,7 @@ def read_log(
         and flight_path_angle. Without it columns are known by our names, with the unit behind them
         (``thrust_kN``) or in parentheses (``thrust (kN)``); others are left out, with a note.
     start, stop, max_rows
-        Parameters of `read_table`.
+        Earliest and latest time [s], by default of the first burn, and largest number of rows.
 
     Returns
     -------

@@ -88,7 +88,7 @@ class PlaneMarch:
 
     @cached_property
     def _steps(self) -> tuple[FloatArray, Equations]:
-        """Times [s] of even steps, and the equations at these times."""
+        """Times [s] at begin, middle and end of even steps, ``(1, S, 3)``, and their equations."""
         steps = time_varying.even_steps(self.fastest, self._span)
         return steps, self.motion.at_steps(steps)
 
@@ -152,16 +152,15 @@ class PlaneMarch:
     def _law_may_diverge(self) -> bool:
         """Whether flights may diverge with a limit that the law never reaches.
 
-        Of a stable vehicle, and where the path is unstable while trim holds the attitude.
+        They may if the vehicle is stable somewhere, or its path is unstable while trim holds the
+        attitude. Rows of the equations are the derivatives of attitude, its rate and the path
+        angle; columns are these states, then deflection and wind.
         """
-        equations = self._steps[1].nominal
         if not self._steps[1].drifts:
             return False
-        rate = (
-            equations[..., 2, 2]
-            - equations[..., 2, -2] / equations[..., 1, -2] * equations[..., 1, 2]
-        )
-        return bool(np.any(equations[..., 1, 0] < 0.0) or np.any(rate > 0.0))
+        E = self._steps[1].nominal
+        path_rate = E[..., 2, 2] - E[..., 2, -2] / E[..., 1, -2] * E[..., 1, 2]
+        return bool(np.any(E[..., 1, 0] < 0.0) or np.any(path_rate > 0.0))
 
     def _limit_at_levels(
         self,

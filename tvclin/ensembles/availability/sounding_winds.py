@@ -228,9 +228,9 @@ class FlightPath:
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
 
-        They are the arguments of `time_varying.curves`; onsets as in `LineWinds.at_steps`. `steps`:
-        times at begin, middle and end [s], ``(1, S, 3)``. `plane`: plane of the angles, pitch or
-        yaw. Without `pressure` the angles are nominal, and q/q_n is one. Angles are at most
+        q/q_n is the dynamic pressure encountered over the nominal one; without `pressure` it is one
+        and the angles are nominal. Onsets are counted in steps. `steps`: times at begin, middle and
+        end [s], ``(1, S, 3)``. `plane`: plane of the angles, pitch or yaw, which are at most
         `MAX_LINEAR_ANGLE`.
         """
         times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
@@ -241,8 +241,9 @@ class FlightPath:
     ) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack [rad] and q/q_n of winds [m/s] at times [s], in their shape.
 
-        `along`, `across`: winds along and across the path. `plane`: plane of the angles, pitch or
-        yaw. Without `pressure` the angles are nominal, and q/q_n is one.
+        q/q_n is the dynamic pressure encountered over the nominal one; without `pressure` it is one
+        and the angles are nominal. `along`, `across`: winds along and across the path. `plane`:
+        plane of the angles, pitch or yaw.
         """
         speed, climb = self.speed_and_climb(times)
         sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
@@ -470,10 +471,11 @@ class LineWinds:
         return self._samples_by_steps[ends.size]
 
     def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
-        """Return times [s], winds along and across [m/s], and onsets in steps, as `at_steps`.
+        """Return times [s], winds along and across [m/s], ``(n, S, 3)``, and onsets in steps.
 
-        `ends`: begin of the first step and ends of all [s], ``(S + 1,)``. The middle value of a
-        step is from the integral of the wind over it, so that its parabola has the wind's impulse.
+        `ends`: begin of the first step and ends of all S steps [s], ``(S + 1,)``. The middle value
+        of a step is from the integral of the wind over it, so that its parabola has the wind's
+        impulse.
         """
         knots, (n, k) = self.times, self.times.shape
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)

@@ -120,7 +120,7 @@ class FlightPlan:
 
     @cached_property
     def span(self) -> tuple[float, float]:
-        """First and last time of the flights [s], those of the flight where not specified."""
+        """First and last time of the flights [s], by default of the entire nominal flight."""
         return self.flight.between(self.start, self.stop).span
 
     @property

@@ -327,7 +327,9 @@ def _work(
 ) -> CampaignResults:
     """Compute the chunks of a shard that are not finished, and return the results of the folder.
 
-    `manifest`: manifest of the folder. `executor`, `shard`, `progress`: as in `run_campaign`.
+    `manifest`: manifest of the folder. `executor`: runs the chunks, or None for this process.
+    `shard`: "i/n" for every n-th chunk from the i-th on, or None. `progress`: called with the
+    numbers of finished and of all cases, or None.
     """
     campaign = manifest.campaign
     if shard is not None and campaign.until is not None:

@@ -105,7 +105,8 @@ def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
 def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
     """Return the manifest of a folder, and write a new one of a campaign where it has none.
 
-    `compiled`: as in `new_manifest`. `InputError` where the folder holds another campaign.
+    `compiled`: whether a new campaign uses compiled kernels; by default where they are available.
+    `InputError` where the folder holds another campaign.
     """
     if exists(folder / NAME):
         existing = read_manifest(folder)
@@ -264,7 +265,7 @@ def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str,
     """Write the columns of a chunk into its file; a folder or pipe of the same name is renamed.
 
     `manifest`: manifest of the folder, whose hash stands in the file. `chunk`: number of the
-    chunk. `columns`: by name, ``(n,)`` each, as of `evaluate`.
+    chunk. `columns`: columns of its n cases by name, ``(n,)`` each.
     """
     parquet, pyarrow = _parquet(), arrow()
     table = pyarrow.table(

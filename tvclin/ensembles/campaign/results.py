@@ -285,7 +285,8 @@ class CampaignResults(Tabled):
     ) -> tuple[statistics.Quantile, ...]:
         """Return the quantiles of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all cases.
 
-        `output`, `probability`, `confidence`: parameters of `quantile`.
+        `output`: a name of `angles`, by default the first. `probability`, `confidence`: of the
+        quantiles and of their bounds; by default those of the campaign.
         """
         answers = self.answers(output)
         sizes = sorted({max(answers.size >> k, 1) for k in range(5)}) if answers.size else []
@@ -304,7 +305,7 @@ class CampaignResults(Tabled):
         return np.asarray(columns["case"][order[~np.isnan(values[order])]])
 
     def replay(self, case: int) -> Replay:
-        """Return a case in full; see `Replay`."""
+        """Return a case in full, computed again: inputs, outputs, response and flight."""
         return replay_case(self.campaign, case, self.manifest.compiled)
 
     def _columns(self) -> Columns:

@@ -111,7 +111,12 @@ def read_sounding(
 def soundings_in(
     text: Text, format: str | None, units: str | None, above_ground: float | None
 ) -> list[SoundingEntry]:
-    """Return the soundings in a text; `format`, `units`, `above_ground` as in `read_sounding`."""
+    """Return the soundings in a text.
+
+    `format`: name of its format, or None to recognise it. `units`: units of a table that names
+    none, as "ft,mph", or None. `above_ground`: elevation of the site [m], for a table of heights
+    above the ground, or None. `InputError` for an unknown format, and for both with another format.
+    """
     name = recognised_format(text) if format is None else errors.one_of("format", format, READERS)
     if name in _TABLES:
         reading = TableOptions.of(units, above_ground, assumed=name == "openrocket")
@@ -216,7 +221,8 @@ def read_soundings(
     utc_offset : float
         Local time less UTC [h], by which months and years are counted.
     format, units, above_ground : optional
-        Options for files of one sounding, as in `read_sounding`.
+        For files of one sounding: their format, units of tables that name none, as "ft,mph", and
+        elevation of the site [m] for heights above the ground.
     progress : callable, optional
         Called with the amount read and the total: bytes of one station file, or files.
 
@@ -322,7 +328,7 @@ def _add_single(
 ) -> None:
     """Add the soundings of a file to the collection; a page without a sounding is counted.
 
-    `reading`: format, units and elevation of the site, as in `read_sounding`. `sounding_filter`:
+    `reading`: format, units and elevation of the site [m], each perhaps None. `sounding_filter`:
     which times and stations are read. `listed_time`, `default_time`: time [UTC] that counts for a
     single sounding, and for one that is without any time; or None.
     """
