@@ -482,3 +482,21 @@ def test_gains_of_the_file_are_flown_by_the_autopilot(tmp_path) -> None:
 def test_the_headline_names_the_planes_that_are_judged() -> None:
     headline = run("ascent", "configuration-i", "--every", "40").stdout.partition("\n\n")[0]
     assert "pitch alone judged (--plane both judges both)" in " ".join(headline.split())
+
+
+def test_a_flight_that_survives_an_unstable_mode_says_at_which_times_it_is_unstable(folder) -> None:
+    """With a shallower notch the first mode is unstable at 30 s, by the eigenvalues there."""
+    file = folder / "shallow.toml"
+    study = (folder / "study.toml").read_text()
+    file.write_text(study.replace("zero_damping = 0.1", "zero_damping = 0.3"))
+    answer = json.loads(run("fly", file, "--limit-deg", "3", "--json").stdout)
+    assert answer["verdict"].startswith("SURVIVED")
+    notes = " ".join(answer["notes"])
+    assert "frozen at 30 s the loop has an unstable oscillation" in notes
+    shallow = tuple(replace(notch, zero_damping=0.3) for notch in notched().notches)
+    vehicle = read(folder).at(30.0)
+    plant = tv.FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure)
+    loop = replace(notched(), notches=shallow).along(read(folder), 30.0)
+    assert not loop.margins(plant).stable
+    stable = json.loads(run("fly", folder / "study.toml", "--limit-deg", "3", "--json").stdout)
+    assert "unstable oscillation" not in " ".join(stable["notes"])

@@ -42,7 +42,7 @@ from tvclin.requirement.flight.deflection_use import (
 )
 from tvclin.requirement.flight.flight_winds import PEAK, place, place_vector
 from tvclin.requirement.flight.request import SizingRequest
-from tvclin.requirement.flight.sizing import Sizing, hundredths
+from tvclin.requirement.flight.sizing import Sizing, flight_times, hundredths
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, Requirement
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -148,6 +148,20 @@ class FlightLoop:
         if self.flight.actuator_frequency is None:
             yield from actuator_notes(self.plan)
 
+    def _unstable_times(self) -> FloatArray:
+        """Return the flight times [s] at which the frozen loop has an unstable oscillation."""
+        plan = self.plan
+        swept = sweep(
+            self.flight,
+            self.sampled[plan.plane],
+            self.times,
+            factors=(),
+            model=self.model,
+            plane=plan.plane,
+        )
+        oscillates = (swept.poles.imag > 0.0) & (swept.poles.real > 0.0)
+        return self.times[np.any(oscillates, axis=-1)]
+
     def fly(self, progress: Progress | None = None) -> FlightsOfLoop:
         """Return the flights of the loop through each wind of the plan, with the nozzle's limits.
 
@@ -188,7 +202,8 @@ class FlightLoop:
         for outcome in outcomes:
             if outcome.survived is False:
                 used[slice(None) if outcome.time is None else times == outcome.time] = np.nan
-        return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit, used)
+        unstable = self._unstable_times()
+        return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit, used, unstable)
 
     def _flown(
         self, cases: Sequence[tuple[_Wind, str | None]], limit: float
@@ -437,14 +452,16 @@ class FlightsOfLoop:
 
     `outcomes`: of each wind. `worst`: the flight of the worst outcome, with its outputs over time.
     `limit`: deflection limit [rad]. `used`: largest deflection [rad] in the winds of each flight
-    time of the sizing, ``(n,)``; NaN where one is not survived. `use`: required, used and remaining
-    deflection, if a sizing gives the former.
+    time of the sizing, ``(n,)``; NaN where one is not survived. `unstable_times`: flight times [s]
+    of the sweep at which the loop, frozen there, has an unstable oscillation. `use`: required, used
+    and remaining deflection, if a sizing gives the former.
     """
 
     outcomes: tuple[FlightOutcome, ...]
     worst: FlightAlong
     limit: float
     used: FloatArray
+    unstable_times: FloatArray
     use: DeflectionUse | None = None
 
     @property
@@ -459,7 +476,13 @@ class FlightsOfLoop:
 
     @property
     def notes(self) -> Iterator[str]:
-        """Notes on diverged flights, and on pulses after which the flight is too short."""
+        """Notes on unstable oscillations, diverged flights, and pulses too late to settle."""
+        if self.unstable_times.size:
+            at = flight_times(self.unstable_times.tolist())
+            yield (
+                f"frozen at {at} the loop has an unstable oscillation (tvclin margins): survived is"
+                " a flight that has settled in the end"
+            )
         if self.survived is False and self.worst.status == "lost":
             yield (
                 "the largest values are until attitude or angle of attack exceed"
