@@ -436,8 +436,17 @@ class SystemPlant(Plant):
 
     @cached_property
     def denominator(self) -> FloatArray:
-        """Characteristic polynomial, ``(..., order + 1)``, highest power first."""
-        self._require_low_order()
+        """Characteristic polynomial, ``(..., order + 1)``, highest power first.
+
+        `InputError` for a plant of an order above eight.
+        """
+        order = len(self.states)
+        if order > _MAX_POLYNOMIAL_ORDER:  # whose polynomials lose their digits
+            raise InputError(
+                f"exact trim and transfer functions are for plants of order"
+                f" {_MAX_POLYNOMIAL_ORDER} or less; this one is of order {order}: take"
+                " Plant.from_coefficients(plant.coefficients) for trim, and ss() for the rest"
+            )
         polynomial = np.ones((*self.batch, 1), complex)
         for pole in np.moveaxis(self._eigenvectors[0], -1, 0):
             polynomial = np.pad(polynomial, [(0, 0)] * (polynomial.ndim - 1) + [(0, 1)])
@@ -472,16 +481,6 @@ class SystemPlant(Plant):
         )
         first = next((k for k in range(terms.shape[-1] - 1) if np.any(terms[..., k])), -1)
         return terms[..., first:]
-
-    def _require_low_order(self) -> None:
-        """Raise `InputError` for a plant of so high an order that polynomials lose their digits."""
-        order = len(self.states)
-        if order > _MAX_POLYNOMIAL_ORDER:
-            raise InputError(
-                f"exact trim and transfer functions are for plants of order"
-                f" {_MAX_POLYNOMIAL_ORDER} or less; this one is of order {order}: take"
-                " Plant.from_coefficients(plant.coefficients) for trim, and ss() for the rest"
-            )
 
     @property
     def trim_filter(self) -> tuple[Any, Any, Any]:

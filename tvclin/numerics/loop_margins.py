@@ -125,14 +125,6 @@ def _initial_phase_to_axis(
     return np.where(right != rising, 0.0, _FULL_TURN)
 
 
-def last_frequency(loop: AnyLoop, size: float) -> FloatArray:
-    """Return the highest frequency [rad/s] at which |L| is `size`, ``(...)``; zero without any.
-
-    `loop`: a batch of loops L(s) ``(...)``.
-    """
-    return np.nan_to_num(loop.crossovers(size)[0]).max(axis=-1, initial=0.0)
-
-
 def _polished_gain_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
     """Return gain crossovers ``(..., k)`` [rad/s] after Newton's steps on ln |L|.
 
@@ -199,7 +191,8 @@ def _delay_frequencies(loop: AnyLoop) -> tuple[FloatArray, FloatArray]:
     """
     delayed = loop.delay > 0.0
     step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
-    end = np.maximum(last_frequency(loop, _NEGLIGIBLE_GAIN), _END_OVER_POLE_BOUND * loop.bound())
+    last = np.nan_to_num(loop.crossovers(_NEGLIGIBLE_GAIN)[0]).max(axis=-1, initial=0.0)
+    end = np.maximum(last, _END_OVER_POLE_BOUND * loop.bound())
     count = np.minimum(np.ceil(end / step) + _ADDED_STEPS, _MAX_STEPS)
     index = np.arange(int(count[delayed].max(initial=0.0)) + 1)
     used = delayed[:, np.newaxis] & (index <= count[:, np.newaxis])
