@@ -19,10 +19,7 @@ Real = float | FloatArray
 
 
 class Storage:
-    """Float arrays by name; a later array of a name is written into the memory of the earlier one.
-
-    New memory takes as long as filling it.
-    """
+    """Float arrays by name; a later one has the memory of the earlier, as new memory is slow."""
 
     def __init__(self) -> None:
         """Start without memory."""

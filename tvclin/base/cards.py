@@ -253,10 +253,7 @@ class Columns:
 
 
 def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) -> tuple[Column, ...]:
-    """Return the fields `names` of a record as columns in SI units.
-
-    `axes`: names of the axes of their values, as in `Column`.
-    """
+    """Return the fields `names` of a record over `axes`, as in `Column`, as columns in SI units."""
     return tuple(
         Column(item.name, np.asarray(item.si_value(record)), item.si_unit or "1", axes)
         for item in chosen(record, *names)

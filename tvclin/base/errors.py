@@ -315,10 +315,7 @@ def in_degrees(angle: float) -> str:
 
 
 def small_angle(what: str, check: _Check = finite) -> _Check:
-    """Return a check of angles within 90 degrees, in radians or "deg", also for `number`.
-
-    `what`: name of the angle, as "a deflection". `check`: a further check.
-    """
+    """Return a `check` of angles, called `what`, that are within 90 degrees, in rad or "deg"."""
 
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
         """Return angles `value` in `unit` after the check; else `InputError` about `name`."""

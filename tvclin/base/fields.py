@@ -35,10 +35,7 @@ _Getter = TypeVar("_Getter", bound=Callable[..., Any])
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: a record as its document, or by its fields.
-
-    Numbers that are not finite become None.
-    """
+    """Return a value as JSON can hold it: a record by its fields, None for NaN and infinity."""
     if hasattr(value, "as_dict"):
         value = value.as_dict()
     elif is_dataclass(value):
@@ -181,10 +178,7 @@ class Field:
         return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
 
     def cell(self, name: str, value: Any, unit: str = "") -> lines.Line:
-        """Return a `value` in the unit of documents as the cell of a table, with `unit` after it.
-
-        `name`: unique name of the number.
-        """
+        """Return a `value` in the unit of documents as the cell `name` of a table, with `unit`."""
         if isinstance(value, bool | np.bool_ | str):
             return (value or "none",) if isinstance(value, str) else ("yes" if value else "no",)
         if value is None or (self.infinite and np.isinf(value)):
@@ -205,10 +199,7 @@ class Field:
         return self.kind in UNITS
 
     def checked(self, name: str, value: Any, unit: str | None = None) -> Any:
-        """Return a `value` that passes the check, as the argument `name`.
-
-        `unit`: of the value, for messages; by default the SI unit.
-        """
+        """Return a `value` in `unit`, or in SI, that passes the check of an argument `name`."""
         if self.many:
             return self._each(name, value)
         if not self.numeric:
@@ -243,10 +234,7 @@ def chosen(record: Any, *names: str) -> list[Field]:
 
 
 def document(record: Any, *names: str) -> dict[str, Any]:
-    """Return the fields of a record by their keys in a document, in degrees and dB.
-
-    `names`: names of the fields; without, all that documents show.
-    """
+    """Return the fields `names`, or all, of a record by document key, in degrees and dB."""
     values = {item.document_key: item.value(record) for item in chosen(record, *names)}
     return {
         key: {str(name): entry for name, entry in value.items()}
@@ -352,29 +340,26 @@ def quantity(
 
 
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for one of `choices`; `more`: attributes of its `Field`."""
+    """Return a dataclass field for one of `choices`, with a `default`; `more`: as in `Field`."""
     allowed = tuple(choices)
     check = partial(errors.one_of, choices=allowed)
     return _field(Field(kind="text", check=check, choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for a printable text; `more`: attributes of its `Field`."""
+    """Return a dataclass field for a printable text, with a `default`; `more`: as in `Field`."""
     return _field(Field(kind="text", check=errors.text, **more), default)
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for True or False; `more`: attributes of its `Field`."""
+    """Return a dataclass field for True or False, with a `default`; `more`: as in `Field`."""
     return _field(Field(kind="flag", check=errors.flag, **more), default)
 
 
 def count(
     default: Any = MISSING, check: Callable[..., Any] = errors.whole_number, **more: Any
 ) -> Any:
-    """Return a dataclass field for an integer that passes `check`.
-
-    `more`: attributes of its `Field`.
-    """
+    """Return a dataclass field for an integer; `more`: attributes of its `Field`."""
     return _field(Field(kind="count", check=check, **more), default)
 
 

@@ -330,10 +330,7 @@ def _unwritable(path: Path, error: Exception) -> InputError:
 
 
 def _check_text(text: str, name: str) -> None:
-    """Raise `InputError` for a TOML `text` so long or so deeply nested that it parses slowly.
-
-    `name`: of the file, in the message.
-    """
+    """Raise `InputError` for a TOML `text` of a file `name` that is too long or too nested."""
     if len(text) > _MAX_TABLE_CHARACTERS:
         raise InputError(
             f"{name} has more than {_MAX_TABLE_CHARACTERS // 1_000_000} million letters"

@@ -146,10 +146,7 @@ def upper_pole(name: str, pole: complex) -> Line:
 
 
 def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -> Line:
-    """Return a complex `value`, called `name`, to some significant `digits` of both parts.
-
-    `sign`: in place of the sign of its imaginary part.
-    """
+    """Return `value`, called `name`, to some `digits`, maybe with another `sign` ahead of j."""
     real = significant(f"{name}.real", value.real, digits)
     if not value.imag:
         return real
@@ -158,18 +155,12 @@ def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -
 
 
 def degrees(name: str, angle: Any, digits: int = 3, unit: str = "") -> Line:
-    """Return `angle` [rad] in degrees to some decimal `digits`, called `name` with the ending _deg.
-
-    `unit`: text after the number.
-    """
+    """Return `angle` [rad] in degrees to some `digits` and with its `unit`, called `name`_deg."""
     return number(f"{name}_deg", float(np.degrees(angle)), digits, unit)
 
 
 def _shown(name: str, value: Any, shown: str, unit: str) -> Line:
-    """Return the line of `value`, called `name`, whose text is `shown`, with its `unit` after it.
-
-    It is a dash for NaN and "unlimited" for infinity.
-    """
+    """Return `value`, called `name`, as the text `shown` and its `unit`; "-" or "unlimited"."""
     plain = float(value)
     if not np.isfinite(plain):
         return ("-" if np.isnan(plain) else _UNLIMITED,)

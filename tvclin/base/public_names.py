@@ -89,10 +89,7 @@ class Hinted:
 
 
 def _hint(kind: str, name: str, attributes: Iterable[str]) -> str:
-    """Return the message that a class `kind` has no attribute `name`, and which is meant.
-
-    `attributes`: names of the attributes of the class.
-    """
+    """Return the message that a class `kind` lacks `name`, with the like of it in `attributes`."""
     if name.startswith("_"):
         return f"{kind!r} object has no attribute {name!r}"
     from difflib import get_close_matches  # late: seldom needed

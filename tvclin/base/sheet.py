@@ -69,10 +69,7 @@ class Text:
         return np.where(np.isin(values, MISSING_NUMBERS), np.nan, values)
 
     def _number(self, column: str, cell: str, line: int) -> float:
-        """Return the number of a `cell`; NaN for a missing value, an error for other text.
-
-        `column`: name, and `line`: line number of the cell, for the message.
-        """
+        """Return the number of a `cell`, NaN if missing; else an error on `column`, `line`."""
         try:
             value = float(cell)
         except ValueError:

@@ -161,10 +161,7 @@ class FileTable:
 
 
 def check_known(what: str, keys: Iterable[str], names: Iterable[str]) -> None:
-    """Raise `InputError` for `keys` that are not among `names`, with similar names.
-
-    `what`: what a key is, in the message.
-    """
+    """Raise `InputError` for `keys`, each a `what`, not among `names`, with similar names."""
     legal, faults = list(names), Faults()
     for key in keys:
         with faults.kept():

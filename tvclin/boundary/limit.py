@@ -60,22 +60,6 @@ JUMP = "no limit satisfies (4b) exactly: every limit above this one exceeds its 
 
 
 @dataclass(frozen=True)
-class DeadBandExit:
-    """Exit of the dead band: time and demand, and two flags of cases without a solution.
-
-    `time`: of the exit [s], ``(...)``. `demand`: constant deflection from that time on that
-    satisfies (4b), normalised by B alpha_w,max. `jumps`: the demand jumps over the limit where the
-    driver returns to an earlier height. `never`: the demand stays above the driver, so that the
-    dead band has no exit.
-    """
-
-    time: FloatArray
-    demand: FloatArray
-    jumps: BoolArray
-    never: BoolArray
-
-
-@dataclass(frozen=True)
 class ExitProblem:
     """A plant in a wind, with the unstable pole and the dead band of condition (4b).
 
@@ -89,19 +73,22 @@ class ExitProblem:
     dead_band: FloatArray
     shape: tuple[int, ...]
 
-    def solve(self, literal: bool) -> DeadBandExit:
-        """Return the exit of the dead band for the driver B alpha_w, or for trim if `literal`."""
+    def solve(self, literal: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return time [s], demand and status of the exit of the dead band, ``(...)`` each.
+
+        The driver is B alpha_w, or trim if `literal`. The demand is the constant deflection from
+        then on that satisfies (4b), normalised by B alpha_w,max. The status is `switches.JUMP`
+        where the demand jumps over the limit as the driver returns to an earlier height, and
+        `switches.UNREACHED` where it stays above the driver, so that the dead band has no exit.
+        """
         winds, which, numbers = self._arrays
         out = np.empty((3, which.size))
         self._run(switches.switches, self._filtering, winds, which, numbers, literal, out)
         time, demand, status = out.reshape(3, *self.shape)
-        return DeadBandExit(time, demand, status == switches.JUMP, status == switches.UNREACHED)
+        return time, demand, status
 
     def largest_trim(self, cases: BoolArray) -> FloatArray:
-        """Return the largest trim of selected `cases`, normalised by B alpha_w,max; else zero.
-
-        `cases`: whether a case is selected. Of the shape of the batch.
-        """
+        """Return the largest trim over B alpha_w,max of the `cases` that are True; else zero."""
         trims = np.zeros(self.shape)
         winds, which, numbers = self._arrays
         selected = np.flatnonzero(cases)
@@ -266,20 +253,20 @@ def boundary_limit(
     problem = ExitProblem(plant, wind, np.where(unstable, pole, 1.0), K, shape)
     unstable, paired, K = (np.broadcast_to(a, shape) for a in (unstable, paired, K))
     at_onset = unstable & (K == 0.0)
-    solved = problem.solve(switch == "literal")
-    limit = np.where(unstable, solved.demand, 0.0)
-    never = unstable & solved.never & ~at_onset & ~paired
+    time, demand, exit_status = problem.solve(switch == "literal")
+    limit = np.where(unstable, demand, 0.0)
+    never = unstable & (exit_status == switches.UNREACHED) & ~at_onset & ~paired
     if np.any(never | paired):
         largest_trim = problem.largest_trim(never | paired)
         with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
             limit = np.where(paired, largest_trim / K, np.where(never, largest_trim, limit))
-    statuses = [~unstable, paired, never, solved.jumps & ~at_onset]
+    statuses = [~unstable, paired, never, (exit_status == switches.JUMP) & ~at_onset]
     word = np.select(statuses, range(1, 1 + len(statuses)), 0)
     status = np.array([OK, STABLE, PAIRED_POLES, NO_EXIT, JUMP][: word.max(initial=0) + 1])[word]
     return BoundaryLimit(
         plain(limit),
         plain(np.asarray(limit * scale)),
-        plain(np.where(unstable & ~never & ~paired, solved.time, np.nan)),
+        plain(np.where(unstable & ~never & ~paired, time, np.nan)),
         status if status.ndim else str(status),
     )
 

@@ -364,10 +364,7 @@ class LoadLimits:
         return self._attained(load), *self._proved(load)
 
     def _refine(self, load: float, program: LoadProgram) -> bool:
-        """Add controls of about a `load` [rad] on finer nodes, and return whether they exist.
-
-        `program`: that of the first nodes.
-        """
+        """Add controls of about a `load` [rad], from a `program` on; return whether they exist."""
         bound = load
         for fraction in _EXCESS_FRACTIONS:
             limit, (proof, _) = self._attained(load), self._proved(load)

@@ -525,10 +525,7 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
 
 
 def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
-    """Return conditions and optima of a plant in a wind; `InputError` for a fastest pair of poles.
-
-    `acceleration`: its limit [rad/s2]; infinite if none.
-    """
+    """Return the case of a plant in a wind with an acceleration limit [rad/s2], maybe infinite."""
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
     poles = constraints.poles

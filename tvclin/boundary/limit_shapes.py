@@ -74,16 +74,10 @@ class LimitShape(ABC):
 
     @abstractmethod
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the largest scalar product of a point of the shape and each `direction`.
-
-        `direction`: complex vectors, whose shape the result has.
-        """
+        """Return the largest scalar product of the shape and each `direction`, a complex vector."""
 
     def farthest(self, direction: ArrayLike) -> Vectors:
-        """Return the point of the shape that is furthest along each `direction`, complex vectors.
-
-        Without a formula it is a point of a polygon inside.
-        """
+        """Return the point of the shape, or a polygon inside, furthest along each `direction`."""
         return self.inscribed().farthest(direction)
 
     @property
@@ -307,10 +301,7 @@ def _vertices(corners: Vectors) -> Vectors:
 
 
 def _sector(rays: Vectors, vector: Vectors) -> IndexArray:
-    """Return the index of the last of `rays` before each `vector`, all complex, in its shape.
-
-    The rays go once around zero, counterclockwise.
-    """
+    """Return the index of the last of `rays`, in order around zero, before each `vector`."""
     turns = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
     angles = np.maximum.accumulate(np.append(0.0, turns))
     beyond_first = np.angle(vector / rays[0]) % (2.0 * np.pi)
@@ -345,10 +336,7 @@ LIMIT_SHAPES = tuple(_SHAPES)
 
 
 def limit_shape_of(limit_shape: LimitShape | str, name: str = "limit_shape") -> LimitShape:
-    """Return a limit shape, or the shape of a name of `LIMIT_SHAPES`; else raise `InputError`.
-
-    `name`: the argument, for the message.
-    """
+    """Return a limit shape, given as argument `name` or by its name among `LIMIT_SHAPES`."""
     if isinstance(limit_shape, LimitShape):
         return limit_shape
     if not isinstance(limit_shape, str):

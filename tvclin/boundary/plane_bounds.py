@@ -72,10 +72,7 @@ _MAX_GAP = 1e-3
 
 @dataclass(frozen=True)
 class PlanePair:
-    """A plant for each plane, and a wind that ends.
-
-    `plants`: of pitch and of yaw; the same one where the planes are equal.
-    """
+    """Plants of pitch and of yaw, the same one if they are equal, and a wind that ends."""
 
     plants: tuple[Plant, Plant]
     wind: PlaneWind
@@ -115,10 +112,7 @@ class PlanePair:
 
     @cached_property
     def _remaining_integrals(self) -> tuple[PlaneIntegrals, PlaneIntegrals]:
-        """Functions of time [s] to the remaining integrals of trim and of the wind [rad s].
-
-        Of each in pitch and in yaw, discounted with the fast pole of the plane.
-        """
+        """Functions of time [s] to remaining integrals of trim and wind, at the fast poles."""
         (p, *_), (r, *_) = self.poles
         trim, wind = (
             (history.pitch.remaining_integral_of(p), history.yaw.remaining_integral_of(r))
@@ -133,10 +127,7 @@ class PlanePair:
         return np.asarray(p * pitch(t) + 1j * r * yaw(t))
 
     def wind_demand(self, t: FloatArray) -> Vectors:
-        """Return the wind demand [rad] after times `t` [s], of the fastest mode of each plane.
-
-        Complex, pitch + j yaw, in the shape of `t`.
-        """
+        """Return the wind demand [rad] after `t` [s] of the fastest modes, pitch + j yaw."""
         (p, *_), (r, *_) = self._strengths
         pitch, yaw = self._remaining_integrals[1]
         return np.asarray(p * pitch(t) + 1j * (r * yaw(t)))
@@ -384,10 +375,7 @@ def minimum_in_planes(
 
 
 def _along_a_line(pair: PlanePair) -> PlaneOptimum:
-    """Return the optimum of a `pair` in a wind of one direction, in a round limit shape.
-
-    It is scalar, for no deflection across the direction improves it.
-    """
+    """Return the scalar optimum of a `pair` in a wind of one direction, for a round shape."""
     direction = pair.wind.direction
     onset = float(pair.wind.onset)
     best = optimum_deflection(pair.plants[0], pair.wind.component(direction), start=onset)

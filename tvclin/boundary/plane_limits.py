@@ -313,10 +313,7 @@ def _dead_band_exit(
     times = pair.times()
 
     def margin(t: FloatArray, floor: float = 0.0) -> FloatArray:
-        """Return gauge of the driver, at least `floor`, minus K times that of the demand [rad].
-
-        `t`: times [s]. The demand is the constant deflection required after them.
-        """
+        """Return gauge of the driver, or `floor`, minus K times that required after `t` [rad]."""
         driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
 

@@ -234,10 +234,7 @@ def filter_cells(filter_: Filter, name: str) -> tuple[Line, Line, Line]:
 
 
 def _roots_line(name: str, roots: AnyArray) -> Line:
-    """Return `roots`, zeros or poles [1/s], as a line: frequency and damping of pairs, real ones.
-
-    `name`: first part of the names of the numbers.
-    """
+    """Return `roots` [1/s] as a line of numbers called `name`: pairs by frequency and damping."""
     line: Line = ()
     for k, root in enumerate(roots[np.imag(roots) >= 0.0]):
         line += (", ",) if k else ()

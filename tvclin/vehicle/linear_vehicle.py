@@ -36,14 +36,11 @@ COEFFICIENTS_TABLE = FileTable(
 
 
 def _coefficient(name: str, label: str = "") -> Field:
-    """Return the field of the coefficient `name`, without value where it is not known.
-
-    `label`: in tables; by default the name.
-    """
+    """Return the field of a coefficient `name`, with a `label`; None where it is not known."""
 
     def value(vehicle: LinearVehicle) -> Any:
         """Return the coefficient of a vehicle; None where it is not known, and for no damping."""
-        has_value = name in _SLOPES or (vehicle.path_known if name in _PATH_COEFFICIENTS else True)
+        has_value = vehicle.path_known or name not in _PATH_COEFFICIENTS
         number = getattr(vehicle.coefficients, name)
         return number if has_value and (number or name != "damping") else None
 

@@ -264,10 +264,7 @@ AIR_FORCES = ("normal_force_slope", "axial_force")
 
 
 def at_pressure(vehicle: Vehicle, ratio: ArrayLike) -> Vehicle:
-    """Return the vehicle with normal and axial force times `ratio`.
-
-    `ratio`: q/q_n, the dynamic pressure over that of the vehicle's own numbers.
-    """
+    """Return the vehicle with normal and axial force at `ratio` times its dynamic pressure."""
     return vehicle.replace(
         **{name: np.multiply(getattr(vehicle, name), ratio) for name in AIR_FORCES}
     )
@@ -316,10 +313,10 @@ def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
 
 
 def _slope_warnings(structure: Structure, length: float) -> Iterator[str]:
-    """Yield a warning on each bending mode whose slopes times `length` [m] are implausible.
+    """Yield a warning on each bending mode of a `structure` with implausible slopes.
 
-    `length`: sum of control and aerodynamic arm. The slope of the n-th mode of a free beam at its
-    end is about (n + 1/2) pi over the length, per displacement there.
+    `length`: sum of control and aerodynamic arm [m]. The slope of the n-th mode of a free beam at
+    its end is about (n + 1/2) pi over the length, per displacement there.
     """
     for k, mode in enumerate(structure.bending, 1):
         displacements = (mode.gimbal_displacement, mode.pressure_displacement)

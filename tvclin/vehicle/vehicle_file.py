@@ -110,10 +110,7 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
 
 
 def read_vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
-    """Return the text of a vehicle file and its name in messages.
-
-    `source`: one of `list_vehicles`, or a path. `InputError` as in `load_vehicle`.
-    """
+    """Return text and name of a vehicle file by its path or, of `list_vehicles`, name `source`."""
     path, text = a_path("vehicle", source, "a name or a path"), fspath(source)
     if text in list_vehicles():
         resource = files("tvclin.vehicle").joinpath("shipped", f"{text}.toml")
@@ -280,10 +277,7 @@ def build_structure(document: Mapping[str, Any]) -> Structure:
 def _built_elements(
     table: FileTable, document: Mapping[str, Any], make: Callable[..., Any]
 ) -> tuple[Any, ...]:
-    """Return what `make` returns of each row of the repeated `table` in `document`.
-
-    Messages name the row.
-    """
+    """Return what `make` returns of each row of a `table` in `document`; errors name the row."""
     values = []
     for k, row in enumerate(table.each(document), start=1):
         with naming(f"{table.name} {k}"):

@@ -324,10 +324,7 @@ def _in_logarithms(current: SignedSum, step: FloatArray) -> FloatArray:
 
 
 def _newton_step(current: SignedSum) -> FloatArray:
-    """Return the Newton step ``(n,)`` of the multipliers of the sum `current`.
-
-    Columns are scaled, for multipliers differ by many decades.
-    """
+    """Return the Newton step ``(n,)`` of the multipliers of the sum `current`, well scaled."""
     # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
     c = current.window.constraints
     slopes = np.abs(current.multipliers @ c.slopes(current.zeros))

@@ -89,10 +89,7 @@ class LoadCase:
 
     @cached_property
     def oscillating_zeros(self) -> ComplexArray:
-        """Complex zeros [1/s] from deflection to load, the upper of each pair, ``(m,)``.
-
-        A control without load oscillates at them.
-        """
+        """Complex zeros [1/s] from deflection to load: a control without load oscillates there."""
         A, B, C, D = self.plant.matrices()
         through = D[-1, 0] + self.ratio
         if through == 0.0:
@@ -101,10 +98,7 @@ class LoadCase:
         return np.asarray(zeros[zeros.imag > 0.0], dtype=complex)
 
     def column(self, values: AnyArray) -> FloatArray:
-        """Return complex numbers of k modes as real ones of m, a pair having two: ``(..., m)``.
-
-        `values`: ``(..., k)``.
-        """
+        """Return complex values of modes ``(..., k)`` as reals ``(..., m)``, two for a pair."""
         components = np.stack([values.real, values.imag], axis=-1)
         return components.reshape(*values.shape[:-1], -1)[..., self._components]
 

@@ -346,10 +346,7 @@ def peaks_for_demands(
 
 
 def _onset_moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray:
-    """Return the Laplace transforms of winds from their onset at `poles` ``(n, m)`` [1/s].
-
-    `wind`: one or a batch. `shape`: of the batch of n cases.
-    """
+    """Return Laplace transforms of winds, for a batch `shape`, from onset at `poles` ``(n, m)``."""
     winds, which = kernel_arrays(wind.pieces, shape)
     filled = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
     transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))

@@ -84,10 +84,7 @@ class Constraints:
         return self.real_rows(-column * np.exp(-column * u))
 
     def moments(self, knots: FloatArray) -> FloatArray:
-        """Return the integrals [s] of the poles' exponentials between times, ``(n, k)``.
-
-        `knots`: the times [s], ``(k + 1,)``; the last may be infinite.
-        """
+        """Return the integrals [s] of the poles' exponentials between `knots` [s], ``(n, k)``."""
         column = self.poles[:, np.newaxis]
         width = np.diff(knots)
         endless = np.isinf(width)
@@ -95,10 +92,7 @@ class Constraints:
         return self.real_rows(np.exp(-column * knots[:-1]) * fraction / column)
 
     def real_rows(self, values: AnyArray) -> FloatArray:
-        """Return complex values at m poles as real rows: one, or two for a pair, ``(n, ...)``.
-
-        `values`: ``(m, ...)``.
-        """
+        """Return complex `values` at poles ``(m, ...)`` as rows ``(n, ...)``, two for a pair."""
         if self.real:
             return values
         components = np.stack([np.real(values), -np.imag(values)], axis=1)
@@ -188,10 +182,7 @@ def _check_times(wind: History, start: float, horizon: float | None) -> tuple[fl
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """The poles' exponentials e_i on a grid that resolves every change of sign of their sums.
-
-    `constraints`: the conditions, with poles and demands.
-    """
+    """The poles' exponentials e_i, of `constraints`, on a grid for the zeros of their sums."""
 
     constraints: Constraints
 
@@ -233,10 +224,7 @@ class Window:
         return -np.expm1(-decays * self.end) / decays
 
     def zeros(self, multipliers: FloatArray) -> FloatArray:
-        """Return the times [s] at which the sum lambda . e changes its sign, rising.
-
-        `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.
-        """
+        """Return the times [s] at which the sum with `multipliers` ``(n,)`` changes its sign."""
         c = self.constraints
         values, slopes = multipliers @ self.values, multipliers @ self.slopes
         sides, rises = np.sign(values), np.sign(slopes)
@@ -253,10 +241,7 @@ class Window:
         return _refined(multipliers, c.basis, times, crossed) if crossed.size else np.zeros(0)
 
     def signed(self, multipliers: FloatArray) -> SignedSum:
-        """Return the sum lambda . e with its changes of sign and the moments of its sign.
-
-        `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.
-        """
+        """Return the sum with `multipliers` ``(n,)``: its zeros, signs, norm and gradient."""
         zeros = self.zeros(multipliers)
         knots = np.concatenate([[0.0], zeros, [self.end]])
         moments = self.constraints.moments(knots)
@@ -266,10 +251,7 @@ class Window:
         return SignedSum(self, multipliers, zeros, signs, norm, moments @ signs)
 
     def piece_moments(self, switches: FloatArray) -> FloatArray:
-        """Return the moments of the pieces of a unit deflection, +1 first, ``(n, k + 1)``.
-
-        `switches`: times [s] at which it changes its sign, ``(k,)``.
-        """
+        """Return moments ``(n, k + 1)`` of +1, -1, +1 ... between `switches` [s], ``(k,)``."""
         signs = (-1.0) ** np.arange(switches.size + 1)
         return self.constraints.moments(np.concatenate([[0.0], switches, [self.end]])) * signs
 
@@ -302,10 +284,7 @@ class Window:
         return np.linalg.svd(rows)[2][-1] * scale
 
     def tail(self, multipliers: FloatArray) -> float:
-        """Return a bound of the integral of |lambda . e| past the end of a cut window.
-
-        `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.
-        """
+        """Return a bound of the norm of the sum with `multipliers` ``(n,)`` after the window."""
         c = self.constraints
         if np.isinf(self.end) or np.isfinite(c.horizon):
             return 0.0
@@ -340,10 +319,7 @@ class SignedSum:
 
 
 def decay_spaced_times(decay: float, last: float, count: int) -> FloatArray:
-    """Return `count` times [s] from zero up to `last` or 100/decay [s], even in e^(-decay u/4).
-
-    `decay`: rate [1/s].
-    """
+    """Return `count` times [s] from 0 to `last`, even in e^(-decay u/4); `decay` in 1/s."""
     reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
     return -4.0 / decay * np.log1p(-np.linspace(0.0, reach, count))
 

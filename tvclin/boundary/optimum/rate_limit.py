@@ -99,10 +99,7 @@ class RateProgram:
         return self.rate * np.diff(self.nodes) / self.unit
 
     def residual(self, values: FloatArray) -> float:
-        """Return the largest violation of a condition, relative to the sizes of its terms.
-
-        `values`: deflection [rad] at the nodes, ``(k,)``.
-        """
+        """Return the largest relative violation of a condition by `values` [rad] at the nodes."""
         demands = self.constraints.demands
         violation = np.abs(self.moments @ values - demands)
         return float((violation / (np.abs(self.moments) @ np.abs(values) + np.abs(demands))).max())
@@ -116,7 +113,7 @@ class RateProgram:
         if result is None:
             return None
         prices = result.eqlin.marginals[-self.sizes.size :] / self.sizes
-        return self._values(result.x), prices
+        return np.append(0.0, result.x[: self.nodes.size - 1]), prices
 
     def minimum_motion(self, peak: float) -> FloatArray | None:
         """Return the deflection over `unit` of minimum motion within a peak, at the nodes ``(k,)``.
@@ -131,19 +128,12 @@ class RateProgram:
             correction = self._solve(_PEAK, around=solution, max_change=max_change)
             if correction is not None:
                 solution = solution + correction.x / _RESIDUAL_SCALE
-        return self._values(solution)
+        return np.append(0.0, solution[: self.nodes.size - 1])
 
     def minimum_rate(self) -> float:
         """Return the smallest rate [rad/s] that satisfies the conditions on these nodes, or inf."""
         result = self._solve(_RATE)
         return np.inf if result is None else float(result.x[-1]) * self.unit / self.nodes[-1]
-
-    def _values(self, solution: FloatArray) -> FloatArray:
-        """Return the deflection over `unit` at all nodes, ``(k,)``, zero at the first.
-
-        `solution`: variables of a program, which begin with the other values.
-        """
-        return np.append(0.0, solution[: self.nodes.size - 1])
 
     @cached_property
     def _rows(self) -> Callable[[bool], tuple[Any, Any]]:
