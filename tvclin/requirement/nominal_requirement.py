@@ -189,7 +189,8 @@ def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> Bo
     (`time_varying`).
     """
     boundary = boundary_limit(plant, wind, dead_band, "literal")
-    needs = open_loop_requirements(plant, wind, dead_band, boundary)
+    counted = 1.0 if dead_band == 1.0 else 0.0  # the minimum after trim, 0 < K < 1, is finite
+    needs = open_loop_requirements(plant, wind, counted, boundary)
     largest = np.max(list(needs.values()), axis=0)
     return np.asarray((largest == 0.0) | ~np.isfinite(largest) | has_quick_path(plant))
 
