@@ -407,7 +407,11 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     warn_of_feedback(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
     steady = autopilot.continuous
-    peaks = _peaks(plant, steady, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
+    peaks = (
+        _peaks(plant, steady, wind)
+        if margins.stable
+        else dict.fromkeys((*_PEAKS, _PEAK_RATE), np.inf)
+    )
     notes = [] if margins.stable else [margins.reason]
     if autopilot.sample_rate is not None:
         notes.append("margins are of the sampled autopilot, all peaks of the continuous one")
@@ -429,26 +433,22 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     )
 
 
-_PEAKS = (
-    "peak_deflection",
-    "peak_deflection_rate",
-    "peak_angle_of_attack",
-    "peak_attitude",
-    "peak_flight_path_angle",
-)
+_PEAKS = {
+    "peak_deflection": "deflection",
+    "peak_angle_of_attack": "angle_of_attack",
+    "peak_attitude": "attitude",
+    "peak_flight_path_angle": "flight_path_angle",
+}
+"""Outputs of a loop by the names of their peaks."""
+_PEAK_RATE = "peak_deflection_rate"
 
 
 def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
     """Return the peaks [rad, rad/s] of the loop of `plant` and `autopilot` in a wind, by name."""
     response = autopilot.wind_response(plant, wind)
-    sizes = {name: abs(response.peak(name)[0]) for name in response.labels}
-    return {
-        "peak_deflection": sizes["deflection"],
-        "peak_deflection_rate": response.peak_rate("deflection"),
-        "peak_angle_of_attack": sizes["angle_of_attack"],
-        "peak_attitude": sizes["attitude"],
-        "peak_flight_path_angle": sizes.get("flight_path_angle", np.nan),
-    }
+    sizes = {output: abs(response.peak(output)[0]) for output in response.labels}
+    peaks = {name: sizes.get(output, np.nan) for name, output in _PEAKS.items()}
+    return peaks | {_PEAK_RATE: response.peak_rate("deflection")}
 
 
 def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:

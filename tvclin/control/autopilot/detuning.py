@@ -289,23 +289,18 @@ def structure_with_mode_factors(
     ``(..., modes)``; None: no sign is reversed.
     """
     signs = np.ones_like(frequency) if slope_sign is None else slope_sign
-    columns = list(zip(*(np.moveaxis(a, -1, 0) for a in (frequency, damping, signs)), strict=True))
     bending = tuple(
         replace(
             mode,
-            frequency=mode.frequency * frequency_factor,
-            damping=mode.damping * damping_factor,
-            **{name: getattr(mode, name) * sign for name in _SENSED},
+            frequency=mode.frequency * frequency[..., k],
+            damping=mode.damping * damping[..., k],
+            **{name: getattr(mode, name) * signs[..., k] for name in _SENSED},
         )
-        for mode, (frequency_factor, damping_factor, sign) in zip(
-            structure.bending, columns, strict=False
-        )
+        for k, mode in enumerate(structure.bending)
     )
     slosh = tuple(
-        _tank(tank, frequency_factor, damping_factor)
-        for tank, (frequency_factor, damping_factor, _) in zip(
-            structure.slosh, columns[len(bending) :], strict=True
-        )
+        _tank(tank, frequency[..., k], damping[..., k])
+        for k, tank in enumerate(structure.slosh, start=len(bending))
     )
     return replace(structure, bending=bending, slosh=slosh)
 

@@ -133,8 +133,8 @@ def specified_filters(
 ) -> SpecifiedFilters:
     """Return the filters of [[autopilot.filter]] tables, completed by columns over the flight.
 
-    `columns`: numbers at the breakpoints ``(n,)`` by ``filter.`` with the number of the table, or
-    the mode of a notch, and the key.
+    `rows`: the tables in their order. `columns`: numbers at the breakpoints ``(n,)`` by ``filter.``
+    with the number of the table, or the mode of a notch, and the key.
 
     Raises
     ------
@@ -142,8 +142,8 @@ def specified_filters(
         With the number of the filter, for rows that are no tables, an unknown kind or position, and
         a key that is missing, given twice or not of that kind. For a column of no filter.
     """
-    constant: dict[str, list[Filter]] = {chain: [] for chain in CHAIN_OF_POSITION.values()}
-    scheduled: dict[str, list[Filter]] = {}
+    constant: dict[str, Any] = dict.fromkeys(CHAIN_OF_POSITION.values(), ())
+    scheduled: dict[str, tuple[Filter, ...]] = {}
     notches: list[ModeNotch] = []
     for row in rows:
         if not isinstance(row, Mapping):
@@ -152,9 +152,9 @@ def specified_filters(
             )
     for k, (row, numbers) in enumerate(zip(rows, _numbers_of_rows(rows, columns), strict=True)):
         with errors.naming(f"filter {k + 1} of the autopilot"):
-            points = [
-                dict(zip(numbers, p, strict=True)) for p in zip(*numbers.values(), strict=True)
-            ]
+            # The table completed at each breakpoint of the flight, or as it is without columns.
+            columns_of = zip(*numbers.values(), strict=True)
+            points = [dict(zip(numbers, point, strict=True)) for point in columns_of]
             tables = [dict(row) | point for point in points] or [dict(row)]
             if "mode" in row:
                 notches.append(_joined([_mode_notch(table) for table in tables]))
@@ -166,14 +166,10 @@ def specified_filters(
                     np.stack([getattr(filter_, name) for filter_ in filters])
                     for name in ("numerator", "denominator")
                 )
-                scheduled.setdefault(chain, []).append(Filter(above, below))
+                scheduled[chain] = (*scheduled.get(chain, ()), Filter(above, below))
             else:
-                constant[chain] += filters
-    return SpecifiedFilters(
-        {chain: tuple(filters) for chain, filters in constant.items()},
-        {chain: tuple(filters) for chain, filters in scheduled.items()},
-        tuple(notches),
-    )
+                constant[chain] += tuple(filters)
+    return SpecifiedFilters(constant, scheduled, tuple(notches))
 
 
 def _numbers_of_rows(
@@ -198,12 +194,12 @@ def _numbers_of_rows(
                 f"{column} must name a filter of {FILTER_TABLE.heading} by its number or its mode,"
                 f" as filter.1.frequency_rad_per_s; {known}"
             )
-        row, own = rows[labels[label]], numbers[labels[label]]
-        if key in row or key in own:
+        row, completed = rows[labels[label]], numbers[labels[label]]
+        if key in row or key in completed:
             raise errors.InputError(
                 f"{column} is given twice; keep one, of the file or of the table"
             )
-        own[key] = values.tolist()
+        completed[key] = values.tolist()
     return numbers
 
 

@@ -288,23 +288,14 @@ def plain_bool(array: Any) -> Any:
     return bool(array) if np.ndim(array) == 0 else array
 
 
-def _gain_and_phase(gain_dB: float, phase_deg: float, name: str, source: str) -> Criteria:
-    """Return criteria of a `name` and `source` with one limit for both gain margins [dB].
-
-    The phase margin has the limit `phase_deg`.
-    """
-    return Criteria.custom(
-        name,
-        source,
-        aero_margin_dB=gain_dB,
-        gain_increase_dB=gain_dB,
-        phase_margin_deg=phase_deg,
-    )
-
-
 CRITERIA = {
-    "classic": _gain_and_phase(6.0, 30.0, "classic", _LAUNCH_VEHICLE),
-    "aircraft": _gain_and_phase(6.0, 45.0, "aircraft", _AIRCRAFT),
+    name: Criteria.custom(
+        name, source, aero_margin_dB=6.0, gain_increase_dB=6.0, phase_margin_deg=phase_deg
+    )
+    for name, phase_deg, source in (
+        ("classic", 30.0, _LAUNCH_VEHICLE),
+        ("aircraft", 45.0, _AIRCRAFT),
+    )
 }
 """Criteria by name: 6 dB and 30 deg, 6 dB and 45 deg."""
 
