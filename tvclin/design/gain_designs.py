@@ -17,7 +17,8 @@ from tvclin.base.quantities import WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS, LEAST_NOZZLE
+from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.margins.criteria import Criteria
 from tvclin.design.minimum_gains import MinimumGains, minimum_deflection_gains, solve_problem
@@ -51,10 +52,7 @@ def minimum_gains(
     chains: dict[str, Any] = design.chains
     conflicting = [
         name
-        for name in (
-            *("natural_frequency", "damping", "attitude_gain", "rate_gain", "alpha_gain"),
-            *("integral_gain", "drift_rate_gain", "drift_gain", "acceleration_gain"),
-        )
+        for name in ("natural_frequency", "damping", *GAINS)
         if getattr(design, name) not in (None, 0.0)
     ]
     if conflicting:
@@ -243,9 +241,9 @@ def minimum_gain_schedule(
         minimum_deflection_gains(plants.case(k, plants.batch), winds, **options)
         for k in range(times.size)
     )
-    a0, a1, b0 = (
-        np.array([getattr(design.autopilot, name) for design in designs])
-        for name in ("attitude_gain", "rate_gain", "alpha_gain")
-    )
-    gains = replace(designs[0].autopilot, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
-    return MinimumGainSchedule(GainSchedule(times, gains), designs)
+    gains: dict[str, Any] = {
+        name: np.array([getattr(design.autopilot, name) for design in designs])
+        for name in GIVEN_GAINS
+    }
+    autopilot = replace(designs[0].autopilot, **gains)
+    return MinimumGainSchedule(GainSchedule(times, autopilot), designs)

@@ -20,6 +20,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.fields import checked, quantity
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import band_margins
 from tvclin.control.margins.criteria import Criteria, Criterion
@@ -113,6 +114,11 @@ class GainProblem:
         return {name: getattr(self, name) for name in CHAINS}
 
     @property
+    def has_alpha(self) -> bool:
+        """Whether the gain on the angle of attack is free, the third."""
+        return "alpha" in self.gains
+
+    @property
     def flown_rate(self) -> float:
         """The sample rate of flights [Hz]."""
         return self.sample_rate or _FLOWN_RATE
@@ -149,7 +155,7 @@ class GainProblem:
         B, beta, (stiffest, fastest) = self._scales
         stiffness = _MIN_STIFFNESS * (stiffest / _MIN_STIFFNESS) ** points[..., 0]
         rate = _MIN_RATE * (fastest / _MIN_RATE) ** points[..., 1]
-        share = points[..., 2] if len(self.gains) > 2 else np.zeros(points.shape[:-1])
+        share = points[..., 2] if self.has_alpha else np.zeros(points.shape[:-1])
         return Autopilot(
             attitude_gain=B * stiffness * (1.0 - share),
             rate_gain=B / beta * rate,
@@ -163,10 +169,7 @@ class GainProblem:
     def point(self, autopilot: Autopilot) -> FloatArray:
         """Return the point of the gains of an autopilot in the unit box, ``(axes,)``."""
         B, beta, (stiffest, fastest) = self._scales
-        a0, a1, b0 = (
-            float(gain)
-            for gain in (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
-        )
+        a0, a1, b0 = (float(getattr(autopilot, name)) for name in GIVEN_GAINS)
         stiffness, rate = (a0 + b0) / B / _MIN_STIFFNESS, a1 * beta / B / _MIN_RATE
         axes = [
             np.log(stiffness) / np.log(stiffest / _MIN_STIFFNESS),
@@ -334,19 +337,14 @@ def _survive(
     `problem`: plant and nozzle. `rows`: autopilots of all rows, ``(m,)``. `winds`: batch of winds.
     `which`: indices of k of the rows. `limits`: ``(k, n)``.
     """
-    law = Autopilot(
-        attitude_gain=rows.attitude_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
-        rate_gain=rows.rate_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
-        alpha_gain=rows.alpha_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
-        **problem.chains,
-    )
+    # Axes of a flight: row of gains, limit, wind.
+    gains = {name: getattr(rows, name)[which, np.newaxis, np.newaxis] for name in GIVEN_GAINS}
+    deflection_limits = limits[..., np.newaxis] * problem.trims.max()
     flown = fly_many(
         problem.plant,
-        law,
+        Autopilot(**gains, **problem.chains),
         winds,
-        deflection_limit=np.minimum(
-            limits[..., np.newaxis] * problem.trims.max(), MAX_DEFLECTION_LIMIT
-        ),
+        deflection_limit=np.minimum(deflection_limits, MAX_DEFLECTION_LIMIT),
         actuator=problem.actuator,
         sample_rate=problem.flown_rate,
         delay=problem.delay,

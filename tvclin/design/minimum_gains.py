@@ -254,7 +254,7 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
     axes = len(problem.gains)
     first = _BOX_POINTS * (axes - 1) if start is None else _LOCAL_POINTS
     options: dict[str, Any] = {"initial": first, "start": start, "over_box": start is None}
-    pools = _ISLANDS if axes > len(("stiffness", "rate")) else 1
+    pools = _ISLANDS if problem.has_alpha else 1
     linear = partial(_cost, problem, partial(_linear_peaks, problem))
     points, costs = box_minimum(linear, axes, islands=pools, **options, **_LINEAR_SEARCH)
     if costs[0] < UNSATISFIED_COST and problem.limits:
@@ -319,9 +319,8 @@ def _cost(
     values = UNSATISFIED_COST + np.maximum(shortfalls, 0.0)
     good = np.flatnonzero(shortfalls <= 0.0)
     if good.size:
-        values[good] = np.minimum(
-            requirement(points[good], float(pool[-1])), 0.9 * UNSATISFIED_COST
-        )
+        required = requirement(points[good], float(pool[-1]))
+        values[good] = np.minimum(required, 0.9 * UNSATISFIED_COST)
     return np.asarray(values)
 
 
@@ -333,9 +332,8 @@ def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> Floa
     """
     del goal
     rows = replace(problem.autopilot(points), sample_rate=None)
-    after = _SETTLING_TIME_CONSTANTS / float(
-        np.nanmax(np.real(unstable_modes(problem.plant.rigid).poles))
-    )
+    poles = np.real(unstable_modes(problem.plant.rigid).poles)
+    after = _SETTLING_TIME_CONSTANTS / float(np.nanmax(poles))
     peaks = [deflection_peaks(rows, problem.plant, w, after) for w in problem.winds]
     return np.asarray(np.max(peaks, axis=0) / problem.trims.max())
 
@@ -428,7 +426,7 @@ def _notes(
     """
     notes = []
     trim = problem.trims.max()
-    if len(problem.gains) > len(("attitude", "rate")):
+    if problem.has_alpha:
         a0, b0 = float(autopilot.attitude_gain), float(autopilot.alpha_gain)
         ratio = a0 / (a0 + b0 - float(problem.plant.coefficients.B))
         if ratio < _MIN_ALPHA_RATIO:
@@ -443,14 +441,11 @@ def _notes(
             )
     if len(problem.winds) == 1:
         notes.append("the gains are fitted to one wind alone: give shorter and longer ones as well")
-    if (
-        np.any((point < _RELATIVE_TOLERANCE) | (point > 1.0 - _RELATIVE_TOLERANCE))
-        and len(problem.gains) == 2
-    ):
+    at_edge = (point < _RELATIVE_TOLERANCE) | (point > 1.0 - _RELATIVE_TOLERANCE)
+    if np.any(at_edge) and not problem.has_alpha:
         notes.append("the gains lie at the edge of the search range")
-    if many_stops is not None and many_stops > (1.0 + _RELATIVE_TOLERANCE) * float(
-        deflections.max()
-    ):
+    largest = (1.0 + _RELATIVE_TOLERANCE) * float(deflections.max())
+    if many_stops is not None and many_stops > largest:
         notes.append(
             f"with {_CHECK_STOPS} sudden ends of each wind, most of them new to the search, the"
             f" boundary is {many_stops / trim:.3f} of trim"
@@ -465,9 +460,9 @@ def _refusal(problem: GainProblem, point: FloatArray) -> str:
     """
     autopilot = problem.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(problem.plant))
-    text = f"no {' and '.join(problem.gains)} gains meet the criteria {problem.criteria.name}"
-    text += (
-        f"; the nearest, a0 = {float(autopilot.attitude_gain):.4g} and"
+    text = (
+        f"no {' and '.join(problem.gains)} gains meet the criteria {problem.criteria.name}; the"
+        f" nearest, a0 = {float(autopilot.attitude_gain):.4g} and"
         f" a1 = {float(autopilot.rate_gain):.4g} s,"
     )
     shortfalls = [
@@ -479,10 +474,8 @@ def _refusal(problem: GainProblem, point: FloatArray) -> str:
     if not margins.stable:
         text += " are unstable"
     elif fraction > 0.0:
-        label, unit, _ = MARGINS[worst.margin]
-        value, limit = (
-            unit_factor(unit) * x for x in (getattr(margins, worst.margin), worst.limit)
-        )
+        label, (limit, unit) = MARGINS[worst.margin][0], worst.shown
+        value = unit_factor(unit) * getattr(margins, worst.margin)
         text += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
     else:
         text += " miss the required margins of modes or the crossover"

@@ -28,17 +28,10 @@ from tvclin.case.flexible_autopilot import specified_law
 from tvclin.case.nozzle import Nozzle
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS, AutopilotDesign
 from tvclin.control.autopilot.gain_table import GainTable
 from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
-from tvclin.control.laws.registry import (
-    AUTOPILOT,
-    LAWS,
-    LINEAR_GAINS,
-    design_law,
-    design_notes,
-    linear_gains,
-)
+from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes, linear_gains
 from tvclin.control.turbulence.driven_loop import ACCELERATION, DEFLECTION, DEFLECTION_RATE
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED
@@ -511,7 +504,7 @@ def _in_turbulence(
         if (gains_at := linear_gains(designed)) is None:
             return f"{law} is not linear within the limit, as {AUTOPILOT}, trim and half-relief are"
         designs[time] = gains_at
-    gains = {k: np.array([row[k] for row in designs.values()]) for k in LINEAR_GAINS}
+    gains = {k: np.array([row[k] for row in designs.values()]) for k in GIVEN_GAINS}
     table = GainTable("time", np.array(list(designs)), gains)
     specified = case.autopilot_design
     hardware: Any = {

@@ -59,7 +59,7 @@ _FURTHER = {**dict.fromkeys(_DRIFT_RULE, DRIFT_POLES), **dict.fromkeys(_WEIGHTS,
 RULE_PARAMETERS = ("design", *_RULE, *_FURTHER)
 RULE_KEYS = (*RULE_PARAMETERS, "crossover")
 GIVEN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
-"""Gains that replace a rule."""
+"""Gains on attitude, its rate and the angle of attack, which replace a rule or follow from it."""
 ADDED_GAINS = (*(name for name in GAINS if name not in GIVEN_GAINS), *ACCELEROMETER)
 """Gains that are added to a rule or to given gains, and the numbers of the accelerometer."""
 

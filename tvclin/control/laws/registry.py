@@ -16,6 +16,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError, instance, number, one_of, small_angle
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS
 from tvclin.control.autopilot.feedback import ACCELEROMETER, CHAINS, GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.autopilot.system_autopilot import SystemAutopilot
@@ -26,8 +27,6 @@ from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 from tvclin.linear.plant import PLANT_HINT, Plant
 
 AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
-LINEAR_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
-"""Gains of an `Autopilot` that a linear law by a rule has."""
 
 
 def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = None) -> Law:
@@ -131,7 +130,7 @@ def linear_gains(law: Law) -> dict[str, float] | None:
     assert numbers is not None
     assert not numbers.flight_path_angle
     gains = (numbers.attitude, numbers.attitude_rate, numbers.angle_of_attack)
-    return dict(zip(LINEAR_GAINS, gains, strict=True))
+    return dict(zip(GIVEN_GAINS, gains, strict=True))
 
 
 def design_notes(law: Law) -> Iterator[str]:

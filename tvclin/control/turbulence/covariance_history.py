@@ -92,7 +92,7 @@ class CovarianceHistory(GaussianOutputs):
         return self._deviation_of(self._row(output)[0])
 
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
-        """Return the largest ``|mean|`` plus `sigmas` standard deviations, and its time [s].
+        """Return the largest ``|mean|`` + `sigmas` deviations of an output, and its time [s].
 
         Raises
         ------

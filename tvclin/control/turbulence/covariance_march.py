@@ -75,7 +75,7 @@ class VaryingLoop:
         position, weights = self._weights(times)
 
         def varying(values: FloatArray) -> FloatArray:
-            """Return values at the times, ``(n, ...)``, or once if constant at all nodes."""
+            """Return `values` at nodes interpolated to the times, ``(n, ...)``, or once."""
             first = values[0]
             return first if np.all(values == first) else _values_at(values, position, weights)
 
@@ -173,7 +173,7 @@ def _joined(loops: list[DrivenLoop], order: IndexArray) -> DrivenLoop:
     """Return the batches of `loops` as one batch, in the order of these indices."""
     columns = zip(*(loop.arrays for loop in loops), strict=True)
     joined = (np.concatenate(arrays)[order] for arrays in columns)
-    return loops[0].mapped(lambda _: next(joined))
+    return loops[0].mapped(lambda _: next(joined))  # takes the arrays in the same order
 
 
 def _fits(loops: DrivenLoop, shape: tuple[int, ...]) -> BoolArray:

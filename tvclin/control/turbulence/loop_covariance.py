@@ -60,15 +60,15 @@ class GaussianOutputs(Shown):
     _moments: Moments
 
     def _row(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct term of an output; `InputError` for an unknown output."""
+        """Return an output's row of the states and its factor on the wind, if it is known."""
         return self._signals[one_of("output", output, self.outputs)][:2]
 
     def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct term of an output's rate; `InputError` if the output jumps."""
+        """Return a rate's row of the states and its factor on the wind; `InputError` for a jump."""
         return self._signals[one_of("output", output, self.outputs)].smooth_rate(output)
 
     def _mean_of(self, row: FloatArray, direct: FloatArray) -> FloatArray:
-        """Return the mean of row times states plus direct term times wind, ``(n,)``."""
+        """Return the mean of `row` times states plus `direct` times wind, ``(n,)``."""
         return np.asarray(np.sum(row * self._moments.means, axis=-1) + direct * self._moments.wind)
 
     def _deviation_of(self, row: FloatArray) -> FloatArray:
@@ -87,7 +87,7 @@ class GaussianOutputs(Shown):
         return mean_absolute(self._mean_of(*rate), self._deviation_of(rate[0]))
 
     def _crossing_rates(self, limit: float, output: str) -> FloatArray:
-        """Return the expected crossings [1/s] of both limits by an output, ``(n,)``."""
+        """Return the expected crossings [1/s] of +-limit by an output, ``(n,)``, both outwards."""
         bound = number("limit", limit, positive)
         signal, rate = self._row(output), self._rate(output)
         spread, motion = (self._deviation_of(row) for row, _ in (signal, rate))
@@ -97,7 +97,7 @@ class GaussianOutputs(Shown):
         return crossing_rate(bound, means[0], spread, means[1], motion, correlation)
 
     def _exceedances(self, limit: float, output: str) -> FloatArray:
-        """Return the probability of ``|output| > limit``, ``(n,)``."""
+        """Return the probability of ``|output| > limit`` at each of the n times, ``(n,)``."""
         bound, signal = number("limit", limit, positive), self._row(output)
         return exceedance(bound, self._mean_of(*signal), self._deviation_of(signal[0]))
 
