@@ -158,10 +158,7 @@ class FlightSchedule(Shown):
     def at(self, time: ArrayLike) -> Vehicle:
         """Return the vehicle at a time [s] with its structure, or a batch of them at several.
 
-        Raises
-        ------
-        InputError
-            For times outside the schedule.
+        `InputError` for times outside the schedule.
         """
         times = errors.finite("time", time, "s")
         first, last = self.span
@@ -214,10 +211,7 @@ class FlightSchedule(Shown):
     def between(self, start: float | None = None, stop: float | None = None) -> FlightSchedule:
         """Return the flight from the time `start` to `stop` [s], by default its first and last.
 
-        Raises
-        ------
-        InputError
-            For times outside the schedule, or not in order.
+        `InputError` for times outside the schedule, or not in order.
         """
         first, last = self.span
         low, high = (

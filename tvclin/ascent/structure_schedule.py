@@ -101,10 +101,7 @@ class StructureSchedule(Shown):
     def mode_number(self, name: str) -> int:
         """Return the index of a bending mode in the structure by its name.
 
-        Raises
-        ------
-        InputError
-            For a name that no mode has.
+        `InputError` for a name that no mode has.
         """
         return self.modes.index(one_of("mode", name, self.modes))
 

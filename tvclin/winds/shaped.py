@@ -89,12 +89,8 @@ class ShapedWind:
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
         """Return the component of the wind in a plane, without a heading; itself without one.
 
-        `attitude`: attitude of the flight above the horizontal [rad].
-
-        Raises
-        ------
-        InputError
-            For a wind that blows in the other plane alone, and as `peaks`.
+        `attitude`: attitude of the flight above the horizontal [rad]. `InputError` for a wind that
+        blows in the other plane alone, and as `peaks`.
         """
         if self.heading is None:
             return self
@@ -111,12 +107,8 @@ class ShapedWind:
     def with_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
         """Return the wind with the peak angle of a wind speed [m/s] for a vehicle, by eq (B1e).
 
-        With a heading the peak is the size of the vector of both planes.
-
-        Raises
-        ------
-        InputError
-            For a batch of vehicles, an unknown plane, and as `angle_in_plane`.
+        With a heading the peak is the size of the vector of both planes. `InputError` for a batch
+        of vehicles, an unknown plane, and as `angle_in_plane`.
         """
         instance("vehicle", vehicle, Vehicle, "see load_vehicle")
         flight = number("velocity", vehicle.velocity), number("attitude", vehicle.attitude)
@@ -132,12 +124,7 @@ class ShapedWind:
         """Return the wind with the peak angle of its gust from a wind speed [m/s], by eq (B1e).
 
         `vehicle`, `plane`: vehicle whose speed and attitude count, and plane of the angle, for a
-        wind without a heading.
-
-        Raises
-        ------
-        InputError
-            As `with_speed`, and without a gust.
+        wind without a heading. `InputError` as `with_speed`, and without a gust.
         """
         if self.gust is None:
             raise InputError("the speed of a gust needs the gust that it is of")
@@ -148,10 +135,7 @@ class ShapedWind:
     def scaled(self, factor: float) -> ShapedWind:
         """Return the wind with its peak and its gust, as angles and as speeds, times a factor.
 
-        Raises
-        ------
-        InputError
-            For a factor that is zero or no number, and a peak beyond 90 degrees.
+        `InputError` for a factor that is zero or no number, and a peak beyond 90 degrees.
         """
         number("factor", factor, nonzero)
         scaled = {
@@ -164,10 +148,7 @@ class ShapedWind:
     def peaks(self, attitude: float) -> dict[str, float]:
         """Return the peak angle [rad] in each plane for a flight of an attitude [rad].
 
-        Raises
-        ------
-        InputError
-            For a wind without a heading, and as `angles_from_vector_size`.
+        `InputError` for a wind without a heading, and as `angles_from_vector_size`.
         """
         if self.heading is None:
             raise InputError(
@@ -245,11 +226,7 @@ class ShapedWind:
         """Return the gust of cases in the time of the wind, as angles [rad]; None without a gust.
 
         `values`: dispersed values by name, of which "wind_duration" [s], ``(n,)``, shifts the gust.
-
-        Raises
-        ------
-        InputError
-            For values that are not by name, and durations that are no numbers.
+        `InputError` for values that are not by name, and durations that are no numbers.
         """
         instance("values", values, Mapping, "of dispersed values by name")
         gust = self.placed_gust

@@ -232,10 +232,7 @@ class Turbulence(Record):
     def over(self, altitude: ArrayLike | None) -> tuple[FloatArray, FloatArray]:
         """Return intensity [m/s] and length [m] at altitudes [m], in their shape.
 
-        Raises
-        ------
-        InputError
-            For a table over altitude, and no altitude to read it at.
+        `InputError` for a table over altitude, and no altitude to read it at.
         """
         if self.altitude is None:
             return np.asarray(self.intensity), np.asarray(self.length)
@@ -306,10 +303,7 @@ class Turbulence(Record):
     def remaining_variance(self, altitude: float | None = None) -> float:
         """Return the fraction of the variance below the cutoff wavelength; one without a cutoff.
 
-        Raises
-        ------
-        InputError
-            For a table without an altitude.
+        `InputError` for a table without an altitude.
         """
         A, b, c = self._filter(self.over(altitude)[1])
         return float((c @ stationary_covariance(A, b @ b.T) @ c.T).item())

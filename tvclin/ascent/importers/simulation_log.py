@@ -57,10 +57,7 @@ class SimulatedFlight(Shown):
     def profile(self) -> WindProfile:
         """Wind over height along a flight to the north (azimuth zero).
 
-        Raises
-        ------
-        InputError
-            For a log without altitude, and one that does not rise.
+        `InputError` for a log without altitude, and one that does not rise.
         """
         heights = self.schedule.height
         if np.any(np.diff(heights) <= 0.0):

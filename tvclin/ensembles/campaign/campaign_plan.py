@@ -64,10 +64,7 @@ class SoundingEnsemble(WindEnsemble):
     def of(cls, soundings: Sequence[MeasuredWind]) -> Self:
         """Return the ensemble of soundings, each of `fly_through` for one plane, without a gust.
 
-        Raises
-        ------
-        InputError
-            For no sounding, another type, and a sounding with a gust.
+        `InputError` for no sounding, another type, and a sounding with a gust.
         """
         winds = errors.each("soundings", soundings, MeasuredWind, "see fly_through")
         if not winds:
@@ -350,10 +347,7 @@ class Campaign(Case):
     def plane_campaigns(self) -> dict[str, Self]:
         """Campaigns by plane, for planes with wind; this campaign itself without a limit shape.
 
-        Raises
-        ------
-        InputError
-            For a wind without a component in `plane`.
+        `InputError` for a wind without a component in `plane`.
         """
         if self.nozzle.limit_shape is None or not isinstance(self.wind, ShapedWind):
             return {self.plane: self}

@@ -160,10 +160,7 @@ class Soundings:
     def mean(self) -> WindProfile:
         """Return the mean wind, at every 100 m that at least half of the usable soundings reach.
 
-        Raises
-        ------
-        InputError
-            Where that is so at fewer than two heights.
+        `InputError` where that is so at fewer than two heights.
         """
         profiles = list(self)
         top = max((profile.height[-1] for profile in profiles), default=0.0)

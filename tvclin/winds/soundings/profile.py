@@ -216,10 +216,7 @@ class WindProfile(Record):
     def notes_along(self, flight: FlightPath) -> list[str]:
         """Return the notes, and one on wide gaps between levels along a flight.
 
-        Raises
-        ------
-        InputError
-            For a flight that is malformed or does not ascend.
+        `InputError` for a flight that is malformed or does not ascend.
         """
         path = checked_flight(flight)[1]
         gap = self.gaps_between(path[0], path[-1])
@@ -267,10 +264,7 @@ class WindProfile(Record):
     def at(self, height: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return the wind towards east and north [m/s] at heights [m], in their shape.
 
-        Raises
-        ------
-        InputError
-            For heights beyond the levels.
+        `InputError` for heights beyond the levels.
         """
         heights = errors.finite("height", height, "m")
         if np.any((heights < self.height[0]) | (heights > self.height[-1])):
@@ -286,10 +280,7 @@ class WindProfile(Record):
     def between(self, low: float, high: float) -> Self:
         """Return the profile between heights `low` and `high` [m], its new first and last level.
 
-        Raises
-        ------
-        InputError
-            For heights beyond the levels, or not in order.
+        `InputError` for heights beyond the levels, or not in order.
         """
         bottom, top = errors.number("low", low, unit="m"), errors.number("high", high, unit="m")
         if not bottom < top:
@@ -302,12 +293,8 @@ class WindProfile(Record):
     def __sub__(self, mean: object) -> WindProfile:
         """Return the difference to another profile, such as a mean wind, at the heights of both.
 
-        A flight path that is biased for the other wind encounters this difference.
-
-        Raises
-        ------
-        InputError
-            For profiles without a height in common.
+        A flight path that is biased for the other wind encounters this difference. `InputError` for
+        profiles without a height in common.
         """
         if not isinstance(mean, WindProfile):
             return NotImplemented
@@ -328,12 +315,8 @@ class WindProfile(Record):
         """Return the running mean over layers of a thickness [m] about each level.
 
         Near the ends the layer is cut to the known heights. The mean of the linear profile is
-        exact; between the levels the new profile is linear again.
-
-        Raises
-        ------
-        InputError
-            For a thickness below a millimetre or beyond 1000 km.
+        exact; between the levels the new profile is linear again. `InputError` for a thickness
+        below a millimetre or beyond 1000 km.
         """
         allowed = errors.between(_MIN_THICKNESS, _MAX_THICKNESS)
         half = errors.number("thickness", thickness, allowed, "m") / 2
