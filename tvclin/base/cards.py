@@ -105,8 +105,7 @@ class Shown(Record):
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
     """Yield (label, value, unit) rows of a field: one, or one per entry of a mapping or `Record`.
 
-    `name`: label of the field, ahead of that of an entry. `unit`: text, of the value and its
-    entries.
+    `name`: label of the field, ahead of an entry's. `unit`: text, of the value and its entries.
     """
     if isinstance(value, dict):
         for label, item in value.items():

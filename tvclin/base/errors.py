@@ -390,8 +390,7 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
 def _require(name: str, rule: str, array: FloatArray, good: BoolArray, unit: str) -> None:
     """Raise `InputError` about the first of `array` that is not `good`: `name` must be `rule`.
 
-    `good`: whether each element satisfies the rule, in the shape of `array`. `unit`: of the
-    elements.
+    `good`: whether each element satisfies the rule, in its shape. `unit`: of the elements.
     """
     if np.all(good):
         return

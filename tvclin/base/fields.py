@@ -247,8 +247,7 @@ def document(record: Any, *names: str) -> dict[str, Any]:
 def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
     """Return labels and values of fields of a record for a table, except missing values.
 
-    `prefix`: first part of the names of the numbers, as in "optimum.peak_deg". `names`: of the
-    fields; without, all that documents show.
+    `prefix`: start of the numbers' names, as in "optimum.peak_deg". `names`: fields; all without.
     """
     return [
         (item.title, item.line(record, prefix))
@@ -265,8 +264,7 @@ def columns(record: Any, *names: str) -> list[Field]:
 def cells(record: Any, prefix: str, *names: str) -> tuple[lines.Line, ...]:
     """Return the values of fields of a record as cells of a table, without units.
 
-    `prefix`: first part of the names of the numbers, as in "optimum.peak_deg". `names`: of the
-    fields, in the order of the cells.
+    `prefix`: start of the numbers' names, as in "optimum.peak_deg". `names`: fields, in order.
     """
     return tuple(
         item.cell(f"{prefix}.{item.document_key}", item.value(record))
@@ -359,7 +357,7 @@ def flag(default: Any = MISSING, **more: Any) -> Any:
 def count(
     default: Any = MISSING, check: Callable[..., Any] = errors.whole_number, **more: Any
 ) -> Any:
-    """Return a dataclass field for an integer; `more`: attributes of its `Field`."""
+    """Return a dataclass field for an integer, with `default`, `check`; `more`: as in `Field`."""
     return _field(Field(kind="count", check=check, **more), default)
 
 

@@ -206,8 +206,7 @@ def _hint(start: str) -> str:
 def _decoded(content: bytes, name: str, encodings: tuple[str, ...]) -> str:
     """Return the text of bytes `content` in the first fitting of `encodings`; else `InputError`.
 
-    It is UTF-16 exactly where they begin with its byte order mark. `name`: of the file, in the
-    message.
+    It is UTF-16 exactly where they begin with its mark. `name`: of the file, in the message.
     """
     marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     for encoding in encodings:

@@ -119,8 +119,7 @@ _MAX_FIXED = 1e6
 def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
     """Return `value`, called `name`, to some decimal `digits`, with its `unit` after it.
 
-    NaN is a dash, infinity "unlimited". From `_MAX_FIXED` on it has four significant digits and a
-    power of ten.
+    NaN is a dash, infinity "unlimited"; from a million on it has four digits and a power of ten.
     """
     if _MAX_FIXED <= abs(float(value)) < np.inf:
         return significant(name, value, unit=unit)

@@ -85,8 +85,7 @@ class UnstableCoordinates:
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
         """Return both ends [rad] of the slow coordinate's recoverable range at a fast one.
 
-        `fast`: the fast coordinate [rad]. `reach`: limit of the deflection over B [rad], at least
-        its size.
+        `fast`: that one [rad]. `reach`: limit of the deflection over B [rad], at least its size.
         """
         low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high

@@ -426,8 +426,7 @@ class LoadLimits:
     def _limit_of_turning(self, load: float) -> float:
         """Return the constant deflection [rad] that turns the vehicle into the wind in time.
 
-        `load`: bound [rad] of the angle of attack. Zero with a rate limit, or if the load is not
-        that angle.
+        `load`: bound [rad] of the angle of attack. Zero with a rate limit, and for another load.
         """
         if self.case.ratio or np.isfinite(self.case.rate):
             return 0.0

@@ -519,8 +519,7 @@ def _corrected(
     """Return times [s], deflections [rad] that satisfy the conditions, and their certificate.
 
     `moments`: the conditions in cells. `onset`: start of the control [s]. `best`: multipliers
-    ``(k,)`` of the lower bound. `deflections`: in the cells, over `size`, ``(n,)``. `size`: unit
-    [rad].
+    ``(k,)`` of the lower bound. `deflections`: in the cells, over `size` [rad], ``(n,)``.
     """
     d, cells, limit_shape = moments.demands / size, moments.cells, moments.limit_shape
     for _ in range(2):  # the second time for the rounding of the first

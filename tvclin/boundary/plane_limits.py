@@ -195,8 +195,7 @@ def _requirement_after_trim(
     def demand(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
-        The bound, of separate planes, is returned where it is `sufficient` [rad] or m is not to be
-        `solved`.
+        The bound, of separate planes, is taken if it is `sufficient` [rad] or m is not `solved`.
         """
 
         def excess(t: float) -> float:
@@ -235,8 +234,7 @@ def _requirement_after_trim(
 def _governing_requirement(requirements: dict[Reason, float]) -> tuple[float, list[str]]:
     """Return the largest requirement [rad], and a note on its reason unless it is the boundary.
 
-    `requirements`: requirements [rad] by reason. The boundary governs those that exceed it by
-    rounding alone.
+    `requirements`: [rad], by reason. The boundary governs those that exceed it by rounding.
     """
     governs = max(requirements, key=requirements.__getitem__)
     boundary = requirements[Reason.BOUNDARY]

@@ -219,9 +219,8 @@ class Filter(Record):
 def filter_cells(filter_: Filter, name: str) -> tuple[Line, Line, Line]:
     """Return zeros, poles and gain of a filter as cells of a table.
 
-    `name`: first part of the names of the numbers. A complex pair has a frequency and a damping.
-    The gain is that at s = 0; where that is zero or infinite, the ratio of the leading
-    coefficients.
+    `name`: start of the names of the numbers. A complex pair has a frequency and a damping. The
+    gain is that at s = 0; where that is zero or infinite, the ratio of the leading coefficients.
     """
     above = np.trim_zeros(filter_.numerator, "f")
     zeros = _roots_line(f"{name}.zeros", np.roots(above))

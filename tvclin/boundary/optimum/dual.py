@@ -294,8 +294,7 @@ def _newton(current: SignedSum) -> SignedSum:
 def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedSum | None:
     """Return the sum after the longest fraction of a step that reduces the residual, or None.
 
-    `current`: the sum before. `step`: of its multipliers, ``(n,)``. `geometric`: whether the step
-    is in their logarithms.
+    `current`: the sum. `step`: of its multipliers, ``(n,)``. `geometric`: in their logarithms.
     """
     for halvings in range(_STEP_LENGTHS):
         length = 0.5**halvings

@@ -81,8 +81,8 @@ class LoadProgram:
     def solve(self, aim: str, bound: float) -> Solution | None:
         """Return the minimum peak at a load bound, or the minimum load at a peak.
 
-        None if infeasible. `aim`: `PEAK` or `LOAD`, which is minimised. `bound`: bound of the
-        other quantity [rad].
+        None if infeasible. `aim`: which is minimised, `PEAK` or `LOAD`. `bound`: of the other
+        [rad].
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
@@ -205,8 +205,7 @@ class LoadProgram:
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
         """Return inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
 
-        `aim`: `PEAK` or `LOAD`, the last variable, which is minimised. `bound`: bound [rad] of the
-        other.
+        `aim`: the last variable, minimised, `PEAK` or `LOAD`. `bound`: of the other [rad].
         """
         from scipy import sparse
 
@@ -354,8 +353,7 @@ def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
 def _diagonal(blocks: FloatArray, behind: int = 0) -> Any:
     """Return the sparse block-diagonal matrix ``(n m, n q)`` of blocks ``(n, m, q)``.
 
-    `behind`: number of block columns by which each block is moved to the left; as many of the first
-    blocks are omitted.
+    `behind`: number of block columns by which blocks move to the left, the first ones out of it.
     """
     from scipy import sparse
 

@@ -258,7 +258,7 @@ class Window:
     def violation(self, switches: FloatArray, limit: float) -> float:
         """Return the largest violation of a condition, relative to the sizes of its terms.
 
-        `switches`: times [s] at which the deflection switches, ``(k,)``. `limit`: its first value
+        `switches`: times [s] of the deflection's switches, ``(k,)``. `limit`: its first value
         [rad].
         """
         demands, pieces = self.constraints.demands, limit * self.piece_moments(switches)
@@ -339,8 +339,7 @@ def _refined(
     """Return the zeros [s] of lambda . function, one in each of some intervals between times.
 
     `multipliers`: lambda, ``(n,)``. `function`: of times [s] to n rows, with one change of sign in
-    each interval. `times`: in order [s]. `intervals`: indices of the times at which the intervals
-    begin.
+    each interval. `times`: in order [s]. `intervals`: indices of the intervals' first times.
     """
     sign = np.sign(multipliers @ function(times[intervals + 1]))
 

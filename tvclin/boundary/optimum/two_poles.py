@@ -58,8 +58,7 @@ def switch_time(
 def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
     """Return 1 - 2 E + F of eq (C5) as a constant and a term that moves with the switch.
 
-    `pole`: p [1/s]. `t`: switch time [s]. `horizon`: H [s]. For early switches both are counted
-    from zero.
+    `pole`: p [1/s]. `t`: switch time [s]. `horizon`: H [s]. Early switches count from zero.
     """
     if pole * t < 0.5:
         return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
