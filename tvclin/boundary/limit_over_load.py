@@ -575,18 +575,17 @@ def load_trade_off(
         if load_limit is not None:
             load_bounds = np.unique(np.append(load_bounds, load_limit))
     limits, lower_bounds, slopes = np.array(case.points_at(load_bounds)).T
-    no_forecast = case.no_forecast
+    no_forecast, bounds = case.no_forecast, None
+    if no_forecast is not None:
+        bounds = np.maximum(lower_bounds, no_forecast)
+        bounds[load_bounds < case.no_forecast_load] = np.inf
     front = LoadTradeOff(
         loads=load_bounds,
         limits=limits,
         lower_bounds=lower_bounds,
         slopes=slopes,
         set_by=tuple(case.set_by(a, d) for a, d in zip(load_bounds, limits, strict=True)),
-        no_forecast_bounds=None
-        if no_forecast is None
-        else np.where(
-            load_bounds < case.no_forecast_load, np.inf, np.maximum(lower_bounds, no_forecast)
-        ),
+        no_forecast_bounds=bounds,
         minimum_deflection=case.minimum_deflection,
         load_of_minimum=case.load_of_minimum,
         minimum_load=case.minimum_load,
@@ -599,6 +598,6 @@ def load_trade_off(
         required_load=case.required_load(nozzle_limit),
         angle=abs(float(wind.peak)),
     )
-    return (
-        replace(front, lower_bound=np.nan, required_load=np.nan) if front.beyond_linear else front
-    )
+    if front.beyond_linear:
+        return replace(front, lower_bound=np.nan, required_load=np.nan)
+    return front

@@ -355,11 +355,9 @@ def rate_trade_off(
         at = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
         at = at if nozzle_rate is None else np.unique(np.append(at, nozzle_rate))
     limits = np.array([case.deflection(float(rate)) for rate in at])
-    bounds = (
-        None
-        if no_forecast is None
-        else np.maximum(ramped_deflection(no_forecast, case.pole, at), limits)
-    )
+    bounds = None
+    if no_forecast is not None:
+        bounds = np.maximum(ramped_deflection(no_forecast, case.pole, at), limits)
     front = RateTradeOff(
         rates=at,
         limits=limits,
@@ -374,9 +372,9 @@ def rate_trade_off(
         required_rate=case.required_rate(nozzle_limit),
         angle=abs(float(wind.peak)),
     )
-    return (
-        replace(front, lower_bound=np.nan, required_rate=np.nan) if front.beyond_linear else front
-    )
+    if front.beyond_linear:
+        return replace(front, lower_bound=np.nan, required_rate=np.nan)
+    return front
 
 
 @dataclass(frozen=True, eq=False)
@@ -430,13 +428,9 @@ class _Case:
 
     def _deflection(self, rate: float) -> float:
         """Return the minimum deflection [rad] at a rate limit [rad/s], the wind known; uncached."""
-        deflection = self.single_pole_deflection(rate)
-        if (
-            self.minimum == 0.0
-            or np.isinf(deflection)
-            or self._decided_by_one_pole(deflection, rate)
-        ):
-            return deflection
+        d = self.single_pole_deflection(rate)
+        if self.minimum == 0.0 or np.isinf(d) or self._decided_by_one_pole(d, rate):
+            return d
         if np.isfinite(self.acceleration):
             raise errors.InputError(
                 "acceleration_limit requires a case that one unstable pole decides; leave it out"
@@ -473,9 +467,8 @@ class _Case:
         single_pole_rate = _minimum_rate(
             lambda r: max(self.single_pole_deflection(r), self.no_forecast_limit(r)), limit, lowest
         )
-        if np.isinf(single_pole_rate) or self.deflection(single_pole_rate) <= limit * (
-            1.0 + _RELATIVE_TOLERANCE
-        ):
+        largest = limit * (1.0 + _RELATIVE_TOLERANCE)
+        if np.isinf(single_pole_rate) or self.deflection(single_pole_rate) <= largest:
             return single_pole_rate
         return _minimum_rate(self.deflection, limit, single_pole_rate)
 
@@ -519,9 +512,8 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
 
     if excess(_NEGLIGIBLE) >= 0.0:
         return lowest
-    return lowest * float(
-        np.exp(brentq(excess, _NEGLIGIBLE, np.log(_MAX_RATE_RATIO), xtol=_RELATIVE_TOLERANCE))
-    )
+    zero = brentq(excess, _NEGLIGIBLE, np.log(_MAX_RATE_RATIO), xtol=_RELATIVE_TOLERANCE)
+    return lowest * float(np.exp(zero))
 
 
 def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:

@@ -162,9 +162,8 @@ class PlanePair:
         """Return times [s] that resolve the wind: its breakpoints, both sides, and more."""
         times = []
         for history in (self.wind.pitch, self.wind.yaw):
-            oscillation = np.abs(history.pieces.rates).max(initial=0.0) * np.diff(
-                history.knots
-            ).max(initial=0.0)
+            longest = np.diff(history.knots).max(initial=0.0)
+            oscillation = np.abs(history.pieces.rates).max(initial=0.0) * longest
             max_points = max(_MAX_TIMES // history.knots.size, 8)
             points = int(np.clip(8.0 * oscillation, min(64, max_points), max_points))
             times.append(history.probe_times(points))

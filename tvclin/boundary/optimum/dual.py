@@ -195,11 +195,8 @@ def best_multipliers(window: Window) -> SignedSum:
     fast = int(np.argmax(c.decays))
     fastest = int(np.argmax(np.real(c.poles)))
     slower = c.poles[fastest] / 3.0
-    if (
-        not window.is_underflowing(best.multipliers)
-        or c.pulsations[fast]
-        or slower < np.sort(c.decays)[-2]
-    ):
+    overtaken = slower < np.sort(c.decays)[-2]
+    if overtaken or c.pulsations[fast] or not window.is_underflowing(best.multipliers):
         return best
     poles = np.where(np.arange(c.poles.size) == fastest, slower, c.poles)
     demands = np.where(np.arange(c.decays.size) == fast, 3.0 * c.demands, c.demands)
