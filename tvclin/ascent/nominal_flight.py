@@ -68,7 +68,7 @@ class FlightCondition:
         return 0.5 * self.density * float(np.asarray(vehicle.velocity)) ** 2
 
     def scaled(self, vehicle: Vehicle) -> Vehicle:
-        """Return the vehicle with W, I, N, T and F_A times the common factor."""
+        """Return the vehicle with weight, inertia and all forces times the factor `table_scale`."""
         names = ("weight", "moment_of_inertia", "normal_force_slope", "thrust", "axial_force")
         changes = {name: self.table_scale * getattr(vehicle, name) for name in names}
         if vehicle.control_force_slope is not None:
@@ -176,7 +176,10 @@ class NominalFlight:
         return self.vehicle.mass - flow * (np.asarray(t, dtype=float) - self._time)
 
     def pressure_ratio(self, speed: Any, altitude: Any) -> Any:
-        """Return the ratio of a dynamic pressure, by air speed and altitude, to the vehicle's."""
+        """Return the dynamic pressure at a speed [m/s] and an altitude [m] over the vehicle's own.
+
+        `speed`: relative to the air; both may be arrays of one shape.
+        """
         density = density_at(altitude) if np.ndim(altitude) == 0 else air_at(altitude).density
         return density / self._density * (speed / self.vehicle.velocity) ** 2
 

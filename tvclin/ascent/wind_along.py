@@ -350,7 +350,7 @@ class SoundingWind(VehicleWind):
         return wind
 
     def _time(self, vehicle: Any) -> float:
-        """Return the time [s] of a vehicle in its flight."""
+        """Return the time [s] of a vehicle in its flight; `InputError` without one."""
         time = complete_vehicle(vehicle, "a sounding").time
         if time is None:
             raise InputError("a sounding needs a vehicle with its time of flight, time_s")

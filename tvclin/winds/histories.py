@@ -420,14 +420,17 @@ def _laplace_variable(s: ArrayLike) -> AnyArray:
 
 
 def _finite_values(values: AnyArray, s: AnyArray) -> AnyArray:
-    """Return transforms at `s`; `InputError`, which names `s`, where e^(-s t) overflows to NaN."""
+    """Return transforms, `values`; `InputError` where they are NaN, since e^(-s t) overflows.
+
+    `s`: the Laplace variable [rad/s].
+    """
     if np.any(np.isnan(values)):
         raise InputError(f"s must be such that e^(-s t) does not overflow; got {shown(s)}")
     return values
 
 
 def _real_if_real(values: AnyArray, s: AnyArray) -> AnyArray:
-    """Return transforms at `s`: their real part where `s` is real, since the history is."""
+    """Return transforms, `values`, or their real parts for a real Laplace variable `s`."""
     return values if np.iscomplexobj(s) else np.real(values)
 
 

@@ -270,7 +270,7 @@ class FixedWind:
         return abs(float(self.angle.peak))
 
     def history(self, values: dict[str, Any]) -> History:
-        """Return the wind, whatever the values of a case."""
+        """Return the wind angle [rad], whatever the dispersed values of a case, `values`."""
         return self.angle
 
 
@@ -324,5 +324,8 @@ class WindEnsemble:
         return np.asarray(np.asarray(numbers) * self.count, dtype=np.int64)
 
     def history(self, values: dict[str, Any]) -> History:
-        """Return the winds with the indices ``values["wind"]``; the first wind without them."""
+        """Return wind angles [rad] of n cases: winds with the indices ``values["wind"]``, ``(n,)``.
+
+        `values`: dispersed values by name; without an index it is the first wind.
+        """
         return pulses.SampledWind(time=self.time, angle=self.angle[values.get("wind", 0)])

@@ -146,7 +146,10 @@ def directed_winds(document: Mapping[str, Any]) -> list[int]:
 
 
 def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
-    """Return the wind of a table [wind]; a file of winds is searched in the folder."""
+    """Return the wind of a table [wind], from keys to values.
+
+    `folder`: folder in which a file of winds that it names is searched.
+    """
     if "file" in table:
         values = _FILE_TABLE.read(table)
         unit = values.get("unit")
@@ -204,7 +207,10 @@ def wind_for_vehicle(
 
 
 def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
-    """Return a one-minus-cosine gust with a peak [rad], a duration [s], and a plateau [s]."""
+    """Return a one-minus-cosine gust with a peak [rad], a duration, and a plateau at the peak [s].
+
+    `duration`: from begin to end, with the plateau, which is zero or shorter.
+    """
     if not plateau:
         return OneMinusCosineGust(peak=peak, duration=duration)
     blends = number("duration", duration, positive, "s") - number("plateau", plateau, positive, "s")

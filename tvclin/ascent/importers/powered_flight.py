@@ -209,13 +209,16 @@ class Flight:
         return replace(self, columns=self.columns | columns)
 
     def require(self, good: BoolArray, say: Callable[[int], str]) -> None:
-        """Raise `InputError` about the first row that is not good; `say` makes its message."""
+        """Raise `InputError` about the first row that is not good.
+
+        `good`: whether each row is, ``(n,)``. `say`: function from the index of a row to a message.
+        """
         if not np.all(good):
             i = int(np.argmin(good))
             raise errors.InputError(f"{self.places[i]}: {say(i)}")
 
     def rows(self, index: IndexArray) -> Flight:
-        """Return the flight with the rows of an index alone."""
+        """Return some rows of the flight; `index`: their indices, in the order of the result."""
         columns = {k: Column(c.values[index], c.origin) for k, c in self.columns.items()}
         return replace(self, places=tuple(self.places[i] for i in index), columns=columns)
 

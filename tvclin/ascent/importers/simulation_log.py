@@ -192,7 +192,10 @@ def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
 
 
 def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
-    """Return the quantities of headings with a key of ours, or its name and a unit, by text."""
+    """Return the quantities of those headings that are known, by the text of the heading.
+
+    Known are our keys, as thrust_kN, and our names with a unit in parentheses, as thrust (kN).
+    """
     keys = FileTable("columns", _KNOWN).keys
     columns = {heading.text: keys[heading.text][0] for heading in headings if heading.text in keys}
     plain = {

@@ -385,34 +385,39 @@ _MONTHS = (
 )
 
 
-def limit_line(a: Availability) -> Line:
+def limit_line(record: Availability) -> Line:
     """Return the line with the limit [deg] and the fraction of the soundings that fly with it.
 
-    `a`: availability for a single azimuth.
+    `record`: availability for a single azimuth.
     """
-    return ("Limit ", *degrees("availability.limit", a.limit, unit="deg"), ": ", *a.fraction().line)
-
-
-def archive_words(a: Availability) -> str:
-    """Return a sentence with azimuth [deg], number, station and dates of the soundings.
-
-    `a`: availability for a single azimuth.
-    """
-    azimuth = f"{np.degrees(float(a.azimuth)):.4g}"
-    first, last = a.soundings.times[[0, -1]].astype("datetime64[D]")
-    station = a.soundings.station or "an archive"
     return (
-        f"The vehicle flies towards {azimuth} deg through each of the {len(a.soundings)} winds of"
-        f" {station} from {first} to {last}."
+        "Limit ",
+        *degrees("availability.limit", record.limit, unit="deg"),
+        ": ",
+        *record.fraction().line,
     )
 
 
-def by_month(a: Availability) -> Table:
-    """Return the table of an availability `a`: soundings that fly, by month and azimuth."""
+def archive_words(record: Availability) -> str:
+    """Return a sentence with azimuth [deg], number, station and dates of the soundings.
+
+    `record`: availability for a single azimuth.
+    """
+    azimuth = f"{np.degrees(float(record.azimuth)):.4g}"
+    first, last = record.soundings.times[[0, -1]].astype("datetime64[D]")
+    station = record.soundings.station or "an archive"
+    return (
+        f"The vehicle flies towards {azimuth} deg through each of the {len(record.soundings)} winds"
+        f" of {station} from {first} to {last}."
+    )
+
+
+def by_month(record: Availability) -> Table:
+    """Return the table of an availability `record`: soundings that fly, by month and azimuth."""
     rows = []
-    for month, parts in a.by_month().items():
+    for month, parts in record.by_month().items():
         by_azimuth = parts if isinstance(parts, tuple) else (parts,)
-        for towards, part in zip(_towards(a), by_azimuth, strict=True):
+        for towards, part in zip(_towards(record), by_azimuth, strict=True):
             key = f"availability.month.{month}{towards}"
             counts = {"flown": part.flown, "judged": part.judged, "unknown": part.unknown}
             shares = {"part": part.fraction, "lower": part.lower, "upper": part.upper}
@@ -423,33 +428,34 @@ def by_month(a: Availability) -> Table:
     return Table("By month", head, tuple(rows))
 
 
-def interval(a: Availability) -> str:
-    """Return a sentence on the meaning of the confidence intervals of an availability `a`."""
+def interval(record: Availability) -> str:
+    """Return a sentence on the meaning of the confidence intervals of an availability `record`."""
     return (
-        f"With {100 * a.confidence:g} % confidence the fraction of all such days lies in the"
+        f"With {100 * record.confidence:g} % confidence the fraction of all such days lies in the"
         " interval; days that are alike count as fewer independent ones."
     )
 
 
-def placard(a: Availability) -> Table:
+def placard(record: Availability) -> Table:
     """Return the table of the limits [deg] that fractions of the judged soundings require.
 
-    `a`: availability; its rows are the fractions `PLACARD`, its columns the azimuths.
+    `record`: availability; its rows are the fractions `PLACARD`, its columns the azimuths.
     """
     rows: list[tuple[Line, ...]] = []
-    for part, limits in zip(PLACARD, np.atleast_2d(a.placard()).T, strict=True):
+    for part, limits in zip(PLACARD, np.atleast_2d(record.placard()).T, strict=True):
         key = f"availability.placard.{100.0 * part:g}"
         cells = (
-            minimum_limit(degrees(f"{key}{k}", x)) for k, x in zip(_towards(a), limits, strict=True)
+            minimum_limit(degrees(f"{key}{k}", x))
+            for k, x in zip(_towards(record), limits, strict=True)
         )
         rows.append(((f"{100.0 * part:g} %",), *cells))
-    head = ("fraction", *(f"limit [deg]{towards}" for towards in _towards(a)))
+    head = ("fraction", *(f"limit [deg]{towards}" for towards in _towards(record)))
     return Table("Limit that is sufficient in a fraction of the soundings", head, tuple(rows))
 
 
-def unknown(a: Availability) -> Table:
-    """Return the table of reasons why soundings of an availability `a` are not judged, counted."""
-    reasons = Counter(reason.split(":")[0] for reason in a.why if reason)
+def unknown(record: Availability) -> Table:
+    """Return the table of reasons why soundings of a `record` are not judged, with their counts."""
+    reasons = Counter(reason.split(":")[0] for reason in record.why if reason)
     rows = tuple(
         ((reason,), number_cell(f"availability.unknown.{i}", count, 0))
         for i, (reason, count) in enumerate(reasons.most_common())
@@ -457,7 +463,7 @@ def unknown(a: Availability) -> Table:
     return Table("Unknown soundings", ("why", "number"), rows)
 
 
-def _towards(a: Availability) -> list[str]:
-    """Return labels for the azimuths of an availability `a`; one empty label for a single one."""
-    azimuths = np.degrees(np.atleast_1d(a.azimuth)).tolist()
+def _towards(record: Availability) -> list[str]:
+    """Return the labels of the azimuths of an availability `record`; empty for a single one."""
+    azimuths = np.degrees(np.atleast_1d(record.azimuth)).tolist()
     return [f", towards {azimuth:.4g} deg" for azimuth in azimuths] if len(azimuths) > 1 else [""]

@@ -260,7 +260,10 @@ class Judge:
             yield index[batch], winds.linear_heights(self.path, self.additions.strongest), winds
 
     def _unjudged(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
-        """Return pairs of a reason why soundings are not judged, and whether it holds, ``(n,)``."""
+        """Return pairs of a reason why n soundings are not judged, and whether it holds, ``(n,)``.
+
+        They end below, or begin above, the height of the largest dynamic pressure, or are too low.
+        """
         empty = soundings.counts == 0
         ends = np.minimum(soundings.offsets, max(soundings.height.size - 1, 0))
         level = np.append(soundings.height, np.nan)

@@ -342,7 +342,7 @@ def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyA
 
 
 def _read(file: Path) -> tuple[dict[str, AnyArray], str, dict[bytes, bytes]]:
-    """Return the columns of a file as arrays, their hash, and the metadata."""
+    """Return the columns of a Parquet file as arrays, ``(n,)`` each, their hash, and metadata."""
     if exists(file) and not file.is_file():
         raise OSError  # a folder, or a pipe that would be waited for
     with _parquet().ParquetFile(file, page_checksum_verification=True) as source:

@@ -120,7 +120,10 @@ class Batch:
 
 
 def plane_columns(name: str) -> dict[str, str]:
-    """Return the names of a column by plane, for a column that both planes have together."""
+    """Return the names of a column in each plane, by plane: minimum_pitch and minimum_yaw.
+
+    `name`: name of the column of both planes together, as minimum.
+    """
     return {plane: f"{name}_{plane}" for plane in PLANES}
 
 

@@ -238,7 +238,7 @@ class _StationStream:
     heads: list[tuple[Any, int, int, int]] = field(default_factory=list)
 
     def take(self, line: bytes) -> None:
-        """Parse the next line."""
+        """Parse the next line of the file: a header, or a level, which is kept if accepted."""
         self.number += 1
         if line[:1] == b"#" or (self.number == 1 and _HEADER_START.match(line[3:])):
             self._head(line.removeprefix(b"\xef\xbb\xbf"))

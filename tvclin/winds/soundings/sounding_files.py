@@ -404,7 +404,10 @@ def _entry_time(text: Text, entry: SoundingEntry, file: Path, listed_time: Any) 
 
 
 def _month(name: str, value: object) -> int:
-    """Return the number of a month, `value`; `InputError`, which names `name`, for another."""
+    """Return the number of a month, `value`; `InputError` unless it is from 1 to 12.
+
+    `name`: name of the argument in the error.
+    """
     return int(errors.within(name, errors.whole_number(name, value), 1, 12))
 
 
