@@ -39,7 +39,7 @@ MIN_GAIN = 1e-30
 
 
 def positive_in_range(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as an array; `InputError`, with `name` and `unit`, unless 1e-9 to 1e9."""
+    """Return `value` as an array; `InputError` on `name` [`unit`] if not within 1e-9 to 1e9."""
     return within(name, positive(name, value, unit), 1.0 / MAX_MAGNITUDE, MAX_MAGNITUDE, unit)
 
 

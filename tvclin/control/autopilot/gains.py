@@ -278,8 +278,11 @@ def load_minimum_gains(
     ----------
     plant : Plant, FlexiblePlant, vehicle or Coefficients
         Of one vehicle or of a batch.
-    natural_frequency, damping, **options
-        Same as in `drift_minimum_gains`.
+    natural_frequency, damping : array_like
+        Of the closed loop on a fixed path [rad/s] and [-], positive; the frequency not below that
+        of an aerodynamically stable vehicle without autopilot.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
 
     Raises
     ------

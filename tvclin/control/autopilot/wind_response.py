@@ -135,6 +135,7 @@ def peaks_in_winds(
     peaks = np.zeros(len(winds))
     for (_, degree), group in groups.items():
         trajectories = motions(A, B, [winds[k].pieces for k in group])
+        # Behind x a motion has states of the wind; the first of each rate add up to the wind.
         inputs = np.zeros(trajectories[0].matrix.shape[0] - len(A))
         inputs[:: degree + 1] = row[1]
         outputs = np.concatenate([row[0], inputs])
@@ -176,7 +177,8 @@ def deflection_peaks(
     A, B, C, D = (np.broadcast_to(a, (m, *a.shape[-2:])) for a in loop.matrices())
     B, row, direct = B[..., 0], C[:, -1], D[:, -1, 0]  # from the wind to the deflection
     pieces, n, powers = wind.pieces, A.shape[1], wind.pieces.degree + 1
-    # piece_matrix() of one loop, with the A and B of each
+    # States x of the loop and z of the wind, [x, z]' = matrix [x, z]: piece_matrix() of one loop,
+    # with the A and B of each. The wind is the sum of every `powers`-th of z.
     matrix = np.repeat(piece_matrix(A[0], B[0], pieces)[np.newaxis], m, axis=0)
     matrix[:, :n, :n] = A
     matrix[:, :n, n::powers] = B[..., np.newaxis]

@@ -363,17 +363,20 @@ def _with_lateral(
     """
     sensors, station = autopilot.lateral_sensors, autopilot.acceleration_station
     if sensors.drift_rate or sensors.drift:
+        # (d1 + d0/s) z', over s with an integrator
         gains = [autopilot.drift_rate_gain, autopilot.drift_gain][: 1 + sensors.drift]
         on_path = np.stack(np.broadcast_arrays(*gains), axis=-1)
         on_path = polynomials.times_variable(on_path, integrators - sensors.drift)
         path = polynomials.multiply(on_path, plant.lateral_numerator("drift_rate", source, station))
         numerator = polynomials.add(numerator, polynomials.multiply(path, below))
     if sensors.acceleration:
-        felt = plant.lateral_numerator("acceleration", source, station)
-        factor = np.asarray(autopilot.acceleration_gain)[..., np.newaxis] * sensors.bandwidth
-        felt = polynomials.times_variable(polynomials.multiply(factor * felt, below), integrators)
-        with_accelerometer = polynomials.multiply(numerator, _accelerometer(autopilot))
-        numerator = polynomials.add(with_accelerometer, felt)
+        # g n bandwidth/(s + bandwidth), over a common denominator with the other feedback
+        acceleration = plant.lateral_numerator("acceleration", source, station)
+        gain = np.asarray(autopilot.acceleration_gain)[..., np.newaxis] * sensors.bandwidth
+        sensed = polynomials.multiply(gain * acceleration, below)
+        sensed = polynomials.times_variable(sensed, integrators)
+        numerator = polynomials.multiply(numerator, _accelerometer(autopilot))
+        numerator = polynomials.add(numerator, sensed)
     return numerator
 
 

@@ -272,6 +272,7 @@ def march(
     angles = np.zeros(times.size) if wind is None else np.asarray(wind(times))
     first_loop = loop if isinstance(loop, DrivenLoop) else loop.at(times[:1]).mapped(np.squeeze)
     n = first_loop.A.shape[-1]
+    # At first the vehicle is at rest, behind a sample, and the filter of turbulence is stationary.
     P, mean = np.zeros((n, n)), np.zeros(n)
     filtered = first_loop.filter_states
     P[filtered, filtered] = stationary_covariance(

@@ -253,7 +253,7 @@ class DrivenLoop:
 
     @property
     def filter_states(self) -> slice:
-        """Positions of the states of the filter."""
+        """Indices of the states of the filter of turbulence."""
         return slice(self.order, self.order + self.filter_order)
 
     def mapped(self, function: Callable[[FloatArray], FloatArray]) -> DrivenLoop:
@@ -428,7 +428,7 @@ def _widened(loop: DrivenLoop, count: int) -> DrivenLoop:
     """Return a loop with `count` further states, the last, which nothing moves yet."""
 
     def wider(array: FloatArray, axes: int) -> FloatArray:
-        """Return an array with zeros for the further states at the end of its last `axes`."""
+        """Return an array with `count` zeros more at the end of each of its last `axes`."""
         return np.pad(array, [(0, 0)] * (array.ndim - axes) + [(0, count)] * axes)
 
     n = loop.A.shape[-1]
