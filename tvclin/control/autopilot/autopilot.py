@@ -138,7 +138,7 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> b
 
 
 def require_pade(autopilot: Feedback, plants: AnyPlant) -> None:
-    """Raise `InputError` where the Pade approximation of the delay misleads around plants."""
+    """Raise `InputError` where a Pade approximation adds or hides an unstable pole of a loop."""
     if pade_misleads(autopilot, plants, closed_loop(autopilot, plants, command=True)):
         raise InputError(PADE_WARNING.format(autopilot.pade_order))
 

@@ -29,8 +29,10 @@ from tvclin.linear.plant import PLANT_HINT, Plant
 AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
 
 
-def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = None) -> Law:
-    """Return the law of an `autopilot` without filters, by default of canonical gains."""
+def _feedback(
+    plant: Plant, peak: float, rate_limit: float, autopilot: Autopilot | None = None
+) -> Law:
+    """Return the law of an `autopilot` without filters, by default of a plant's canonical gains."""
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
     instance("autopilot", autopilot, Autopilot, "see design_gains")
@@ -46,13 +48,13 @@ def _trim(plant: Plant, peak: float, rate_limit: float) -> Law:
     return TrimLaw.suited(Plant(plant.coefficients, "fixed-path"), peak, rate_limit)
 
 
-def _dead_band(plant: Plant, _: float, __: float, dead_band: float = 0.5) -> Law:
+def _dead_band(plant: Plant, peak: float, rate_limit: float, dead_band: float = 0.5) -> Law:
     """Return the report's control with `dead_band` K, of `plant` on a fixed path."""
     return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
 
 
-def _half_relief(plant: Plant, _: float, __: float) -> Law:
-    """Return the law of half-relief gains of `plant`."""
+def _half_relief(plant: Plant, peak: float, rate_limit: float) -> Law:
+    """Return the law of a plant's half-relief gains, for any peak and rate limit."""
     return SaturatedLaw(half_relief_gains(plant.coefficients))
 
 

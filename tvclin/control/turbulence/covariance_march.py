@@ -344,7 +344,7 @@ def _jumps_before(
     """
     jumps: list[Jump | None] = [None] * (len(times) - 1)
     ends = np.cumsum([_sample_steps(jump).size for jump in loop.jumps])
-    numbers = first + np.arange(len(times) - 1)
+    numbers = first + np.arange(len(times) - 1)  # a sample has ends[-1] of these steps
     for index, end in enumerate(ends):
         behind = np.flatnonzero((numbers > 0) & (numbers % ends[-1] == end % ends[-1]))
         for k, jump in zip(behind, _jumps(loop, index, times[behind]), strict=True):
