@@ -68,6 +68,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
     # feedback of the attitude alone is not meant to.
     aerodynamic = np.maximum(-np.asarray(plant.coefficients.mu_alpha), 0.0)
     attitude_only = (stiffness != 0.0) & (np.asarray(autopilot.alpha_gain) == 0.0)
+    # Name of a gain, the gain, the vehicle's own stiffness or damping, and what both do.
     gains: list[tuple[str, Any, Any, str]] = [
         (name, stiffness, np.where(attitude_only, 0.0, aerodynamic), "holds"),
         ("rate_gain", np.asarray(autopilot.rate_gain), plant.coefficients.damping, "damps"),

@@ -363,14 +363,15 @@ def stable_ranges(
         fails = (verdict.unstable_poles > 0) | verdict.marginal
         return np.asarray(fails).reshape(factors.shape)
 
-    # One row for each mode below one, then above; rows that are stable throughout are dropped.
+    # One row for each mode below one, then above; rows that are stable throughout are dropped. The
+    # loop becomes unstable between the factors `inner` and `outer`, which each round brings closer.
     rows = np.arange(2 * count)
     inner, outer = np.ones(2 * count), np.repeat([min(low, 1.0), max(high, 1.0)], count)
     for refinement in range(_REFINEMENTS + 1):
         parts = np.linspace(0.0, 1.0, 1 + (_PARTS if refinement else intervals))
         factors = inner[:, np.newaxis] + (outer - inner)[:, np.newaxis] * parts
         fails = unstable(factors, rows % count)
-        fails[:, -1] |= refinement > 0
+        fails[:, -1] |= refinement > 0  # known from the round before
         exists, first = np.any(fails, axis=1), np.argmax(fails, axis=1)
         rows, first, factors = rows[exists], first[exists], factors[exists]
         if not rows.size:

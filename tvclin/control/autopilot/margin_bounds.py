@@ -132,13 +132,9 @@ def margin_bounds(
         single("actuator", actuator.batch)
         damping = 0.5 if actuator.damping is None else float(actuator.damping)
         nozzle_delay = 2.0 * damping / float(actuator.natural_frequency)
-    poles = plant.poles
-    growth = np.real(np.asarray(poles))
-    growth = np.where(
-        growth > _MIN_GROWTH_OVER_POLE * np.abs(np.nan_to_num(poles)).max(initial=0.0), growth, 0.0
-    )
-    pole = float(np.nan_to_num(growth, nan=0.0).max(initial=0.0))
-    if pole <= 0.0:
+    poles = np.nan_to_num(plant.poles)
+    pole = float(np.real(poles).max(initial=0.0))
+    if pole <= _MIN_GROWTH_OVER_POLE * np.abs(poles).max(initial=0.0):
         raise InputError("margins are bounded by unstable poles only, and this plant has none")
     M = float(np.exp(min(pole * time, 700.0)))
     lag = pole * (time + nozzle_delay)

@@ -193,7 +193,10 @@ class Sweep(Tabled):
         )
 
     def _by_time(self) -> dict[str, FloatArray]:
-        """Return the columns of the table by flight time, ``(n,)``, by their headings."""
+        """Return the columns of the table by flight time, ``(n,)``, by their headings.
+
+        Beyond two modes the smallest of their margins; "detuned": smallest margin over its limit.
+        """
         margins = {
             "gain down [dB]": self.margins.aero_margin_dB,
             "gain up [dB]": self.margins.gain_increase_dB,

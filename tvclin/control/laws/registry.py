@@ -49,7 +49,7 @@ def _trim(plant: Plant, peak: float, rate_limit: float) -> Law:
 
 
 def _dead_band(plant: Plant, peak: float, rate_limit: float, dead_band: float = 0.5) -> Law:
-    """Return the report's control with `dead_band` K, of `plant` on a fixed path."""
+    """Return the report's control with `dead_band` K on a fixed path, for any peak and rate."""
     return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
 
 
