@@ -77,11 +77,11 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     same_degree = numerator.size == loop.denominator.size
     direct = abs(numerator[0] / loop.denominator[0]) if same_degree else 0.0
     k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
-    ends = omega[k - 1], omega[k + 1]
-    peaks = (
-        grid_minimum(negative_gain, *ends, PEAK_REFINEMENTS, smooth=True)[1] if k.size else values
-    )
-    return float(max(-values.min(), -np.min(peaks), direct))
+    if k.size:  # peaks between the frequencies next to the highest ones
+        ends = omega[k - 1], omega[k + 1]
+        peaks = grid_minimum(negative_gain, *ends, PEAK_REFINEMENTS, smooth=True)[1]
+        values = np.append(values, peaks)
+    return float(max(-values.min(), direct))
 
 
 _GRID_DURATIONS = 21

@@ -181,7 +181,9 @@ class Work(Shown):
 def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:
     """Return torque, power and energy of a motion, and notes on omitted terms.
 
-    `nozzle`: engine and hinge, see `nozzle_duty` for the equation. `vehicle`: None on a bench.
+    The torque is M = J_E (delta'' + theta'') + s_E (a_x delta - a_n) + c delta' + k delta + M_f
+    sgn(delta') + m_E a_x e + T e_T, with the axial and normal acceleration a_x and a_n of the
+    hinge. `nozzle`: engine and hinge. `vehicle`: None on a bench.
     """
     engine, weights, rate = nozzle.engine, motion.weights, motion.rate
     inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)

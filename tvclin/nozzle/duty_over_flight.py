@@ -199,16 +199,10 @@ def flight_duty(
     if case.nozzle.limit is None:
         raise InputError(
             "the duty over a flight needs the deflection limit of the nozzle: --limit-deg,"
-            " limit_deg"
-            " in [nozzle], or Nozzle(limit=...)"
+            " limit_deg in [nozzle], or Nozzle(limit=...)"
         )
-    conditions = _Conditions(
-        case,
-        request,
-        case.nozzle.limit,
-        law,
-        np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
-    )
+    edges = np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]])
+    conditions = _Conditions(case, request, case.nozzle.limit, law, edges)
     points: list[DutyPoint] = []
     signed = [pulse.heading is None for pulse in request.pulses(case)]
     unknown: dict[str, dict[float, str]] = {}
@@ -425,17 +419,17 @@ def _verdict(
         for name in ("minimum", "pole", "limit")
     )
     flown = [point.duty for point in points if point.duty is not None]
+    # Of any control that knows the wind: the angle with a ramp at the rate limit, and the rate of
+    # a ramp to the deflection limit.
     with np.errstate(invalid="ignore"):
         ramped = ramped_deflection(minimum, np.maximum(pole, 1e-9), max_rate)
         theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
         rates = np.nan_to_num(ramp_rate(minimum, pole, limit), nan=0.0, posinf=np.inf)
     angles = np.array([abs(x.duty.angle.value) if x.duty else 0.0 for x in points])
-    required = requirements_on_nozzle(
-        nozzle, flown, float(np.max([duty.travel for duty in duties], initial=0.0))
-    )
-    required["limit"] = conditions.limit * float(
-        np.max(np.maximum(theory, angles) / limit, initial=0.0)
-    )
+    travel = float(np.max([duty.travel for duty in duties], initial=0.0))
+    required = requirements_on_nozzle(nozzle, flown, travel)
+    ratio = float(np.max(np.maximum(theory, angles) / limit, initial=0.0))
+    required["limit"] = conditions.limit * ratio
     required["rate_limit"] = max(float(rates.max(initial=0.0)), required["rate_limit"])
     if turbulence is not None:
         _add_turbulence(required, points, turbulence, nozzle)
@@ -470,11 +464,11 @@ def _add_turbulence(
         ]
         required[name] = float(np.max([required[name], *sizes]))
     travels = [wind.travel for wind in turbulence.winds]
-    more = [
+    added = [
         np.nan if x is None else x.expected - x.of_wind + turbulence.sigmas * x.deviation
         for x in travels
     ]
-    required["travel_limit"] += float(np.max(more, initial=0.0))
+    required["travel_limit"] += float(np.max(added, initial=0.0))
     for name in ("torque_limit", "power_limit"):
         if required.get(name, np.inf) <= (getattr(nozzle, name) or 0.0):
             required[name] = np.nan
@@ -507,12 +501,11 @@ def _in_turbulence(
     gains = {k: np.array([row[k] for row in designs.values()]) for k in GIVEN_GAINS}
     table = GainTable("time", np.array(list(designs)), gains)
     specified = case.autopilot_design
-    hardware: Any = {
-        "delay": specified.delay,
-        "sample_rate": specified.sample_rate,
-        **specified.chains,
-    }
-    flown = replace(request, scheduled_design=AutopilotDesign(**hardware, schedule=table))
+    chains: Any = specified.chains
+    design = AutopilotDesign(
+        delay=specified.delay, sample_rate=specified.sample_rate, schedule=table, **chains
+    )
+    flown = replace(request, scheduled_design=design)
     return flown.turbulence(replace(case, controller=None), turbulence)
 
 
@@ -548,14 +541,10 @@ def _notes(
     if stable:
         yield f"without an unstable pole no deflection is required, as at {stable[0].time:.6g} s"
     if any(map(_measured, winds.values())):
+        pressure = "; the dynamic pressure is the largest of the interval"
         yield (
             "a measured wind is counted from the middle between two flight times to the next, so"
-            " that no interval counts twice"
-            + (
-                ""
-                if conditions.case.sign == FROZEN
-                else "; the dynamic pressure is the largest of the interval"
-            )
+            f" that no interval counts twice{'' if conditions.case.sign == FROZEN else pressure}"
         )
     if any(point.direction == "head" for point in points):
         yield (

@@ -124,7 +124,7 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     top = np.argmax(sizes, axis=-1)
     rows = np.arange(len(omega))
     height = sizes[rows, top]
-    nu = np.imag(terms.loop.s_to_w(1j * omega))
+    nu = np.imag(terms.loop.s_to_w(1j * omega))  # in the variable of the form, w if sampled
     inner = np.clip(top, 1, omega.shape[-1] - 2)
     low, at, high = (nu[rows, inner + j] for j in (-1, 0, 1))
     owned = np.flatnonzero(np.isfinite(height))  # loops in which the mode owns a frequency
@@ -361,6 +361,12 @@ def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
     return dict(zip(names, pairs.reshape(-1, len(analysis.stable)), strict=True))
 
 
+_GAIN_FIELDS = (
+    *("gain_reduction", "gain_reduction_frequency"),
+    *("gain_increase", "gain_increase_frequency"),
+)
+
+
 def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dict[str, Any]:
     """Return the fields of `ModeBand` of k loops by name, except the mode's own name, ``(k,)``.
 
@@ -380,8 +386,7 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     gain_reduction, gain_increase, (_, crossover) = classical_margins(owned)[:3]
     margins = np.stack([*lags, crossover, *gain_reduction, *gain_increase])
     margins[:, ~analysis.stable] = np.nan
-    of_gain = (f"gain_{way}{of}" for way in ("reduction", "increase") for of in ("", "_frequency"))
-    names = ("lag_margin", "lead_margin", "crossover_frequency", *of_gain)
+    names = ("lag_margin", "lead_margin", "crossover_frequency", *_GAIN_FIELDS)
     return {
         **dict(zip(names, margins, strict=True)),
         "pole": pole,

@@ -346,6 +346,8 @@ def driven_loop(
         loop = _sampled(autopilot, plant, shape, noise)
     else:
         loop = _continuous(autopilot, plant, shape, noise)
+    # Further outputs, each with its row and its direct term: the drift rate V gamma, loads, and
+    # rate and acceleration of the deflection, where they have a variance.
     more: dict[str, tuple[FloatArray, FloatArray]] = {}
     if PATH in loop.labels and DRIFT_RATE not in loop.labels:
         row, direct = loop.row(PATH)
@@ -362,15 +364,12 @@ def driven_loop(
         if not random and _is_constant(rate[0]):
             more[ACCELERATION] = loop.derivative(rate[0])
     loop = loop.with_rows(more) if more else loop
-    states = {}
-    if loads is not None and loads.bandwidth is not None:
-        names = (ANGLE_OF_ATTACK, *loads.slopes)
-        for name, (row, direct) in zip(names, map(loop.row, names), strict=True):
-            states[FILTERED + name] = (
-                -loads.bandwidth,
-                loads.bandwidth * row,
-                loads.bandwidth * direct,
-            )
+    # Further states: angle of attack and loads behind a low-pass, and the drift.
+    states: dict[str, tuple[float, FloatArray, FloatArray]] = {}
+    if loads is not None and (w := loads.bandwidth) is not None:
+        for name in (ANGLE_OF_ATTACK, *loads.slopes):
+            row, direct = loop.row(name)
+            states[FILTERED + name] = -w, w * row, w * direct
     if drift and DRIFT_RATE in loop.labels and DRIFT not in loop.labels:
         states[DRIFT] = 0.0, *loop.row(DRIFT_RATE)
     return _with_states(loop, states) if states else loop
