@@ -117,7 +117,7 @@ class TurbulenceRequest:
 
     @property
     def factor(self) -> float:
-        """Standard deviations that count on top of the response to the wind."""
+        """Number of standard deviations that count on top of the response to the wind."""
         if self.probability is None:
             return _USUAL_SIGMAS if self.sigmas is None else self.sigmas
         from scipy.special import ndtri  # late: scipy takes long to import
@@ -126,7 +126,7 @@ class TurbulenceRequest:
 
     @property
     def label(self) -> str:
-        """Text of the number of standard deviations, with the probability if specified."""
+        """Number of standard deviations that count, in words, with the probability if specified."""
         if self.probability is None:
             return f"{self.factor:g} sigma"
         return f"{self.factor:.4g} sigma ({100.0 * self.probability:.6g} % of the time)"

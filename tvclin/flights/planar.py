@@ -95,11 +95,12 @@ class PlanarMotion:
         return scales
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
-        """Return the derivatives of the states `x`.
+        """Return the derivatives of the states `x` at a time `t` [s], ``(n,)``.
 
-        `t`: time [s]. `x`: deviations from the nominal flight [rad, rad/s, rad, 1, m].
-        `deflection`: deflection minus the nominal one [rad]. `gust`: wind angle of attack [rad]
-        relative to the nominal flight.
+        The states are deviations from the nominal flight: attitude [rad], its rate [rad/s], flight
+        path angle [rad], relative speed, altitude [m] and those of the sensors. `deflection`:
+        deflection minus the nominal one [rad]. `gust`: wind angle of attack [rad] relative to the
+        nominal flight.
         """
         now = self._nominal_state(t)
         alpha, speed = self._air(now, x, gust)

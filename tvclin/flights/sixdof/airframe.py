@@ -41,10 +41,6 @@ class Engine:
 
     Each `run` integrates the state with the previous forces, then evaluates the forces at the new
     time: inputs of the new time are set before the call.
-
-    `model`, `planet`: XML; without a planet it is the rotating Earth, WGS84. `initial`: properties
-    below ``ic/`` and their values. `step`: step [s]. `drift`: whether the velocity changes.
-    `InputError` if JSBSim is not installed.
     """
 
     def __init__(
@@ -56,7 +52,12 @@ class Engine:
         planet: str | None = None,
         drift: bool = True,
     ) -> None:
-        """Load the model and its planet into JSBSim, and set its initial state."""
+        """Load a model and its planet into JSBSim, and set its initial state.
+
+        `model`, `planet`: XML; without a planet it is the rotating Earth, WGS84. `initial`:
+        properties below ``ic/`` and their values. `step`: step [s]. `drift`: whether the velocity
+        changes. `InputError` if JSBSim is not installed.
+        """
         self._jsbsim = _loaded(model, planet)
         self._frozen = {"rate/translational": 0} if not drift else {}
         self._nodes = self._jsbsim.get_property_manager()
@@ -202,9 +203,6 @@ class Prediction:
 
     JSBSim takes the inputs of the end of a step before the step, so the state at its end is
     predicted: the rate by the engine's integration rule, the angles to second order.
-
-    `readers`: readers of the plane, at the start of a flight. `step`: step [s]. `sensors`: lateral
-    sensors of the law. `turn`: rotation of the flight path in the step before the flight [rad].
     """
 
     __slots__ = (
@@ -215,7 +213,11 @@ class Prediction:
     def __init__(
         self, readers: MotionReaders, step: float, sensors: LateralSensors, turn: float = 0.0
     ) -> None:
-        """Read the state in the plane at the start of a flight."""
+        """Read the state in a plane at the start of a flight.
+
+        `readers`: functions that read the motion in the plane. `step`: step [s]. `sensors`: lateral
+        sensors of the law. `turn`: rotation of the flight path in the step before the flight [rad].
+        """
         self._readers, self._step = readers, step
         self._lateral = LateralMotion(sensors, step) if sensors.signals else None
         if self._lateral is not None:
@@ -276,16 +278,17 @@ class Airframe:
     With frozen parameters over a flat planet the nominal flight is straight and requires no
     control. Over the Earth, and from an initial state on, the nominal flight is flown first, with
     an attitude hold of the nose on the flight path; the other plane has this hold in every flight.
-
-    `vehicle`: one vehicle. `plane`: plane of wind, deflection and measurements; in yaw to the
-    right. `drift`: whether the flight path may turn. `step`: step [s]. `surroundings`: the Earth,
-    or an initial state with varying parameters; None for a flat planet and frozen parameters.
     """
 
     def __init__(
         self, vehicle: Vehicle, plane: str, drift: bool, step: float, surroundings: Surroundings
     ) -> None:
-        """Load the vehicle into JSBSim at its nominal state."""
+        """Load a vehicle into JSBSim at its nominal state.
+
+        `plane`: plane of wind, deflection and measurements; in yaw to the right. `drift`: whether
+        the flight path may turn. `step`: step [s]. `surroundings`: the Earth, or an initial state
+        with varying parameters; None for a flat planet and frozen parameters.
+        """
         earth = surroundings if isinstance(surroundings, Earth) else None
         departure = surroundings if isinstance(surroundings, InitialState) else None
         heading = earth.heading if earth else 0.0

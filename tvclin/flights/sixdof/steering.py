@@ -50,10 +50,6 @@ class TrimThenHold:
     """Steering of the report's control: trim until K times the limit, then the limit for ever.
 
     With K = 0 the wind alone sets the switch.
-
-    `trim`: law of trim and attitude feedback. `limit`: deflection limit [rad], positive.
-    `dead_band`: K. `wind`: one wind. `times`: equidistant times of the steps [s], ``(n,)``.
-    `step`: step [s].
     """
 
     def __init__(
@@ -65,7 +61,11 @@ class TrimThenHold:
         times: FloatArray,
         step: float,
     ) -> None:
-        """Evaluate the wind at all steps, before the flight."""
+        """Evaluate the wind at all steps, before the flight.
+
+        `trim`: law of trim and attitude feedback. `limit`: deflection limit [rad], positive.
+        `dead_band`: K. `times`: equidistant times of the steps [s], ``(n,)``. `step`: step [s].
+        """
         self._trim, self._B = trim, float(trim.plant.coefficients.B)
         self._limit, self._level = limit, max(dead_band, ONSET_OVER_LIMIT) * limit
         self._at_onset = dead_band == 0.0
@@ -161,8 +161,6 @@ class LateralMotion:
     """Lateral motion in one plane, from the steps of a flight.
 
     `_force` is the force per mass [m/s^2] on the accelerometer at its station, without its lag.
-
-    `sensors`: lateral sensors of the law. `step`: step [s].
     """
 
     __slots__ = (
@@ -171,7 +169,10 @@ class LateralMotion:
     )  # fmt: skip
 
     def __init__(self, sensors: LateralSensors, step: float) -> None:
-        """Set the motion to zero, at the start of a flight."""
+        """Set the motion to zero, at the start of a flight.
+
+        `sensors`: lateral sensors of the law. `step`: step [s].
+        """
         lag = sensors.bandwidth * step
         self._sensors, self._step, self._decay = sensors, step, exp(-lag)
         self._ramp = 1.0 - (1.0 - self._decay) / lag
