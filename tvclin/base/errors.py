@@ -330,6 +330,14 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
     return checked
 
 
+def limit_angle(value: ArrayLike, name: str = "deflection_limit") -> float:
+    """Return a deflection limit [rad] as a float; `InputError` unless positive, within 90 degrees.
+
+    `name`: name of the argument, in messages.
+    """
+    return number(name, value, small_angle("a deflection", positive), "rad")
+
+
 def fraction(name: str, value: ArrayLike, unit: str = "") -> float:
     """Return the scalar `value` [`unit`] as a float; `InputError` about `name` outside (0, 1)."""
     part = number(name, value, unit=unit)

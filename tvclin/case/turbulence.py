@@ -139,22 +139,18 @@ class TurbulenceRequest:
     @property
     def over_altitude(self) -> Turbulence:
         """Turbulence along a flight: a table over altitude, or of one intensity and length."""
-        air, cutoff = self._all_wavelengths, self.cutoff_wavelength
-        return air if cutoff is None else replace(air, cutoff_wavelength=cutoff)
-
-    @property
-    def _all_wavelengths(self) -> Turbulence:
-        """Turbulence without the cutoff of the request."""
+        of: dict[str, Any] = {"spectrum": self.spectrum, "component": self.component}
         if self.table is not None:
             errors.instance("table", self.table, Turbulence, "see read_turbulence")
-            return self.table if self.length is None else replace(self.table, length=self.length)
-        of: dict[str, str] = {"spectrum": self.spectrum, "component": self.component}
-        if self.intensity is not None:
-            return Turbulence(self.intensity, self.length, **of)  # type: ignore[arg-type]
-        exceedance = self.severity if self.exceedance is None else self.exceedance
-        assert exceedance is not None
-        table = Turbulence.mil_f_8785c(exceedance, **of)  # type: ignore[arg-type]
-        return table if self.length is None else replace(table, length=self.length)
+            air = self.table
+        elif self.intensity is not None:
+            air = Turbulence(self.intensity, **of)
+        else:
+            exceedance = self.severity if self.exceedance is None else self.exceedance
+            assert exceedance is not None
+            air = Turbulence.mil_f_8785c(exceedance, **of)
+        values = {name: getattr(self, name) for name in ("length", "cutoff_wavelength")}
+        return replace(air, **{name: x for name, x in values.items() if x is not None})
 
     def at(self, altitude: float | None = None) -> Turbulence:
         """Return the turbulence at an altitude [m], by default that of the request.
@@ -304,13 +300,7 @@ class LoopInTurbulence(Shown):
         errors.instance("wind", wind, History, "such as TriangularWind")
         errors.single("wind", wind.batch)
         errors.ending("wind", wind.end)
-        limit = (
-            None
-            if limit is None
-            else errors.number(
-                "limit", limit, errors.small_angle("a deflection", errors.positive), "rad"
-            )
-        )
+        limit = None if limit is None else errors.limit_angle(limit, "limit")
         if not isinstance(vehicle, Vehicle):
             raise errors.InputError(
                 "turbulence needs the speed of the vehicle, which coefficients lack"

@@ -9,7 +9,7 @@ any p.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from functools import partial
 from typing import Any
@@ -183,7 +183,7 @@ def fly_turbulence(
     """
     errors.instance("autopilot", autopilot, Autopilot, "see design_gains")
     _check_sampled(autopilot)
-    limit = _limit(deflection_limit)
+    limit = errors.limit_angle(deflection_limit)
     linear = turbulence_history(
         autopilot, plant, turbulence, speed, duration, wind=wind, altitude=altitude
     )
@@ -200,7 +200,7 @@ def fly_turbulence(
         delay=autopilot.delay,
     )
     gusts = partial(turbulence.winds, times, V, altitude=altitude, seed=seed)
-    return _compared(limit, linear, [fly(winds) for winds in _sampled_winds(gusts, wind, runs)])
+    return _comparison(limit, linear, fly, gusts, wind, runs)
 
 
 def fly_turbulence_along(
@@ -250,7 +250,7 @@ def fly_turbulence_along(
     sampled = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
     errors.instance("autopilot", sampled, Autopilot, "or a GainSchedule")
     _check_sampled(sampled)
-    limit = _limit(deflection_limit)
+    limit = errors.limit_angle(deflection_limit)
     options: dict[str, Any] = {"model": model, "plane": plane, "start": start, "stop": stop}
     linear = turbulence_along(schedule, autopilot, turbulence, wind=wind, **options)
     first_time, last_time = schedule.between(start, stop).span
@@ -261,11 +261,8 @@ def fly_turbulence_along(
     heights = None if schedule.altitude is None else flight_variable(schedule, "altitude", times)
     gusts = partial(turbulence.winds, times, speeds, altitude=heights, seed=seed)
     options |= {"deflection_limit": limit, "rate_limit": rate_limit, "sign": "frozen"}
-    flown = [
-        fly_many_along(schedule, autopilot, winds, **options)
-        for winds in _sampled_winds(gusts, wind, runs)
-    ]
-    return _compared(limit, linear, flown)
+    fly = partial(fly_many_along, schedule, autopilot, **options)
+    return _comparison(limit, linear, fly, gusts, wind, runs)
 
 
 def _check_sampled(autopilot: Autopilot) -> None:
@@ -274,12 +271,6 @@ def _check_sampled(autopilot: Autopilot) -> None:
         raise errors.InputError(
             "flights with limits need samples: give the autopilot a sample_rate"
         )
-
-
-def _limit(deflection_limit: float) -> float:
-    """Return a checked deflection limit [rad]; `InputError` unless positive and a small angle."""
-    check = errors.small_angle("a deflection", errors.positive)
-    return errors.number("deflection_limit", deflection_limit, check, "rad")
 
 
 def _times(start: float, stop: float, time_scale: float) -> FloatArray:
@@ -291,36 +282,34 @@ def _times(start: float, stop: float, time_scale: float) -> FloatArray:
     return np.linspace(start, stop, int(np.ceil((stop - start) / step)) + 1)
 
 
-def _sampled_winds(
-    gusts: Callable[..., History], wind: History | None, runs: int
-) -> Iterator[History]:
-    """Yield winds [rad] of flights with sampled turbulence, in batches that fit into memory.
+def _comparison(
+    limit: float,
+    linear: CovarianceHistory,
+    fly: Callable[[History], FlownCases],
+    gusts: Callable[..., History],
+    wind: History | None,
+    runs: int,
+) -> TurbulenceFlights:
+    """Return flights in sampled turbulence, compared with the linear loop in it.
 
-    `gusts`: function that returns the turbulence of `runs` flights from the number `first` on.
-    `wind`: known wind, which is added to each, or None. `runs`: number of all flights.
+    `limit`: deflection limit [rad]. `linear`: mean and covariance of the linear loop. `fly`:
+    function from winds [rad] to the outcomes of their flights. `gusts`: function that returns the
+    turbulence [rad] of `runs` flights from the number `first` on. `wind`: known wind, which is
+    added to each, or None. `runs`: number of all flights.
     """
     total = errors.whole_number("runs", runs)
     if not 2 <= total <= _MAX_RUNS:
         raise errors.InputError(f"runs must be 2 to {_MAX_RUNS}; got {errors.shown(runs)}")
-    for first in range(0, total, _RUNS_AT_ONCE):
+    batches = []
+    for first in range(0, total, _RUNS_AT_ONCE):  # as many as fit into memory
         sampled = gusts(first=first, runs=min(_RUNS_AT_ONCE, total - first))
-        yield sampled if wind is None else sampled + wind
-
-
-def _compared(
-    limit: float, linear: CovarianceHistory, batches: list[FlownCases]
-) -> TurbulenceFlights:
-    """Return the comparison of flights with the linear loop in the same turbulence.
-
-    `limit`: deflection limit [rad]. `linear`: mean and covariance of the linear loop. `batches`:
-    outcomes of the flights, batch by batch.
-    """
+        batches.append(fly(sampled if wind is None else sampled + wind))
     arrays = {
         item.name: np.concatenate([getattr(batch, item.name) for batch in batches])
         for item in fields(FlownCases)
     }
     flown = FlownCases(**arrays)
-    runs, limited = flown.status.size, flown.saturated_time_fraction
+    limited = flown.saturated_time_fraction
     below = int(np.sum(flown.peak_deflection < _AT_LIMIT * limit))
     smooth = DEFLECTION_RATE in linear.outputs
     return TurbulenceFlights(
@@ -329,9 +318,9 @@ def _compared(
         largest_exceedance=float(linear.exceedance(limit).max()),
         linear_probability_of_none=linear.probability_of_none(limit) if smooth else None,
         limited_time=float(limited.mean()),
-        limited_time_error=float(limited.std(ddof=1) / np.sqrt(runs)),
-        unlimited=success_probability(below, runs),
-        survived=success_probability(int(np.sum(flown.status == "survived")), runs),
+        limited_time_error=float(limited.std(ddof=1) / np.sqrt(total)),
+        unlimited=success_probability(below, total),
+        survived=success_probability(int(np.sum(flown.status == "survived")), total),
         flown=flown,
         linear=linear,
     )

@@ -13,7 +13,7 @@ from math import radians
 
 import numpy as np
 
-from tvclin.base.errors import InputError, between, instance, number, positive, single, small_angle
+from tvclin.base.errors import InputError, between, instance, limit_angle, single
 from tvclin.base.fields import checked, quantity
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -122,9 +122,7 @@ def limit_of(control: object, deflection_limit: float) -> float:
     """
     if isinstance(control, History) and deflection_limit == np.inf:
         return np.inf
-    return number(
-        "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
-    )
+    return limit_angle(deflection_limit)
 
 
 def check_history(name: str, history: object, start: float) -> None:

@@ -254,12 +254,7 @@ def compare_flight(
         raise errors.InputError(
             f"control must be a ReportControl or a Law; got {errors.shown(control)}"
         )
-    limit = errors.number(
-        "deflection_limit",
-        deflection_limit,
-        errors.small_angle("a deflection", errors.positive),
-        "rad",
-    )
+    limit = errors.limit_angle(deflection_limit)
     last, end = float(np.max(errors.times_row("timepts", timepts))), float(wind.end)
     if last < end - _LIMIT_TOLERANCE * abs(end):
         raise errors.InputError(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.errors import InputError, instance, limit_angle
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wind_response import WindResponse
@@ -321,7 +321,7 @@ def flight_along_chart(flown: FlightAlong, limit: float, name: str = "") -> "Con
         Name of the vehicle and the wind.
     """
     instance("flown", flown, FlightAlong, "see fly_along")
-    ends = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
+    ends = np.degrees(limit_angle(limit, "limit"))
     columns: list[Column] = []
     ordinates: dict[str, str] = {}
     styles: dict[str, Style] = {curve: {"color": INK, "lw": 1.5} for curve, _ in _OUTPUTS.values()}

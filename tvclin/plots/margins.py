@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, each, instance, number, positive, small_angle
+from tvclin.base.errors import InputError, each, instance, limit_angle
 from tvclin.control.autopilot.sweep import Sweep
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import MARGINS, unit_factor
@@ -181,12 +181,7 @@ def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) ->
         )
     if not np.any(np.isfinite(boundary_map.limit)):
         raise InputError("a map needs a finite boundary somewhere; got none")
-    level = (
-        None
-        if limit is None
-        else number("limit", limit, small_angle("a deflection", positive), "rad")
-        / boundary_map.full_trim
-    )
+    level = None if limit is None else limit_angle(limit, "limit") / boundary_map.full_trim
     axes, coordinates = new_axes(), (boundary_map.gains, boundary_map.delays)
     values = np.ma.masked_invalid(boundary_map.limit.T)
     lines = axes.contour(*coordinates, values, levels=12, colors=COLOURS[0], linewidths=0.9)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.errors import InputError, instance, limit_angle
 from tvclin.base.lines import plural
 from tvclin.ensembles.availability.availability_record import Availability
 from tvclin.plots.curves import Column, Curves
@@ -52,7 +52,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
-        largest = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
+        largest = np.degrees(limit_angle(limit, "limit"))
         columns.append(Column(_LIMIT, np.full(order.size, largest), "deg"))
         styles[_LIMIT] = {"color": WARM, "ls": "-", "lw": 1.4}
     winds = sizing.winds[0] if len(sizing.winds) == 1 else f"the worst of {len(sizing.winds)} winds"

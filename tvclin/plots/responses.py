@@ -85,7 +85,7 @@ def response_curves(
     deflection, wind : History, optional
         Inputs that are not part of the response: `Responses` have none.
     """
-    limit = None if limit is None else _limit(limit)
+    limit = None if limit is None else errors.limit_angle(limit, "limit")
     for what, history in (("deflection", deflection), ("wind", wind)):
         if history is not None:
             errors.instance(what, history, History, "such as TriangularWind")
@@ -113,11 +113,6 @@ def response_curves(
         if label == "deflection" and limit is not None:
             columns += _limit_columns(values, limit)
     return Curves(name, parameters, "time [s]", np.asarray(response.time), tuple(columns))
-
-
-def _limit(value: float) -> float:
-    """Return a deflection limit [rad]; `InputError` unless it is positive."""
-    return errors.number("limit", value, errors.small_angle("a deflection", errors.positive), "rad")
 
 
 def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
@@ -197,7 +192,8 @@ def flight_curves(
         Name of the flight compared with.
     """
     errors.instance("flight", flight, FlightComparison, "see compare_flight")
-    limit, reference = _limit(limit), errors.one_of("reference", reference, ("linear", "rigid"))
+    limit = errors.limit_angle(limit, "limit")
+    reference = errors.one_of("reference", reference, ("linear", "rigid"))
     columns = [
         Column(label, np.degrees(rows[row]), "deg", panel)
         for panel, row in _FLOWN.items()

@@ -468,9 +468,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     errors.single("vehicle", vehicle.batch)
     if limit is not None:
-        limit = errors.number(
-            "limit", limit, errors.small_angle("a deflection", errors.positive), "rad"
-        )
+        limit = errors.limit_angle(limit, "limit")
     curves = _curves(vehicle, limit)
     stations = _stations(vehicle)
     figure, axes = plt.subplots(layout="constrained")

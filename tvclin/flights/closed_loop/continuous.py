@@ -8,8 +8,8 @@ breakpoint of the wind.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import count, pairwise
 from math import isfinite
@@ -64,11 +64,12 @@ class Regime(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """Equations of vehicle, law and nozzle of one flight.
+    """Equations of vehicle, law and nozzle of one flight in a wind.
 
     `limit`, `rate_limit`: limits of the deflection [rad] and its rate [rad/s]. `actuator`: actuator
-    between command and deflection. `gain`: factor on the demand of the law. The states are those
-    of the vehicle, of the nozzle and of the law, in this order.
+    between command and deflection. `gain`: factor on the demand of the law. `gust`: function from
+    times [s] to wind angles [rad]. The states are those of the vehicle, of the nozzle and of the
+    law, in this order.
     """
 
     equations: Equations
@@ -77,6 +78,7 @@ class Loop:
     rate_limit: float
     actuator: Actuator | None
     gain: float = 1.0
+    gust: Callable[[Any], Any] = np.zeros_like
 
     @cached_property
     def order(self) -> int:
@@ -105,16 +107,14 @@ class Loop:
         poles = np.concatenate([servo, np.linalg.eigvals(self.memory[0])])
         return float(np.abs(poles).max(initial=0.0))
 
-    def measured(
-        self, t: Any, states: FloatArray, wind: Any, regime: Regime | None = None
-    ) -> Measurement:
+    def measured(self, t: Any, states: FloatArray, regime: Regime | None = None) -> Measurement:
         """Return the measurements of the law; the deflection is NaN without an actuator.
 
-        `t`: time [s]. `states`: all states of the loop, ``(n, ...)``. `wind`: wind angle [rad].
-        `regime`: active limits; without it the deflection is clipped at its limit.
+        `t`: time [s]. `states`: all states of the loop, ``(n, ...)``. `regime`: active limits;
+        without it the deflection is clipped at its limit.
         """
         path = states[2] if "flight_path_angle" in self.equations.states else 0.0 * states[0]
-        alpha = self.equations.angle_of_attack(t, states[: self.order], wind)
+        alpha = self.equations.angle_of_attack(t, states[: self.order], self.gust(t))
         deflection = np.nan if self.actuator is None else self.nozzle(states, regime)
         lateral = self.equations.lateral(t, states[: self.order])
         return Measurement(states[0], states[1], path, alpha, deflection, **lateral)
@@ -169,14 +169,13 @@ class Loop:
         drag = 2.0 * float(np.asarray(self.actuator.damping)) * w
         return w * w * (command - states[order]) - drag * states[order + 1]
 
-    def rates(self, t: float, states: FloatArray, regime: Regime, gust: Any) -> FloatArray:
-        """Return the derivatives of all states at a time `t` [s] in a wind ``gust(t)`` [rad].
+    def rates(self, t: float, states: FloatArray, regime: Regime) -> FloatArray:
+        """Return the derivatives of all states at a time `t` [s], ``(n,)``.
 
         `regime`: active limits of law and nozzle.
         """
         order = self.order
-        wind = gust(t)
-        measured = self.measured(t, states, wind, regime)
+        measured = self.measured(t, states, regime)
         command = float(self.command(states, measured, regime))
         if not isfinite(command):
             raise InputError(
@@ -194,7 +193,7 @@ class Loop:
                 rates[order] = pull
             else:
                 rates[order : order + 2] = states[order + 1], pull
-        rates[:order] = self.equations.rates(t, states[:order], deflection, wind)
+        rates[:order] = self.equations.rates(t, states[:order], deflection, self.gust(t))
         F, G = self.memory
         if len(F):
             memory = states[order + self.servo :]
@@ -226,58 +225,50 @@ class End(NamedTuple):
     then: Regime
 
 
-def mode_at(loop: Loop, t: float, states: FloatArray, mode: float, gust: Any) -> float:
+def mode_at(loop: Loop, t: float, states: FloatArray, mode: float) -> float:
     """Return the mode of the law at a time `t` [s]: +1 or -1 if it commands the full limit, else 0.
 
-    `states`: all states of the loop. `mode`: mode before that time. `gust`: wind angle [rad] as a
-    function of the time.
+    `states`: all states of the loop. `mode`: mode before that time.
     """
-    demand = loop.demand(states, loop.measured(t, states, gust(t)))
+    demand = loop.demand(states, loop.measured(t, states))
     law, limit = loop.law, loop.limit
     return next_mode(law.engage * limit, law.release * limit, float(demand), mode)
 
 
-def regime_after_jump(
-    loop: Loop, t: float, states: FloatArray, regime: Regime, gust: Any
-) -> Regime:
+def regime_after_jump(loop: Loop, t: float, states: FloatArray, regime: Regime) -> Regime:
     """Return the regime after a possible jump of the command, with the rate limited or not.
 
     The rate is limited if it is at its limit in the direction in which the command accelerates the
-    nozzle. `t`: time [s]. `states`: all states of the loop. `regime`: active limits before. `gust`:
-    wind angle [rad] as a function of the time.
+    nozzle. `t`: time [s]. `states`: all states of the loop. `regime`: active limits before.
     """
     if loop.actuator is None or loop.rate_limit == np.inf:
         return regime
-    measured = loop.measured(t, states, gust(t), regime)
+    measured = loop.measured(t, states, regime)
     pull = float(loop.pull(states, loop.command(states, measured, regime)))
     sign, rate = np.sign(pull), pull if loop.servo == 1 else float(states[loop.order + 1])
     limited = sign * rate >= loop.rate_limit * (1.0 - _RELEASE_MARGIN)
     return regime._replace(rate=float(sign) if limited else 0.0)
 
 
-def ends_of(loop: Loop, regime: Regime, gust: Any) -> list[End]:
-    """Return the events that can end a regime, in which the active limits stay the same.
-
-    `gust`: wind angle [rad] as a function of the time.
-    """
-    ends = [_mode_end(loop, regime, gust, sign) for sign in _signs(regime.mode)]
+def ends_of(loop: Loop, regime: Regime) -> list[End]:
+    """Return the events that can end a regime, in which the active limits stay the same."""
+    ends = [_mode_end(loop, regime, sign) for sign in _signs(regime.mode)]
     if loop.servo and loop.rate_limit < np.inf:
-        ends += [_rate_end(loop, regime, gust, sign) for sign in _signs(regime.rate)]
+        ends += [_rate_end(loop, regime, sign) for sign in _signs(regime.rate)]
     if loop.servo > 1:  # of first order the nozzle never overshoots its command
         ends += [_stop_end(loop, regime, sign) for sign in _signs(regime.stop)]
     return ends
 
 
-def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
+def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the law engages the full limit, or if engaged, releases it.
 
-    `regime`: active limits. `gust`: wind angle [rad] as a function of the time. `sign`: sign of the
-    full limit.
+    `regime`: active limits. `sign`: sign of the full limit.
     """
 
     def past(t: Any, states: FloatArray) -> Any:
         """Return by how much [rad] the demand at a time `t` [s] is beyond the threshold."""
-        demand = sign * loop.demand(states, loop.measured(t, states, gust(t), regime))
+        demand = sign * loop.demand(states, loop.measured(t, states, regime))
         if regime.mode:
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
         return demand - loop.law.engage * loop.limit
@@ -285,12 +276,12 @@ def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
     return End(past, loop.limit, regime._replace(mode=0.0 if regime.mode else sign))
 
 
-def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
+def _rate_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the nozzle leaves its rate limit r, or if free, reaches it.
 
     First order, s' = pull: at the limit while ``|pull| > r``. Second order, s'' = pull: at the
-    limit from ``|s'| > r`` until the pull changes its sign. `regime`: active limits. `gust`: wind
-    angle [rad] as a function of the time. `sign`: sign of the rate.
+    limit from ``|s'| > r`` until the pull changes its sign. `regime`: active limits. `sign`: sign
+    of the rate.
     """
     max_rate, order, first = loop.rate_limit, loop.order, loop.servo == 1
     then = regime._replace(rate=0.0 if regime.rate else sign)
@@ -299,7 +290,7 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
 
     def pull(t: Any, states: FloatArray) -> Any:
         """Return the pull at a time `t` [s], positive in the direction of the rate limit."""
-        measured = loop.measured(t, states, gust(t), regime)
+        measured = loop.measured(t, states, regime)
         return sign * loop.pull(states, loop.command(states, measured, regime))
 
     if not regime.rate:
@@ -400,23 +391,23 @@ class ContinuousFlight:
         stop = max(float(np.nextafter(stop, np.inf)), start + 1e-9)
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
-        loop, rates = self.loop, _with_evaluation_limit(self.loop.rates)
-        state, regime = np.zeros(loop.size), Regime()
+        state, regime, evaluations = np.zeros(self.loop.size), Regime(), count(1)
         self._check_law(start, state)
         arcs: list[Arc] = []
         for first, end in pairwise(edges):
-            gust = smooth_piece(self.wind, float(first))
             now = float(first)
-            regime = regime._replace(mode=mode_at(loop, now, state, regime.mode, gust))
-            regime = regime_after_jump(loop, now, state, regime, gust)
+            loop = replace(self.loop, gust=smooth_piece(self.wind, now))
+            rates = _with_evaluation_limit(loop.rates, evaluations)
+            regime = regime._replace(mode=mode_at(loop, now, state, regime.mode))
+            regime = regime_after_jump(loop, now, state, regime)
             while now < end:
                 if len(arcs) > _MAX_SWITCHES:
                     raise InputError(
                         f"the law or its nozzle switches more than {_MAX_SWITCHES} times; give a"
                         " sample_rate to fly it"
                     )
-                ends = ends_of(loop, regime, gust)
-                result = self._solved(rates, (now, float(end)), state, regime, gust, ends)
+                ends = ends_of(loop, regime)
+                result = self._solved(rates, (now, float(end)), state, regime, ends)
                 arcs.append(Arc(now, result.sol, regime.mode))
                 before = regime
                 between = first_missed_end(result, ends)
@@ -434,7 +425,7 @@ class ContinuousFlight:
                             if times.size
                         )
                 if regime.mode != before.mode:
-                    regime = regime_after_jump(loop, now, state, regime, gust)
+                    regime = regime_after_jump(loop, now, state, regime)
                 if regime.rate and loop.servo > 1:
                     state = state.copy()
                     state[loop.order + 1] = regime.rate * loop.rate_limit
@@ -446,14 +437,12 @@ class ContinuousFlight:
         span: tuple[float, float],
         state: FloatArray,
         regime: Regime,
-        gust: Any,
         ends: list[End],
     ) -> Any:
         """Return the result of `solve_ivp` from a state to the first event or the end of a span.
 
         `rates`: derivatives of the states. `span`: start and end [s]. `state`: all states of the
-        loop. `regime`: active limits. `gust`: wind angle [rad] as a function of the time. `ends`:
-        events that can end the regime.
+        loop. `regime`: active limits. `ends`: events that can end the regime.
         """
         from scipy.integrate import solve_ivp
 
@@ -468,7 +457,7 @@ class ContinuousFlight:
             max_step=self._max_step,
             dense_output=True,
             events=[*(_event(end) for end in ends), _flight_end(self.max_attitude)],
-            args=(regime, gust),
+            args=(regime,),
         )
         time = float(result.t[-1])
         if result.status < 0:
@@ -483,12 +472,12 @@ class ContinuousFlight:
         """
         starts = np.array([arc.start for arc in arcs])
         index = np.searchsorted(starts, times, side="right") - 1
-        loop, order = self.loop, self.loop.order
+        loop, order = replace(self.loop, gust=self.wind), self.loop.order
         rows = np.zeros((order + 1, times.size))
         for k in np.unique(index[index >= 0]):
             inside = index == k
             states = arcs[k].solution(times[inside])
-            measured = loop.measured(times[inside], states, self.wind(times[inside]))
+            measured = loop.measured(times[inside], states)
             rows[:order, inside] = states[:order]
             rows[-1, inside] = loop.deflection(states, measured, arcs[k].mode)
         return rows
@@ -510,18 +499,20 @@ class ContinuousFlight:
 
         `start`: start of the flight [s]. `rest`: states in equilibrium.
         """
-        if np.isnan(self.loop.demand(rest, self.loop.measured(start, rest, 0.0))):
+        if np.isnan(self.loop.demand(rest, self.loop.measured(start, rest))):
             raise InputError(
                 "a law that looks at the deflection needs an actuator or a sample_rate"
             )
 
 
-def _with_evaluation_limit(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+def _with_evaluation_limit(
+    rates: Callable[..., FloatArray], evaluations: Iterator[int]
+) -> Callable[..., FloatArray]:
     """Return derivatives of states as a function that raises `InputError` after too many calls.
 
-    `rates`: the derivatives, a function of the time [s], the states and more.
+    `rates`: the derivatives, a function of the time [s], the states and more. `evaluations`:
+    counter of all calls in a flight.
     """
-    evaluations = count(1)
 
     def counted(t: float, *state: Any) -> FloatArray:
         """Return the derivatives of the states at a time `t` [s], and count the evaluation."""
@@ -538,7 +529,7 @@ def _with_evaluation_limit(rates: Callable[..., FloatArray]) -> Callable[..., Fl
 def _event(end: End) -> Any:
     """Return the event function for `solve_ivp` of an end, which rises through zero there."""
 
-    def past(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
+    def past(t: float, states: FloatArray, regime: Regime) -> float:
         """Return by how much the states are past the end; negative before it."""
         return float(end.past(t, states))
 
@@ -553,7 +544,7 @@ def _flight_end(max_attitude: float) -> Any:
     `max_attitude`: largest attitude [rad]; the end is a millionth beyond it.
     """
 
-    def remaining(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
+    def remaining(t: float, states: FloatArray, regime: Regime) -> float:
         """Return the smaller distance of states and attitude to their limits; negative beyond."""
         to_loss = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
         return min(to_loss, max_attitude * (1.0 + 1e-6) - abs(float(states[0])))

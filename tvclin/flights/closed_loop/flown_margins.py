@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tvclin.base import lines
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.errors import InputError, number, positive, small_angle
+from tvclin.base.errors import InputError, limit_angle
 from tvclin.base.fields import decibels, derived, spec
 from tvclin.base.lines import Line, Table, significant
 from tvclin.boundary.forecast_free import unstable_coordinates
@@ -286,7 +286,7 @@ def flown_margins(
     (7.3, 10.86)
     """
     check_flight(plant, law, wind)
-    level = number("limit", limit, small_angle("a deflection", positive), "rad")
+    level = limit_angle(limit, "limit")
     if law.rate_noise[0]:
         raise InputError(
             "law must be without rate_noise: one random flight gives no margin; got"

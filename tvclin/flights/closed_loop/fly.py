@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, nonnegative, number, positive, small_angle, times_row
+from tvclin.base.errors import InputError, limit_angle, nonnegative, number, positive, times_row
 from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
@@ -161,9 +161,7 @@ def flight_responses(
     """
     check_flight(plant, law, wind)
     times = times_row("timepts", timepts)
-    limit = number(
-        "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
-    )
+    limit = limit_angle(deflection_limit)
     max_rate, factor = check_rate_limit(rate_limit), number("gain", gain, positive)
     check_engine(plant, actuator)
     check_span(float(wind.onset), float(times.max()))

@@ -236,9 +236,7 @@ def fly_along(
         raise errors.InputError(
             "deflection_limit must be given for an autopilot with a sample_rate"
         )
-    limit = errors.number(
-        "deflection_limit", deflection_limit, errors.small_angle("a deflection", errors.positive)
-    )
+    limit = errors.limit_angle(deflection_limit)
     return next(sampled_outputs([along], limit, max_rate, slopes))
 
 

@@ -111,9 +111,7 @@ def fly_planes_along(
         raise errors.InputError(
             f"autopilot must be one for both planes, or one for each of {', '.join(PLANES)}"
         )
-    limit = errors.number(
-        "deflection_limit", deflection_limit, errors.small_angle("a deflection", errors.positive)
-    )
+    limit = errors.limit_angle(deflection_limit)
     max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
     shape = limit_shape_of(limit_shape).inside
     if not isinstance(shape, CircularShape | PolygonShape):

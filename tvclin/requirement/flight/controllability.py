@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.errors import InputError, instance, limit_angle, small_angle
 from tvclin.base.fields import Field, derived, spec, specs
 from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.requirement.flight.sizing import Sizing
@@ -138,7 +138,7 @@ def controllability_ratio(
     (1.67, 'above the limit of 1, below the goal of 2')
     """
     instance("sizing", sizing, Sizing, "see size")
-    available = number("limit", limit, small_angle("a deflection", positive), "rad")
+    available = limit_angle(limit, "limit")
     gusts = np.abs(small_angle("a wind angle")("gust", gust, "rad"))
     if gusts.shape not in ((), sizing.times.shape):
         raise InputError(

@@ -245,9 +245,7 @@ def deflection_use(
         For a limit out of range, unknown labels, and requirements or deflections at other times.
     """
     errors.instance("sizing", sizing, Sizing, "see size")
-    available = errors.number(
-        "limit", limit, errors.small_angle("a deflection", errors.positive), "rad"
-    )
+    available = errors.limit_angle(limit, "limit")
     order = np.argsort(sizing.times)
     times = sizing.times[order]
     every = tuple(r.label for r in sizing.required)
