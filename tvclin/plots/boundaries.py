@@ -243,7 +243,12 @@ def _draw_boundaries(
     dead_bands: Sequence[float],
     coefficients: Coefficients | None,
 ) -> ControlPlot:
-    """Return the figure of the boundary in rectangular and triangular winds."""
+    """Return the figure of the boundary over tau*beta in rectangular and triangular winds.
+
+    `name`: name of its numbers. `title`: title. `tau_beta`: abscissas, positive; None for the usual
+    ones. `dead_bands`: K, a curve each. `coefficients`: those of a vehicle with drift; None on a
+    fixed path.
+    """
     x, c = _abscissas(tau_beta), coefficients
     dead_bands = _fractions(dead_bands)
     columns = [Column("rectangular", _row(rectangular_limit(x, 1.0 if c is None else c.K1)))]
@@ -270,12 +275,12 @@ def _draw_boundaries(
 
 
 def drift_words(c: Coefficients) -> str:
-    """Return the numbers of a vehicle that enter eq (18), as text."""
+    """Return the numbers of a vehicle that enter eq (18), as text; `c`: its coefficients."""
     return f"{c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
 
 
 def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:
-    """Set limits and ticks of the abscissa tau*beta."""
+    """Set limits and ticks of the abscissa of axes; `tau_beta`: the abscissas, ``(n,)``."""
     axes.set_xlim(0.0, float(tau_beta.max()))
     axes.locator_params(axis="x", nbins=11, steps=[1, 2, 4, 5, 10])
 
@@ -321,9 +326,10 @@ def chosen_engine(engine: str | None) -> str:
 
 
 def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
-    """Return the function that flies the report's control in pitch, with frozen parameters.
+    """Return the function of the attitudes [rad] of a vehicle under the report's control.
 
-    `engine`: one of `ENGINES`.
+    `engine`: name of the engine that flies it, one of `ENGINES`. The function takes a wind, a limit
+    [rad], a dead band and times [s] ``(n,)``, and returns attitudes ``(n,)``.
     """
     fly = ENGINES[engine].outputs
 
@@ -448,7 +454,9 @@ def _figure(
 ) -> ControlPlot:
     """Return figure 10 or 11 of the report: boundary limits y_BR over tau beta, by dead band.
 
-    `tau_beta`: durations of winds with a frozen vehicle. `along`: durations along the flight.
+    `number`: 10 or 11. `name`: name of the vehicle. `dead_bands`: K, a panel each. `tau_beta`:
+    durations of winds with a frozen vehicle. `along`: durations along the flight. `engine`: name of
+    the engine of flights, None for the usual one.
     """
     flies = chosen_engine(engine)
     errors.instance("vehicle", name, str, "what load_vehicle finds it by")
@@ -488,8 +496,9 @@ def _panel(
 ) -> list[Column]:
     """Return the curves of boundary limits y_BR for one dead band, by equations and by flights.
 
-    `x`: durations tau beta, ``(n,)``. `durations`: those of flights with a frozen vehicle, and
-    along the flight.
+    `panel`: heading. `name`: name of the vehicle. `K`: the dead band. `x`: durations tau beta,
+    ``(n,)``. `durations`: those of flights with a frozen vehicle, and along the flight. `engine`:
+    name of the engine of flights.
     """
     c = Coefficients.from_vehicle(load_vehicle(name))
     limits_of = {
@@ -515,19 +524,22 @@ def _engines(engine: str) -> list[str]:
 
 
 def _flown(engine: str) -> str:
-    """Return the label of the flights of an engine."""
+    """Return the label of the flights of an engine, by its name in `ENGINES`."""
     return f"flown, {ENGINES[engine].words}"
 
 
 def _at(x: FloatArray, places: FloatArray, values: Sequence[float]) -> FloatArray:
-    """Return values at their abscissas among `x`, NaN elsewhere, ``(n,)``."""
+    """Return a row over the abscissas `x`, ``(n,)``, with values at some places, NaN elsewhere.
+
+    `places`: these abscissas, which are among `x`. `values`: the values there.
+    """
     row = np.full(x.shape, np.nan)
     row[np.searchsorted(x, places)] = values
     return row
 
 
 def _styles(engine: str) -> dict[str, Style]:
-    """Return the line styles of theory and flights."""
+    """Return the line styles of theory and of the flights of an engine, by label."""
     styles: dict[str, Style] = {
         _EQUATION_12: {"color": "0.45", "ls": LINES[1], "lw": 1.6},
         _EQUATION_18: {"color": INK, "ls": "-", "lw": 2.0},

@@ -130,14 +130,21 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
 
 
 def _step_curves(response: Any, words: str) -> Curves:
-    """Return the curves of a step response."""
+    """Return the curves of a step response [deg/deg] over time [s].
+
+    `response`: python-control's response of the outputs `_STEP`. `words`: description of the loop.
+    """
     rows = np.reshape(np.asarray(response.outputs, dtype=float), (len(_STEP), -1))
     columns = [Column(name, row, "deg/deg", name) for name, row in zip(_STEP, rows, strict=True)]
     return Curves("step", words, "time [s]", np.asarray(response.time), tuple(columns))
 
 
 def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
-    """Return the marks of the peak and, for a stable loop, of the final value."""
+    """Return the marks of the peak and, for a stable loop, of the final value of a curve.
+
+    `curves`: step response. `name`: output of the curve. `end`: final value, NaN for an unstable
+    loop.
+    """
     times, values = curves.abscissa, curves.column(name, name)
     top = int(np.argmax(np.abs(values)))
     end = 0.0 if abs(end) < ON_AXIS * abs(values[top]) else end
@@ -194,7 +201,11 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
 def _wind_curves(
     answer: WindResponse, plant: AnyPlant, wind: History, times: FloatArray, words: str
 ) -> Curves:
-    """Return the curves of a response to a wind, with the deflection of trim."""
+    """Return the curves [deg] of a response to a wind, with the deflection of trim.
+
+    `answer`: response to the wind. `plant`: plant with its coefficients. `times`: [s], ``(n,)``.
+    `words`: description of the loop.
+    """
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     peak = float(np.degrees(wind.peak))
     trim = []
@@ -261,18 +272,24 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
 
 
 def _margins(autopilot: Autopilot, plant: AnyPlant) -> Margins:
-    """Return the margins of the loop, without warnings."""
+    """Return the margins of the loop of an autopilot around a plant, without warnings."""
     return loop_margins(autopilot.exact_loop(plant))
 
 
 def _points(plant: AnyPlant, length: float) -> int:
-    """Return the number of points that resolve the fastest mode of a plant over a time [s]."""
+    """Return the number of points that resolve the fastest mode of a plant over a time.
+
+    `length`: that time [s].
+    """
     turns = float(np.abs(plant.poles).max()) * length / (2.0 * np.pi)
     return int(np.clip(_POINTS_PER_PERIOD * turns, _MIN_POINTS, _MAX_POINTS))
 
 
 def _times(start: float, stop: float, wind: History, count: int) -> FloatArray:
-    """Return equidistant times [s], with both sides of every breakpoint of the wind."""
+    """Return times [s] with both sides of every breakpoint of a wind, else equidistant, ``(n,)``.
+
+    `start`, `stop`: first and last time [s]. `count`: number of equidistant times.
+    """
     sides = np.concatenate([np.nextafter(wind.knots, -np.inf), wind.knots])
     sides = sides[(sides >= start) & (sides <= stop)]
     return np.unique(np.concatenate([np.linspace(start, stop, count), sides]))
@@ -281,7 +298,10 @@ def _times(start: float, stop: float, wind: History, count: int) -> FloatArray:
 def _wind_horizon(
     autopilot: Autopilot, plant: AnyPlant, wind: History, margins: Margins
 ) -> tuple[float, float]:
-    """Return start and end [s] of a figure: the wind and a settling time; if unstable, growth."""
+    """Return start and end [s] of a figure: the wind and a settling time; if unstable, growth.
+
+    `autopilot`, `plant`: the loop, with its `margins`, which say whether it is stable.
+    """
     last = float(wind.end) if np.isfinite(wind.end) else float(wind.knots[-1])
     first = min(0.0, float(wind.onset) if np.isfinite(wind.onset) else 0.0)
     system = autopilot.close(plant)[list(_STEP), "wind"]

@@ -39,6 +39,7 @@ class Column:
     note: str = ""
 
     def __post_init__(self) -> None:
+        """Check that labels are texts, and make a row of the values."""
         for name in ("label", "unit", "panel", "note"):
             instance(name, getattr(self, name), str, "a text")
         object.__setattr__(self, "values", row_of("values", self.values))
@@ -69,6 +70,7 @@ class Curves:
     columns: tuple[Column, ...]
 
     def __post_init__(self) -> None:
+        """Check that labels are texts, and that each curve has the shape of the abscissa."""
         for name in ("name", "parameters", "abscissa_label"):
             instance(name, getattr(self, name), str, "a text")
         object.__setattr__(self, "abscissa", row_of("abscissa", self.abscissa))
@@ -99,7 +101,7 @@ class Curves:
         return headings
 
     def column(self, label: str, panel: str = "") -> FloatArray:
-        """Return the values of one curve.
+        """Return the values of the curve with a label in a panel, ``(n,)``.
 
         Raises
         ------
@@ -129,7 +131,7 @@ class Curves:
 
 
 def row_of(name: str, value: object) -> FloatArray:
-    """Return a row of numbers ``(n,)``, NaN included; `InputError` for another shape or type."""
+    """Return values as a row of two numbers or more, ``(n,)``; `name`: their name in messages."""
     array = array_of(name, value, "iuf", "a row of numbers")  # type: ignore[arg-type]
     if array.ndim != 1:
         raise InputError(f"{name} must be one row of numbers; got an array of shape {array.shape}")

@@ -133,7 +133,7 @@ def box_sides(criteria: Criteria) -> tuple[float, float, float]:
 
 
 def _draw_box(axes: Axes, box: tuple[float, float, float], name: str) -> None:
-    """Draw the criteria box around each point -1 of a Nichols chart.
+    """Draw the region that the criteria forbid, around the critical points, into axes.
 
     `box`: its extent upwards and downwards [dB], and half of its width [deg]; zero without a
     criterion. `name`: name of the criteria.
@@ -155,7 +155,10 @@ def _draw_box(axes: Axes, box: tuple[float, float, float], name: str) -> None:
 
 
 def _critical(lowest: float, highest: float) -> list[float]:
-    """Return the phases [deg] of L = -1 in a frame: -180 and whole turns from it."""
+    """Return the phases [deg] of L = -1 between two phases: -180 and whole turns from it.
+
+    `lowest`, `highest`: ends of the frame [deg].
+    """
     turns = np.arange(np.ceil((lowest + 180.0) / 360.0), np.floor((highest + 180.0) / 360.0) + 1.0)
     return (360.0 * turns - 180.0).tolist()
 
@@ -163,7 +166,11 @@ def _critical(lowest: float, highest: float) -> list[float]:
 def _frame_nichols(
     axes: Axes, samples: LoopSamples, marks: list[Mark], box: tuple[float, float, float]
 ) -> None:
-    """Set the frame around marks, box and curve, with the contours of |T|."""
+    """Set the limits of the axes of a Nichols chart: around margins, criteria and the loop.
+
+    `samples`: the loop over frequency. `marks`: marks of its margins. `box`: region of the
+    criteria, see `_draw_box`.
+    """
     up, down, half_width = box
     heights = [mark.y for mark in marks if np.isfinite(mark.y)]
     size = samples.decibels
@@ -185,7 +192,7 @@ def _frame_nichols(
 
 
 def _draw_contours(axes: Axes) -> None:
-    """Draw the contours of |T|, T = L/(1 + L), in each turn of the frame."""
+    """Draw the contours of |T|, T = L/(1 + L), into each turn of the axes of a Nichols chart."""
     angle = np.radians(np.linspace(-359.75, -0.25, 2000))[:, np.newaxis]
     closed = 10.0 ** (_GRID_DECIBELS / 20.0) * np.exp(1j * angle)
     loop = closed / (1.0 - closed)
@@ -244,7 +251,10 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
 
 
 def _frame_bode(axes: Any, samples: LoopSamples) -> float:
-    """Return the left edge [rad/s] after setting the frame: a decade around all corners."""
+    """Return the left edge [rad/s] after setting the frame: a decade around all corners.
+
+    `axes`: both panels, magnitude and phase. `samples`: the loop over frequency.
+    """
     decisive = decisive_frequencies(samples.margins)
     modes = [mode_frequency(mode) for mode in samples.modes]
     corners = np.concatenate([decisive[decisive > 0.0], corner_frequencies(samples.loop), modes])
@@ -277,7 +287,11 @@ def _frame_bode(axes: Any, samples: LoopSamples) -> float:
 
 
 def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
-    """Draw labels, grid, the levels 0 dB and -180 deg, and each margin as a line to its level."""
+    """Draw labels, grid, the levels 0 dB and -180 deg, and each margin as a line to its level.
+
+    `axes`: both panels, magnitude and phase. `upper`, `lower`: marks of the margins in each of
+    them.
+    """
     low, high = axes[1].get_ylim()
     axes[1].set_ylim(min(low, -195.0), max(high, -165.0))
     axes[1].yaxis.set_major_locator(_degree_locator(axes[1].get_ylim()))
@@ -294,7 +308,10 @@ def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
 
 
 def _degree_locator(frame: tuple[float, float]) -> Any:
-    """Return the tick locator of an axis of phase [deg], with about ten ticks in its limits."""
+    """Return the tick locator of an axis of phase, with about ten ticks.
+
+    `frame`: limits of the axis [deg].
+    """
     from matplotlib.ticker import MultipleLocator
 
     span = abs(frame[1] - frame[0])
@@ -326,6 +343,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     figure, panels = plt.subplots(1, 2, figsize=(12.0, 6.6), layout="constrained")
 
     def point(omega: float) -> tuple[float, float]:
+        """Return real and imaginary part of L at a frequency [rad/s]."""
         value = complex(samples.loop.response(omega))
         return value.real, value.imag
 
@@ -392,7 +410,10 @@ def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
 
 
 def _encirclements_text(response: Any, samples: LoopSamples) -> str:
-    """Return a sentence on encirclements, unstable open-loop poles and the Nyquist verdict."""
+    """Return a sentence on encirclements, unstable open-loop poles and the Nyquist verdict.
+
+    `response`: python-control's Nyquist response of the loop. `samples`: the loop over frequency.
+    """
     turns, open_loop = -response.count, unstable_poles(samples.loop)
     direction = "counterclockwise" if turns >= 0 else "clockwise"
     times = f"{abs(turns)} {direction} encirclement{'s' * (abs(turns) != 1)} of -1"
@@ -401,7 +422,10 @@ def _encirclements_text(response: Any, samples: LoopSamples) -> str:
 
 
 def _max_magnitude(samples: LoopSamples) -> float:
-    """Return the magnitude up to which the curve is drawn to scale."""
+    """Return the magnitude of the loop up to which a Nyquist curve is drawn to scale.
+
+    `samples`: the loop over frequency, with its margins and modes.
+    """
     sizes = np.abs(samples.response)
     crossings = samples.margins.crossings
     factors = crossings.gain_factors[np.isfinite(crossings.gain_factors)]
@@ -412,7 +436,10 @@ def _max_magnitude(samples: LoopSamples) -> float:
 
 
 def _frame_critical_point(axes: Axes, samples: LoopSamples, marks: list[Mark]) -> None:
-    """Set the frame around -1, with the unit circle and the disk of the disk margin."""
+    """Set the frame of axes around -1, with the unit circle and the disk of the disk margin.
+
+    `samples`: the loop with its margins. `marks`: marks of the margins, which the frame holds.
+    """
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Circle
 
@@ -432,7 +459,10 @@ def _frame_critical_point(axes: Axes, samples: LoopSamples, marks: list[Mark]) -
 
 
 def _nyquist_curves(response: Any, samples: LoopSamples) -> Curves:
-    """Return real and imaginary part of L over the frequency."""
+    """Return the curves of real and imaginary part of L over the frequency.
+
+    `response`: python-control's Nyquist response. `samples`: the loop with its description.
+    """
     columns = (
         Column("real part", np.asarray(response.response.real), "-"),
         Column("imaginary part", np.asarray(response.response.imag), "-"),
@@ -458,7 +488,10 @@ _DECADES = 6.0
 
 
 def spectrum_curves(covariance: LoopCovariance) -> Curves:
-    """Return the curves of `spectrum_chart`: square roots of one-sided spectra per Hz."""
+    """Return the curves of `spectrum_chart`: square roots of one-sided spectra per Hz.
+
+    `covariance`: loop in turbulence. `InputError` for turbulence of no intensity.
+    """
     instance("covariance", covariance, LoopCovariance, "see turbulence_covariance")
     if not covariance.intensity:
         raise InputError("a spectrum needs turbulence of an intensity above zero")

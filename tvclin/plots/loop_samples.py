@@ -111,7 +111,10 @@ class LoopSamples:
         )
 
     def curves(self, name: str) -> Curves:
-        """Return magnitude and phase against frequency."""
+        """Return the curves of magnitude [dB] and phase [deg] over frequency.
+
+        `name`: name of the figure.
+        """
         columns = (
             Column("magnitude", self.decibels, "dB", "magnitude"),
             Column("phase", self.phase, "deg", "phase"),
@@ -156,7 +159,12 @@ def _samples(
     words: str,
     order: int,
 ) -> LoopSamples:
-    """Return the samples of a loop, from its margins and bands."""
+    """Return the samples of a loop over frequency, from its margins and bands.
+
+    `bands`: margins by band of a flexible vehicle, else None. `airframe`: poles of the rigid
+    vehicle [1/s]. `words`: description of the loop. `order`: order of the delay's approximation in
+    a root locus.
+    """
     modes = () if bands is None else bands.modes
     omega = _frequencies(loop, margins, modes)
     response = loop.response(omega)
@@ -169,14 +177,20 @@ def _samples(
 
 
 def require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
-    """Raise `InputError` unless autopilot, plant and all others are single."""
+    """Raise `InputError` unless autopilot, plant and all others are single, and of their types.
+
+    `figure`: name of the figure, for the message.
+    """
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     check_plant(plant)
     _require_single(figure, autopilot, plant, **others)
 
 
 def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
-    """Raise `InputError` for batches, in the name of a figure."""
+    """Raise `InputError` if autopilot, plant or one of the others is a batch.
+
+    `figure`: name of the figure, for the message.
+    """
     shapes = {"autopilot": autopilot.batch, "plant": plant.batch}
     shapes |= {name: value.batch for name, value in others.items()}
     if any(shapes.values()):
@@ -188,7 +202,7 @@ def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> N
 
 
 def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
-    """Return the description of a loop, in one line."""
+    """Return the description of the loop of an autopilot around a plant, in one line."""
     if isinstance(autopilot, SystemAutopilot):
         return f"{plant.name or plant.model}, {autopilot.description}"
     terms = [autopilot.gains_text]
@@ -212,7 +226,10 @@ def _loop_description(loop: Loop) -> str:
 
 
 def title(name: str, samples: LoopSamples, more: str = "") -> str:
-    """Return the title of a figure: its name, the verdict, and the description of the loop."""
+    """Return the title of a figure: its name, the verdict, and the description of the loop.
+
+    `samples`: the loop. `more`: words after the verdict.
+    """
     return literal(f"{name}: {samples.verdict}{more}\n{broken(samples.words)}")
 
 
@@ -251,7 +268,10 @@ def unstable_poles(loop: Loop) -> int:
 
 
 def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> FloatArray:
-    """Return frequencies [rad/s] that resolve all crossings and modes, with the marked ones."""
+    """Return frequencies [rad/s] that resolve all crossings and modes of a loop, ``(n,)``, rising.
+
+    `margins`, `modes`: margins and modes of the loop, whose frequencies are among them.
+    """
     omega = grid_frequencies(loop.form, stability(loop.form))[0]
     omega = np.concatenate([omega, _around_light_roots(loop)])
     omega = np.imag(loop.w_to_s(1j * omega[np.newaxis]))[0]
@@ -284,7 +304,10 @@ Places = Callable[[float], tuple[float, float]]
 
 
 def margin_marks(samples: LoopSamples, places: Places) -> list[Mark]:
-    """Return the marks of the three margins; an empty list for an unstable loop."""
+    """Return the marks of the three margins of a loop; an empty list for an unstable one.
+
+    `samples`: the loop. `places`: function from a frequency [rad/s] to the place in the figure.
+    """
     if not samples.margins.stable:
         return []
     marks = []
@@ -300,7 +323,10 @@ def margin_marks(samples: LoopSamples, places: Places) -> list[Mark]:
 
 
 def mode_marks(samples: LoopSamples, places: Places) -> list[Mark]:
-    """Return a mark for each mode: its name, and its gain or phase margin if the loop has one."""
+    """Return a mark for each mode: its name, and its gain or phase margin if the loop has one.
+
+    `samples`: the loop. `places`: function from a frequency [rad/s] to the place in the figure.
+    """
     shape, colour = MODE
     marks = []
     for mode in samples.modes:
@@ -327,7 +353,10 @@ def _value(mode: ModeBand) -> str:
 
 
 def _words(mode: ModeBand, value: str) -> str:
-    """Return the kind of stabilisation of a mode and its margin, for the legend."""
+    """Return the kind of stabilisation of a mode, and its margin as text, for the legend.
+
+    `value`: the margin; empty if the loop has none.
+    """
     if mode.stabilised == UNSTABLE:
         return "unstable"
     by = "-stabilised" if mode.stabilised in (BY_GAIN, BY_PHASE) else ""

@@ -98,7 +98,10 @@ def _finite(values: FloatArray) -> FloatArray:
 
 
 def _lowest(judgements: list[Judgement]) -> FloatArray:
-    """Return the value ``(n,)`` of the smallest surplus over modes and changes; NaN if unstable."""
+    """Return the value of the smallest surplus over modes and changes, ``(n,)``; NaN if unstable.
+
+    `judgements`: of each mode or change, values and surplus with one criterion, ``(n,)``.
+    """
     values = np.concatenate([np.atleast_2d(judged.value) for judged in judgements])
     surplus = np.concatenate([np.atleast_2d(judged.surplus) for judged in judgements])
     worst = np.argmin(np.where(np.isnan(surplus), -np.inf, surplus), axis=0)
@@ -229,7 +232,7 @@ def _numbers(boundary_map: BoundaryMap) -> Curves:
 
 
 def _set_logarithmic_abscissa(axes: Axes) -> None:
-    """Set a logarithmic abscissa with plain numbers."""
+    """Make the abscissa of axes logarithmic, with plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xscale("log")

@@ -64,7 +64,10 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
 
 
 def _styles(sizing: Sizing) -> dict[str, Style]:
-    """Return the line style of each requirement, of one colour for all parameters and winds."""
+    """Return the line style of each requirement of a sizing, by requirement.
+
+    The colour is the same for frozen and varying parameters and for all directions of the wind.
+    """
     bands = [Requirement(dead_band=K) for K in sizing.dead_bands]
     colours = dict(zip([TRIM, NO_FORECAST, MINIMUM, *bands], (INK, *cycle(_COLOURS)), strict=False))
     lines = dict(zip([TRIM, *bands, NO_FORECAST, MINIMUM], cycle(LINES), strict=False))
@@ -189,7 +192,10 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
 
 
 def _availability_styles(names: list[str]) -> dict[str, Style]:
-    """Return the line styles: a full line with its interval, or a style for each azimuth."""
+    """Return the line styles by name: a full line with its interval, or a style for each azimuth.
+
+    `names`: names of the curves.
+    """
     if _FLOWN not in names:
         kinds = zip(names, cycle(_COLOURS), cycle(LINES), strict=False)
         return {name: _STEPS | {"color": c, "ls": line, "lw": 1.6} for name, c, line in kinds}

@@ -401,7 +401,10 @@ def figure_9(
 
 
 def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "ControlPlot":
-    """Return figure 3 or 4."""
+    """Return figure 3 or 4 of the report, by its number: attitudes on a fixed path.
+
+    `dead_band`: K. `options`: further arguments of `attitude_chart`.
+    """
     dead_band = _fraction(dead_band)
     # in these units any vehicle is the same
     plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
@@ -446,7 +449,12 @@ def _attitudes(
     dead_band: float,
     flights: Flights | None,
 ) -> list[Column]:
-    """Return the curves of one panel: each factor of the boundary limit, in one wind."""
+    """Return the curves of one panel: each factor of the boundary limit, in one wind.
+
+    `plant`: the plant. `x`: times over the duration of the wind, ``(n,)``. `tau_beta`: that
+    duration times the pole. `dead_band`: K. `flights`: function of `flown_attitudes` for marks of
+    flights, or None.
+    """
     duration = tau_beta / float(plant.coefficients.pole)
     wind = TriangularWind(peak=PEAK, duration=duration)
     boundary = boundary_limit(plant, wind, dead_band)
@@ -473,13 +481,19 @@ def _attitudes(
 
 
 def _name(factor: float, flown: bool = False) -> str:
-    """Return the label of a curve by its factor on the boundary limit."""
+    """Return the label of a curve by its factor on the boundary limit.
+
+    `flown`: whether it is that of a flight.
+    """
     theory = "y_BR (boundary)" if factor == 1.0 else f"{factor:g} y_BR"
     return f"{theory}, flown" if flown else theory
 
 
 def _styles(factors: Sequence[float], points: int) -> dict[str, Style]:
-    """Return line styles: solid on the boundary, broken elsewhere, and marks of flights."""
+    """Return line styles by label: solid on the boundary, broken elsewhere, and marks of flights.
+
+    `factors`: factors on the boundary limit. `points`: number of times, of which some are marked.
+    """
     others = [factor for factor in factors if factor != 1.0]
     broken = zip(others, cycle(_COLOURS), cycle(LINES[1:]), cycle(MARKS), strict=False)
     looks = [*broken, (1.0, INK, "-", "x")]

@@ -100,7 +100,10 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> Cont
 
 
 def _prepare(axes: Axes, radius: float) -> None:
-    """Set axes, limits and grid of a pole map."""
+    """Set limits and grid of the axes of a pole map, with the right half plane shaded.
+
+    `radius`: half of the width and the height [1/s].
+    """
     axes.axhline(0.0, color="0.6", lw=0.8)
     axes.axvline(0.0, color="0.6", lw=0.8)
     axes.axvspan(0.0, radius, color=WARM, alpha=0.07)
@@ -116,7 +119,11 @@ def _prepare(axes: Axes, radius: float) -> None:
 def _mark_poles(
     axes: Axes, modes: Modes, model: str, row: int, named: tuple[float, float]
 ) -> list[Any]:
-    """Mark the poles of one model, and write the residue at poles of the sizes `named`."""
+    """Return the drawn marks of the poles of one model, with residues at poles of some sizes.
+
+    `row`: number of the model, for colour and mark. `named`: smallest and largest size [1/s] of
+    poles whose residues are written.
+    """
     poles, strength = modes.poles.astype(complex), modes.deflection_residues + 0j
     colour, size = cycle(COLOURS)[row], np.abs(poles)
     mark = {"marker": cycle(MARKS)[row], "ms": 8 - row, "mfc": "none", "mew": 1.6}
@@ -129,7 +136,10 @@ def _mark_poles(
 
 
 def _write_residue(axes: Axes, pole: complex, residue: complex, lift: int, colour: str) -> None:
-    """Write pole and residue next to the mark of a pole."""
+    """Write pole [1/s] and residue next to the mark of a pole, into axes.
+
+    `lift`: distance above the mark [points]. `colour`: colour of the mark.
+    """
     if pole.imag == 0.0:
         text = f"{pole.real:.4g}: {residue.real:.4g}"
     else:
@@ -190,7 +200,10 @@ class LocusPoles:
 
     @classmethod
     def _of_polynomials(cls, loop: Loop, order: int) -> LocusPoles:
-        """Return the locus of a loop of polynomials, which resolve poles that meet more closely."""
+        """Return the locus of a loop of polynomials, which resolve poles that meet more closely.
+
+        `order`: order of the Pade approximation of its delay.
+        """
         above, below = np.trim_zeros(loop.numerator, "f"), loop.denominator
         delay = float(loop.delay)
         if delay > 0.0:
@@ -202,6 +215,7 @@ class LocusPoles:
         padded = np.pad(above, (below.size - above.size, 0))
 
         def closed(factors: FloatArray) -> AnyArray:
+            """Return closed-loop poles [1/s] at factors ``(n,)`` on the loop gain, ``(n, b)``."""
             return polynomials.roots(below + factors[:, np.newaxis] * padded).astype(complex)
 
         return cls(closed(np.zeros(1))[0], polynomials.roots(above).astype(complex), closed)
@@ -210,10 +224,15 @@ class LocusPoles:
     def _of_system(
         cls, system: Matrices, zeros: AnyArray, to_s: Callable[[AnyArray], AnyArray]
     ) -> LocusPoles:
-        """Return the locus of matrices: the eigenvalues of A - k B C/(1 + k D), in the s plane."""
+        """Return the locus of matrices: the eigenvalues of A - k B C/(1 + k D), in the s plane.
+
+        `system`: A, B, C and D. `zeros`: zeros of the loop. `to_s`: function from its poles to
+        those in the s plane [1/s].
+        """
         A, B, C, D = system
 
         def closed(factors: FloatArray) -> AnyArray:
+            """Return closed-loop poles [1/s] at factors ``(n,)`` on the loop gain, ``(n, b)``."""
             k = factors[:, np.newaxis, np.newaxis]
             return to_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
 
@@ -378,7 +397,10 @@ def root_locus_chart(
 
 
 def _within(branches: AnyArray, loop: Loop) -> AnyArray:
-    """Return the branches, interrupted where a sampled pole wraps around half the rate."""
+    """Return branches of poles, interrupted where a sampled pole wraps around half the rate.
+
+    `branches`: poles [1/s] over factors, ``(n, b)``. `loop`: the loop, sampled or continuous.
+    """
     if not isinstance(loop, SampledLoop):
         return branches
     steps = np.abs(np.diff(branches.imag, axis=0, prepend=branches.imag[:1]))
@@ -386,7 +408,10 @@ def _within(branches: AnyArray, loop: Loop) -> AnyArray:
 
 
 def _checked_factors(gains: ArrayLike) -> FloatArray:
-    """Return the rising factors of the user; `InputError` unless they are a row from zero on."""
+    """Return factors on the loop gain, rising, ``(n,)``.
+
+    `gains`: factors of the user; `InputError` unless they are a row of two or more from zero on.
+    """
     factors = nonnegative("gains", gains)
     if factors.ndim != 1 or factors.size < 2:
         raise InputError(
@@ -399,7 +424,9 @@ def _checked_factors(gains: ArrayLike) -> FloatArray:
 def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]) -> FloatArray:
     """Return factors on the loop gain, ``(n,)``, rising from zero to beyond a change of stability.
 
-    Of an unstable loop to beyond the second change.
+    Of an unstable loop to beyond the second change. `locus`: poles over factors. `samples`: the
+    loop with its margins. `radii`: radii of the panels [1/s], in which the branches are to be
+    smooth.
     """
     crossings = samples.margins.crossings.gain_factors
     crossings = np.sort(crossings[np.isfinite(crossings) & (crossings > 0.0)])
@@ -411,7 +438,10 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
 
 
 def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
-    """Return the radii of the panels: around all poles but the delay's, and around the origin."""
+    """Return the radii [1/s] of the panels: around all poles but the delay's, and the origin.
+
+    `samples`: the loop. `poles`: its closed-loop poles [1/s].
+    """
     order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]
     if isinstance(samples.loop, SampledLoop):  # farther left nothing is left after a few samples
@@ -434,7 +464,10 @@ def _pole_mark(pole: complex) -> Mark:
 
 
 def _axis_marks(samples: LoopSamples) -> list[Mark]:
-    """Return the marks of the locus on the imaginary axis at the gain margins."""
+    """Return the marks of a locus on the imaginary axis at the gain margins of a loop.
+
+    `samples`: the loop with its margins.
+    """
     marks = margin_marks(samples, lambda omega: (0.0, omega))[:2]
     m = samples.margins
     factors = (1.0 / m.aero_margin if m.aero_margin else np.inf, m.gain_increase)
@@ -447,7 +480,10 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
 
 
 def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:
-    """Return the drawn lines of poles, zeros and branches."""
+    """Return the drawn lines of poles, zeros and branches in axes.
+
+    `locus`: locus of a loop. `branches`: its closed-loop poles [1/s], ``(n, b)``.
+    """
     axes.axhline(0.0, color="0.6", lw=0.8, zorder=0.5)
     axes.axvline(0.0, color="0.4", lw=1.0, zorder=0.5)
     lines = axes.plot(locus.poles.real, locus.poles.imag, "x", label="poles of the loop", **_END)
@@ -460,14 +496,20 @@ def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:
 
 
 def _frame_round(axes: Axes, radius: float, poles: AnyArray) -> None:
-    """Set a square frame of a radius around the origin."""
+    """Set a square frame of axes around the origin, wider if poles inside lie to the right.
+
+    `radius`: half of its height [1/s]. `poles`: open-loop poles [1/s].
+    """
     rightmost = np.max(poles.real[np.abs(poles) < radius], initial=0.0)
     _frame(axes, (-1.2 * radius, max(0.6 * radius, 1.2 * float(rightmost))), (-radius, radius))
     axes.set_aspect("equal", adjustable="box")
 
 
 def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
-    """Set the frame to the upper half plane up to the fastest mode, as wide as for factor 1."""
+    """Set the frame of axes to the upper half plane up to the fastest mode, as for factor 1.
+
+    `samples`: the loop with its modes.
+    """
     poles = np.array([mode.pole for mode in samples.modes])
     ends = np.array([mode.closed_pole for mode in samples.modes])
     poles_and_ends = np.concatenate([poles, ends])
@@ -481,7 +523,10 @@ def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
 
 
 def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:
-    """Set limits, labels and grid of a locus, with the right half plane shaded."""
+    """Set limits, labels and grid of the axes of a locus, with the right half plane shaded.
+
+    `xlim`, `ylim`: ends of real and imaginary axis [1/s].
+    """
     axes.axvspan(0.0, xlim[1], color=WARM, alpha=0.07, zorder=0.5)
     axes.set(xlim=xlim, ylim=ylim)
     axes.set(xlabel="real part of s [1/s]", ylabel="imaginary part of s [rad/s]")
@@ -491,7 +536,8 @@ def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> 
 def _locus_curves(factors: FloatArray, branches: AnyArray, samples: LoopSamples) -> Curves:
     """Return the closed-loop poles [1/s] over factors on the loop gain, a curve for each branch.
 
-    `factors`: ``(n,)``. `branches`: poles ``(n, b)``. A branch that starts at a mode has its name.
+    `factors`: ``(n,)``. `branches`: poles ``(n, b)``. `samples`: the loop with its modes; a branch
+    that starts at a mode has its name.
     """
     names = [f"pole {number}" for number in range(1, branches.shape[-1] + 1)]
     for mode in samples.modes:

@@ -86,6 +86,7 @@ class Look:
     across: int = 2
 
     def __post_init__(self) -> None:
+        """Check the title and the number of panels in a row."""
         instance("title", self.title, str, "a text")
         if not 1 <= whole_number("across", self.across) <= _MAX_PANELS:
             raise InputError(f"across must be from 1 to {_MAX_PANELS}; got {shown(self.across)}")
@@ -129,7 +130,10 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
 
 
 def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None:
-    """Set labels, limits, heading and grid of a panel."""
+    """Set labels, limits, heading and grid of the axes of a panel.
+
+    `curves`: numbers of the figure. `look`: its layout. `heading`: heading of the panel, or empty.
+    """
     ordinate = look.ordinate if isinstance(look.ordinate, str) else look.ordinate[heading]
     ends = curves.abscissa[np.isfinite(curves.abscissa)]
     axes.set(
@@ -145,7 +149,7 @@ def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None
 
 
 def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
-    """Write the notes of curves in the lower right corner of a panel."""
+    """Write the notes of the curves `columns` in the lower right corner of the axes of a panel."""
     notes: dict[str, list[str]] = {}
     for column in columns:
         if column.note:
@@ -158,13 +162,19 @@ def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
 
 
 def broken(words: str, width: int = _WIDE) -> str:
-    """Return a text in lines of a width, broken only at commas."""
+    """Return a text in lines of a width [characters], broken only at commas.
+
+    `words`: the text, whose own lines stay apart.
+    """
     lines = words.replace(" ", "\u00a0").replace(",\u00a0", ", ").split("\n")
     return "\n".join(fill(line, width) for line in lines).replace("\u00a0", " ")
 
 
 def broken_lines(labels: Sequence[str], width: float = 1.6) -> dict[str, Style]:
-    """Return a line style for each label; they differ in colour and in grey print."""
+    """Return a line style for each label; they differ in colour and in grey print.
+
+    `width`: width of the lines [points].
+    """
     pairs = zip(labels, cycle(COLOURS), cycle(LINES), strict=False)
     return {label: {"color": colour, "ls": line, "lw": width} for label, colour, line in pairs}
 
@@ -187,7 +197,10 @@ def new_axes() -> "Axes":
 
 
 def new_panels(count: int, across: int) -> tuple[tuple[int, int], Any]:
-    """Return the shape (rows, columns) of `count` panels and their axes, ``(rows * columns,)``."""
+    """Return the shape (rows, columns) of `count` panels and their axes, ``(rows * columns,)``.
+
+    `across`: largest number of panels in one row.
+    """
     import matplotlib.pyplot as plt
 
     columns = min(count, across)
@@ -202,7 +215,7 @@ def new_panels(count: int, across: int) -> tuple[tuple[int, int], Any]:
 
 
 def fine_grid(axes: "Axes") -> None:
-    """Draw the grid, fine enough to read values off."""
+    """Draw the grid of axes, fine enough to read values off."""
     axes.minorticks_on()
     axes.grid(which="major", color="0.75", lw=0.8)
     axes.grid(which="minor", color="0.9", lw=0.5)
@@ -215,14 +228,14 @@ def literal(text: str) -> str:
 
 
 def pretty(text: str) -> str:
-    """Return a label with the report's symbols, and words instead of identifiers."""
+    """Return a text, a label, with the report's symbols, and words instead of identifiers."""
     for plain, symbol in _SYMBOLS.items():
         text = text.replace(plain, symbol)
     return text
 
 
 def called(name: str, text: str) -> str:
-    """Return a title with the name of the vehicle, if any, in a line above."""
+    """Return a title, `text`, with the name of the vehicle, if any, in a line above."""
     instance("name", name, str, "a text")
     return f"{name}\n{text}" if name else text
 
@@ -272,6 +285,7 @@ class _Drawn:
         return ControlPlot
 
     def __getattr__(self, name: str) -> Any:
+        """Return a further attribute of the figure as a `ControlPlot`, by its name."""
         if name.startswith("__"):
             raise AttributeError(name)
         from control import ControlPlot
@@ -280,7 +294,10 @@ class _Drawn:
 
 
 def figure_format(path: Path) -> str:
-    """Return the format of a figure by the ending of its file; `InputError` for an unknown one."""
+    """Return the format of a figure by the ending of its file, such as "png".
+
+    `path`: the file. `InputError` for an unknown ending.
+    """
     from matplotlib.backend_bases import FigureCanvasBase
 
     kind = path.suffix.lstrip(".").lower()
@@ -361,7 +378,7 @@ class Mark:
     colour: str = INK
 
     def inside(self, axes: "Axes") -> bool:
-        """Return whether the mark lies within the frame."""
+        """Return whether the mark lies within the frame of axes."""
         (x_min, x_max), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
         return bool(x_min <= self.x <= x_max and low <= self.y <= high)
 
@@ -377,7 +394,7 @@ def named_once(marks: Iterable[Mark]) -> list[Mark]:
 
 
 def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
-    """Return the drawn lines of the marks, without their numbers."""
+    """Return the drawn lines of marks in axes, without their numbers."""
     lines: list[Any] = []
     for mark in marks:
         style: dict[str, Any] = {"mfc": "white", "mec": mark.colour, "mew": 1.8, "zorder": 6}
@@ -434,7 +451,7 @@ class _Obstacles:
 
 
 def _write(axes: "Axes", mark: Mark) -> None:
-    """Write the number of a mark, with a leader."""
+    """Write the number of a mark next to it into axes, with a leader."""
     note = axes.annotate(
         mark.text,
         (mark.x, mark.y),
@@ -451,7 +468,11 @@ def _write(axes: "Axes", mark: Mark) -> None:
 
 
 def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox":
-    """Return the box of a number, in pixels, after moving it to the place of least cost."""
+    """Return the box of a number, in pixels, after moving it to the place of least cost.
+
+    `note`: the number, as matplotlib's annotation. `point`: its mark in pixels, ``(2,)``.
+    `obstacles`: what it should not hide.
+    """
     from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 
@@ -479,7 +500,10 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
 
 
 def _cost(box: "Bbox", point: FloatArray, obstacles: _Obstacles) -> float:
-    """Return the cost of a number's box, in pixels, over the obstacles of its panel."""
+    """Return the cost of a number's box, in pixels, over the obstacles of its panel.
+
+    `point`: mark of the number in pixels, ``(2,)``, to which a leader is drawn.
+    """
     from matplotlib.path import Path as Polyline
 
     frame = obstacles.frame
@@ -497,7 +521,7 @@ def _cost(box: "Bbox", point: FloatArray, obstacles: _Obstacles) -> float:
 
 
 def _points(axes: "Axes") -> FloatArray:
-    """Return the marks of a panel in pixels, ``(n, 2)``."""
+    """Return the marks drawn in the axes of a panel, in pixels, ``(n, 2)``."""
     points = [np.zeros((0, 2))]
     for line in axes.get_lines():
         if line.get_linestyle() == "None":
@@ -506,7 +530,7 @@ def _points(axes: "Axes") -> FloatArray:
 
 
 def _outlines(axes: "Axes") -> Iterator[tuple["Polyline", float]]:
-    """Yield the curves and boxes of a panel in pixels, each with the cost of hiding it."""
+    """Yield the curves and boxes in axes in pixels, each with the cost of hiding it."""
     from matplotlib.path import Path as Polyline
 
     for line in axes.get_lines():

@@ -65,7 +65,10 @@ _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 
 
 def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
-    """Return the curves of `rate_chart`; NaN where no deflection is sufficient."""
+    """Return the curves of `rate_chart` for a trade-off; NaN where no deflection is sufficient.
+
+    `trade_off`: limits over rate limits, with those of flown laws or without.
+    """
     flown = trade_off.limits if isinstance(trade_off, FlownTradeOff) else {}
     trade_off = trade_off.minimum if isinstance(trade_off, FlownTradeOff) else trade_off
     errors.instance("trade_off", trade_off, RateTradeOff, "see rate_trade_off")
@@ -98,7 +101,10 @@ def rate_chart(
 
 
 def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Curves:
-    """Return the curves of `load_chart`; NaN where no deflection is sufficient."""
+    """Return the curves of `load_chart` for a trade-off; NaN where no deflection is sufficient.
+
+    `trade_off`: limits over loads. `flown`: limit and load of flown laws, a point each.
+    """
     errors.instance("trade_off", trade_off, LoadTradeOff, "see load_trade_off")
     flown = errors.each("flown", flown, FlownLoad, "one for each law")
     points = {}
@@ -109,6 +115,7 @@ def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Cur
     loads = np.unique(np.concatenate([trade_off.loads, list(points.values())]))
 
     def interpolated(values: FloatArray) -> FloatArray:
+        """Return limits at the loads of the figure, from those at the loads of the trade-off."""
         return np.interp(loads, trade_off.loads, _broken(values), left=np.nan)
 
     values = {WIND_KNOWN: interpolated(trade_off.limits)}

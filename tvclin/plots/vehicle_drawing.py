@@ -137,7 +137,11 @@ def sketch_c(
 def _wind_and_control(
     name: str, title: str, wind: History, tau_beta: float, dead_band: float
 ) -> "ControlPlot":
-    """Return sketch (a) or (b): a wind, trim, and the deflection of the control."""
+    """Return sketch (a) or (b): a wind, trim, and the deflection of the control.
+
+    `name`: name of its numbers. `title`: title. `tau_beta`: duration of the wind times the pole.
+    `dead_band`: K of the control.
+    """
     plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0), "fixed-path")
     boundary = boundary_limit(plant, wind, dead_band)
     control = trim_then_hold(plant, wind, boundary.deflection, dead_band)
@@ -167,7 +171,10 @@ def _wind_and_control(
 
 
 def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> None:
-    """Mark the limit, the dead band and the switching time."""
+    """Mark limit, dead band and switching time in the axes of a sketch.
+
+    `limit`: limit over trim. `switch`: exit of the dead band over the duration. `dead_band`: K.
+    """
     arrow = {"arrowstyle": "->", "color": INK, "lw": 0.9}
     axes.annotate(
         rf"$y_{{BR}} = {limit:.4f}$",
@@ -279,7 +286,10 @@ def figure_1(
 
 
 def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
-    """Put heads on an arrow and the text beside its line."""
+    """Put heads on the arrow of a line, and its text beside it, into axes.
+
+    `line`: the line with its text. `x`, `y`: its points, ``(n,)``.
+    """
     if line.arrow:
         head = {"arrowstyle": line.arrow, "color": line.style["color"], "lw": line.style["lw"]}
         head |= {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 16}
@@ -325,7 +335,11 @@ _NOZZLE = ((-1, 0.2, 0.0), (-1, 0.5, 1.1), (1, 0.5, 1.1), (1, 0.2, 0.0), (-1, 0.
 
 
 def _forces(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of the forces by name, for angles [rad]; see `_body`."""
+    """Return the lines of the forces by name.
+
+    `attitude`, `path`, `wind`, `deflection`: angles [rad] at which the vehicle is drawn, see
+    `_body`.
+    """
     u, n = _axes_of(attitude)
     along = _axes_of(attitude + deflection)[0]
     gimbal, centre, nose = _TAIL * u, _ARM_A * u, _NOSE * u
@@ -351,7 +365,10 @@ def _forces(attitude: float, path: float, wind: float, deflection: float) -> dic
 
 
 def _speeds(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of flight speed, wind and air speed by name, for angles [rad]."""
+    """Return the lines of flight speed, wind and air speed by name.
+
+    `attitude`, `path`, `wind`, `deflection`: angles [rad], of which flight path and wind count.
+    """
     speed = _SPEED * _axes_of(path)[0]
     relative = speed[1] / np.sin(path + wind) * _axes_of(path + wind)[0]
     origin = np.zeros(2)
@@ -369,7 +386,10 @@ def _speeds(attitude: float, path: float, wind: float, deflection: float) -> dic
 
 
 def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the arcs of the angles by name, for angles [rad]; see `_body`."""
+    """Return the arcs of the angles by name.
+
+    `attitude`, `path`, `wind`, `deflection`: the angles [rad], see `_body`.
+    """
     u = _axes_of(attitude)[0]
     into_wind, back = path + wind, attitude + np.pi
     return {
@@ -393,7 +413,10 @@ def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[
 
 
 def _arms(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of the moment arms by name, for angles [rad]; see `_body`."""
+    """Return the lines of the moment arms by name.
+
+    `attitude`, `path`, `wind`, `deflection`: angles [rad], of which the attitude counts.
+    """
     u, n = _axes_of(attitude)
     off = 1.6 * n
     ends = {"at the gimbal": -_ARM_C * u, "at c.g.": 0.0 * u, "at c.p.": _ARM_A * u}
@@ -417,18 +440,24 @@ def _axes_of(angle: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _straight(start: FloatArray, end: FloatArray) -> FloatArray:
-    """Return points on a straight line, ``(n, 2)``."""
+    """Return points on a straight line from `start` to `end`, both ``(2,)``, as ``(n, 2)``."""
     return start + _ALONG[:, np.newaxis] * (end - start)
 
 
 def _arc(radius: float, start: float, end: float) -> FloatArray:
-    """Return points on a circular arc between two angles [rad], ``(n, 2)``."""
+    """Return points on an arc about the origin from angle `start` to `end` [rad], ``(n, 2)``.
+
+    `radius`: its radius, in the unit of the drawing.
+    """
     angle = start + _ALONG * (end - start)
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
 def _polyline(corners: list[Any], count: int) -> FloatArray:
-    """Return points on straight lines from corner to corner, all of these included, ``(n, 2)``."""
+    """Return points on straight lines from corner to corner, all of these included, ``(n, 2)``.
+
+    `count`: number n of points.
+    """
     sides = len(corners) - 1
     position = np.minimum(np.arange(count) / (count // sides), sides)
     columns = np.array(corners).T
@@ -511,7 +540,10 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
 
 
 def _stations(vehicle: Vehicle) -> dict[str, float]:
-    """Return the stations [m] of gimbal, pressure and tanks, forward of the centre of gravity."""
+    """Return the stations [m] of gimbal, pressure and tanks of a vehicle, by name.
+
+    They are measured forward of the centre of gravity.
+    """
     stations = {
         "gimbal" if vehicle.control_force_slope is None else "control": -vehicle.control_arm
     }
@@ -522,7 +554,10 @@ def _stations(vehicle: Vehicle) -> dict[str, float]:
 
 
 def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
-    """Return the outlines of the body, and of the nozzle to both sides of its axis."""
+    """Return the outlines of the body of a vehicle, and of its nozzle to both sides [m].
+
+    `limit`: deflection [rad] to which the nozzle is turned; None for a straight one.
+    """
     stations = _stations(vehicle)
     aft, fore = min(stations.values()), max(stations.values())
     length = fore - aft

@@ -44,8 +44,9 @@ DIFFERENCES = {
 def reproduce(output: Path, progress: Callable[[float, float], None] | None = None) -> list[Path]:
     """Write every figure as PNG, and as CSV the numbers from which it is drawn; return the files.
 
-    The directory is made if it is missing, files of the same names are replaced, and each is
-    complete or absent. `progress` receives the number of finished figures and of all figures.
+    `output`: directory of the files, made if it is missing; files of the same names are replaced,
+    and each is complete or absent. `progress` receives the number of finished figures and of all
+    figures.
     """
     make_directory(output)
     written = []

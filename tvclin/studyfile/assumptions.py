@@ -38,13 +38,19 @@ class Assumption:
 
 
 def assumptions(findings: Findings) -> tuple[Assumption, ...]:
-    """Return the assumptions of the verdict, each with whether it holds here."""
+    """Return the assumptions of the verdict in findings, each with whether it holds here.
+
+    `findings`: results of a study plan.
+    """
     makers = (_wind, _sign, _linear, _slow, _frozen, _rigid, _modes, _nozzle)
     return tuple(assumption for make in makers for assumption in make(findings))
 
 
 def doubts_counted(assumed: Sequence[Assumption], notes: int) -> str:
-    """Return the number of doubtful assumptions, and of further doubtful notes, as a sentence."""
+    """Return the number of doubtful assumptions, and of further warnings, as a sentence.
+
+    `assumed`: all assumptions of the verdict. `notes`: number of warnings elsewhere on the page.
+    """
     doubtful = sum(assumption.state == "doubt" for assumption in assumed)
     are = "is" if doubtful == 1 else "are"
     head = f"{doubtful or 'None'} of these {len(assumed)} assumptions {are} doubtful here"
@@ -53,7 +59,11 @@ def doubts_counted(assumed: Sequence[Assumption], notes: int) -> str:
 
 
 def study_warnings(findings: Findings) -> Iterator[str]:
-    """Yield the notes and warnings on the numbers of a study that the assumptions do not hold."""
+    """Yield the notes and warnings in findings that no assumption states, as text.
+
+    `findings`: results of a study plan. They are on boundaries, the study, nominal pressure, the
+    computation, and the autopilot.
+    """
     s = findings.study
     for name, boundary in s.boundaries.items():
         for status in dict.fromkeys(str(status) for status in boundary.status if status != "ok"):
@@ -68,7 +78,7 @@ def study_warnings(findings: Findings) -> Iterator[str]:
 
 
 def general_assumptions(findings: Findings) -> Iterator[str]:
-    """Yield the assumptions of every study."""
+    """Yield the assumptions that every study makes, as text, for the vehicle of these findings."""
     yield "the motion is planar, linear, and a deviation from the nominal flight"
     yield "the engine stops sharply at its limit"
     damped = "" if findings.study.coefficients.damping else ", damping of the attitude rate"
@@ -84,7 +94,7 @@ def general_assumptions(findings: Findings) -> Iterator[str]:
 
 
 def _wind(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption that the wind is given."""
+    """Yield the assumption that the wind of findings is given, which is for the reader to judge."""
     days = "; on how many days of an archive it flies is a question of its own, see below"
     if findings.availability is None:
         days = "; tvclin availability counts the days of an archive of soundings"
@@ -96,7 +106,7 @@ def _wind(findings: Findings) -> Iterator[Assumption]:
 
 
 def _sign(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption on the direction of the wind and its dynamic pressure."""
+    """Yield the assumption on the wind direction and dynamic pressure in findings."""
     s = findings.study
     if s.direction != FROZEN:
         words = f"A {s.direction} wind changes the dynamic pressure. That is counted: it requires "
@@ -108,7 +118,7 @@ def _sign(findings: Findings) -> Iterator[Assumption]:
 
 
 def _linear(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption of linear aerodynamics, with the largest angle of attack."""
+    """Yield the assumption of linear aerodynamics, with the largest angle of attack in findings."""
     s, c = findings.study, findings.comparison
     angle = abs(
         float(
@@ -132,7 +142,7 @@ def _linear(findings: Findings) -> Iterator[Assumption]:
 
 
 def _slow(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption on whether the slow mode of the flight path may be neglected."""
+    """Yield the assumption on whether the findings may neglect the slow mode of the flight path."""
     s = findings.study
     if not isinstance(s.vehicle, Vehicle):
         words = (
@@ -161,7 +171,10 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
 
 
 def _frozen(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption of constant parameters during the wind, and their effect."""
+    """Yield the assumption of constant parameters during the wind, with their effect.
+
+    `findings`: results of a study plan; the effect is that along its flight, if it has one.
+    """
     still = "Mass, thrust, air and speed stay as they are while the wind blows"
     if findings.flight is None:
         complete = isinstance(findings.study.vehicle, Vehicle)
@@ -196,13 +209,14 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
 
 
 def _rigid(findings: Findings) -> Iterator[Assumption]:
+    """Yield the assumption of a rigid vehicle, where that of the findings has no structure."""
     if findings.plan.vehicle.structure is None:
         words = "Nothing bends or sloshes: the vehicle file has no bending and no slosh."
         yield Assumption("reader", (words,))
 
 
 def _modes(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption on the frequencies of modes, of a stable loop."""
+    """Yield the assumption on the frequencies of modes, where the findings have a stable loop."""
     f = findings.flexible
     if f is None or f.detuned is None or not f.bands.margins.stable:
         return
@@ -221,7 +235,7 @@ def _modes(findings: Findings) -> Iterator[Assumption]:
 
 
 def detuning_notes(findings: Findings) -> Iterator[str]:
-    """Yield the note on modes that make a stable loop unstable near their frequency."""
+    """Yield the note on modes in findings that make a stable loop unstable near their frequency."""
     detuned = findings.flexible and findings.flexible.detuned
     if not detuned:
         return
@@ -232,7 +246,10 @@ def detuning_notes(findings: Findings) -> Iterator[str]:
 
 
 def _nozzle(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption on the rate limit, with the rate that the autopilot requires."""
+    """Yield the assumption on the rate limit, with the rate that the autopilot requires.
+
+    `findings`: results of a study plan, with the autopilot in the wind if it has one.
+    """
     rate_limit = findings.plan.nozzle.rate_limit
     rate_text: Line = ()
     c = findings.comparison
@@ -257,14 +274,14 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
 
 
 def _too_fast(findings: Findings, rate_limit: float) -> bool:
-    """Return whether theory or the autopilot requires more than the rate limit [rad/s]."""
+    """Return whether theory or the autopilot of findings requires more than a rate [rad/s]."""
     c, front = findings.comparison, findings.rates
     turns = 0.0 if c is None else c.peak_deflection_rate * findings.study.plane_ratio
     return turns > rate_limit or (front is not None and front.required_rate > rate_limit)
 
 
 def nominal_notes(findings: Findings) -> Iterator[str]:
-    """Say which answers are at nominal pressure, where a head wind sets the requirement."""
+    """Yield the answers of findings that are at nominal pressure, where a head wind governs."""
     if findings.head is not None and findings.head.stop is not None:
         return
     names = "autopilot", "flexible flight"
@@ -275,7 +292,10 @@ def nominal_notes(findings: Findings) -> Iterator[str]:
 
 
 def loop_notes(findings: Findings) -> Iterator[str]:
-    """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
+    """Yield notes on properties of autopilot and nozzle that the plan leaves open.
+
+    `findings`: results of the plan.
+    """
     margins, plan, air = findings.margins, findings.plan, findings.turbulence
     if margins is None and findings.duty is None and air is None:
         return

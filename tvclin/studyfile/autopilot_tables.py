@@ -14,14 +14,17 @@ from tvclin.studyfile.findings import Findings
 
 
 def criteria_word(findings: Findings) -> str:
-    """Return whether the margins satisfy the criteria, as a word."""
+    """Return whether the margins in findings satisfy their criteria, as a word."""
     margins = findings.margins
     assert margins is not None
     return satisfaction(bool(findings.criteria.are_satisfied(margins)))
 
 
 def tables_in_wind(findings: Findings) -> tuple[Table, Table]:
-    """Return the peak deflection compared with trim and bounds, and the largest motions."""
+    """Return two tables of the autopilot in findings, flown in the wind without a limit.
+
+    The first compares its peak deflection with trim and bounds, the second has the largest motions.
+    """
     c, s = findings.comparison, findings.study
     assert c is not None
     caption = "The autopilot in this wind, without a limit"
@@ -33,12 +36,18 @@ def tables_in_wind(findings: Findings) -> tuple[Table, Table]:
 
 
 def nominal_suffix(findings: Findings) -> str:
-    """Return the words on nominal dynamic pressure where the verdict covers a head wind as well."""
+    """Return words on nominal dynamic pressure, after a comma; empty without a head wind.
+
+    `findings`: results of a study plan. In a head wind the verdict covers its higher pressure too.
+    """
     return "" if findings.head is None else f", {NOMINAL}"
 
 
 def planes_line(findings: Findings) -> Line:
-    """Return the factor of both planes over this one, and the autopilot requirement with it."""
+    """Return the sentence on the limit of both planes over that of the plane of the findings.
+
+    It has the autopilot requirement with that factor, where it is finite.
+    """
     s = findings.study
     factor = number("both.factor", s.plane_ratio, 3)
     line: Line = (
@@ -54,7 +63,7 @@ def planes_line(findings: Findings) -> Line:
 
 
 def failure(findings: Findings) -> Line:
-    """Return the reason why the flight with the limit has no margins."""
+    """Return the reason why the flight of findings with the limit has no margins, as a line."""
     required, limit = _nominal_requirement(findings), findings.study.limit
     if limit is None or not required > limit:
         return (findings.reasons["flown"],)
@@ -72,7 +81,7 @@ def failure(findings: Findings) -> Line:
 
 
 def requirement_warnings(findings: Findings) -> Iterator[str]:
-    """Yield the status of flights with the limit as a stop where the requirement is doubtful."""
+    """Yield the statuses in findings that make the autopilot requirement doubtful, as text."""
     f = findings.flexible
     if f is not None:
         names = ("the flexible vehicle", "the rigid vehicle")
@@ -84,7 +93,10 @@ def requirement_warnings(findings: Findings) -> Iterator[str]:
 
 
 def flexible_flight(findings: Findings) -> Table:
-    """Return the table of the flexible and the rigid vehicle, flown with the nozzle's limits."""
+    """Return the table of flexible and rigid vehicle, flown with the limits of the nozzle.
+
+    `findings`: results of a plan whose vehicle has a structure, with its autopilot.
+    """
     f, s = findings.flexible, findings.study
     assert isinstance(f, FlexibleAnswer)
     caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
@@ -101,7 +113,10 @@ def flexible_flight(findings: Findings) -> Table:
 
 
 def law_tables(findings: Findings) -> tuple[Table, ...]:
-    """Return the required limit of each law in each wind of a study, and the bounds of any law."""
+    """Return the tables of the limit that each law of the findings requires in each of its winds.
+
+    They have the bounds of any law, too.
+    """
     request, s = findings.plan.laws, findings.study
     assert request is not None
     plant = Plant(s.coefficients, findings.plan.law_model)
@@ -112,13 +127,16 @@ def law_tables(findings: Findings) -> tuple[Table, ...]:
 
 
 def law_sample_rate(findings: Findings) -> Line:
-    """Return the sample rate [Hz] of the laws of a study."""
+    """Return the sample rate [Hz] of the laws in the plan of findings, as a line."""
     assert findings.plan.laws is not None
     return significant("laws.sample_rate", findings.plan.laws.sample_rate, 6, "Hz")
 
 
 def autopilot_as_law(findings: Findings) -> Line:
-    """Return differences of the flight among the laws from the flight of the verdict, in words."""
+    """Return the sentence on how the autopilot is flown among the laws, and how for the verdict.
+
+    `findings`: results of a study plan with laws.
+    """
     plan, s, request = findings.plan, findings.study, findings.plan.laws
     gust = ["the gust"] if s.gust is not None else []
     if findings.stop is None or request is None or "autopilot" not in request.names:
@@ -141,6 +159,9 @@ def autopilot_as_law(findings: Findings) -> Line:
 
 
 def _nominal_requirement(findings: Findings) -> float:
-    """Return the autopilot requirement [rad] at nominal dynamic pressure; NaN if not flown."""
+    """Return the autopilot requirement [rad] at nominal dynamic pressure; NaN where not flown.
+
+    `findings`: results of a study plan. Where both planes are judged it is that of both.
+    """
     requirement = findings.autopilot_requirement
     return np.nan if requirement is None else requirement.nominal_deflection

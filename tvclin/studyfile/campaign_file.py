@@ -135,7 +135,10 @@ def template() -> str:
 
 
 def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
-    """Return the campaign of a document; see `load_campaign`."""
+    """Return the campaign of a document; `folder`: where the files that it names are.
+
+    `document`: tables of the file by name. Exceptions as `load_campaign`.
+    """
     subject = subject_of(document, folder)
     if PLANT_TABLE.name in document:
         raise InputError(
@@ -191,7 +194,9 @@ def _along(
 ) -> FlightPlan:
     """Return the flight and the autopilot of a campaign along a flight.
 
-    A rule for the gains is applied at even flight times, of `every_s` in [size].
+    `document`: tables of the file; `folder`: where the files that it names are. `design`: autopilot
+    design, which must be given. `nozzle`: nozzle with its actuator. `subject`: vehicle, model and
+    plane by field. A rule for the gains is applied at even flight times, of `every_s` in [size].
     """
     flight: FlightSchedule = flight_of(document, folder)["schedule"]
     size = SIZE_TABLE.read(SIZE_TABLE.one(document))
@@ -213,7 +218,8 @@ def _along(
 def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return vehicle, model, plane and sign of a document by field, where they are specified.
 
-    They stand in [study] or in [campaign], so that one file serves both.
+    They stand in [study] or in [campaign], so that one file serves both. `document`: tables of the
+    file; `folder`: where the files that it names are.
     """
     if not document:
         raise InputError(
@@ -244,6 +250,7 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return schedule and source of a flight, from [schedule] or else from the study's vehicle.
 
     With `another`: the name of the study's vehicle, where the flight belongs to another vehicle.
+    `document`: tables of the file; `folder`: where the files that it names are.
     """
     table = document.get("schedule", {})
     lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
@@ -282,7 +289,7 @@ def with_flight_data(
     """Return vehicle and nozzle by field, with structure and actuator of the flight at its time.
 
     A structure of the vehicle file counts unless [schedule] names one. A flight of another vehicle
-    changes neither.
+    changes neither. `document`: tables of the file; `folder`: where the files that it names are.
     """
     same = {"vehicle": vehicle, "nozzle": nozzle}
     table, time = document.get("schedule"), getattr(vehicle, "time", None)
@@ -326,7 +333,10 @@ def _as_specified(schedule: FlightSchedule, document: Mapping[str, Any]) -> Flig
 
 
 def _is_of_flight(document: Mapping[str, Any], folder: Path) -> bool:
-    """Return whether the vehicle of a document is that of a flight schedule at a time."""
+    """Return whether the vehicle of a document is that of a flight schedule at a time.
+
+    `document`: tables of the file; `folder`: where the files that it names are.
+    """
     vehicles = [document.get(name, {}).get("vehicle") for name in ("study", "campaign")]
     return any(isinstance(v, str) and is_schedule(vehicle_source(v, folder)) for v in vehicles)
 
@@ -337,7 +347,7 @@ def _is_vehicle(source: str | Path) -> bool:
 
 
 def is_rigid(document: Mapping[str, Any]) -> bool:
-    """Return whether [study] leaves out the structure of its vehicle."""
+    """Return whether [study] of a document leaves out the structure of its vehicle."""
     rigid = STUDY_TABLE.one(document).get("rigid", False)
     if not isinstance(rigid, bool):
         raise InputError(f"rigid in [study] must be true or false; got {shown(rigid)}")
@@ -345,7 +355,10 @@ def is_rigid(document: Mapping[str, Any]) -> bool:
 
 
 def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
-    """Raise `InputError` for all faults in the tables of a file, a line for each fault."""
+    """Raise `InputError` for all faults in the tables of a document, a line for each fault.
+
+    `folder`: where the files that the document names are.
+    """
     faults = Faults()
     with faults.kept():
         vehicle = () if {"study", "campaign"} & document.keys() else HEADINGS
@@ -389,12 +402,17 @@ def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
-    """Return the nozzle of the table [nozzle]; without the table, a nozzle without any limit."""
+    """Return the nozzle of [nozzle] in a document; without the table, one without any limit."""
     return NOZZLE_TABLE.made(document, Nozzle.from_table) or Nozzle()
 
 
 def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVehicle:
-    """Return the vehicle of a table, of the package by name, or of a file by path."""
+    """Return the vehicle of a table, of the package by name, or of a file by path.
+
+    `source`: the table, name or path. `folder`: where relative paths begin. `where`: name of the
+    table that has `source`, for messages. `time`: flight time [s] at which a flight schedule is
+    taken.
+    """
     if isinstance(source, dict):
         if time is not None:
             raise InputError(f"time_s is that of a flight schedule; take it out of [{where}]")
@@ -405,7 +423,7 @@ def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVe
 
 
 def vehicle_source(source: str, folder: Path) -> str | Path:
-    """Return the name of a vehicle of the package, or a path, in `folder` if the file exists."""
+    """Return a vehicle's name or path: `source` itself, or its file in `folder` if that exists."""
     if isinstance(source, EditedSource):
         return source
     path = folder / source
@@ -413,14 +431,21 @@ def vehicle_source(source: str, folder: Path) -> str | Path:
 
 
 def design_of(document: Mapping[str, Any], folder: Path) -> AutopilotDesign | None:
-    """Return the autopilot design of the table [autopilot]; None without the table."""
+    """Return the autopilot design of [autopilot] in a document; None without the table.
+
+    `folder`: where the file of a gain schedule is.
+    """
     return AUTOPILOT_TABLE.made(document, lambda keys: AutopilotDesign.from_table(keys, folder))
 
 
 def system_of(document: Mapping[str, Any], table: FileTable, folder: Path) -> LinearSystem | None:
-    """Return the system of the file that a table names, relative to a folder; None without it."""
+    """Return the system of the file that a table of a document names; None without the table.
+
+    `folder`: where that file is.
+    """
 
     def read(keys: dict[str, Any]) -> LinearSystem:
+        """Return the system of the file named by `keys`, those of the table."""
         table.need(keys, ("system",))
         return read_system(folder / printable_text(f"system in {table.heading}", keys["system"]))
 
@@ -428,7 +453,7 @@ def system_of(document: Mapping[str, Any], table: FileTable, folder: Path) -> Li
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
-    """Return the dispersions of the tables [[dispersion]] and [[correlation]]."""
+    """Return the dispersions of the tables [[dispersion]] and [[correlation]] in a document."""
     rows = DISPERSION_TABLE.each(document)
     correlation = CORRELATION_TABLE.each(document)
     dispersions, faults = [], Faults()
@@ -453,7 +478,7 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
 
 
 def _dispersion(row: dict[str, Any]) -> Dispersion:
-    """Return the distribution of a table [[dispersion]]."""
+    """Return the distribution of a parameter, from the keys of a table [[dispersion]] in `row`."""
     table = spread_table(row.get("parameter"))
     keys = table.read(row)
     parameter, shape = keys.pop("parameter"), keys.pop("shape", "normal")

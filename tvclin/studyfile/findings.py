@@ -181,13 +181,19 @@ class Findings:
 
 
 def _sealed(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the inputs of a record that its seal covers, by name."""
+    """Return the inputs of a record that its seal covers, by name.
+
+    `pairs`: names and values of all its inputs.
+    """
     pairs = [pair for pair in pairs if pair[0] != "numbers_from"]  # no number depends on it
     return {key: value for key, value in pairs if value is not None or key not in _UNSEALED_IF_NONE}
 
 
 def _plain(value: Any) -> Any:
-    """Return an array or history as JSON lists: complex numbers as pairs, times as text."""
+    """Return a value, an array or history, as JSON lists.
+
+    Complex numbers are pairs, times are text.
+    """
     array = np.asarray(value)
     if np.iscomplexobj(array):
         return [array.real.tolist(), array.imag.tolist()]
@@ -219,10 +225,15 @@ def find(
         requests = {k: request for k, request in _requests(plan).items() if k not in omitted}
 
         def result(name: str, compute: Callable[[Any, Progress], Any]) -> Any:
+            """Return the result of a field of `Findings`; None if not requested, or for its reason.
+
+            `compute`: function from the request of this field and a progress to the result.
+            """
             if name not in requests:
                 return None
 
             def report(done: float, total: float) -> None:
+                """Report the steps of this result that are done, of a total."""
                 if progress is not None:
                     progress(list(requests).index(name) + done / total, len(requests))
 
@@ -299,7 +310,11 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
 def _trials(
     plan: StudyPlan, study: Study, loop: Loop, request: LawsRequest, progress: Progress
 ) -> tuple[LawTrial, ...]:
-    """Return the trials of the requested laws in the standard winds."""
+    """Return the trials of the requested laws in the standard winds, a trial for each law and wind.
+
+    `plan`, `study`: the study plan, and its study. `loop`: function that returns plant and
+    autopilot. `request`: names of laws and winds. `progress`: called with trials done and in total.
+    """
     from tvclin.design.standard_trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of
 
@@ -326,13 +341,17 @@ def _trials(
 
 
 def _comparison(study: Study, loop: Loop) -> TrimComparison:
+    """Return the autopilot of a loop in the wind of a study, compared with trim and bounds."""
     from tvclin.control.comparison import compare_with_trim
 
     return compare_with_trim(*loop(), study.history)
 
 
 def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
-    """Return margins, boundaries and flight of the autopilot with the flexible vehicle."""
+    """Return margins, boundaries and flight of the autopilot with the flexible vehicle of a plan.
+
+    `study`: the study of the plan. `loop`: function that returns plant and autopilot.
+    """
     from tvclin.case.flexible_autopilot import flexible_answer
 
     (plant, autopilot), criteria = loop(), plan.held_to
@@ -342,7 +361,10 @@ def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
 
 
 def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMargins:
-    """Return the margins of an autopilot and its plant in the wind, with the limit."""
+    """Return the margins of a flight through the wind of a study with a deflection limit [rad].
+
+    `plan`: plan of the study. `loop`: result with the plant that flies and its autopilot.
+    """
     from tvclin.control.laws.autopilot_law import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
@@ -357,9 +379,10 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
 
 
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
-    """Return the autopilot requirement at nominal dynamic pressure.
+    """Return the autopilot requirement at nominal dynamic pressure, as a boundary of flights.
 
-    For a flexible vehicle it is part of `loop`, else it is computed for its plant and autopilot.
+    `plan`, `study`: the study plan, and its study. `loop`: result with the plant that flies and its
+    autopilot; that of a flexible vehicle has the boundary already.
     """
     from tvclin.case.flexible_autopilot import FlexibleAnswer
     from tvclin.requirement.autopilot_requirement import autopilot_boundary
@@ -372,7 +395,11 @@ def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
 def _in_a_head_wind(
     plan: StudyPlan, study: Study, flying: Flying | None, loop: Loop, limit: float
 ) -> HeadWind | None:
-    """Return answers at the pressure of a head wind; None where that sets no requirement."""
+    """Return answers at the pressure of a head wind; None where that sets no requirement.
+
+    `plan`, `study`: the study plan, and its study. `flying`: result with plant and autopilot, None
+    without an autopilot. `loop`: function that returns both. `limit`: deflection limit [rad].
+    """
     from tvclin.requirement.autopilot_requirement import at_peak_pressure, head_wind_boundary
 
     if not study.ratio_to_nominal > 1.0:  # NaN in a wind beyond linear aerodynamics
@@ -390,6 +417,7 @@ def _in_a_head_wind(
             denser = _with_load_of(at_peak_pressure(plan, study), plan)
 
             def denser_loop() -> tuple[AnyPlant, Autopilot]:
+                """Return the plant at the higher dynamic pressure, and the autopilot."""
                 return denser.plant, loop()[1]
 
             turbulence = _turbulence(denser, study, denser_loop, plan.turbulence)
@@ -397,7 +425,10 @@ def _in_a_head_wind(
 
 
 def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:
-    """Return the plan of a higher dynamic pressure with the load limit at that pressure."""
+    """Return the plan `denser`, at a higher dynamic pressure, with the load limit at that pressure.
+
+    `plan`: the plan at nominal dynamic pressure, with the load limit there.
+    """
     if plan.load is None:
         return denser
     slopes = [getattr(x.vehicle, "normal_force_slope", 1.0) for x in (denser, plan)]
@@ -405,7 +436,10 @@ def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
-    """Return the plant and its autopilot, whose optimised gains satisfy the criteria."""
+    """Return the plant of a plan and its autopilot, whose optimised gains satisfy the criteria.
+
+    `study`: study of the plan, whose wind a rule for the gains may use.
+    """
     from tvclin.design.gain_designs import specified_autopilot
 
     return plan.plant, specified_autopilot(plan, study.history, plan.held_to)
@@ -414,7 +448,11 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
 def _turbulence(
     plan: StudyPlan, study: Study, loop: Loop, request: TurbulenceRequest
 ) -> LoopInTurbulence:
-    """Return the autopilot in the wind and turbulence, in one plane."""
+    """Return the autopilot in the wind of a study and in turbulence, in one plane.
+
+    `plan`: plan of the study. `loop`: function that returns plant and autopilot. `request`: the
+    turbulence, and how many standard deviations count.
+    """
     from tvclin.case.turbulence import LoopInTurbulence
 
     if study.judges_both_planes:
@@ -427,7 +465,7 @@ def _turbulence(
 
 
 def _altitude(plan: StudyPlan) -> float | None:
-    """Return the altitude [m] of the vehicle at its time of the flight; None if not known."""
+    """Return the altitude [m] of the vehicle of a plan at its flight time; None if not known."""
     time = getattr(plan.vehicle, "time", None)
     if time is None or plan.sizing is None or plan.sizing.schedule.altitude is None:
         return None
@@ -438,9 +476,10 @@ def _altitude(plan: StudyPlan) -> float | None:
 def _flight(
     plan: StudyPlan, request: SizingRequest, progress: Progress
 ) -> tuple[Sizing, DeflectionTotal, FlightTurbulence | str | None]:
-    """Return the sizing of the flight, its worst total, and its turbulence.
+    """Return the sizing of the flight of a plan, its worst total, and its turbulence.
 
     The turbulence is a text with the reason if it is not known, and None without turbulence.
+    `request`: flight, winds and dead bands. `progress`: called with steps done and in total.
     """
     sizing = request.sizing(plan, progress)
     turbulence = request.turbulence(plan, plan.turbulence)
@@ -455,14 +494,21 @@ def _flight_loop(plan: StudyPlan) -> FlightLoop:
 
 
 def _flights(plan: StudyPlan, sizing: Sizing, _: float, progress: Progress) -> FlightsOfLoop:
-    """Return the flights of the autopilot along the flight, with its use of the nozzle."""
+    """Return the flights of the autopilot of a plan along its flight, with its use of the nozzle.
+
+    `sizing`: sizing of the flight. `_`: deflection limit [rad], which the plan has too. `progress`:
+    called with flights done and in total.
+    """
     assert plan.sizing is not None  # by its request
     counted = plan.sizing.counted(sizing, plan.sign)
     return _flight_loop(plan).use(sizing, counted, progress=progress)
 
 
 def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:
-    """Return the duty of the nozzle over the flight of a plan."""
+    """Return the duty of the nozzle over the flight of a plan, with the law of a sizing `request`.
+
+    `progress`: called with steps done and in total.
+    """
     from tvclin.nozzle.duty_over_flight import flight_duty
 
     law, random = str(request.duty_law), plan.turbulence
@@ -470,7 +516,11 @@ def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> Flight
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
-    """Return the trade-off of limit [rad] and rate limit [rad/s] in the wind of a study."""
+    """Return the trade-off of deflection limit and rate limit in the wind of a study.
+
+    `plan`: plan of the study, with its plant and rate limit [rad/s]. `limit`: deflection limit
+    [rad].
+    """
     from tvclin.boundary.limit_over_rate import rate_trade_off
 
     limit /= study.plane_ratio  # of this plane
@@ -479,7 +529,7 @@ def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
 
 
 def _dispersed(plan: StudyPlan, study: Study, request: Dispersions) -> DispersedStudy:
-    """Return the dispersed study of a plan."""
+    """Return the dispersed study of a plan: `study` with the dispersions of `request`."""
     from tvclin.ensembles.dispersed_study import disperse_study
 
     return disperse_study(

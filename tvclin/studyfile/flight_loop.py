@@ -208,9 +208,10 @@ class FlightLoop:
     def _flown(
         self, cases: Sequence[tuple[_Wind, str | None]], limit: float
     ) -> Iterator[FlightAlong]:
-        """Yield the flights through winds, each in a direction, with a deflection limit [rad].
+        """Yield the flights through winds, in the order of `cases`, with a deflection limit [rad].
 
-        Of pulses, and of soundings, the stages are computed together.
+        `cases`: winds, each with a direction: head, tail, frozen, or None for that of the wind
+        itself. The stages of all pulses are computed together, and of all soundings.
         """
         for measured, group in groupby(cases, lambda case: isinstance(case[0].wind, _MEASURED)):
             if self.plan.planes == BOTH:
@@ -229,7 +230,10 @@ class FlightLoop:
             yield from sampled_outputs(flights, limit, self.plan.hardware["rate_limit"])
 
     def _flown_in_planes(self, case: _Wind, sign: str | None, limit: float) -> FlightAlong:
-        """Return the flight in both planes through a wind in a direction; `limit` [rad]."""
+        """Return the flight in both planes through a wind, with a deflection limit [rad].
+
+        `case`: wind in both planes. `sign`: its direction, see `fly_planes_along`.
+        """
         measured, wind = isinstance(case.wind, _MEASURED), case.wind
         assert isinstance(wind, PlaneWind | MeasuredPlanes)
         return fly_planes_along(
@@ -329,7 +333,7 @@ class FlightLoop:
         return tuple(SIGNS) if both else (self.plan.sign,)
 
     def _omitted(self, wind: FlownWind) -> str:
-        """Return why a survived flight is not known to be survived; empty where it is."""
+        """Return why survival in a wind is not known throughout, in words; empty if it is."""
         if not isinstance(wind, MeasuredWind | MeasuredPlanes):
             return ""
         (first, last), (low, high) = self.flight.span, wind.known
@@ -341,14 +345,18 @@ class FlightLoop:
 
 
 def _used(case: _Wind, flown: FlightAlong, times: FloatArray) -> FloatArray:
-    """Return the largest deflection [rad] of a flight by flight time ``(n,)``; NaN elsewhere."""
+    """Return the largest deflection [rad] of a flight by flight time of the sizing, ``(n,)``.
+
+    `case`: wind of the flight `flown`. NaN at other times than that of a pulse or gust, and where a
+    flight through a sounding does not fly. `times`: flight times of the sizing [s], ``(n,)``.
+    """
     if case.time is None:
         return used_around(flown, times)
     return np.where(times == case.time, abs(flown.largest("deflection").value), np.nan)
 
 
 def within_linear_range(flown: FlightAlong) -> FlightAlong:
-    """Return a flight until its attitude or angle of attack leaves the range of linear angles."""
+    """Return the flight `flown` up to where attitude or angle of attack leaves the linear range."""
     angles = [np.abs(flown.outputs[name]) for name in ("attitude", "angle_of_attack")]
     beyond = np.flatnonzero(np.max(angles, axis=0) > MAX_LINEAR_ANGLE)
     if not beyond.size or beyond[0] < 1:
@@ -359,7 +367,7 @@ def within_linear_range(flown: FlightAlong) -> FlightAlong:
 
 
 def _or(value: float | None, otherwise: float) -> float:
-    """Return a value, or another where it is None."""
+    """Return `value`, or `otherwise` where it is None."""
     return otherwise if value is None else value
 
 
@@ -410,7 +418,11 @@ class FlightOutcome(Record):
 
     @classmethod
     def of(cls, case: _Wind, sign: str | None, flown: FlightAlong, omitted: str) -> Self:
-        """Return the outcome of a flight in a direction; `omitted`: unknown part of its wind."""
+        """Return the outcome of a flight `flown` through a wind in a direction.
+
+        `case`: wind with its name. `sign`: its direction. `omitted`: part of the flight in which
+        the wind is not known, in words; empty where it is known throughout.
+        """
         survived = {"survived": True, "lost": False, "rings": False}.get(flown.status)
         names = ("deflection", "deflection_rate", "angle_of_attack", "attitude")
         peaks = {f"peak_{name}": abs(flown.largest(name).value) for name in names}

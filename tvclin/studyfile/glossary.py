@@ -90,7 +90,7 @@ def symbol_table() -> Table:
 
 
 def equation_table(s: Study) -> Table:
-    """Return the equations that a study uses: number, equation as corrected, and use."""
+    """Return the equations that a study `s` uses: number, equation as corrected, and use."""
     printed = tomllib.loads((files("tvclin.studyfile") / "equations.toml").read_text("utf-8"))
     used = {key: equation["use"] for key, equation in printed.items() if "use" in equation}
     for name in s.boundaries:
@@ -108,7 +108,7 @@ def equation_table(s: Study) -> Table:
 
 
 def glossary_table(words: str) -> Table:
-    """Return the symbols and terms that a text uses, each with its meaning."""
+    """Return the symbols and terms that occur in a text `words`, each with its meaning."""
     used: list[tuple[Line, ...]] = [
         (_symbols(name), (as_sentence(meaning),))
         for name, meaning in SYMBOLS.items()
@@ -123,6 +123,6 @@ def glossary_table(words: str) -> Table:
 
 
 def _symbols(names: str) -> Line:
-    """Return the line of one symbol, or of several separated by commas."""
+    """Return the line of one symbol, or of several; `names`: the symbols, separated by commas."""
     first, *others = (labelled(name)[-1] for name in names.split(", "))
     return (first, *(word for name in others for word in (", ", name)))

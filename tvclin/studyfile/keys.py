@@ -276,7 +276,7 @@ def column_tables() -> list[Table]:
 
 
 def _keys(name: str, table: FileTable) -> Iterator[Key]:
-    """Yield the keys of a table."""
+    """Yield the keys of a table, each with help, unit and default; `name`: name of the table."""
     helps: dict[str, str] = {}
     specified: dict[str, Any] = {}
     for record in _RECORDS.get(name, ()):
@@ -302,7 +302,10 @@ def _keys(name: str, table: FileTable) -> Iterator[Key]:
 
 
 def _default(item: Any, factor: float | None) -> str:
-    """Return the default of a field in the unit of its key; empty where there is none."""
+    """Return the default of a field as text in the unit of its key; empty where there is none.
+
+    `item`: the field. `factor`: value in SI of that unit; None for a key without a unit.
+    """
     if item.shown or item.default is None:
         return item.shown
     values = item.default if item.many else (item.default,)
@@ -310,5 +313,8 @@ def _default(item: Any, factor: float | None) -> str:
 
 
 def _text(value: Any, factor: float | None) -> str:
-    """Return a default as text, a number in the unit with this factor to SI units."""
+    """Return a default as text; `factor`: value in SI of the unit, None without a unit.
+
+    `value`: the default, a number in SI or a word.
+    """
     return f"{value / (factor or 1.0):g}" if factor or isinstance(value, float) else str(value)

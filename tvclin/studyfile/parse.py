@@ -53,9 +53,9 @@ from tvclin.winds.wind_file import (
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
-    """Return the plan of a document; see `load_study`.
+    """Return the plan of a document, whose campaign is checked too; exceptions as `load_study`.
 
-    A campaign in the same document is checked too.
+    `document`: tables of the file by name. `folder`: where the files that it names are.
     """
     subject = subject_of(document, folder)
     if "cases" in document.get("campaign", {}):
@@ -102,7 +102,8 @@ def _scheduled_autopilot(
     """Return fields of a plan for an autopilot that varies over the flight; empty for others.
 
     They are the autopilot at the time of the vehicle, and the sizing with the autopilot along the
-    flight. `subject`, `values`: fields of the plan so far.
+    flight. `document`: tables of the file; `folder`: where the files that it names are. `subject`,
+    `values`: fields of the plan so far.
     """
     design, sizing = values["design"], values["sizing"]
     if design is None or design.schedule is None:
@@ -116,7 +117,11 @@ def _scheduled_autopilot(
 
 
 def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
-    """Return the wind of a study, with its gust: of one shape, or else the first sounding."""
+    """Return the wind of a study, with its gust: of one shape, or else the first sounding.
+
+    `document`: tables of the file; `folder`: where the files that it names are. `subject`: vehicle
+    and plane by field.
+    """
     plane = subject.get("plane", "pitch")
     if is_wind_measured(document):
         reading = SoundingReading.of(document, folder)
@@ -149,7 +154,10 @@ def _criteria(table: dict[str, Any]) -> Criteria:
 
 
 def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
-    """Return the sizing request of a document; None without [schedule] and [size]."""
+    """Return the sizing request of a document; None without [schedule] and [size].
+
+    `folder`: where the files that the document names are.
+    """
     reading = SoundingReading.of(document, folder)
     measured = [
         _sounding(table, folder, reading) for table in wind_tables(document) if SOUNDING in table
@@ -188,7 +196,10 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
 
 
 def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequest | None:
-    """Return the availability request of a document; None without [availability]."""
+    """Return the availability request of a document; None without [availability].
+
+    `folder`: where the archive that the document names is.
+    """
     if "availability" not in document:
         return None
     options = AVAILABILITY_TABLE.read(AVAILABILITY_TABLE.one(document))
@@ -220,7 +231,7 @@ def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequ
 
 
 def _gust(document: Mapping[str, Any], plane: str) -> GustOf | None:
-    """Return the gust of [gust] on top of a sounding; None without it."""
+    """Return the gust of [gust] in a document, on top of a sounding in a plane; None without it."""
     if "gust" not in document:
         return None
     values, speed = wind_values(GUST_TABLE, GUST_TABLE.one(document)), _gust_speed(document)
@@ -231,7 +242,7 @@ def _gust(document: Mapping[str, Any], plane: str) -> GustOf | None:
 
 
 def _gust_speed(document: Mapping[str, Any]) -> float | None:
-    """Return the speed [m/s] of [gust]; None for a gust with an angle, and without a gust."""
+    """Return the speed [m/s] of [gust] in a document; None for an angle, and without a gust."""
     on_top = "gust" in document and not is_wind_from_gust(document)
     return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed") if on_top else None
 
@@ -239,7 +250,11 @@ def _gust_speed(document: Mapping[str, Any]) -> float | None:
 def _sounding(
     table: dict[str, Any], folder: Path, reading: SoundingReading
 ) -> tuple[str, SoundingRequest]:
-    """Return name and request of a sounding in [[wind]], whose keys override [sounding]."""
+    """Return name and request of the sounding of a table [[wind]].
+
+    `table`: its keys, which override those of [sounding]. `folder`: where its file is. `reading`:
+    the keys of [sounding].
+    """
     of_pulse = [
         key for key in table if key in WIND_TABLE.every_key and key not in SOUNDING_TABLE.every_key
     ]

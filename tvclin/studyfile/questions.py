@@ -136,7 +136,10 @@ def questioned(plan: StudyPlan) -> StudyPlan:
 
 
 def questions(findings: Findings) -> tuple[Question, ...]:
-    """Return the questions of a plan with their answers, in the order of the plan."""
+    """Return the questions of a plan with their answers, in the order of the plan.
+
+    `findings`: results of the plan. A question on angles has its measure: required, available.
+    """
     limit = findings.study.limit
     return tuple(
         replace(question, measure=_of_angles(question.required_deflection, limit))
@@ -149,7 +152,10 @@ def questions(findings: Findings) -> tuple[Question, ...]:
 
 
 def sufficient(findings: Findings) -> bool | None:
-    """Return whether every answer is yes; None where one is not known, or no limit was given."""
+    """Return whether every answer in findings is yes; None where one is not known.
+
+    None without a limit, too, unless an answer is no.
+    """
     answers = [question.yes for question in questions(findings)]
     if False in answers:
         return False
@@ -157,7 +163,7 @@ def sufficient(findings: Findings) -> bool | None:
 
 
 def all_yes(findings: Findings) -> bool:
-    """Return whether no question has another answer than yes."""
+    """Return whether no question of findings has another answer than yes."""
     return all(question.yes is True for question in questions(findings))
 
 
@@ -171,7 +177,7 @@ _IN_THE_WIND = (
 
 
 def _in_linear_range(findings: Findings) -> Iterator[Question]:
-    """Yield the questions; the answer is None where the wind is beyond linear aerodynamics.
+    """Yield the questions of findings; the answer is None in a wind beyond linear aerodynamics.
 
     It is None in place of yes where the dynamic pressure encountered is not known.
     """
@@ -185,7 +191,7 @@ def _in_linear_range(findings: Findings) -> Iterator[Question]:
 
 
 def _answered(findings: Findings) -> Iterator[Question]:
-    """Yield the questions of a plan, each with the answer of its own function."""
+    """Yield the questions of findings, each with the answer of its own function."""
     limit = findings.study.limit
     if limit is not None:
         yield _wind(findings)
@@ -213,7 +219,10 @@ def _answered(findings: Findings) -> Iterator[Question]:
 
 
 def _wind(findings: Findings) -> Question:
-    """Return the question whether the limit covers the required deflection of the wind."""
+    """Return the question whether the limit covers the required deflection of the wind.
+
+    `findings`: results of a plan with a limit.
+    """
     required, governs = findings.study.required_deflection, findings.study.governs
     whose = f"this wind requires{f' {NOMINAL}' if findings.study.unknown else ''}"
     line: Line = (f"set by {governs}",)
@@ -225,7 +234,11 @@ def _wind(findings: Findings) -> Question:
 
 
 def _rate(findings: Findings) -> Question:
-    """Return the question whether the rate limit is above the lower bound of every control."""
+    """Return the question whether the rate limit is above the lower bound of every control.
+
+    `findings`: results of a plan with a rate limit. In a head wind that governs, yes stands on the
+    dynamic pressure at its peak throughout, too.
+    """
     name, front = "nozzle rate", findings.rates
     if front is None:
         return Question(name, None, (_reason(findings, "rates"),))
@@ -259,9 +272,9 @@ def _rate(findings: Findings) -> Question:
 def _load(findings: Findings) -> Question:
     """Return the question whether the limit and the load limit admit a control of known wind.
 
-    Its number is a lower bound with the wind known: by the peak pressure of a head wind throughout,
-    where that sets the requirement, which is no bound of the flight; NOT MET stands on the nominal
-    one.
+    `findings`: results of a plan with a load limit. The number of the question is a lower bound
+    with the wind known: by the peak pressure of a head wind throughout, where that sets the
+    requirement, which is no bound of the flight; NOT MET stands on the nominal one.
     """
     name, front, rates = "load", findings.loads, findings.rates
     if front is None:
@@ -288,7 +301,10 @@ def _load(findings: Findings) -> Question:
 
 
 def _flight(findings: Findings) -> Question:
-    """Return the question whether the limit covers the total deflection along the flight."""
+    """Return the question whether the limit covers the total deflection along the flight.
+
+    `findings`: results of a plan with a flight.
+    """
     name, request = "whole flight", findings.plan.sizing
     if findings.flight is None or request is None:
         return Question(name, None, (_reason(findings, "flight"),))
@@ -313,7 +329,8 @@ def _flight(findings: Findings) -> Question:
 def _flight_rate(findings: Findings) -> Iterator[Question]:
     """Yield the question whether the rate limit covers the required rate along the flight.
 
-    Where the rate alone is insufficient the question of the whole flight has it.
+    `findings`: results of a plan with a flight. Nothing is yielded where the rate alone is
+    insufficient, which the question of the whole flight says.
     """
     total, limit = findings.flight and findings.flight[1], findings.study.limit
     if not total or total.rate_limit is None:
@@ -332,7 +349,10 @@ def _flight_rate(findings: Findings) -> Iterator[Question]:
 
 
 def _duty_question(findings: Findings) -> Iterator[Question]:
-    """Yield the question whether the nozzle can follow a law along the flight, if it is sized."""
+    """Yield the question whether the nozzle can follow a law along the flight of findings.
+
+    Nothing is yielded where its duty was not requested.
+    """
     name = "nozzle card"
     if findings.duty is None:
         if "duty" in findings.reasons:
@@ -350,7 +370,10 @@ def _duty_question(findings: Findings) -> Iterator[Question]:
 
 
 def _availability(findings: Findings, minimum: float) -> Question:
-    """Return the question whether at least this fraction of the soundings fly."""
+    """Return the question whether at least a fraction of the soundings of findings fly.
+
+    `minimum`: that fraction, from 0 to 1.
+    """
     if findings.availability is None:
         return Question("availability", None, (_reason(findings, "availability"),))
     fraction = findings.availability.fraction()
@@ -362,7 +385,10 @@ def _availability(findings: Findings, minimum: float) -> Question:
 
 
 def _probability(findings: Findings, limit: float) -> Question:
-    """Return the question whether the limit covers the required quantile of dispersed cases."""
+    """Return the question whether a limit [rad] covers the required quantile of dispersed cases.
+
+    `findings`: results of a plan with dispersions.
+    """
     d = findings.dispersed
     if d is None:
         return Question("probability", None, (_reason(findings, "dispersed"),))
@@ -388,7 +414,10 @@ def _probability(findings: Findings, limit: float) -> Question:
 
 
 def _autopilot(findings: Findings, limit: float) -> Question:
-    """Return the question whether the autopilot, flown with the limit as its stop, survives."""
+    """Return the question whether the autopilot survives, flown with the limit as its stop.
+
+    `findings`: results of a plan with an autopilot. `limit`: deflection limit [rad].
+    """
     name, c = "autopilot", findings.comparison
     if c is None:
         return Question(name, None, (_reason(findings, "comparison"),))
@@ -429,7 +458,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
 
     It is a criterion on the linear loop: where it is not satisfied, limits are reached more often.
     Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
-    bound.
+    bound. `findings`: results of a plan with turbulence. `limit`: deflection limit [rad].
     """
     t, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
     if t is None:
@@ -468,7 +497,9 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
 def _bound_reason(findings: Findings, words: str, nominal: Line, yes: bool | None) -> Line:
     """Return the reason of an answer by the bound for a head wind, with the nominal number.
 
-    Without a head wind that sets the requirement it is the `words` alone.
+    `findings`: results of a study plan. `words`: the reason. `nominal`: number at nominal dynamic
+    pressure, as a line. `yes`: the answer. Without a head wind that sets the requirement the reason
+    is the `words` alone.
     """
     if findings.head is None:
         return (words,)
@@ -479,25 +510,37 @@ def _bound_reason(findings: Findings, words: str, nominal: Line, yes: bool | Non
 
 
 def _at_peak(findings: Findings) -> str:
-    """Return words on the dynamic pressure of an upper bound, before the nominal number."""
+    """Return words on the dynamic pressure of an upper bound, before the number at the nominal one.
+
+    `findings`: results of a study plan in a head wind.
+    """
     wind = f"{findings.study.direction} wind"
     return f", with the dynamic pressure at the peak of a {wind} throughout, at the nominal one "
 
 
 def _also(nominal: bool | None, head: bool | None) -> bool | None:
-    """Return the answer of both dynamic pressures: yes needs both, no is that at the nominal."""
+    """Return the answer of both dynamic pressures: yes needs both, no is that at the nominal.
+
+    `nominal`: answer at nominal dynamic pressure. `head`: at the peak of a head wind.
+    """
     return True if nominal and head else None if nominal else nominal
 
 
 def without_stop(findings: Findings) -> float:
-    """Return the peak deflection [rad] of the autopilot without a stop; NaN without autopilot."""
+    """Return the peak deflection [rad] of the autopilot of findings without a stop.
+
+    NaN without an autopilot. Where both planes are judged it is that of both.
+    """
     if findings.comparison is None:
         return float("nan")
     return float(findings.comparison.peak_deflection * findings.study.plane_ratio)
 
 
 def _margins(findings: Findings) -> Question:
-    """Return the question whether the margins satisfy the criteria, by the smallest surplus."""
+    """Return the question whether the margins of findings satisfy the criteria.
+
+    Its numbers are those of the criterion with the smallest surplus.
+    """
     flexible = findings.plan.vehicle.structure is not None
     field = "flexible" if flexible else "comparison"
     margins = findings.margins
@@ -516,7 +559,10 @@ def _margins(findings: Findings) -> Question:
 
 
 def _along_flight(findings: Findings) -> Iterator[Question]:
-    """Yield whether the autopilot over the flight has its margins, and survives along it."""
+    """Yield two questions of findings on the autopilot along the flight.
+
+    They are whether it has its margins at the flight times, and whether it survives, flown along.
+    """
     sweep, flights, reasons = findings.sweep, findings.flights, findings.reasons
     if sweep is not None:
         yield Question(_OVER_FLIGHT, sweep.all_satisfied, (sweep.verdict,))
@@ -530,20 +576,29 @@ def _along_flight(findings: Findings) -> Iterator[Question]:
 
 
 def _relative_surplus(judgement: Judgement) -> float:
-    """Return the surplus of a margin over its criterion; infinite for a criterion of zero."""
+    """Return the surplus of a judged margin over its criterion; infinite for a criterion of zero.
+
+    `judgement`: margin with its criterion.
+    """
     limit = judgement.criterion.limit
     return float(judgement.surplus) / limit if limit else np.inf
 
 
 def _measured(judgement: Judgement) -> Measure:
-    """Return a margin with its criterion, in the unit of tables."""
+    """Return the measure of a judged margin: the criterion is required, the margin available.
+
+    `judgement`: margin with its criterion. Numbers are in the unit of tables.
+    """
     limit, unit = judgement.criterion.shown
     value, digits = unit_factor(unit) * float(judgement.value), DIGITS[unit]
     return Measure(limit, value, unit, digits, judgement.criterion.is_upper_limit)
 
 
 def _flexible(findings: Findings) -> Question:
-    """Return the question whether the flexible vehicle, flown with this limit, survives."""
+    """Return the question whether the flexible vehicle survives, flown with the limit.
+
+    `findings`: results of a plan whose vehicle has a structure, with its autopilot.
+    """
     f = findings.flexible
     if f is None or f.flight is None:
         return Question("flexible flight", None, (_reason(findings, "flexible"),))
@@ -563,7 +618,10 @@ def _flexible(findings: Findings) -> Question:
 
 
 def _of_angles(required: float, available: float, unit: str = "deg") -> Measure:
-    """Return the measure of angles [rad] or rates [rad/s], in degrees."""
+    """Return the measure of required and available angles [rad] or rates [rad/s], in degrees.
+
+    `unit`: unit of the measure, "deg" or "deg/s".
+    """
     return Measure(float(np.degrees(required)), float(np.degrees(available)), unit)
 
 

@@ -95,7 +95,7 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
 def _with_altitude(plan: StudyPlan, source: str | PathLike[str]) -> StudyPlan:
     """Return a plan whose turbulence has the altitude of the vehicle in its own flight, if known.
 
-    A plan with a flight has the altitudes of that.
+    `source`: vehicle of the plan, by name or path. A plan with a flight has the altitudes of that.
     """
     request, time = plan.turbulence, getattr(plan.vehicle, "time", None)
     if request is None or not request.needs_altitude or plan.sizing is not None or time is None:
@@ -186,7 +186,10 @@ def _is_default(wind: ShapedWind) -> bool:
 def _flight_of_a_vehicle(
     source: str | PathLike[str], winds: Mapping[str, SoundingRequest]
 ) -> StudyPlan:
-    """Return the plan of the flight of a vehicle, or of a schedule, with keys set."""
+    """Return the plan of the flight of a vehicle, or of a schedule, with keys set.
+
+    `source`: name or path of the vehicle or schedule. `winds`: soundings of the flight by name.
+    """
     from tvclin.ascent.schedule_file import load_schedule
 
     document, vehicle = source_tables(source), vehicle_source(source)
@@ -218,7 +221,7 @@ def is_flight_with_keys(source: str | PathLike[str]) -> bool:
 
 
 def _of_a_vehicle(document: Mapping[str, Any]) -> bool:
-    """Return whether a study is of a vehicle, or of a schedule, with keys set."""
+    """Return whether a document is that of a vehicle, or of a schedule, with keys set."""
     return isinstance(document.get("study", {}).get("vehicle"), EditedSource)
 
 

@@ -134,7 +134,10 @@ def quantity_name(key: str) -> str:
 
 
 def _setting(key: str, value: str) -> Setting:
-    """Return a setting, its table checked."""
+    """Return the setting of ``--set`` with a key, such as size.every_s, and the text of its value.
+
+    Its table is checked: `InputError` for an unknown one.
+    """
     parts = key.split(".")
     if not all(parts):
         raise InputError(
@@ -149,7 +152,10 @@ def _setting(key: str, value: str) -> Setting:
 
 
 def _value(key: str, text: str) -> Any:
-    """Return the value of a text: a number, true or false, a list, or the text itself."""
+    """Return the value of a text: a number, true or false, a list, or the text itself.
+
+    None for the word that removes the key. `key`: the key, for messages.
+    """
     text = text.strip()
     if text == _REMOVAL:
         return None
@@ -171,7 +177,11 @@ def _value(key: str, text: str) -> Any:
 def _study(
     tables: dict[str, Any], folder: Path, of_study: list[Setting], of_vehicle: list[Setting]
 ) -> dict[str, Any]:
-    """Return the tables of a study file with its keys, and the keys of its vehicle, set."""
+    """Return the tables of a study file with its keys, and the keys of its vehicle, set.
+
+    `tables`: those of the file. `folder`: where the file is. `of_study`, `of_vehicle`: settings of
+    the file, and of the vehicle that it names.
+    """
     tables = _changed(tables, of_study)
     home = tables["study"] if "vehicle" in tables.get("study", {}) else tables.get("campaign", {})
     vehicle = home.get("vehicle")
@@ -194,7 +204,10 @@ def _study(
 
 
 def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> str:
-    """Return the source of a vehicle with keys of its file set."""
+    """Return the source of a vehicle with keys of its file set.
+
+    `source`: name or path of the vehicle. `tables`: those of its file. `settings`: keys and values.
+    """
     if settings and is_schedule(source):
         raise InputError(
             f"--set {settings[0].key} is of a vehicle, and {called(source)} a flight schedule:"
@@ -204,7 +217,10 @@ def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> st
 
 
 def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
-    """Return tables with keys set; `InputError` where two of the keys exclude each other."""
+    """Return tables with keys set; `InputError` where two of the keys exclude each other.
+
+    `tables`: those of a file, which are changed. `settings`: keys and values.
+    """
     for setting in settings:
         with naming(f"--set {setting.key}"):
             _put(tables, setting)
@@ -251,7 +267,7 @@ def _put(tables: dict[str, Any], setting: Setting) -> None:
 
 
 def _rows_of(tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
-    """Return the rows of a repeated table, which is then a list in the tables."""
+    """Return the rows of the repeated table `name`, which is then a list in `tables`."""
     entry = tables.get(name, [])
     rows = entry if isinstance(entry, list) else [entry]
     if not all(isinstance(row, dict) for row in rows):
@@ -265,7 +281,9 @@ def _row(
 ) -> dict[str, Any] | None:
     """Return a row by its number or name, which is removed from `rest`; None if it is removed.
 
-    Without a number the only row. The number after the last begins a row.
+    `rows`: rows of the table `name`. `rest`: parts of the key after that name. `value`: value to be
+    set; None removes the row, where no key is left. Without a number the only row. The number after
+    the last begins a row.
     """
     k = _index(rows, name, rest)
     if k is None:
@@ -288,7 +306,11 @@ def _row(
 
 
 def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None:
-    """Return the index of a row by its number or name; None where a key stands in their place."""
+    """Return the index of a row by its number or name; None where a key stands in their place.
+
+    `rows`: rows of the table `name`. `rest`: parts of the key after that name, number or name
+    first.
+    """
     label, first = _ROWS.get(name, ""), rest[0]
     names = [str(row.get(label, "")) for row in rows] if label else []
     if first.isdigit():
@@ -306,14 +328,18 @@ def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None
 
 
 def _row_table(name: str, key: str) -> FileTable:
-    """Return the table of a key of a row; a wind may be measured."""
+    """Return the table of a key in a row of the table `name`; a wind may be measured."""
     table = _ALL_TABLES[name]
     measured = name == "wind" and key not in table.every_key and key in SOUNDING_TABLE.every_key
     return SOUNDING_TABLE if measured else table
 
 
 def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value: Any) -> None:
-    """Set or remove a key of a table, checked; other spellings of the quantity are removed."""
+    """Set or remove a key of a table, checked; other spellings of the quantity are removed.
+
+    `table`: keys of the table `name`. `entry`: the table of the file, which is changed. `value`:
+    new value; None removes the key.
+    """
     free = name == "schedule" or (name == "dispersion" and key.startswith("spread"))
     if not free and key not in table.every_key:
         raise InputError(table.unknown(key))
@@ -341,7 +367,7 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
 
 
 def _quantity(table: FileTable, key: str) -> str:
-    """Return the name of a key without its unit."""
+    """Return the quantity of a key in a table, the key without its unit."""
     return table.keys.get(key, (key,))[0]
 
 

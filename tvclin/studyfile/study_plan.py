@@ -44,6 +44,7 @@ class Document:
     revision: str = text("")
 
     def __post_init__(self) -> None:
+        """Check the fields by their specifications."""
         checked(self)
 
     @classmethod
@@ -131,6 +132,7 @@ class StudyPlan(Case):
     document: Document | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields, and that the parts of the plan suit each other."""
         super().__post_init__()
         if not isinstance(self.wind, VehicleWind | History):
             pulse_of(self)

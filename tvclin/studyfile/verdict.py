@@ -28,7 +28,7 @@ _ANGLE_RESOLUTION_DEG = 0.001
 
 
 def sentence(findings: Findings) -> Line:
-    """Return the verdict of a study as a sentence: the first line of commands and of the page.
+    """Return the verdict on findings as a sentence: the first line of commands and of the page.
 
     It compares the limit with the largest requirement, or has the first answer that is not yes, and
     names the other questions whose answer is not yes.
@@ -51,7 +51,10 @@ def sentence(findings: Findings) -> Line:
 
 
 def _answered(question: Question, limit: float | None) -> Line:
-    """Return the answer to a question, with its reason, or with what it requires and has."""
+    """Return the answer to a question, with its reason, or with what it requires and has.
+
+    `limit`: deflection limit [rad], named after the reason; None without one.
+    """
     measure = question.measure
     if measure is not None and question.whose and np.isnan(question.required_deflection):
         required, available = measured("verdict", measure)[:2]
@@ -64,7 +67,10 @@ def _answered(question: Question, limit: float | None) -> Line:
 
 
 def _covered_wind(answers: Sequence[Question]) -> Line:
-    """Return the requirement of the ideal trim law that the limit covers; empty if all is yes."""
+    """Return words on the requirement in the wind, which the limit covers, as a line.
+
+    `answers`: all questions. Empty if all answers are yes, or the limit does not cover the wind.
+    """
     wind = next((question for question in answers if question.name == "wind"), None)
     if not (wind and wind.yes and wind.required_deflection) or all(q.yes for q in answers):
         return ()
@@ -74,7 +80,10 @@ def _covered_wind(answers: Sequence[Question]) -> Line:
 
 
 def _named(others: Sequence[Question]) -> Line:
-    """Return the names of questions by their answers, with the reason why some are not known."""
+    """Return the names of questions by their answers, as a line.
+
+    `others`: the questions. A reason why answers are not known is named if all have the same.
+    """
     names: dict[str, list[str]] = {}
     reasons = {q.text.partition("; ")[0]: None for q in others if q.yes is None}
     for question in others:
@@ -86,7 +95,7 @@ def _named(others: Sequence[Question]) -> Line:
 
 
 def _required(study: Study) -> Line:
-    """Return the verdict without a limit: the required deflection of the wind."""
+    """Return the verdict on a study without a limit: the required deflection of its wind."""
     need = study.required_deflection
     if reason := study.beyond_linear or study.unknown:
         return (f"{sufficiency(None)}: {reason}",)
@@ -104,7 +113,10 @@ def _required(study: Study) -> Line:
 
 
 def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
-    """Return the verdict with a limit: its surplus over the requirement, or its deficit."""
+    """Return the verdict on a limit [rad]: its surplus over a requirement, or its deficit.
+
+    `worst`: question with the requirement. `sufficient`: whether the limit covers it.
+    """
     if not worst.required_deflection:
         return (_NOTHING,)
     if np.isinf(worst.required_deflection):
@@ -124,7 +136,7 @@ def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
 
 
 def basis(findings: Findings) -> Line:
-    """Return the line on the basis of the verdict: model, plane, dead band and wind."""
+    """Return the line on the basis of the verdict in findings: model, plane, dead band and wind."""
     s = findings.study
     line: Line = (
         f"The verdict is that of the {s.model} model in {_planes(s)}, with a dead band of K = ",
@@ -161,7 +173,10 @@ def basis(findings: Findings) -> Line:
 
 
 def _meets_the_stop(findings: Findings) -> Line:
-    """Return the warning of an autopilot that reaches the limit and survives; else empty."""
+    """Return the warning of an autopilot that reaches the limit and survives; else empty.
+
+    `findings`: results of a study plan.
+    """
     survives = any(
         question.name == "autopilot" and question.yes for question in questions(findings)
     )
@@ -177,16 +192,17 @@ def _meets_the_stop(findings: Findings) -> Line:
 
 
 def _planes(s: Study) -> str:
+    """Return the words on the plane, or on both planes, in which a study `s` judges."""
     return "both planes with one stop" if s.judges_both_planes else f"the {s.plane} plane"
 
 
 def _judged_wind(s: Study) -> ShapedWind:
-    """Return the wind of the verdict; for both planes its vector."""
+    """Return the wind of the verdict of a study `s`; for both planes its vector."""
     return s.slanting if s.judges_both_planes and s.slanting is not None else s.wind_in_plane
 
 
 def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
-    """Return the numbers shown with the verdict, each with its label."""
+    """Return the numbers of findings shown with the verdict, each with its label."""
     s = findings.study
     rows: list[tuple[str, Line]] = []
     if len(questions_table(findings).rows) < 2:  # else it is one of its rows
@@ -222,7 +238,10 @@ _MAX_NAMED_CHANGES = 3
 
 
 def questions_table(findings: Findings) -> Table:
-    """Return every question with its answer, and below them the values that are not judged."""
+    """Return the table of the questions of findings with their answers, the worst first.
+
+    Below them are the values that are not judged.
+    """
     judged = sorted(questions(findings), key=_worst_first)
     rows = [_row(question, question.answer) for question in judged]
     rows += [_row(question, _NOT_JUDGED) for question in unjudged_values(findings)]
@@ -230,7 +249,7 @@ def questions_table(findings: Findings) -> Table:
 
 
 def _worst_first(question: Question) -> tuple[int, float]:
-    """Return the sort key: no, not known, yes, and in each the largest ratio required/available."""
+    """Return the sort key of a question: no, not known, yes, each by required over available."""
     ratio = np.nan if question.measure is None else question.measure.ratio
     return (False, None, True).index(question.yes), np.inf if np.isnan(ratio) else -ratio
 
@@ -245,7 +264,10 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
 
 
 def measured(key: str, measure: Measure) -> tuple[Line, ...]:
-    """Return required, available and remaining, with units; none remains of what none satisfies."""
+    """Return required, available and remaining of a measure as lines, with units.
+
+    `key`: name of the numbers in JSON. None remains where nothing is sufficient.
+    """
     shown = [_shown(f"{key}.{name}", name, measure) for name in _NUMBERS[:2]]
     if np.isinf(measure.required):
         return (("none is sufficient",), shown[1], ("",))
@@ -253,7 +275,11 @@ def measured(key: str, measure: Measure) -> tuple[Line, ...]:
 
 
 def _shown(key: str, name: str, measure: Measure) -> Line:
-    """Return a number of a measure as a cell, in its unit."""
+    """Return a number of a measure as a line, in its unit.
+
+    `key`: name of the number in JSON, without its unit. `name`: "required", "available" or
+    "remaining".
+    """
     value, unit = getattr(measure, name), measure.unit
     suffix = _SUFFIXES.get(unit, unit.replace("/", "_per_").replace(" ", "_"))
     key += f"_{suffix}" if suffix else ""
@@ -264,7 +290,7 @@ def _shown(key: str, name: str, measure: Measure) -> Line:
 
 
 def unjudged_values(findings: Findings) -> Iterator[Question]:
-    """Yield the values that no criterion bounds, as questions without an answer."""
+    """Yield the values of findings that no criterion bounds, as questions without an answer."""
     margins = findings.margins
     if isinstance(margins, BandMargins) and not findings.criteria.has_mode_limits:
         yield from _modes(margins)

@@ -74,6 +74,7 @@ class Cached:
     """A function with a cache of its answers, whose warnings and input errors become notes."""
 
     def __init__(self, compute: Callable[..., Any]) -> None:
+        """Keep the values of a function `compute` by its arguments."""
         self._compute = compute
         self.cache: dict[tuple[Any, ...], CachedAnswer] = {}
 
@@ -86,7 +87,10 @@ class Cached:
         return self.cache[plain]
 
     def _computed(self, plain: tuple[Any, ...]) -> CachedAnswer:
-        """Return the computed value with its warnings, or the message of an `InputError`."""
+        """Return the computed value with its warnings, or the message of an `InputError`.
+
+        `plain`: the arguments of the function, as numbers and records.
+        """
         said: list[str] = []
         with pass_warnings(said.append):
             try:
@@ -98,28 +102,28 @@ class Cached:
 
 @Cached
 def requirement(plan: StudyPlan) -> CaseRequirement:
-    """Return the requirement of the case as `tvclin study` prints it."""
+    """Return the requirement of a plan's case as `tvclin study` prints it."""
     return case_requirement(plan, plan.dead_band)
 
 
 @Cached
 def loop_margins(plan: StudyPlan) -> Margins:
-    """Return the margins of the autopilot as `tvclin margins` prints them."""
+    """Return the margins of a plan's autopilot as `tvclin margins` prints them."""
     return plan.autopilot.margins(plan.plant)
 
 
 @Cached
 def placed(plan: StudyPlan) -> ShapedWind:
-    """Return the wind with its gust at the time of the request, or at the worst time."""
+    """Return the wind of a plan with its gust at the time of the request, or at the worst time."""
     return plan.wind_at(plan.dead_band)
 
 
 @Cached
 def motion(plan: StudyPlan, law: str) -> Motion:
-    """Return the motion of the vehicle in a wind whose gust has its time.
+    """Return the motion of a plan's vehicle in its wind, whose gust has its time.
 
-    The response to the report's control is exact, that of `tvclin respond`; a law is flown by the
-    engine of `tvclin fly --engine linear`.
+    `law`: name of the law. The response to the report's control is exact, that of `tvclin respond`;
+    a law is flown by the engine of `tvclin fly --engine linear`.
     """
     wind = plan.history
     times = _times(plan, wind)
@@ -141,7 +145,10 @@ def motion(plan: StudyPlan, law: str) -> Motion:
 
 @Cached
 def outcome(plan: StudyPlan, law: str) -> str | None:
-    """Return the outcome of the flight of a law, a status of `FlownCases`; None for `REPORT`."""
+    """Return the outcome of the flight of a law of a plan, a status of `FlownCases`.
+
+    `law`: name of the law; None is returned for `REPORT`.
+    """
     if law == REPORT:
         return None
     if beyond_linear(float(plan.history.peak)):
@@ -150,16 +157,21 @@ def outcome(plan: StudyPlan, law: str) -> str | None:
 
 
 def _law(plan: StudyPlan, name: str) -> Any:
+    """Return the law of a name for a plan, with the dead band and the rate limit of the plan."""
     parameters = {"dead_band": plan.dead_band} if name == DEAD_BAND else {}
     return specified_law(plan, name, plan.hardware["rate_limit"], **parameters)
 
 
 def _nozzle(plan: StudyPlan) -> dict[str, Any]:
+    """Return the arguments of flights for the nozzle of a plan, by name."""
     return {"deflection_limit": plan.nozzle.limit, **plan.hardware}
 
 
 def _times(plan: StudyPlan, wind: History) -> FloatArray:
-    """Return times [s] from the onset of a wind until some time after it, ``(401,)``."""
+    """Return times [s] from the onset of a wind until some time after it, ``(401,)``.
+
+    `plan`: its vehicle sets the time after the wind, some time constants.
+    """
     beta = float(np.sqrt(np.abs(np.asarray(plan.plant.rigid.coefficients.mu_alpha))))
     after = min(_FOLLOWED_TIME_CONSTANTS / beta, _MAX_FOLLOWED_S) if beta else _MAX_FOLLOWED_S
     return np.linspace(float(wind.onset), float(wind.end) + after, _TIME_POINTS)
@@ -229,18 +241,22 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
 
 
 def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
-    """Return the steps to an answer, and whether each takes longer than a slider may wait."""
+    """Return the steps to an answer, and whether each takes longer than a slider may wait.
+
+    `choices`: the values of the controls.
+    """
     inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
     def in_placed_wind(compute: Cached) -> CachedAnswer:
-        """Return the answer of a function in the wind with its gust at the worst time."""
+        """Return the answer of a function `compute` in the wind with its gust at the worst time."""
         at = placed(gust)
         if at.value is None:
             return at
         return compute(replace(choices.motion_inputs, wind=at.value), choices.law)
 
     def requirement_step(plan: StudyPlan) -> tuple[Callable[[], CachedAnswer], bool]:
+        """Return the step of a plan's requirement, and whether it is slow."""
         return (lambda: requirement(plan)), _slow(choices) and (plan,) not in requirement.cache
 
     lasting = (replace(wind, duration=duration) for duration in _durations(choices).tolist())
@@ -254,17 +270,20 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
 
 
 def _slow(choices: Choices) -> bool:
-    """Return whether a required deflection takes longer than a slider may wait."""
+    """Return whether the required deflection of choices takes longer than a slider may wait."""
     return choices.wind.gust is not None or choices.wind.heading is not None
 
 
 def _durations(choices: Choices) -> FloatArray:
-    """Return the durations of the curve [s], fewer where each takes long."""
+    """Return the durations of the curve [s], fewer where each takes long by the choices."""
     return DURATIONS[:: 3 if _slow(choices) else 1]
 
 
 def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
-    """Return the notes of a study on its vehicle, its gust, its direction and its wind's sign."""
+    """Return the notes of a study on its vehicle, its gust, its direction and its wind's sign.
+
+    `choices`: the values of the controls. `requirement`: the required deflection in their wind.
+    """
     plan, calm = choices.plan, requirement.at_nominal_pressure
     plane_notes = [_BOTH.format(plan.plane)] if requirement.judges_both_planes else []
     return [
@@ -278,7 +297,7 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
 
 
 def _neglected(choices: Choices) -> list[str]:
-    """Return a sentence on each effect that is neglected, such as the structure."""
+    """Return a sentence on each effect that choices neglect, such as the structure."""
     return [
         f"{sentence[0].upper()}{sentence[1:]}."
         for sentence in omission_notes(choices.plan, "explore")
@@ -288,7 +307,11 @@ def _neglected(choices: Choices) -> list[str]:
 def _verdict(
     c: Choices, requirement: CaseRequirement | None, outcome: str | None, computed: bool
 ) -> str:
-    """Return the sentences on required deflection, limit and flight of the law."""
+    """Return the sentences on required deflection, limit and flight of the law.
+
+    `c`: the choices. `requirement`: required deflection, None without an answer. `outcome`: status
+    of the flight, None for the report's control. `computed`: whether the answer is complete.
+    """
     flown = (
         ""
         if outcome is None

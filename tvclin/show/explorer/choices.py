@@ -124,7 +124,7 @@ def _bare(plan: StudyPlan, **fields: Any) -> StudyPlan:
 
 
 def loop_of(design: AutopilotDesign) -> AutopilotDesign:
-    """Return the delay, the samples and the filters of an autopilot, without its gains."""
+    """Return the delay, the samples and the filters of an autopilot design, without its gains."""
     chains: Any = design.chains
     return AutopilotDesign(delay=design.delay, sample_rate=design.sample_rate, **chains)
 
@@ -150,7 +150,10 @@ def with_numerical_gains(plan: StudyPlan) -> StudyPlan:
 
 
 def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str], str]]:
-    """Return the lists, by field: label, options, and start value for a plan."""
+    """Return the lists of the panel, by field: label, options, and start value for a plan.
+
+    `vehicles`: names of the vehicles that can be chosen.
+    """
     wind, design, stop = plan.wind, plan.autopilot_design, plan.nozzle.limit_shape
     rule = _rule(design)
     further_rules = [] if rule in _RULES else [rule]
@@ -176,7 +179,7 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
 
 
 def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
-    """Return the switches, by field: label and start value."""
+    """Return the switches of the panel, by field: label, and start value for a plan."""
     return {
         "structure": ("bending and slosh", plan.vehicle.structure is not None),
         "filters": ("filters of the file", any(plan.autopilot_design.chains.values())),
@@ -217,7 +220,8 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
 def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     """Return the choices that the controls specify; all else comes from the plan of the file.
 
-    Same exceptions as `StudyPlan` and the records in it.
+    `base`: that plan. `vehicle`: the chosen vehicle. `v`: values of the controls, by field. Same
+    exceptions as `StudyPlan` and the records in it.
     """
     both_planes = v["plane"] == BOTH
     slanting = both_planes or v["direction"] == FROM_SIDE
@@ -254,7 +258,11 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
 
 
 def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float | None]:
-    """Return the speeds [m/s] of the wind and its gust in the file, while their angles stay."""
+    """Return the speeds [m/s] of the wind and its gust in the file, while their angles stay.
+
+    `base`: plan of the file. `vehicle`: the chosen vehicle. `v`: values of the controls, by field.
+    None for a wind or gust without a speed, and once its angle, its vehicle or direction changed.
+    """
     start: Values = {k: slider.value for k, slider in sliders(base, [base.vehicle]).items()}
     start |= {k: choice[2] for k, choice in lists(base, [""]).items()}
     wind = base.wind
@@ -270,7 +278,10 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
 
 
 def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
-    """Return the plane whose flight is shown: `plane`, or the other without wind in that."""
+    """Return the plane whose flight is shown: `plane`, or the other without wind in that.
+
+    `vehicle`: vehicle, whose attitude counts. `wind`: wind with a direction.
+    """
     complete = complete_vehicle(vehicle, "a wind with a direction")
     excited = [
         name for name, peak in wind.peaks(float(np.asarray(complete.attitude))).items() if peak
@@ -279,7 +290,10 @@ def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
 
 
 def idle_controls(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:
-    """Return the controls without effect at the values of the others, each with the reason."""
+    """Return the controls without effect at the values of the others, each with the reason.
+
+    `base`: plan of the file. `vehicle`: the chosen vehicle. `v`: values of the controls, by field.
+    """
     both_planes = v["plane"] == BOTH
     slanting = both_planes or v["direction"] == FROM_SIDE
     ruled = f"the rule {v['design']} sets it: take {OWN}"
@@ -310,18 +324,23 @@ def plateau_of(gust: History | None) -> float:
 
 @lru_cache(maxsize=256)
 def _gust(peak: float, duration: float, plateau: float) -> History | None:
-    """Return a gust, the same object for the same numbers, so that cached results stay valid."""
+    """Return a gust, the same object for the same numbers, so that cached results stay valid.
+
+    `peak`: angle [deg]; None is returned for zero. `duration`, `plateau`: [s]; a plateau as long as
+    the gust is none.
+    """
     return gust_of(peak * _DEG, duration, plateau if plateau < duration else 0.0) if peak else None
 
 
 def _rule(design: AutopilotDesign) -> str:
+    """Return the name of the rule for the gains of a design, or `OWN` where they are numbers."""
     if design.attitude_gain is not None:
         return OWN
     return design.design or (CANONICAL if design.natural_frequency is None else "poles")
 
 
 def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
-    """Return the autopilot design of the values of the controls."""
+    """Return the autopilot design of the values `v` of the controls; `design`: that of the file."""
     rule, chains = v["design"], design.chains if v["filters"] else {}
     gains: Any = {"design": rule}
     if rule == OWN:
@@ -339,7 +358,12 @@ def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
 def _fitted(
     label: str, start: float, upper: float, min_steps: int, start_value: float | None
 ) -> Slider:
-    """Return a slider from `min_steps` steps to a round number, of some hundred steps."""
+    """Return a slider from `min_steps` steps to a round number, of some hundred steps.
+
+    `label`: its label. `start`: value at which it begins, rounded to a step. `upper`: largest
+    value, rounded up. `start_value`: value that counts in place of `start`, not rounded; None
+    without.
+    """
     upper = round_up(upper)
     step = 10.0 ** (np.floor(np.log10(upper)) - 2.0)
     value = step * round(start / step) if start_value is None else start_value
@@ -347,6 +371,10 @@ def _fitted(
 
 
 def _signed(label: str, upper: float, start_value: float | None) -> Slider:
+    """Return a slider about zero with a label, up to `upper` in both directions.
+
+    `start_value`: value at which it begins; None for zero.
+    """
     slider = _fitted(label, 0.0, upper, 0, start_value or 0.0)
     return slider._replace(minimum=-slider.maximum)
 
@@ -358,7 +386,10 @@ def _with_room(slider: Slider) -> Slider:
 
 
 def _sizes(vehicle: AnyVehicle, plane: str) -> tuple[float, float]:
-    """Return ``|B|`` and ``|B|/beta`` [s], the scales of canonical gains; 1 without a moment."""
+    """Return ``|B|`` and ``|B|/beta`` [s] of a vehicle in a plane; 1 without a moment.
+
+    They are the scales of canonical gains.
+    """
     c = coefficients_of(vehicle, plane)
     B, beta = float(np.abs(c.B)) or 1.0, float(np.sqrt(np.abs(np.asarray(c.mu_alpha)))) or 1.0
     return B, B / beta
@@ -404,7 +435,10 @@ def study_text(choices: Choices, source: str | None = None) -> str:
 
 
 def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
-    """Write ``study-NAME.toml``, numbered where that exists, and return its path."""
+    """Write choices as ``study-NAME.toml``, numbered where that exists, and return its path.
+
+    `source`: file that defines the vehicle, which the study names; None to write its numbers.
+    """
     text = study_text(choices, source)
     stem = re.sub(r"[^\w.-]+", "-", f"study-{Path(name).stem.removeprefix('study-')}")
     numbered = (f"{stem}{f'-{k}' if k > 1 else ''}.toml" for k in count(1))
@@ -433,7 +467,10 @@ def _wind(wind: Any) -> list[tuple[str, Table]]:
 
 
 def _peak(angle: float, speed: float | None) -> Table:
-    """Return the peak of a wind or gust, by its speed [m/s] where it is known by that."""
+    """Return the key of the peak of a wind or gust for a study file, with its value.
+
+    `angle`: the peak [rad]. `speed`: its speed [m/s], which is written instead; None without.
+    """
     return {"peak_deg": _deg(angle)} if speed is None else {"peak_speed_m_per_s": speed}
 
 
@@ -453,7 +490,10 @@ def _nozzle(choices: Choices) -> Table:
 
 
 def _added_gains(design: AutopilotDesign) -> Table:
-    """Return the keys of further numbers of a rule and added gains, where not the default."""
+    """Return the keys of further numbers of a rule and added gains, where not the default.
+
+    `design`: autopilot design that has them.
+    """
     specified = parameters(AutopilotDesign)
     items = [specified[name] for name in (*RULE_PARAMETERS[3:], *ADDED_GAINS)]
     return {
@@ -492,7 +532,10 @@ def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
 
 
 def _turbulence(request: TurbulenceRequest | None) -> list[tuple[str, Table]]:
-    """Return the tables of a study file for turbulence, with its levels over altitude."""
+    """Return the tables of a study file for turbulence, with its levels over altitude.
+
+    `request`: the turbulence; an empty list for None.
+    """
     if request is None:
         return []
     items = [item for item in parameters(TurbulenceRequest).values() if item.name != "table"]
@@ -513,13 +556,15 @@ def _turbulence(request: TurbulenceRequest | None) -> list[tuple[str, Table]]:
 
 
 def _without_none(table: Table) -> Table:
+    """Return a table without the keys whose value is None."""
     return {key: value for key, value in table.items() if value is not None}
 
 
 def _deg(angle: float | None) -> float | None:
+    """Return an angle [rad] in degrees, to twelve digits; None stays None."""
     return None if angle is None else _short(float(np.degrees(angle)))
 
 
 def _short(value: float) -> float:
-    """Return a number to twelve digits, as the panel shows it, without the rounding of its unit."""
+    """Return a value to twelve digits, as the panel shows it, without the rounding of its unit."""
     return float(f"{value:.12g}")

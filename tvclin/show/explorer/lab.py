@@ -57,8 +57,8 @@ def notebook_text(source: str, time: float | None = None) -> str:
 def open_notebook(path: Path, options: Sequence[str]) -> None:
     """Open a notebook in JupyterLab, in this process until it ends, and run the cells.
 
-    JupyterLab prints the addresses of the notebook; `options` of JupyterLab override the settings
-    of this file. `SystemExit` where it cannot start.
+    `path`: file of the notebook. JupyterLab prints the addresses of the notebook; `options` of
+    JupyterLab override the settings of this file. `SystemExit` where it cannot start.
     """
     from jupyterlab.labapp import LabApp
 

@@ -158,7 +158,7 @@ def new_picture() -> Picture:
 
 
 def _lines(axes: dict[str, "Axes"]) -> dict[str, Any]:
-    """Return the empty lines of the figure by name, to be set by each answer."""
+    """Return the empty lines in axes by name, to be set by each answer; `axes`: panels by name."""
     edge = {"color": WARM, "ls": "--", "lw": 1.4}
     looks: dict[str, dict[str, Any]] = {
         "boundary.curve": {"color": COLOURS[0], "lw": 2.0},
@@ -178,7 +178,7 @@ def _lines(axes: dict[str, "Axes"]) -> dict[str, Any]:
 
 
 def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
-    """Return abscissas [s] and ordinates [deg] of every line, by panel and name."""
+    """Return abscissas [s] and ordinates [deg] of every line of an answer, by panel and name."""
     c, m, deg = answer.choices, answer.motion, np.degrees
     long = c.wind.duration
     nothing: tuple[Any, Any] = (np.zeros(0), np.zeros(0))
@@ -203,7 +203,7 @@ def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
 
 
 def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple[Ends, Ends]]:
-    """Return the limits of abscissa and ordinate of each panel, by its name.
+    """Return the limits of abscissa and ordinate of each panel for an answer, by its name.
 
     Abscissas are in seconds, ordinates in degrees, both rounded so that they seldom change while a
     slider moves. A curve that exceeds them after the wind, such as that of a diverging vehicle, is
@@ -251,6 +251,7 @@ class Panel:
     """
 
     def __init__(self, source: str | Vehicle) -> None:
+        """Make the controls and the figure for a source: a vehicle, its name, or a file."""
         widgets = _widgets()
         first, plan, named = _opened(source)
         self._base = with_numerical_gains(plan)
@@ -290,10 +291,14 @@ class Panel:
 
     @property
     def _values(self) -> Values:
+        """Values of the controls, by field."""
         return {key: control.value for key, control in self.controls.items()}
 
     def _show(self, _change: Any = None) -> None:
-        """Start the computation for the present choices, after a pause; show errors at once."""
+        """Start the computation for the present choices, after a pause; show errors at once.
+
+        `_change`: event of the control that moved, which is not read.
+        """
         if self._setting_gains:
             return
         if self._timer is not None:
@@ -311,7 +316,7 @@ class Panel:
         self._complete(choices, 0)
 
     def _show_gains(self, choices: Choices) -> None:
-        """Set the sliders of gains to the gains of a rule."""
+        """Set the sliders of gains to the gains that the rule of choices gives."""
         design = choices.plan.design
         if design is None or design.attitude_gain is not None:
             return
@@ -322,10 +327,10 @@ class Panel:
         self._setting_gains = False
 
     def _complete(self, choices: Choices, steps: int) -> None:
-        """Show the answer after some steps, and continue where steps remain.
+        """Show the answer to choices after some steps, and continue where steps remain.
 
         Between two pictures the kernel handles moved controls; before a slow step the answer so far
-        is shown.
+        is shown. `steps`: number of steps to compute.
         """
         begun, result = perf_counter(), answer(choices, steps)
         while result.remaining and perf_counter() - begun < _WAIT and not result.remaining[0]:
@@ -342,17 +347,22 @@ class Panel:
             self._timer = loop.call_later(_EVENT_TIME, self._next, choices, steps + 1)
 
     def _next(self, choices: Choices, steps: int) -> None:
+        """Compute a number of steps of the answer to choices, and show it."""
         answer(choices, steps)
         self._complete(choices, steps)
 
     def _draw(self, result: Answer) -> None:
+        """Show an answer, `result`: verdict, margins, notes and figure."""
         self.verdict.value = _paragraphs(result.verdict, weight="bold")
         self.margins.value = _paragraphs(_margins(result))
         self.notes.value = _paragraphs(*result.notes)
         self.image.value = self._picture.png(result)
 
     def _write_study(self, _button: Any) -> None:
-        """Write the choices as a study file and show the commands that read it."""
+        """Write the choices as a study file and show the commands that read it.
+
+        `_button`: the button that was pressed, which is not read.
+        """
         name = self.controls["vehicle"].value
         try:
             path = write_study(self.choices, name, self._sources[name])
@@ -363,11 +373,12 @@ class Panel:
         self.said.value = _paragraphs(f"Wrote {path}, for: {commands}")
 
     def _end(self, _button: Any) -> None:
+        """Say that the panel has ended, and end JupyterLab; `_button` is not read."""
         self.said.value = _paragraphs("JupyterLab has ended; close this page.")
         end()
 
     def _arranged(self, widgets: Any) -> Any:
-        """Return the layout of controls and outputs."""
+        """Return the layout of controls and outputs; `widgets`: module ipywidgets."""
         groups = [[self.controls[key] for key in group] for group in _GROUPS.values()]
         tabs = widgets.Tab([widgets.VBox(group) for group in groups], selected_index=1)
         for index, name in enumerate(_GROUPS):
@@ -408,7 +419,11 @@ def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
 
 
 def _opened(source: str | Vehicle) -> tuple[str, StudyPlan, str | None]:
-    """Return the list's name of a vehicle, its plan, and the file that defines it."""
+    """Return the name of a vehicle in the list, its plan, and the file that defines it.
+
+    `source`: vehicle, or name or path of a vehicle or study file. The file is None for a vehicle
+    whose numbers a study can hold.
+    """
     if not isinstance(source, Vehicle):
         plan = load_study(source)  # which refuses what has no name
         pulse_of(plan)
@@ -420,7 +435,10 @@ def _opened(source: str | Vehicle) -> tuple[str, StudyPlan, str | None]:
 
 
 def _controls(widgets: Any, plan: StudyPlan, vehicles: dict[str, AnyVehicle]) -> dict[str, Any]:
-    """Return the lists, switches and sliders, by field."""
+    """Return the lists, switches and sliders of the panel for a plan, by field.
+
+    `widgets`: module ipywidgets. `vehicles`: vehicles by name.
+    """
     controls: dict[str, Any] = {
         key: widgets.Dropdown(description=label, options=options, value=value, style=_WIDE)
         for key, (label, options, value) in lists(plan, list(vehicles)).items()
@@ -441,6 +459,7 @@ def _controls(widgets: Any, plan: StudyPlan, vehicles: dict[str, AnyVehicle]) ->
 
 
 def _widgets() -> Any:
+    """Return the module ipywidgets; `InputError` where it is not installed."""
     try:
         import ipywidgets
     except ImportError:
@@ -449,12 +468,13 @@ def _widgets() -> Any:
 
 
 def _paragraphs(*texts: str, weight: str = "normal") -> str:
+    """Return texts as HTML, a paragraph each; `weight`: weight of the letters in CSS."""
     style = f"margin:0 0 0.4em; line-height:1.4; font-weight:{weight}"
     return "".join(f'<p style="{style}">{escape(text)}</p>' for text in texts)
 
 
 def _margins(result: Answer) -> str:
-    """Return the gains and margins of the autopilot, in a sentence."""
+    """Return the gains and margins of the autopilot of an answer, `result`, in a sentence."""
     m, plan = result.margins, result.choices.plan
     if m is None:
         return "Margins: none."

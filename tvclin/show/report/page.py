@@ -115,7 +115,8 @@ def page_of(
 ) -> tuple[str, Findings]:
     """Return the page of a plan, and its findings; same exceptions as `report_html`.
 
-    `name`: title of the page where the vehicle has no name, such as that of its file.
+    `progress`: called with results done and in total. `name`: title of the page where the vehicle
+    has no name, such as that of its file.
     """
     environment = _environment()
     findings = find(plan, progress)
@@ -123,14 +124,20 @@ def page_of(
 
 
 def section_html(findings: Findings, name: str) -> str:
-    """Return a section of the page as HTML, by the name of its block in ``sections.html``."""
+    """Return a section of the page of findings as HTML.
+
+    `name`: name of its block in ``sections.html``.
+    """
     template = _environment().get_template("sections.html")
     context = template.new_context(_names(findings))
     return "".join(template.blocks[name](context))
 
 
 def _page(findings: Findings, environment: "Environment", name: str) -> str:
-    """Return the page of findings as HTML; `name`: name of the vehicle in the title."""
+    """Return the page of findings as HTML.
+
+    `environment`: templates of the page. `name`: name of the vehicle in the title.
+    """
     names = _names(findings)
     sections = environment.get_template("sections.html").render(names)
     assumed = assumptions.assumptions(findings)
@@ -170,7 +177,7 @@ def _words(sections: str) -> str:
 
 
 def _origin(findings: Findings) -> Table:
-    """Return the table of the seal of the inputs and the versions of Python and packages."""
+    """Return the table of the seal of the inputs of findings and of the versions of packages."""
     rows: list[tuple[Line, ...]] = [(("inputs, SHA-256",), (findings.seal,))]
     rows += [((name,), (version(name),)) for name in _PACKAGES]
     rows.append((("Python",), (platform.python_version(),)))
@@ -178,7 +185,10 @@ def _origin(findings: Findings) -> Table:
 
 
 def _plane_vectors(study: Study) -> "ControlPlot | None":
-    """Return the deflections in both planes; None where a complex pair of poles gives no vector."""
+    """Return the figure of a study's deflections in both planes.
+
+    None where a complex pair of poles gives no vector.
+    """
     try:
         return plots.study_planes_chart(study)
     except InputError:
@@ -235,7 +245,10 @@ def _mathml(formula: Formula) -> "Markup":
 
 
 def _printable(value: object) -> object:
-    """Return a text with each character that HTML cannot hold replaced, such as a control code."""
+    """Return a value; of a text, each character that HTML cannot hold is replaced.
+
+    Such a character is a control code.
+    """
     if not isinstance(value, str) or all(line.isprintable() for line in value.split("\n")):
         return value
     printable = "".join(
@@ -285,7 +298,7 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> "Markup":
 
 
 def narrow(plot: "ControlPlot") -> None:
-    """Give a figure the width of a page's column, and put one legend below it."""
+    """Give the figure of a plot the width of a page's column, and put one legend below it."""
     figure = plot.figure
     panels = [axes for axes in np.ravel(plot.axes) if axes.axison]
     entries: dict[str, Any] = {}
