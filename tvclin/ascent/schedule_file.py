@@ -165,7 +165,8 @@ def _from_rows(
     vehicles, others = [], []
     for label, row in _with_inertia_rates(rows):
         with naming(f"{source}, {label}"):
-            others.append(_pop_flight_columns(row))
+            of_flight = [key for key in FLIGHT_COLUMNS.keys if key in row]
+            others.append(FLIGHT_COLUMNS.read({key: row.pop(key) for key in of_flight}))
             vehicles.append(vehicle_file.build_vehicle(row))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
@@ -230,11 +231,6 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
     (key,) = vehicle_file.VEHICLE_TABLE.write({"inertia_rate": 0.0})
     rates = np.gradient(inertias, times).tolist()
     return [(label, row | {key: rate}) for (label, row), rate in zip(rows, rates, strict=True)]
-
-
-def _pop_flight_columns(row: dict[str, Any]) -> dict[str, Any]:
-    """Remove the numbers of the flight that a vehicle does not have from a row, and return them."""
-    return FLIGHT_COLUMNS.read({key: row.pop(key) for key in FLIGHT_COLUMNS.keys if key in row})
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:

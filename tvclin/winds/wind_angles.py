@@ -27,7 +27,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -363,7 +362,8 @@ class EncounteredWind:
 
         q/q_n is the dynamic pressure over the nominal one.
         """
-        path, in_pitch, in_yaw = (_broadcast_column(x, times) for x in (self.path, *self.of_angle))
+        column = (-1, *[1] * (times.ndim - 1))  # one number for each wind and all of its times
+        path, in_pitch, in_yaw = (np.reshape(x, column) for x in (self.path, *self.of_angle))
         angle, speed = (_history_values(x, times) for x in (self.angle, self.speed))
         if self.flight is not None:
             time, paths, speed_ratio = self.flight
@@ -428,14 +428,6 @@ class EncounteredWind:
         pitch, yaw = map(selected, self.of_angle)
         winds = replace(self, path=selected(self.path), of_angle=(pitch, yaw))
         return winds._with(lambda x: x.cases(cases, (count,)) if x.batch else x)
-
-
-def _broadcast_column(x: Any, times: FloatArray) -> FloatArray:
-    """Return numbers `x`, ``(n,)`` or a scalar, with trailing axes, to broadcast with times.
-
-    `times`: times [s], ``(n, ...)``.
-    """
-    return np.reshape(x, (-1,) + (1,) * (times.ndim - 1))
 
 
 def _history_values(history: History | None, times: FloatArray) -> FloatArray:

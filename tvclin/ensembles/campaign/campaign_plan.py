@@ -127,12 +127,6 @@ class FlightPlan:
         return autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
 
 
-def nominal_gains(plan: FlightPlan, time: float) -> dict[str, float]:
-    """Return the nominal gains of the autopilot of a plan at a time of flight [s], by name."""
-    law = autopilot_along(plan.autopilot, plan.flight, np.asarray(time))
-    return {name: float(getattr(law, name)) for name in GAINS}
-
-
 def dispersed_flight(
     plan: FlightPlan,
     dispersions: Dispersions,
@@ -424,9 +418,11 @@ class Campaign(Case):
         flown = "flight" in self.outputs and self.law == AUTOPILOT
         if not flown and "margins" not in self.outputs:
             return {}
-        if self.along is not None:
-            return nominal_gains(self.along, float(np.asarray(self.vehicle.time)))
-        return {name: float(getattr(self.autopilot, name)) for name in GAINS}
+        if (plan := self.along) is None:
+            autopilot = self.autopilot
+        else:
+            autopilot = autopilot_along(plan.autopilot, plan.flight, np.asarray(self.vehicle.time))
+        return {name: float(getattr(autopilot, name)) for name in GAINS}
 
     @property
     def rigid_plant(self) -> Plant:

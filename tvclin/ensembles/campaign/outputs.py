@@ -461,14 +461,6 @@ def _slow(campaign: Campaign) -> bool:
     return campaign.model == "drift-and-speed"
 
 
-def _forecast_free(plant: Plant, wind: History) -> FloatArray:
-    """Return the limits [rad] sufficient for a law without a forecast, ``(n,)``.
-
-    `plant`, `wind`: n plants, and winds [rad] in their plane.
-    """
-    return np.abs(forecast_free_limit(plant, wind).deflection)
-
-
 def _bound(
     name: str,
     plane_bound: Callable[[Plant, History], Any],
@@ -493,10 +485,9 @@ def _bound(
     bound = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
     if len(batch.plane_batches) > 1:
         pitch, yaw = (plant.case(0, shape) for plant in batch.plants.values())
-        needs = vector_requirements(
-            pitch, yaw, batch.vectors.case(0, shape), limit_shape, np.ones(1)
-        )
-        bound = max(bound, vector_bound(needs))
+        vectors = batch.vectors.case(0, shape)
+        requirement = vector_requirements(pitch, yaw, vectors, limit_shape, np.ones(1))
+        bound = max(bound, vector_bound(requirement))
     return {name: bound} | {k: bounds[plane] for plane, k in plane_columns(name).items()}
 
 
@@ -565,12 +556,17 @@ REGISTRY = {
     ),
     "forecast-free": Output(
         lambda campaign: _with_plane_columns(campaign, {"forecast_free": "rad"}),
-        partial(_bound, "forecast_free", _forecast_free, lambda need: need.no_forecast),
+        partial(
+            _bound,
+            "forecast_free",
+            lambda plant, wind: np.abs(forecast_free_limit(plant, wind).deflection),
+            lambda requirement: requirement.no_forecast,
+        ),
         lambda campaign: campaign.planes == BOTH,
     ),
     "minimum": Output(
         lambda campaign: _with_plane_columns(campaign, {"minimum": "rad"}),
-        partial(_bound, "minimum", minimum_peaks, lambda need: need.minimum),
+        partial(_bound, "minimum", minimum_peaks, lambda requirement: requirement.minimum),
         lambda campaign: _slow(campaign) or campaign.planes == BOTH,
     ),
     "margins": Output(_margin_columns, _margins),

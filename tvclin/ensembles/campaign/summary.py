@@ -333,9 +333,7 @@ def _joined(lines: list[Line]) -> Line:
 
 
 def _confidence_text(confidence: float) -> str:
-    """Return a confidence in percent, as text."""
-    return (
-        f"above {100 * _MAX_SHOWN_CONFIDENCE:g} %"
-        if confidence > _MAX_SHOWN_CONFIDENCE
-        else f"{100 * confidence:.1f} %"
-    )
+    """Return a confidence in percent, as text; above `_MAX_SHOWN_CONFIDENCE` as this bound."""
+    if confidence > _MAX_SHOWN_CONFIDENCE:
+        return f"above {100 * _MAX_SHOWN_CONFIDENCE:g} %"
+    return f"{100 * confidence:.1f} %"
