@@ -183,6 +183,16 @@ class Sheet:
         """Return the texts of all cells of the column of a `heading`, from top to bottom."""
         return [row[heading.index] for row in self.cells]
 
+    def complete_numbers(self, heading: Heading) -> FloatArray:
+        """Return the numbers in the column of a `heading`, ``(n,)``, in the unit of the file.
+
+        An `InputError` names the line of a missing number.
+        """
+        values = self.text.numbers(heading.text, self.column(heading), self.line)
+        missing = f"there is no number in {heading.text}"
+        self.text.require(~np.isnan(values), self.line, lambda _: missing)
+        return values
+
     def numbers(
         self, heading: Heading, dimension: str, units: dict[str, float] | None = None
     ) -> Column:

@@ -73,10 +73,7 @@ def read_turbulence(
         if factor is None:
             units = ", ".join(filter(None, WRITTEN[LEVEL_TABLE.quantities[name]]))
             raise sheet.error(f"the column {heading.text} has no known unit; give it in {units}")
-        values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
-        missing_in = f"there is no number in {heading.text}"
-        sheet.text.require(~np.isnan(values), sheet.line, lambda _, said=missing_in: said)  # type: ignore[misc]
-        columns[name] = factor * values
+        columns[name] = factor * sheet.complete_numbers(heading)
     with naming(sheet.text.source):
         return _turbulence(columns, spectrum, component)
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, number, one_of, positive, shown
-from tvclin.base.sheet import Heading, Headings, Sheet, read_sheet
+from tvclin.base.sheet import Headings, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, WRITTEN, unit_of
 from tvclin.vehicle.linear_vehicle import AnyVehicle, complete_vehicle
@@ -233,7 +233,7 @@ def _sampled_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray
     time, *winds = sheet.headings
     time_unit = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
     assert time_unit is not None  # by the fit
-    columns = [time_unit.factor * _column(sheet, time)]
+    columns = [time_unit.factor * sheet.complete_numbers(time)]
     for wind in winds:
         factor = UNITS["angle"][unit or "deg"]
         column_unit = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
@@ -241,7 +241,7 @@ def _sampled_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray
             if unit is not None and not np.isclose(column_unit.factor, factor):
                 raise sheet.error(f"{shown(wind.text)} is not in {unit}, the unit in [wind]")
             factor = column_unit.factor
-        columns.append(factor * _column(sheet, wind))
+        columns.append(factor * sheet.complete_numbers(wind))
     return columns[0], np.array(columns[1:])
 
 
@@ -250,15 +250,3 @@ def _fit_of_winds(headings: Headings) -> float:
     first, *units = headings[0].words or [""]
     unit = unit_of(" ".join(units), WRITTEN["time"])
     return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
-
-
-def _column(sheet: Sheet, heading: Heading) -> FloatArray:
-    """Return the numbers in the column of a sheet under a heading, ``(n,)``, in the file's unit.
-
-    An `InputError` names the line of a missing number.
-    """
-    values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
-    sheet.text.require(
-        ~np.isnan(values), sheet.line, lambda _: f"there is no number in {heading.text}"
-    )
-    return values
