@@ -176,8 +176,8 @@ class Turbulence(Record):
             Probability with which the intensity is exceeded, 0.2 to 1e-6, or a name: light is
             1e-2, moderate 1e-3, severe 1e-5. Between the curves of the specification the intensity
             is linear in the logarithm of the probability.
-        spectrum, component
-            As in `Turbulence`.
+        spectrum, component : str
+            "dryden" or "von-karman"; "transverse" (across the path) or "along" it.
         wind_at_20_ft : float, optional
             Wind speed at 20 ft [m/s], which sets the intensity below 1000 ft; by default 15, 30
             and 45 kt for light, moderate and severe, and between them for a probability.
@@ -319,8 +319,8 @@ class Turbulence(Record):
         ----------
         omega : array_like
             Frequencies [rad/s] of any shape, which is that of the result.
-        speed, altitude
-            As in `shaping_filter`.
+        speed, altitude : float
+            Airspeed V [m/s], and altitude [m] of a table.
 
         Raises
         ------

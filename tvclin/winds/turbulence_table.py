@@ -42,8 +42,9 @@ def read_turbulence(
     path : path_like
         Table with the columns altitude (or height), intensity (or sigma) and, on request, length,
         each with its unit in the name: altitude_m, intensity_m_per_s, length_m. Altitudes rise.
-    spectrum, component
-        As in `Turbulence`; without lengths they are those of MIL-F-8785C above 2000 ft.
+    spectrum, component : str
+        "dryden" or "von-karman"; "transverse" (across the path) or "along" it. Without the column
+        of lengths these are by MIL-F-8785C above 2000 ft.
 
     Raises
     ------

@@ -72,7 +72,7 @@ class Replay:
 
     @property
     def dead_band(self) -> float:
-        """K of `response`: the first of the campaign."""
+        """Dead band K of `required` and `response`: the first of the campaign."""
         return self.campaign.dead_bands[0]
 
     @cached_property

@@ -268,8 +268,11 @@ def resume_campaign(
 
     Parameters
     ----------
-    folder, executor, shard, progress
-        Same parameters as in `run_campaign`.
+    folder : str or path
+        Holds its manifest and its chunks.
+    executor, shard, progress : optional
+        Runner of the chunks, "i/n" for every n-th chunk from the i-th on, and function of finished
+        and of all cases; see `run_campaign`.
 
     Raises
     ------

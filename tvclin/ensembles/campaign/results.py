@@ -182,8 +182,10 @@ class CampaignResults(Tabled):
         ----------
         limit : float, optional
             By default the limit of the campaign, for an output that is a deflection.
-        output, confidence
-            Same parameters as in `quantile`.
+        output : str, optional
+            A name of `deflections`; by default the first angle.
+        confidence : float, optional
+            Confidence of the interval; by default the value of the campaign.
 
         Raises
         ------

@@ -372,7 +372,8 @@ class WindProfile(Record):
         Parameters
         ----------
         flight : NominalFlight, Climb, or anything like them
-            As in `to_wind`.
+            Has arrays ``time`` [s], ``height`` [m], ``speed`` [m/s] and ``flight_path_angle``
+            [rad], ``(n,)``, and ascends.
         azimuth : float
             Direction of flight [rad], from north, clockwise.
 
