@@ -38,10 +38,7 @@ Row = tuple[str, Any, str]
 
 
 def card_rows(record: Any) -> Iterator[Row]:
-    """Yield label, value and unit of each field of a `record` that cards show and that is given.
-
-    A mapping, and a nested `Record`, give a row for each of their entries.
-    """
+    """Yield label, value and unit of each given field of a `record` for a card, also of nested."""
     for item in fields_of(record):
         if item.card:
             yield from _parts(item.title, item.unit, item.value(record))
@@ -155,12 +152,8 @@ def _shown(value: Any, unit: str = "") -> str:
 
 def _numbers(array: AnyArray, unit: str) -> str:
     """Return the text of an array in a `unit`: its numbers, or range and shape of a long one."""
-    if (
-        array.size == 1
-        and unit == "deg"
-        and np.isrealobj(array)
-        and _MIN_FIXED_ANGLE <= abs(array) < np.inf
-    ):
+    is_angle = array.size == 1 and unit == "deg" and np.isrealobj(array)
+    if is_angle and _MIN_FIXED_ANGLE <= abs(array) < np.inf:
         return text(number("", array.item()))
     if array.size <= _MAX_LISTED_NUMBERS:
         return ", ".join(f"{value:.6g}" for value in array.ravel().tolist())

@@ -275,10 +275,7 @@ def single(name: str, batch: tuple[int, ...]) -> None:
 def number(
     name: str, value: ArrayLike, check: Callable[..., FloatArray] = finite, unit: str = ""
 ) -> float:
-    """Return the scalar `value` [`unit`] as a float; `InputError` about `name` unless it passes.
-
-    `check`: function of name, value and unit to the checked array.
-    """
+    """Return the scalar `value` [`unit`] as a float; `InputError` about `name` by the `check`."""
     array = np.asarray(check(name, value, unit))
     if array.ndim:
         raise InputError(f"{name} must be one number; got an array of shape {array.shape}")

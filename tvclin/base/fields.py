@@ -171,10 +171,7 @@ class Field:
         return source(record) if callable(source) else attrgetter(source)(record)
 
     def line(self, record: Any, prefix: str) -> lines.Line:
-        """Return the value of a record as the cell of a table, with its unit.
-
-        `prefix`: first part of the name of the number, as in "optimum.peak_deg".
-        """
+        """Return the value of a record as a cell with unit; its number is called `prefix`.key."""
         return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
 
     def cell(self, name: str, value: Any, unit: str = "") -> lines.Line:
@@ -430,10 +427,7 @@ def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
 
 
 def checked(record: Any, *names: str) -> None:
-    """Check parameters of a `record`, and set them to the checked values.
-
-    `names`: names of the parameters; without, all. None passes where it is the default.
-    """
+    """Set parameters `names`, by default all, of a `record` to checked values; None may stay."""
     kind: Any = type(record)
     optional = {item.name for item in fields(kind) if item.default is None}
     specified = parameters(kind)

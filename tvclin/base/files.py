@@ -341,10 +341,7 @@ def _check_text(text: str, name: str) -> None:
 
 
 def _check(document: dict[str, Any], name: str) -> None:
-    """Raise `InputError` for nesting and integers of a TOML `document` beyond the limits.
-
-    `name`: of the file, in the message. There is no recursion, which nesting could exhaust.
-    """
+    """Raise `InputError` for a TOML `document` of a file `name` that is too deep or large."""
     queue: list[tuple[object, str, int]] = [(document, "", 0)]
     while queue:
         value, key, depth = queue.pop()

@@ -94,10 +94,7 @@ def labelled(label: str) -> Line:
 
 
 def quantities(caption: str, rows: Iterable[Row]) -> Table:
-    """Return the table of `rows` of names and lines under a `caption`: quantity, value.
-
-    A symbol at the end of a name is a formula.
-    """
+    """Return the table of `rows`, names and lines, with a `caption`; a last symbol is a formula."""
     return Table(caption, QUANTITIES, tuple((labelled(label), line) for label, line in rows))
 
 

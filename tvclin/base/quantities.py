@@ -42,7 +42,7 @@ NOMINAL = "at nominal dynamic pressure"
 
 
 def sufficiency(answer: bool | None) -> str:
-    """Return the verdict on a limit by its `answer`: SUFFICIENT, NOT SUFFICIENT or NOT KNOWN."""
+    """Return the verdict on a limit: SUFFICIENT, NOT SUFFICIENT; NOT KNOWN if `answer` is None."""
     return _word(answer, "SUFFICIENT")
 
 

@@ -53,10 +53,8 @@ _EXCESS_FRACTIONS = (0.125, 0.25, 0.5, 1.0)
 """Fractions of the excess of the load, by which the next program's load bound is reduced."""
 _PEAKS_OVER_PROOF = (1.1, 1.5, 3.0, 10.0)
 """Peaks, relative to the proved one, of programs of minimum load where no program has the load."""
-_MIN_CELLS = 48
-"""Smallest number of cells in the wind."""
-_MAX_CELLS = 160
-"""Largest number of cells in the wind."""
+_MIN_CELLS, _MAX_CELLS = 48, 160
+"""Smallest and largest number of cells in the wind."""
 _CELLS_PER_TIME_CONSTANT = 10.0
 """Cells in the time constant of the fastest mode, between these numbers."""
 _WIDTH_RATIO = 1.15
@@ -281,7 +279,11 @@ class LoadLimits:
 
     @cached_property
     def load_floor(self) -> float:
-        """Proved lower bound [rad] of the load of every deflection; zero without one."""
+        """Proved lower bound [rad] of the load of every deflection; zero without one.
+
+        The angle of attack jumps with the wind: a jump leaves its size at the onset, else half of
+        it.
+        """
         jumped = 0.0
         if self.case.ratio == 0.0:
             wind = self.case.wind
@@ -325,10 +327,7 @@ class LoadLimits:
         return max(half_jump, self.load_floor)
 
     def points_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
-        """Return limit [rad], lower bound [rad] and slope at each of `loads` [rad], as in `at`.
-
-        The smallest and largest load are computed first, then those in between.
-        """
+        """Return limit, lower bound [rad] and slope at each of `loads` [rad], outer ones first."""
         order, pending = np.argsort(loads, kind="stable"), [(0, loads.size - 1)]
         positions = [0, loads.size - 1]
         for low, high in pending:  # which grows
@@ -413,10 +412,7 @@ class LoadLimits:
         return min([a for a, _ in below] + mixed, default=np.inf)
 
     def set_by(self, load: float, limit: float) -> str:
-        """Return the label of the condition that sets a deflection limit [rad].
-
-        `load`: bound of ``|alpha|`` or ``|alpha + M delta|`` [rad], with that minimum limit.
-        """
+        """Return the label of the condition that sets a `limit` [rad] at a bound `load` [rad]."""
         if load < self.load_floor:
             return LEAST_LOAD
         floors = {ANGLE: self.minimum_deflection, TURN: self._limit_of_turning(load)}

@@ -446,10 +446,7 @@ class _Case:
         return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
 
     def lower_bound(self, rate: float | None) -> float:
-        """Return the larger [rad] of minimum deflection and bound without a forecast.
-
-        `rate`: limit [rad/s] at which they are; None for any rate.
-        """
+        """Return the larger of both lower bounds [rad] at a `rate` [rad/s], or at any for None."""
         if rate is None:
             return max(self.minimum, self.no_forecast or 0.0)
         return max(self.deflection(rate), self.no_forecast_limit(rate))

@@ -39,10 +39,8 @@ _ROUNDING = 1e-12
 """Relative rounding of a gauge."""
 _SIDES = 360
 """Default number of sides of an inscribed polygon."""
-_MIN_RATIO = 1e-6
-"""Smallest size of a shape, normalised by the limit; smaller ones are in another unit."""
-_MAX_RATIO = 1e6
-"""Largest size of a shape, normalised by the limit; larger ones are in another unit."""
+_RATIO_RANGE = (1e-6, 1e6)
+"""Sizes of a shape, normalised by the limit, beyond which it is in another unit."""
 STATES = ("moving", "centred", "stuck", "out")
 _DIRECTIONS = 720
 """Directions in which the support function of a cluster is checked."""
@@ -189,7 +187,7 @@ class EllipticShape(LimitShape):
     def __post_init__(self) -> None:
         """Check both half axes, and set them to floats."""
         for name in ("pitch", "yaw"):
-            axis = errors.number(name, getattr(self, name), errors.between(_MIN_RATIO, _MAX_RATIO))
+            axis = errors.number(name, getattr(self, name), errors.between(*_RATIO_RANGE))
             object.__setattr__(self, name, axis)
 
     symmetric = True
@@ -238,7 +236,7 @@ class PolygonShape(LimitShape):
                 f"corners must be one row of 3 to {_MAX_CORNERS} numbers, pitch + 1j*yaw; got an"
                 f" array of shape {c.shape}"
             )
-        size = errors.within("the largest of corners", np.abs(c).max(), _MIN_RATIO, _MAX_RATIO)
+        size = errors.within("the largest of corners", np.abs(c).max(), *_RATIO_RANGE)
         c = c if scalar_product(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
         edges = (np.roll(c, -1) - c) / size
         turns = scalar_product(1j * edges, np.roll(edges, -1))

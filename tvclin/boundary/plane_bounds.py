@@ -385,10 +385,7 @@ def _along_a_line(pair: PlanePair) -> PlaneOptimum:
 def _optimum(
     pair: PlanePair, times: FloatArray, deflections: Vectors, proof: Certificate
 ) -> PlaneOptimum:
-    """Return the record of `deflections` [rad] from `times` [s] on, with their certificate `proof`.
-
-    `pair`: plants and wind, for the size of trim.
-    """
+    """Return the record of a `pair` for `deflections` [rad] from `times` [s] on, with `proof`."""
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     status = OK if proof.gap < _MAX_GAP else NOT_CONVERGED
     return PlaneOptimum(proof.primal / scale, proof.primal, times, deflections, proof, status)
@@ -436,7 +433,7 @@ class _Moments:
 
     @cached_property
     def nodes(self) -> tuple[Vectors, FloatArray]:
-        """Functions a p e^(-p t) at the nodes of a quadrature, ``(k, m)``; weights ``(m,)``.
+        """Functions a p e^(-p t), ``(k, m)``, of k poles p and axes a at m nodes, and weights.
 
         Gauss-Legendre in x = e^(-p t) of the slowest pole, in which the last cell ends too.
         """

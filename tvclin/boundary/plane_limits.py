@@ -111,10 +111,8 @@ def two_plane_requirement(
     if line is not None:
         return [_unidirectional_requirement(pair, *line, limit_shape, K, literal) for K in bands]
     _check_turning(pair, max(bands))
-    minimum = float(
-        limit_shape.inside.gauge(pair.wind_demand(np.asarray([float(pair.wind.onset)])))[0]
-    )
-    warning = ""
+    onset, warning = np.asarray([float(pair.wind.onset)]), ""
+    minimum = float(limit_shape.inside.gauge(pair.wind_demand(onset))[0])
     if max(poles.size for poles in pair.poles) > 1:
         optimum = minimum_in_planes(pair, limit_shape.inside)
         minimum = optimum.peak
@@ -437,9 +435,8 @@ def plane_limit(
     K = within("dead_band", dead_band, 0.0, 1.0)
     shape = broadcast(dead_band=K.shape, plants=checked_batch(plant, wind, limit_shape, yaw_plant))
     if not shape:
-        return _case_limit(
-            PlanePair((plant, yaw_plant or plant), wind), limit_shape, float(K), switch
-        )
+        pair = PlanePair((plant, yaw_plant or plant), wind)
+        return _case_limit(pair, limit_shape, float(K), switch)
     dead_bands = np.broadcast_to(K, shape).ravel()
     limits = []
     for case in range(dead_bands.size):

@@ -29,10 +29,7 @@ _MAX_COEFFICIENT = 1e18
 
 
 def _number(kind: str, name: str, check: Callable[..., Any] = errors.finite) -> Mapping[str, Any]:
-    """Return the metadata of a coefficient: `name` is its label and its key in documents.
-
-    `kind`: its kind of quantity in `UNITS`. `check`: function of name, value and unit.
-    """
+    """Return the metadata of a coefficient called `name`, of a `kind` of `UNITS` and a `check`."""
     return spec(kind, label=name, key=name, check=check)
 
 

@@ -242,10 +242,7 @@ class Vehicle:
 
 
 def _check_size(name: str, array: FloatArray) -> None:
-    """Raise `InputError` about `name` for sizes in `array` whose products could overflow.
-
-    Other than the numbers that may be near zero, they must not be tiny either.
-    """
+    """Raise `InputError` about `name` if products of numbers in `array` over- or underflow."""
     size = np.abs(array)
     tiny = (size < _MIN_SIZE) & (size > 0.0) & (name not in _UNBOUNDED_BELOW)
     if np.any(tiny | (size > _MAX_SIZE)):

@@ -298,10 +298,7 @@ def bending_mode(**numbers: Any) -> BendingMode:
 
 
 def _sensor_lag(name: str, sensors: Mapping[str, float]) -> Filter | None:
-    """Return the lag of the sensor `name`, by its frequency and damping; None without a frequency.
-
-    `sensors`: numbers of [sensors] in SI units, by name.
-    """
+    """Return the lag of a sensor `name` by `sensors`, its frequency and damping; None without."""
     frequency, damping = sensors.get(f"{name}_frequency"), sensors.get(f"{name}_damping")
     if frequency is None:
         if damping is not None:

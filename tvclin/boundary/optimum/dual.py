@@ -162,10 +162,7 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
 
 
 def split_cells(cells: FloatArray, uncertain: IndexArray) -> FloatArray:
-    """Return breakpoints [s] with `uncertain` cells and their neighbours divided into 16.
-
-    `cells`: breakpoints [s], ``(k + 1,)``. `uncertain`: indices of cells.
-    """
+    """Return breakpoints [s] of `cells`, with `uncertain` ones and neighbours divided into 16."""
     selected = np.unique(np.concatenate([uncertain - 1, uncertain, uncertain + 1]))
     selected = selected[(selected >= 0) & (selected < cells.size - 1)]
     selected = selected[np.isfinite(cells[selected + 1])]
@@ -235,10 +232,7 @@ def _with_last_switch(window: Window) -> SignedSum | None:
 
 
 def _from_grid(window: Window) -> SignedSum:
-    """Return the sum of smallest residual by Newton's iteration from the optima on grids.
-
-    `window`: the poles' exponentials e_i, and their demands d_i.
-    """
+    """Return the sum of smallest residual, by Newton's iteration from grids in a `window`."""
     cells, best = initial_cells(window), None
     for _ in range(_GRID_REFINEMENTS):
         levels, prices = grid_optimum(window.constraints, cells)

@@ -148,7 +148,7 @@ class LoadProgram:
 
     @cached_property
     def _states(self) -> tuple[Any, FloatArray]:
-        """Equality rows, sparse, and right sides ``(rows,)`` of the program for the states.
+        """Equality rows, sparse, of the modes' states, and their right sides ``(rows,)``.
 
         They join the states at neighbouring nodes, and set the final value.
         """

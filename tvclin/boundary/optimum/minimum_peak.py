@@ -281,10 +281,10 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     if sufficient is not None and count > 2:
         shape = np.broadcast_shapes(shape, np.shape(sufficient))
         peaks = np.broadcast_to(sufficient, shape).ravel()
-    strength = np.broadcast_to(wind_over_deflection(plant, poles), (*shape, count)).reshape(
-        -1, count
+    strength, poles = (
+        np.broadcast_to(values, (*shape, count)).reshape(-1, count)
+        for values in (wind_over_deflection(plant, poles), poles)
     )
-    poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
     with np.errstate(invalid="ignore"):
         demands = -strength * _onset_moments(wind, poles, shape)
     return peaks_for_demands(poles, demands, peaks).reshape(shape)

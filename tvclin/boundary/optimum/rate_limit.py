@@ -38,12 +38,8 @@ _MAX_CORRECTIONS = (1e5, 1e2, 1e2)
 """Largest change of a variable in each correction, times `_RESIDUAL_SCALE`."""
 RATE_RANGE = (1e-15, 1e9)
 """Smallest and largest rate [rad/s] and acceleration that differ from zero and infinity."""
-_MIN_STEPS = 10
-"""Smallest number of intervals to begin with."""
-_STEPS = 200
-"""Default number of intervals to begin with."""
-_MAX_STEPS = 10_000
-"""Largest number of intervals to begin with."""
+_MIN_STEPS, _STEPS, _MAX_STEPS = 10, 200, 10_000
+"""Smallest, default and largest number of intervals to begin with."""
 _REFINEMENTS = 8
 """Largest number of programs, each on finer nodes; `change`: the peak's by the last program."""
 _RELATIVE_CHANGE = 1e-8
