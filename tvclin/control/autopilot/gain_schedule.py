@@ -392,7 +392,8 @@ def equal_values(
             f" {autopilot.batch}"
         )
     values = flight_variable(flight, variable, at)
-    distance = values - values[:, np.newaxis]  # by the time of a pair and the later ones
+    # The first index is the first time of a pair; a later sign change or zero is the second.
+    distance = values - values[:, np.newaxis]
     crosses = (distance[:, :-1] * distance[:, 1:] < 0.0) | (distance[:, 1:] == 0.0)
     first, later = np.nonzero(np.triu(crosses, 1))
     fraction = distance[first, later] / (distance[first, later] - distance[first, later + 1])

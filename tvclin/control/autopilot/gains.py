@@ -594,8 +594,8 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
     else:
         a0 = np.asarray(autopilot.attitude_gain)
         k = c.B - autopilot.alpha_gain - autopilot.acceleration_gain * speed * difference
-        rest = a0 + autopilot.drift_rate_gain * speed + (k - a0) * gravity / (b1 + gravity)
-        path = ((k - a0) * difference / (b1 + gravity) - k) / rest
+        divisor = a0 + autopilot.drift_rate_gain * speed + (k - a0) * gravity / (b1 + gravity)
+        path = ((k - a0) * difference / (b1 + gravity) - k) / divisor
     return errors.plain(np.asarray(speed * path))
 
 

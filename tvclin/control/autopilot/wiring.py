@@ -69,9 +69,10 @@ DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
 SENSOR_NOISE = "attitude_noise", "rate_noise"
 """Names of the inputs that add to the outputs of the sensors, ahead of their filters."""
 _DELAYED = "delayed_command"
+ATTITUDE_ERROR, FILTERED_RATE = "attitude_error", "filtered_rate"
 LAW_INPUTS = (
-    "attitude_error",
-    "filtered_rate",
+    ATTITUDE_ERROR,
+    FILTERED_RATE,
     "flight_path_angle",
     "angle_of_attack",
     "deflection",
@@ -153,15 +154,15 @@ def autopilot_blocks(
         return _controller_blocks(autopilot.controller, chains, plant, period)
     integral = bool(np.any(np.asarray(autopilot.integral_gain)))
     gains = {
-        LAW_INPUTS[0]: autopilot.attitude_gain,
-        LAW_INPUTS[1]: autopilot.rate_gain,
-        LAW_INPUTS[3]: autopilot.alpha_gain,
+        ATTITUDE_ERROR: autopilot.attitude_gain,
+        FILTERED_RATE: autopilot.rate_gain,
+        "angle_of_attack": autopilot.alpha_gain,
     }
     if integral:
         gains[INTEGRAL] = autopilot.integral_gain
     gains |= autopilot.lateral_gains
     integrator = attitude_integral(integral)
-    sums = [gain(LAW_INPUTS[0], {"attitude_command": -1.0}), gain(LAW_OUTPUT, gains)]
+    sums = [gain(ATTITUDE_ERROR, {_ATTITUDE_COMMAND: -1.0}), gain(LAW_OUTPUT, gains)]
     return [*law_blocks(chains, integrator, plant.sensed, period), *sums]
 
 
@@ -180,7 +181,7 @@ def _controller_blocks(
     """
     check_controller(controller, plant)
     takes_command = _ATTITUDE_COMMAND in controller.inputs
-    sums = [] if takes_command else [gain(LAW_INPUTS[0], {_ATTITUDE_COMMAND: -1.0})]
+    sums = [] if takes_command else [gain(ATTITUDE_ERROR, {_ATTITUDE_COMMAND: -1.0})]
     blocks = law_blocks(chains, controller_system(controller), plant.sensed, period)
     return [*blocks, *sums, gain(LAW_OUTPUT, {CONTROLLER: 1.0})]
 
@@ -193,7 +194,7 @@ def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
 
 def controller_system(controller: LinearSystem) -> LinearSystem:
     """Return a controller with inputs named as those of a law, `LAW_INPUTS`, numbered states."""
-    names = dict(zip(("attitude", "attitude_rate"), LAW_INPUTS[:2], strict=True)) | SENSOR_OF
+    names = {"attitude": ATTITUDE_ERROR, "attitude_rate": FILTERED_RATE} | SENSOR_OF
     states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
     return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
 
@@ -244,7 +245,7 @@ def law_blocks(
     filters. `period` [s]: with it all blocks are difference equations: filters by the bilinear
     rule, each exact at its own frequency, the law's states with a zero-order hold on their inputs.
     """
-    ends = ((sensed[0], LAW_INPUTS[0]), (sensed[1], LAW_INPUTS[1]), (LAW_OUTPUT, RETURNED))
+    ends = ((sensed[0], ATTITUDE_ERROR), (sensed[1], FILTERED_RATE), (LAW_OUTPUT, RETURNED))
     blocks = [states if period is None else in_steps(states, period)] if states.outputs else []
     for name, (source, target) in zip(CHAINS, ends, strict=True):
         chain = chains[name]
@@ -253,14 +254,12 @@ def law_blocks(
         signals = [source, *(f"{name} {k}" for k in range(1, len(chain))), target]
         for k, filter_ in enumerate(chain, start=1):
             names = (f"{name.removesuffix('s')}_{k}_{j}" for j in range(1, filter_.order + 1))
-            matrices = (
-                filter_.matrices()
-                if period is None
-                else filter_in_steps(filter_, period, f"{name} {k}")
-            )
-            blocks.append(
-                LinearSystem(*matrices, (signals[k - 1],), (signals[k],), tuple(names), period)
-            )
+            if period is None:
+                matrices = filter_.matrices()
+            else:
+                matrices = filter_in_steps(filter_, period, f"{name} {k}")
+            between = (signals[k - 1],), (signals[k],)
+            blocks.append(LinearSystem(*matrices, *between, tuple(names), period))
     return blocks
 
 
@@ -325,17 +324,18 @@ def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArra
     """
     sensors = autopilot.lateral_sensors
     integrators = int(sensors.drift or np.any(np.asarray(autopilot.integral_gain)))
+    # (a1 s + a0 + aI/s) theta + b0 alpha, over s with an integrator
     gains = [autopilot.rate_gain, autopilot.attitude_gain, autopilot.integral_gain]
     on_angle = np.asarray(autopilot.alpha_gain)[..., np.newaxis] * np.eye(1, 1 + integrators)[0]
     angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", source))
     on_attitude = np.stack(np.broadcast_arrays(*gains[: 2 + integrators]), axis=-1)
     if autopilot.attitude_filters or autopilot.rate_filters:
-        # (a1 s F_r + (a0 + aI/s) F_a) theta + b0 alpha over the denominators of both filters
+        # (a1 s F_r + (a0 + aI/s) F_a) theta + b0 alpha, over the denominators of both filters F
         (above_a, below_a), (above_r, below_r) = (_chain(autopilot, name) for name in CHAINS[:2])
         rate = polynomials.multiply(on_attitude[..., :1], np.eye(1, 2 + integrators)[0])
         rate = polynomials.multiply(polynomials.multiply(rate, above_r), below_a)
-        rest = polynomials.multiply(polynomials.multiply(on_attitude[..., 1:], above_a), below_r)
-        on_attitude = polynomials.add(rate, rest)
+        attitude = polynomials.multiply(on_attitude[..., 1:], above_a)
+        on_attitude = polynomials.add(rate, polynomials.multiply(attitude, below_r))
         angle = polynomials.multiply(angle, polynomials.multiply(below_a, below_r))
     attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", source))
     numerator = polynomials.add(attitude, angle)

@@ -323,6 +323,7 @@ class LawInPlanes:
         if not self.radial:
             limits = [limit * plane_limit for plane_limit in self.plane_limits]
             return self._by_components(measured, states, limits)
+        # The wind is theta - alpha - gamma, or the estimate of theta - alpha minus gamma.
         estimates = getattr(self.law, "estimator", None) is not None
         wind = states[:, 1] if estimates else measured[:, 0] - measured[:, 3]
         wind = wind - measured[:, 2]
@@ -333,8 +334,8 @@ class LawInPlanes:
             limit / np.maximum(shape.gauge(axis), shape.gauge(-axis))
             for axis in (direction, 1j * direction)
         ]
-        along = self._by_components(measured * rotation, states * rotation, limits)
-        return np.asarray(direction * along)
+        demand = self._by_components(measured * rotation, states * rotation, limits)
+        return np.asarray(direction * demand)
 
     def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, BoolArray]:
         """Return the limited demand [rad], pitch + j yaw, and whether it is on the limit, ``(m,)``.

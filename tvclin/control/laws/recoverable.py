@@ -114,7 +114,7 @@ class RecoverableAttitudeLaw(Law):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Parameters of the law for compiled flights."""
+        """Parameters for compiled flights: rows of both coordinates, and numbers of the lean."""
         modes = measured_coordinates(self.plant)
         fast, slow = ([*row.tolist(), 0.0][:3] for row in modes.left_eigenvectors[[0, -1]])
         slow = slow if modes.ratio else [0.0, 0.0, 0.0]

@@ -388,12 +388,13 @@ class SampledLoop(Loop):
         peaks = w_plane.peaks.copy()
         peaks[..., 1] = frequency(peaks[..., 1])
         omega = frequency(w_plane.gain_frequencies)
+        margins = np.full_like(omega, np.nan)
+        if delays:
+            margins = self._delay_margins(omega, w_plane.phases, w_plane.stable)
         return replace(
             w_plane,
             gain_frequencies=omega,
-            delays=self._delay_margins(omega, w_plane.phases, w_plane.stable)
-            if delays
-            else np.full_like(omega, np.nan),
+            delays=margins,
             phase_frequencies=frequency(w_plane.phase_frequencies),
             peaks=peaks,
         )
@@ -422,11 +423,8 @@ class SampledLoop(Loop):
             form, s = delayed_form(rest, case), 1j * nu[:, np.newaxis]
             L, slope = form.value(s)[:, 0], form.slope(s)[:, 0]
             rate = 1j * slope / L * (1.0 + (0.5 * nu * h) ** 2)  # d ln L/d omega
-            step = np.clip(
-                -np.log(np.abs(L)) / rate.real,
-                -_MAX_STEP_OVER_FREQUENCY * w,
-                _MAX_STEP_OVER_FREQUENCY * w,
-            )
+            max_step = _MAX_STEP_OVER_FREQUENCY * w
+            step = np.clip(-np.log(np.abs(L)) / rate.real, -max_step, max_step)
             w = np.minimum(w + step, np.pi / h)
             phase = np.angle(-L) + rate.imag * step - samples * h * w
             phase -= 2.0 * np.pi * np.round(phase / (2.0 * np.pi))
@@ -468,7 +466,7 @@ class SampledLoop(Loop):
         last = min(maximum, _MAX_SEARCHED_PERIODS * h)
         count = int(np.clip(np.ceil(_DELAYS_PER_PERIOD * last / h), *_TRIAL_DELAYS))
         low, high = 0.0, last
-        for _ in range(_ROUNDS):
+        for _ in range(_ROUNDS):  # trials between low and high, the last one just below high
             fractions = np.append(np.arange(1, count) / count, 2.0 - _BEYOND_MARGIN)
             delays = low + (high - low) * fractions
             unstable = self._is_unstable(case, delays)
@@ -525,6 +523,7 @@ def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
             "this is an algebraic loop: its command feeds back within the sample (D ="
             f" {system.D.item():.6g}); give it a delay of a sample"
         )
+    # A delay of `count` samples, as states that shift.
     shift = (np.eye(count, k=-1), np.eye(count, 1), np.eye(1, count)[:, ::-1], np.zeros((1, 1)))
     matrices = state_space.series(shift, system.matrices()) if count else system.matrices()
     if np.any(np.abs(system.poles + 1.0) < _POLE_TOLERANCE):

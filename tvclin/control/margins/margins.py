@@ -283,12 +283,8 @@ def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
     pairs = np.concatenate([classical_margins(analysis), peaks])
     pairs[..., ~stable] = np.nan
     numbers = (status, analysis.unstable_poles, *pairs.reshape(2 * len(pairs), stable.size))
-    lists = (
-        analysis.gain_frequencies,
-        analysis.phases,
-        analysis.phase_frequencies,
-        analysis.factors,
-    )
+    gains = analysis.gain_frequencies, analysis.phases
+    lists = (*gains, analysis.phase_frequencies, analysis.factors)
     crossings = Crossings(*(_trimmed(rows, batch) for rows in lists))
     names = [field.name for field in fields(Margins)][:-1]
     shaped = {name: in_batch_shape(v, batch) for name, v in zip(names, numbers, strict=True)}
