@@ -334,7 +334,7 @@ def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
     fly = ENGINES[engine].outputs
 
     def attitude(wind: History, limit: float, dead_band: float, times: FloatArray) -> FloatArray:
-        """Return the attitude [rad] at times [s] of a flight with a limit [rad] and a dead band."""
+        """Return attitudes [rad] at times [s] ``(n,)`` in a wind; `limit` in rad."""
         control = ReportControl(dead_band)
         with warnings.catch_warnings():  # that a flight below the boundary ends is what is shown
             warnings.filterwarnings("ignore", "the flight ends", UserWarning)

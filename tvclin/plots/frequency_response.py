@@ -343,7 +343,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     figure, panels = plt.subplots(1, 2, figsize=(12.0, 6.6), layout="constrained")
 
     def point(omega: float) -> tuple[float, float]:
-        """Return real and imaginary part of L at a frequency [rad/s]."""
+        """Return real and imaginary part of L at a frequency `omega` [rad/s]."""
         value = complex(samples.loop.response(omega))
         return value.real, value.imag
 

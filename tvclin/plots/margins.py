@@ -217,7 +217,7 @@ def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) ->
 
 
 def _numbers(boundary_map: BoundaryMap) -> Curves:
-    """Return the numbers of the map, with a column for each delay."""
+    """Return the numbers of a boundary map, with a column for each of its delays."""
     columns = [
         Column(f"{name}, delay {delay:g} s", row, unit)
         for name, table, unit in (

@@ -420,7 +420,11 @@ def _with_drift(
     engine: str | None = None,
     **options: Any,
 ) -> "ControlPlot":
-    """Draw figure 6, 7, 8 or 9 of the report."""
+    """Return figure 6, 7, 8 or 9 of the report, by its number: attitudes with drift, also flown.
+
+    `vehicle`: vehicle, or its name. `dead_band`: K. `engine`: name of the engine of flights, None
+    for the usual one. `options`: further arguments of `attitude_chart`.
+    """
     dead_band = _fraction(dead_band)
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
     errors.single("vehicle", loaded.batch)

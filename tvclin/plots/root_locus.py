@@ -119,10 +119,10 @@ def _prepare(axes: Axes, radius: float) -> None:
 def _mark_poles(
     axes: Axes, modes: Modes, model: str, row: int, named: tuple[float, float]
 ) -> list[Any]:
-    """Return the drawn marks of the poles of one model, with residues at poles of some sizes.
+    """Return the marks of the poles of one model, drawn into axes, with residues at some poles.
 
-    `row`: number of the model, for colour and mark. `named`: smallest and largest size [1/s] of
-    poles whose residues are written.
+    `modes`: poles [1/s] and residues. `model`: name of the model. `row`: number of the model, for
+    colour and mark. `named`: smallest and largest size [1/s] of poles whose residues are written.
     """
     poles, strength = modes.poles.astype(complex), modes.deflection_residues + 0j
     colour, size = cycle(COLOURS)[row], np.abs(poles)
@@ -264,7 +264,10 @@ class LocusPoles:
         return factors
 
     def _with_meetings(self, factors: FloatArray) -> FloatArray:
-        """Return the factors with further ones where the number of real poles changes."""
+        """Return rising factors on the loop gain, ``(n,)``, and further ones where real poles meet.
+
+        `factors`: those without the further ones.
+        """
         count = self._real(factors)
         intervals = np.flatnonzero(count[1:] != count[:-1])
         low, high, before = factors[intervals], factors[intervals + 1], count[intervals]

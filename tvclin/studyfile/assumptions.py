@@ -209,7 +209,10 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
 
 
 def _rigid(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption of a rigid vehicle, where that of the findings has no structure."""
+    """Yield the assumption of a rigid vehicle, where the vehicle has no structure.
+
+    `findings`: results of a study plan.
+    """
     if findings.plan.vehicle.structure is None:
         words = "Nothing bends or sloshes: the vehicle file has no bending and no slosh."
         yield Assumption("reader", (words,))

@@ -44,9 +44,9 @@ def nominal_suffix(findings: Findings) -> str:
 
 
 def planes_line(findings: Findings) -> Line:
-    """Return the sentence on the limit of both planes over that of the plane of the findings.
+    """Return the sentence on the limit of both planes, relative to the limit of one plane.
 
-    It has the autopilot requirement with that factor, where it is finite.
+    `findings`: results of a study plan. It has the autopilot requirement, where it is finite.
     """
     s = findings.study
     factor = number("both.factor", s.plane_ratio, 3)
@@ -161,7 +161,7 @@ def autopilot_as_law(findings: Findings) -> Line:
 def _nominal_requirement(findings: Findings) -> float:
     """Return the autopilot requirement [rad] at nominal dynamic pressure; NaN where not flown.
 
-    `findings`: results of a study plan. Where both planes are judged it is that of both.
+    `findings`: results of a study plan. Where both planes are judged it counts both.
     """
     requirement = findings.autopilot_requirement
     return np.nan if requirement is None else requirement.nominal_deflection

@@ -320,10 +320,10 @@ def with_flight_actuator(nozzle: Nozzle, flight: FlightSchedule, time: ArrayLike
 
 
 def _as_specified(schedule: FlightSchedule, document: Mapping[str, Any]) -> FlightSchedule:
-    """Return a flight without what a document replaces: its structure, its actuator.
+    """Return a flight schedule without what a document replaces: its structure, its actuator.
 
-    The structure is left out of a rigid vehicle. An actuator in [nozzle] counts more than that of
-    the flight, at a single time as over the flight.
+    The structure is left out of a rigid vehicle. An actuator in [nozzle] counts more than the
+    flight's own, at a single time as over the flight.
     """
     if is_rigid(document):
         schedule = replace(schedule, structure=None)
@@ -445,7 +445,7 @@ def system_of(document: Mapping[str, Any], table: FileTable, folder: Path) -> Li
     """
 
     def read(keys: dict[str, Any]) -> LinearSystem:
-        """Return the system of the file named by `keys`, those of the table."""
+        """Return the system of the file that the `keys` of the table name."""
         table.need(keys, ("system",))
         return read_system(folder / printable_text(f"system in {table.heading}", keys["system"]))
 

@@ -225,9 +225,10 @@ def find(
         requests = {k: request for k, request in _requests(plan).items() if k not in omitted}
 
         def result(name: str, compute: Callable[[Any, Progress], Any]) -> Any:
-            """Return the result of a field of `Findings`; None if not requested, or for its reason.
+            """Return the result of a field of `Findings`, by its name; None if not requested.
 
-            `compute`: function from the request of this field and a progress to the result.
+            `compute`: function from the request of this field and a progress to the result; of its
+            `InputError` the message is kept in `reasons`, and the result is None.
             """
             if name not in requests:
                 return None
@@ -382,7 +383,7 @@ def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
     """Return the autopilot requirement at nominal dynamic pressure, as a boundary of flights.
 
     `plan`, `study`: the study plan, and its study. `loop`: result with the plant that flies and its
-    autopilot; that of a flexible vehicle has the boundary already.
+    autopilot; of a flexible vehicle it has the boundary already.
     """
     from tvclin.case.flexible_autopilot import FlexibleAnswer
     from tvclin.requirement.autopilot_requirement import autopilot_boundary

@@ -110,7 +110,10 @@ class FlightLoop:
         return self._autopilot_in(self.plan.plane)
 
     def _autopilot_in(self, plane: str) -> GainSchedule:
-        """Return the autopilot over the flight in a plane; a rule gives each plane its gains."""
+        """Return the autopilot over the flight in a plane, "pitch" or "yaw".
+
+        A rule gives each plane its gains.
+        """
         return flight_autopilot(
             self.plan.autopilot_design,
             self.flight,
@@ -168,6 +171,7 @@ class FlightLoop:
         A pulse has its peak at each flight time, in the worse of head and tail wind unless the plan
         says one; a sounding is flown through, with its gust at each flight time. The dynamic
         pressure is that encountered in the wind. With a limit shape both planes fly together.
+        `progress` is called with winds done and in total.
 
         Raises
         ------
@@ -210,8 +214,8 @@ class FlightLoop:
     ) -> Iterator[FlightAlong]:
         """Yield the flights through winds, in the order of `cases`, with a deflection limit [rad].
 
-        `cases`: winds, each with a direction: head, tail, frozen, or None for that of the wind
-        itself. The stages of all pulses are computed together, and of all soundings.
+        `cases`: winds, each with a direction: head, tail, frozen, or None where the wind has its
+        own. The stages of all pulses are computed together, and of all soundings.
         """
         for measured, group in groupby(cases, lambda case: isinstance(case[0].wind, _MEASURED)):
             if self.plan.planes == BOTH:
@@ -263,7 +267,7 @@ class FlightLoop:
         `sizing`: that of the flight and its winds; `counted`: its requirement that counts. The
         lower bounds stand beside it, with parameters that vary only if its own do: the bound of a
         frozen vehicle is none along the flight. `requirements`: whether the autopilot requirement
-        does too.
+        does too. `progress`: called with flights done and in total.
         """
         flown, needed = self.fly(progress), None
         if requirements and self.plan.planes == BOTH:
@@ -347,7 +351,7 @@ class FlightLoop:
 def _used(case: _Wind, flown: FlightAlong, times: FloatArray) -> FloatArray:
     """Return the largest deflection [rad] of a flight by flight time of the sizing, ``(n,)``.
 
-    `case`: wind of the flight `flown`. NaN at other times than that of a pulse or gust, and where a
+    `case`: wind of the flight `flown`. NaN except at the time of its pulse or gust, and where a
     flight through a sounding does not fly. `times`: flight times of the sizing [s], ``(n,)``.
     """
     if case.time is None:

@@ -252,8 +252,8 @@ def _sounding(
 ) -> tuple[str, SoundingRequest]:
     """Return name and request of the sounding of a table [[wind]].
 
-    `table`: its keys, which override those of [sounding]. `folder`: where its file is. `reading`:
-    the keys of [sounding].
+    `table`: its keys, which override the keys of [sounding]. `folder`: where its file is.
+    `reading`: the keys of [sounding].
     """
     of_pulse = [
         key for key in table if key in WIND_TABLE.every_key and key not in SOUNDING_TABLE.every_key

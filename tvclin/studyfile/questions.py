@@ -519,9 +519,10 @@ def _at_peak(findings: Findings) -> str:
 
 
 def _also(nominal: bool | None, head: bool | None) -> bool | None:
-    """Return the answer of both dynamic pressures: yes needs both, no is that at the nominal.
+    """Return the answer for both dynamic pressures: yes needs both, no is that at the nominal.
 
-    `nominal`: answer at nominal dynamic pressure. `head`: at the peak of a head wind.
+    `nominal`: answer at nominal dynamic pressure. `head`: at the peak of a head wind. None where
+    only the former is yes.
     """
     return True if nominal and head else None if nominal else nominal
 
@@ -529,7 +530,7 @@ def _also(nominal: bool | None, head: bool | None) -> bool | None:
 def without_stop(findings: Findings) -> float:
     """Return the peak deflection [rad] of the autopilot of findings without a stop.
 
-    NaN without an autopilot. Where both planes are judged it is that of both.
+    NaN without an autopilot. Where both planes are judged it counts both.
     """
     if findings.comparison is None:
         return float("nan")
@@ -539,7 +540,7 @@ def without_stop(findings: Findings) -> float:
 def _margins(findings: Findings) -> Question:
     """Return the question whether the margins of findings satisfy the criteria.
 
-    Its numbers are those of the criterion with the smallest surplus.
+    Its numbers belong to the criterion with the smallest surplus.
     """
     flexible = findings.plan.vehicle.structure is not None
     field = "flexible" if flexible else "comparison"

@@ -204,9 +204,9 @@ def _study(
 
 
 def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> str:
-    """Return the source of a vehicle with keys of its file set.
+    """Return the source of a vehicle, with keys of its file set.
 
-    `source`: name or path of the vehicle. `tables`: those of its file. `settings`: keys and values.
+    `source`: name or path. `tables`: those of its file. `settings`: keys and values.
     """
     if settings and is_schedule(source):
         raise InputError(

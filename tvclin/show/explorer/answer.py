@@ -207,7 +207,7 @@ class Answer:
 
 
 def answer(choices: Choices, max_steps: int | None = None) -> Answer:
-    """Return all numbers for the choices, of at most so many steps.
+    """Return all numbers for the choices of the panel, of at most `max_steps` steps; None for all.
 
     A part that cannot be answered, such as a law for a stable vehicle, is None and has its reason
     among the notes. A slider waits for no kernel to be compiled; slow steps may compile theirs.

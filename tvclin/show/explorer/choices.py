@@ -118,7 +118,10 @@ class Choices:
 
 
 def _bare(plan: StudyPlan, **fields: Any) -> StudyPlan:
-    """Return a plan of the same rigid motion and autopilot, with defaults otherwise."""
+    """Return a plan of the same rigid motion and autopilot, with defaults otherwise.
+
+    `fields`: fields of the plan that are neither.
+    """
     values: dict[str, Any] = {"vehicle": plan.vehicle.rigid, "design": plan.design} | fields
     return StudyPlan(model=plan.model, plane=plan.plane, **values)
 
