@@ -88,9 +88,11 @@ class TurbulenceFlights(Shown):
     @property
     @derived()
     def is_linear(self) -> bool:
-        """Whether rms, travel and crossings of the linear loop hold: it loses a percent of gain.
+        """Whether rms, travel and crossings of the linear loop hold for flights with the limit.
 
-        Survival follows from the flights alone: a rare excursion may lose an unstable vehicle.
+        They do if the limit is exceeded so seldom that saturation takes about a percent of the gain
+        at most. Survival follows from the flights alone: a rare excursion may lose an unstable
+        vehicle.
         """
         return self.largest_exceedance <= MAX_LINEAR_EXCEEDANCE
 

@@ -343,11 +343,11 @@ class SoundingWinds:
         return has_gap
 
     def wind(self, azimuth: float, plane: str, strong: bool) -> FloatArray:
-        """Return the wind in a plane [m/s] at the levels, with the sign of `WindProfile`.
+        """Return the wind in a plane [m/s] at the levels of all soundings.
 
         `azimuth`: direction of flight [rad], from north, clockwise. `plane`: "pitch" for the wind
-        along the path, "yaw" for that across it. Gaps are calm, or, with `strong`, have the
-        stronger wind of both edges.
+        along the path, positive from behind, "yaw" for that across it, positive from the right.
+        Gaps are calm, or, with `strong`, have the stronger wind of both edges.
         """
         sine, cosine = np.sin(azimuth), np.cos(azimuth)
         wind = self.east * sine + self.north * cosine
