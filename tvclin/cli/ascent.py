@@ -75,7 +75,7 @@ def _has_flown_autopilot(case: StudyPlan, source: str) -> bool:
 
 
 def _autopilot_flights(
-    case: StudyPlan, source: str, sizing: Sizing, counted: Requirement, more: bool
+    case: StudyPlan, source: str, sizing: Sizing, more: bool
 ) -> FlightsOfLoop | None:
     """Return the flights of the autopilot of a file and its use of the nozzle, if it has a limit.
 
@@ -85,7 +85,7 @@ def _autopilot_flights(
     if not _has_flown_autopilot(case, source):
         return None
     with bar("flights of the autopilot") as progress:
-        return FlightLoop.of(case).use(sizing, counted, requirements=more, progress=progress)
+        return FlightLoop.of(case).use(sizing, requirements=more, progress=progress)
 
 
 _FIELDS = ("start", "stop", "every", "dead_bands", "varying")
@@ -157,15 +157,14 @@ def ascent(
     with bar("flight times and winds") as progress:
         sizing = request.sizing(case, progress)
         turbulence = request.turbulence(case, case.turbulence)
-    counted = request.counted(sizing, case.sign)
     result = _Answer(
         source=source,
         sizing=sizing,
-        counted=counted,
+        counted=request.counted(sizing, case.sign),
         total=request.total(case, sizing, turbulence),
         ratio=request.ratio(case, sizing),
         turbulence=turbulence if isinstance(turbulence, FlightTurbulence) else None,
-        flights=_autopilot_flights(case, source, sizing, counted, more),
+        flights=_autopilot_flights(case, source, sizing, more),
         notes_of_request=(*request.warnings, *request.notes, *_hints(request, sizing)),
     )
     if csv is not None:

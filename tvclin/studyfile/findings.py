@@ -500,9 +500,7 @@ def _flights(plan: StudyPlan, sizing: Sizing, _: float, progress: Progress) -> F
     `sizing`: sizing of the flight. `_`: deflection limit [rad], which the plan has too. `progress`:
     called with flights done and in total.
     """
-    assert plan.sizing is not None  # by its request
-    counted = plan.sizing.counted(sizing, plan.sign)
-    return _flight_loop(plan).use(sizing, counted, progress=progress)
+    return _flight_loop(plan).use(sizing, progress=progress)
 
 
 def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:

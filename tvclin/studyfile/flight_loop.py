@@ -43,7 +43,7 @@ from tvclin.requirement.flight.deflection_use import (
 from tvclin.requirement.flight.flight_winds import PEAK, place, place_vector
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import Sizing, flight_times, hundredths
-from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, Requirement
+from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
@@ -257,19 +257,20 @@ class FlightLoop:
     def use(
         self,
         sizing: Sizing,
-        counted: Requirement,
         *,
         requirements: bool = False,
         progress: Progress | None = None,
     ) -> FlightsOfLoop:
         """Return the flights, with required, used and remaining deflection by flight time.
 
-        `sizing`: that of the flight and its winds; `counted`: its requirement that counts. The
-        lower bounds stand beside it, with parameters that vary only if its own do: the bound of a
-        frozen vehicle is none along the flight. `requirements`: whether the autopilot requirement
-        does too. `progress`: called with flights done and in total.
+        The required one is the requirement of the sizing that counts, with its lower bounds beside
+        it; their parameters vary only if its own do: the bound of a frozen vehicle is none along
+        the flight. `sizing`: that of the flight and its winds. `requirements`: whether the
+        autopilot requirement stands beside them too. `progress`: called with flights done and in
+        total.
         """
         flown, needed = self.fly(progress), None
+        counted = self.request.counted(sizing, self.plan.sign)
         if requirements and self.plan.planes == BOTH:
             unknown = np.full((sizing.times.size, len(sizing.winds)), np.nan)
             needed = AutopilotRequirements(sizing.times, sizing.winds, unknown, (_IN_PLANES,))
