@@ -215,20 +215,12 @@ class Columns:
         make: type[xarray.Dataset]
         make = imported("xarray", "a Dataset needs xarray", "campaign").Dataset
         names = tuple(column.key for column in self.axes)
-        return make(
-            {
-                column.key: (
-                    names if column.axes is None else column.axes,
-                    column.values,
-                    column.attributes,
-                )
-                for column in self.columns
-            },
-            coords={
-                column.key: (column.key, column.values, column.attributes) for column in self.axes
-            },
-            attrs=dict(self.about),
-        )
+        variables = {
+            x.key: (names if x.axes is None else x.axes, x.values, x.attributes)
+            for x in self.columns
+        }
+        coordinates = {x.key: (x.key, x.values, x.attributes) for x in self.axes}
+        return make(variables, coords=coordinates, attrs=dict(self.about))
 
     def _broadcast_axes(self, column: Column) -> AnyArray:
         """Return the values of a `column` in units of CSV, broadcast to all axes of the table."""

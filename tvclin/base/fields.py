@@ -449,14 +449,8 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
         FileTable(heading, **more),
         quantities={item.called: item.kind for item in single if item.numeric}
         | more.get("quantities", {}),
-        words=(
-            *(item.called for item in single if not item.numeric),
-            *more.get("words", ()),
-        ),
-        lists=(
-            *(item.called for item in specified if item.many),
-            *more.get("lists", ()),
-        ),
+        words=(*(item.called for item in single if not item.numeric), *more.get("words", ())),
+        lists=(*(item.called for item in specified if item.many), *more.get("lists", ())),
         fields={item.key: item.name for item in specified if item.key},
         checks={item.called: item.check for item in single if _in_any_unit(item)},
     )

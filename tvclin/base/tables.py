@@ -96,7 +96,10 @@ class FileTable:
                 if key in self.words:
                     values[key] = value
                 elif key in self.lists:
-                    values[key] = self._list(key, value)
+                    if not isinstance(value, list):
+                        place = f"{key} in {self.heading}"
+                        raise InputError(f"{place} must be a list; got {shown(value)}")
+                    values[key] = tuple(value)
                 elif key in keys:
                     name, factor = keys[key]
                     if name in key_of:
@@ -137,12 +140,6 @@ class FileTable:
     def write(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the numbers `values`, by name, in SI units by key: the inverse of `read`."""
         return {self.spelled(name).split(" or ")[0]: value for name, value in values.items()}
-
-    def _list(self, key: str, value: object) -> tuple[Any, ...]:
-        """Return the list `value` of a `key` as a tuple; `InputError` for anything else."""
-        if not isinstance(value, list):
-            raise InputError(f"{key} in {self.heading} must be a list; got {shown(value)}")
-        return tuple(value)
 
     def unknown(self, key: str) -> str:
         """Return the message on an unknown key: its missing unit, or similar keys."""

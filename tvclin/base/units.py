@@ -88,11 +88,7 @@ def si_unit(kind: str) -> str:
     return "" if kind in _DIMENSIONLESS_KINDS else written(first)
 
 
-_IN_DEGREES = {
-    "angle": "deg",
-    "angular rate": "deg_per_s",
-    "angular acceleration": "deg_per_s2",
-}
+_IN_DEGREES = {"angle": "deg", "angular rate": "deg_per_s", "angular acceleration": "deg_per_s2"}
 _OPTION_UNITS = {**_IN_DEGREES, "delay": "ms"}
 """Units of options that are not SI units, by kind of quantity."""
 _NO_UNIT = ("", "text", "flag", "count")
@@ -214,10 +210,11 @@ def unit_of(written: str, candidates: dict[str, float]) -> Unit | None:
     for spelling, factor in candidates.items():
         if respelled == _key(spelling):
             return Unit(factor, spelling, False)
+    powerless = re.sub(r"\d", "", key)
     fits = [
         Unit(factor, spelling, True)
         for spelling, factor in candidates.items()
-        if _powerless(key) == _powerless(_key(spelling))
+        if re.sub(r"\d", "", _key(spelling)) == powerless
     ]
     return fits[0] if len(fits) == 1 else None
 
@@ -237,11 +234,6 @@ def _respelled(unit: str) -> str:
     words = (_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text))
     key = _key("".join(words))
     return _SPEEDS.get(key, key)
-
-
-def _powerless(key: str) -> str:
-    """Return the key of a unit without digits."""
-    return "".join(c for c in key if not c.isdigit())
 
 
 def _bare(unit: str) -> str:

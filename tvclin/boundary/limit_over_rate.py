@@ -38,7 +38,7 @@ from tvclin.base.quantities import (
     sufficiency,
 )
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
+from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_under
 from tvclin.boundary.optimum.moments import Constraints, constraints_of
 from tvclin.boundary.optimum.rate_limit import RATE_RANGE, minimum_peak_at_rate
 from tvclin.linear.modes import poles_text, unstable_poles
@@ -523,7 +523,7 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
             "plant must have a real unstable pole as its fastest; it has"
             f" {poles_text(unstable_poles(plant))}"
         )
-    unlimited = optimum_deflection(plant, wind, start)
+    unlimited = optimum_under(constraints, start)
     return _Case(wind, constraints, unlimited, acceleration, no_forecast_deflection(plant, wind))
 
 

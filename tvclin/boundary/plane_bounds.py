@@ -217,9 +217,7 @@ def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], Float
     directions = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
     normals = directions / (limit_shape.support(directions) + limit_shape.support(-directions))
     components = np.stack([normals.real, normals.imag])
-    return lambda vector: np.abs(np.stack([vector.real, vector.imag], axis=-1) @ components).max(
-        axis=-1
-    )
+    return lambda v: np.abs(np.stack([v.real, v.imag], axis=-1) @ components).max(axis=-1)
 
 
 def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:

@@ -85,8 +85,7 @@ class Coefficients(Record):
     q: Real = field(default=0.0, metadata=_number("per time squared", "q", errors.nonnegative))
     damping: Real = field(default=0.0, metadata=_number("per time", "damping", errors.nonnegative))
     velocity: Real = field(
-        default=0.0,
-        metadata=spec("speed", check=errors.nonnegative, card=False, document=False),
+        default=0.0, metadata=spec("speed", check=errors.nonnegative, card=False, document=False)
     )
     name: str = field(default="", compare=False, repr=False)
 

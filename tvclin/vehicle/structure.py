@@ -18,7 +18,7 @@ from tvclin.base.arrays import IndexArray, Real
 from tvclin.base.cards import Row, card, card_rows, lines
 from tvclin.base.errors import InputError, between, broadcast, each, flag, instance, plain, shown
 from tvclin.base.fields import fields_of, spec
-from tvclin.base.lines import Line, Table, significant
+from tvclin.base.lines import Line, Table, plural, significant
 from tvclin.vehicle.filters import Filter, filter_cells
 
 _MAX_NUMBER = 1e12
@@ -293,7 +293,7 @@ class Structure(_Batched):
     def parts(self) -> str:
         """Text that lists modes, tanks, engine and lags of the structure."""
         counted = (("bending mode", len(self.bending)), ("tank", len(self.slosh)))
-        words = [f"{count} {name}{'s' * (count > 1)}" for name, count in counted if count]
+        words = [plural(count, name) for name, count in counted if count]
         words += ["engine with inertia"] * (self.engine is not None)
         lags = {"attitude sensor": self.attitude_sensor, "rate gyro": self.rate_gyro}
         words += [f"lag of the {name}" for name, lag in lags.items() if lag is not None]

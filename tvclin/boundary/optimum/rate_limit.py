@@ -20,7 +20,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, between, number, positive, shown, whole_number
 from tvclin.base.fields import spec
 from tvclin.boundary.limit import OK, STABLE
-from tvclin.boundary.optimum.minimum_peak import NOT_EXCITED, Optimum, optimum_deflection
+from tvclin.boundary.optimum.minimum_peak import NOT_EXCITED, Optimum, optimum_under
 from tvclin.boundary.optimum.moments import (
     Constraints,
     constraints_of,
@@ -269,7 +269,7 @@ def optimum_with_rate_limit(
     if not _MIN_STEPS <= whole_number("steps", steps) <= _MAX_STEPS:
         raise InputError(f"steps must be {_MIN_STEPS} to {_MAX_STEPS}; got {shown(steps)}")
     constraints = constraints_of(plant, wind, start, horizon)
-    unlimited = optimum_deflection(plant, wind, start, horizon)
+    unlimited = optimum_under(constraints, float(start))
     if unlimited.peak == 0.0:
         status = NOT_EXCITED if constraints.demands.size else STABLE
         return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
