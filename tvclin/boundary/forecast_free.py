@@ -135,9 +135,8 @@ def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatAr
     n, count = A.shape[-1], inputs.shape[-1]
     A = np.broadcast_to(A.reshape(-1, n, n), (pole.size, n, n))
     row = np.real(left_eigenvector(A, pole)[1])
-    gains = np.einsum(
-        "mi,mij->mj", row, np.broadcast_to(inputs.reshape(-1, n, count), (pole.size, n, count))
-    )
+    inputs = np.broadcast_to(inputs.reshape(-1, n, count), (pole.size, n, count))
+    gains = np.einsum("mi,mij->mj", row, inputs)
     inertia = gains[:, len(INPUTS) :].sum(axis=1)
     rows = np.column_stack([row, -pole * inertia, -inertia])
     with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
@@ -275,9 +274,8 @@ def forecast_free_limit(
     # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
     denominator = np.where(largest - R * turn_cosine > 0.0, largest - R * turn_cosine, np.inf)
     excess = R * np.maximum((R - largest * turn_cosine) / denominator, 0.0)
-    limit = strength * np.maximum(
-        wind_known, np.maximum((largest + np.minimum(excess, R)) / 2.0, R)
-    )
+    stopped = np.maximum((largest + np.minimum(excess, R)) / 2.0, R)
+    limit = strength * np.maximum(wind_known, stopped)
     if poles.shape[-1] > 1:
         trim = np.abs(np.asarray(plant.coefficients.B) * peak)
         with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim

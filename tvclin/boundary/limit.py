@@ -175,12 +175,9 @@ class BoundaryLimit(Shown):
         """
         rows: list[tuple[Line, ...]] = []
         for position, limits in zip(places, self.limit, strict=True):
-            named = zip(dead_bands, limits, strict=True)
-            cells = (
-                lines.minimum_limit(number(f"limit.{position:g}.{K:g}", limit))
-                for K, limit in named
-            )
-            rows.append((significant(f"limit.{position:g}", position), *cells))
+            name, by_dead_band = f"limit.{position:g}", zip(dead_bands, limits, strict=True)
+            cells = (lines.minimum_limit(number(f"{name}.{K:g}", y)) for K, y in by_dead_band)
+            rows.append((significant(name, position), *cells))
         return Table(caption, (axis, *(f"K = {K:g}" for K in dead_bands)), tuple(rows))
 
 

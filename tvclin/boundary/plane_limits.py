@@ -458,10 +458,9 @@ def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str)
     if np.isfinite(pair.wind.yaw.onset):
         pitch_only = 0.0
         if np.isfinite(pair.wind.pitch.onset):
-            flat = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
-            pitch_only = two_plane_requirement(
-                PlanePair(pair.plants, flat), limit_shape, (K,), literal
-            )[0].limit
+            pitch_wind = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
+            flat = PlanePair(pair.plants, pitch_wind)
+            pitch_only = two_plane_requirement(flat, limit_shape, (K,), literal)[0].limit
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     return PlaneLimit(
         limit=requirement.limit / scale if requirement.y is None else requirement.y,

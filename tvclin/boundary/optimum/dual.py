@@ -72,9 +72,8 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
     levels, prices = solution[0][:-1], solution[1] / sizes
     determined, first = np.abs(prices) * sizes > _RELATIVE_LP_TOLERANCE, 0
     while not np.all(determined) and np.any(determined):
-        strength = np.abs(prices[determined]) @ np.exp(
-            -constraints.decays[determined, None] * cells[:-1]
-        )
+        decays = constraints.decays[determined, None]
+        strength = np.abs(prices[determined]) @ np.exp(-decays * cells[:-1])
         later = np.flatnonzero(strength < _RELATIVE_LP_TOLERANCE * strength[first])
         if not later.size or strength[later[0]] < 1e-290:
             break

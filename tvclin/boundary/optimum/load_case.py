@@ -130,8 +130,8 @@ class LoadCase:
         reference [rad], ``(2, n)``. Returned: ``(n, q)``.
         """
         n, unstable, x = widths.size, self.unstable, np.linspace(0.0, 1.0, reference_load.shape[1])
-        decay, weight, end_weight = convolution_weights(self.rates, widths[:, np.newaxis])
-        start, end = ends[0][:, np.newaxis], ends[1][:, np.newaxis]
+        column, (start, end) = widths[:, np.newaxis], ends[:, :, np.newaxis]
+        decay, weight, end_weight = convolution_weights(self.rates, column)
         increment = self.sizes * np.where(
             unstable, -(weight * start + end_weight * end), end_weight * start + weight * end
         )
@@ -145,9 +145,7 @@ class LoadCase:
         load = reference_load + self.ratio * value
         for i in range(unstable.size):
             distance = 1.0 - x if unstable[i] else x
-            fade, close, beyond = convolution_weights(
-                self.rates[i], widths[:, np.newaxis] * distance
-            )
+            fade, close, beyond = convolution_weights(self.rates[i], column * distance)
             z_from, origin, sign = (z[1:, i], end, -1.0) if unstable[i] else (z[:-1, i], start, 1.0)
             added = sign * self.sizes[i] * (close * value + beyond * origin)
             load = load + (self.shares[i] * (fade * z_from[:, np.newaxis] + added)).real
@@ -274,7 +272,7 @@ class LoadWeights:
         mode the weights of load ahead or behind, decayed to that time.
         """
         c = self.case
-        start, end = self.density_ends[:, :, np.newaxis]
+        column, (start, end) = self.widths[:, np.newaxis], self.density_ends[:, :, np.newaxis]
         here = start * (1.0 - x) + end * x
         density = c.ratio * here
         for i in range(c.poles.size):
@@ -282,9 +280,7 @@ class LoadWeights:
                 distance, origin, node, sign = x, start, self._before[:-1, i], -1.0
             else:
                 distance, origin, node, sign = 1.0 - x, end, self._after[1:, i], 1.0
-            decay, near, far = convolution_weights(
-                c.rates[i], self.widths[:, np.newaxis] * distance
-            )
+            decay, near, far = convolution_weights(c.rates[i], column * distance)
             weight = decay * node[:, np.newaxis] + c.shares[i] * (near * here + far * origin)
             density = density + sign * c.sizes[i] * weight.real
         return density

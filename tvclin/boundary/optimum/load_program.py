@@ -102,9 +102,8 @@ class LoadProgram:
                 cost, below, upper, equal, right, bounds, method=method, options=options
             )
             if result.status == 0:
-                return self._solution(
-                    result, bound if aim == PEAK else float(result.fun) * self._unit
-                )
+                load = bound if aim == PEAK else float(result.fun) * self._unit
+                return self._solution(result, load)
             if result.status == 2:
                 break
         return None
@@ -323,9 +322,7 @@ class LoadProgram:
         new = np.any(np.diff(np.stack(marks), axis=1) != 0.0, axis=0)
         excess = largest - bound
         loose = np.append(new, False) | np.append(False, new)
-        loose |= excess > _SPLIT_EXCESS_FRACTION * max(
-            float(excess.max()), _ACTIVE_DISTANCE * bound / _SPLIT_EXCESS_FRACTION
-        )
+        loose |= excess > max(_SPLIT_EXCESS_FRACTION * excess.max(), _ACTIVE_DISTANCE * bound)
         start, width, (first, last) = self.nodes[:-1][loose], self.widths[loose], ends[:, loose]
         level = 0.5 * (1.0 + first / (peak or 1.0))  # where a switch would be
         parts = [np.full(width.size, k / _CELL_DIVISIONS) for k in range(1, _CELL_DIVISIONS)]

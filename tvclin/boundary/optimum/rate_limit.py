@@ -350,9 +350,8 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
         parts.append(decay_spaced_times(np.real(pole), last, share))
         if np.imag(pole):
             parts.append(np.linspace(0.0, last, share))
-    return separate_nodes(
-        np.minimum(np.concatenate(parts), last), 1e-9 / np.abs(constraints.poles).max()
-    )
+    gap = 1e-9 / np.abs(constraints.poles).max()
+    return separate_nodes(np.minimum(np.concatenate(parts), last), gap)
 
 
 def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
@@ -364,9 +363,8 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
     """
     nodes, peak, slope = program.nodes, np.abs(values).max(), program.rate / program.unit
     at_peak = np.abs(values) > peak * (1.0 - _ACTIVE_DISTANCE)
-    full = np.abs(np.diff(values)) > program.steps - _ACTIVE_DISTANCE * np.minimum(
-        peak, program.steps
-    )
+    distance = _ACTIVE_DISTANCE * np.minimum(peak, program.steps)
+    full = np.abs(np.diff(values)) > program.steps - distance
     flat = at_peak[:-1] & at_peak[1:] & (values[:-1] * values[1:] > 0.0)
     decays = program.constraints.decays[:, np.newaxis]
     worth = np.abs(prices) @ np.exp(-decays * nodes[:-1]) * np.diff(nodes)
@@ -379,6 +377,5 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
         new.append(last - np.abs(level_limit - values[loose + 1]) / slope)
     inside = [np.where((time > first) & (time < last), time, first) for time in new]
     fastest = np.abs(program.constraints.poles).max()
-    return separate_nodes(
-        np.concatenate([nodes, *inside]), min(1e-6 / fastest, 1e-3 * peak / slope)
-    )
+    gap = min(1e-6 / fastest, 1e-3 * peak / slope)
+    return separate_nodes(np.concatenate([nodes, *inside]), gap)
