@@ -250,11 +250,12 @@ def minimum_deflection_gains(
 
 
 def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> MinimumGains:
-    """Return the gains that solve a problem; `start`: points to start from, ``(n, axes)``."""
+    """Return the gains that solve a problem; `start`: first points, ``(n, axes)``, or None."""
     axes = len(problem.gains)
     first = _BOX_POINTS * (axes - 1) if start is None else _LOCAL_POINTS
     options: dict[str, Any] = {"initial": first, "start": start, "over_box": start is None}
     pools = _ISLANDS if problem.has_alpha else 1
+    # First by peaks of the linear loop; for limits from there on by flights, at last all limits.
     linear = partial(_cost, problem, partial(_linear_peaks, problem))
     points, costs = box_minimum(linear, axes, islands=pools, **options, **_LINEAR_SEARCH)
     if costs[0] < UNSATISFIED_COST and problem.limits:
@@ -271,6 +272,7 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
     if problem.limits:
         best = _rounded(problem, points[0])
         return _record(problem, best, _boundaries(problem, problem.autopilot(best), problem.stops))
+    # The peaks of the search are those of samples: the best of a few by exact peaks.
     rows = [_rounded(problem, point) for point in points[:_EXACT_ROWS]]
     exact = [_peaks(problem, problem.autopilot(row)) for row in rows]
     k = int(np.argmin([peaks.max() for peaks in exact]))

@@ -130,7 +130,7 @@ class Actuator(Record):
         )
 
     def matrices(self) -> Matrices:
-        """Return A, B, C, D of the actuator, ``(..., n, n)`` and so on, n being its order.
+        """Return A ``(..., n, n)``, B ``(..., n, 1)``, C ``(..., 1, n)``, D of order n.
 
         The input is the command [rad]; the states are the deflection [rad] and, of second order,
         its rate [rad/s]; the output is the deflection.

@@ -59,10 +59,11 @@ class WindEstimator(Record):
         checked(self)
 
     def states(self, plant: Plant) -> tuple[FloatArray, FloatArray]:
-        """Return F ``(2, 2)`` and G ``(2, 5)`` of s' = F s + G m, s being q^ and d^.
+        """Return F ``(2, 2)`` and G ``(2, 5)`` of s' = F s + G m, the equations of the observer.
 
-        m are the first five of `LAW_INPUTS`. `plant`: the model, one plant with mu_alpha other than
-        zero.
+        s are the estimates q^ of the attitude rate [rad/s] and d^ of gamma + alpha_w [rad], m the
+        first five of `LAW_INPUTS`: attitude, its rate, path angle, angle of attack, deflection.
+        `plant`: the model, one plant with mu_alpha other than zero.
         """
         errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
         errors.single("plant", plant.batch)

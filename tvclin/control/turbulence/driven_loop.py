@@ -257,7 +257,7 @@ class DrivenLoop:
         return slice(self.order, self.order + self.filter_order)
 
     def mapped(self, function: Callable[[FloatArray], FloatArray]) -> DrivenLoop:
-        """Return the loop with a function of each of its arrays, to change the batch."""
+        """Return the loop with `function` of each of its arrays, to change the batch of all."""
         A, noise, wind, rows, direct = map(function, self.arrays[:5])
         jumps = tuple(Jump(jump.length, *map(function, jump[1:])) for jump in self.jumps)
         return replace(self, A=A, noise=noise, wind=wind, rows=rows, direct=direct, jumps=jumps)
@@ -424,7 +424,7 @@ def _behind_filter(
 
 
 def _widened(loop: DrivenLoop, count: int) -> DrivenLoop:
-    """Return a loop with `count` further states, the last, which nothing moves yet."""
+    """Return a loop with `count` more states behind the others, which stay constant."""
 
     def wider(array: FloatArray, axes: int) -> FloatArray:
         """Return an array with `count` zeros more at the end of each of its last `axes`."""

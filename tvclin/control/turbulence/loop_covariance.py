@@ -87,7 +87,7 @@ class GaussianOutputs(Shown):
         return mean_absolute(self._mean_of(*rate), self._deviation_of(rate[0]))
 
     def _crossing_rates(self, limit: float, output: str) -> FloatArray:
-        """Return the expected crossings [1/s] of +-limit by an output, ``(n,)``, both outwards."""
+        """Return an output's expected crossings [1/s] of +limit up and -limit down, ``(n,)``."""
         bound = number("limit", limit, positive)
         signal, rate = self._row(output), self._rate(output)
         spread, motion = (self._deviation_of(row) for row, _ in (signal, rate))
