@@ -430,9 +430,8 @@ def duty_of_motion(
 
 def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
     """Return angles `values` [rad] at times `t`, ``(n,)``; `InputError` on `name` for others."""
-    row = (errors.directions if name == "attitude" else errors.small_angle("an angle"))(
-        name, values, "rad"
-    )
+    check = errors.directions if name == "attitude" else errors.small_angle("an angle")
+    row = check(name, values, "rad")
     if row.shape != t.shape:
         raise errors.InputError(
             f"{name} must be a row of {t.size} numbers, as times; got {row.shape}"

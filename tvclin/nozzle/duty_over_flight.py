@@ -301,15 +301,15 @@ class _Conditions:
         case = self.case
         if len(placed) == 1:
             return dict.fromkeys(placed, self.limit)
-        sizes = dict.fromkeys(placed, 0.0)
+        trims = dict.fromkeys(placed, 0.0)
         for plane, in_plane in placed.items():
             if not in_plane.calm:
                 plant = Plant.from_vehicle(vehicle, case.law_model, plane)
-                sizes[plane] = abs(float(plant.coefficients.B) * float(in_plane.history.peak))
-        total = float(
-            rectangle(limit_shape_of(case.nozzle.limit_shape or "round"), *sizes.values())
-        )
-        return {k: self.limit * size / total for k, size in sizes.items()} if total else sizes
+                trims[plane] = abs(float(plant.coefficients.B) * float(in_plane.history.peak))
+        # The scale of the limit shape that contains both trims at once.
+        shape = limit_shape_of(case.nozzle.limit_shape or "round")
+        total = float(rectangle(shape, *trims.values()))
+        return {k: self.limit * trim / total for k, trim in trims.items()} if total else trims
 
     def _flown(self, point: DutyPoint, vehicle: Vehicle, wind: History, interval: Any) -> DutyPoint:
         """Return a point with its flight, and the duty in an interval of it.
@@ -381,9 +381,8 @@ def _duties(
     """
     for wind, plane in dict.fromkeys((point.wind, point.plane) for point in points):
         flown = [point for point in points if (point.wind, point.plane) == (wind, plane)]
-        spent = np.array(
-            [point.without_noise for point in flown if point.duty is not None]
-        ).reshape(-1, 2)
+        rows = [point.without_noise for point in flown if point.duty is not None]
+        spent = np.array(rows).reshape(-1, 2)
         if any(point.diverged or point.reason for point in flown):
             spent = np.full((1, 2), np.nan)
         elif not _measured(winds.get(wind)):

@@ -162,10 +162,10 @@ def flown_trade_offs(
     _check_samples(cases, minima, len(names) * (cuts + 1))
     done = 0
 
-    def advanced(winds: int, most: int) -> None:
-        """Report progress: `winds` of `most` winds of the boundary in work are flown."""
+    def advanced(winds: int, total_winds: int) -> None:
+        """Report progress: `winds` of `total_winds` winds of the boundary in work are flown."""
         if progress is not None:
-            progress(done + winds / most, total)
+            progress(done + winds / total_winds, total)
 
     def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
         """Return the flown boundary of a law, by `name`, in a case at a rate limit [rad/s]."""

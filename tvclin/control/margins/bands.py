@@ -64,6 +64,7 @@ class Terms:
         """Return the terms of loops in matrix form, for poles of a `plant` [1/s], ``(k, n)``."""
         form = loop.form
         assert isinstance(form, StateLoop)
+        # Of each mode the pole of the loop that is nearest to the pole of the plant.
         distances = form.open_poles()[:, np.newaxis] - loop.s_to_w(plant)[..., np.newaxis]
         nearest = np.argmin(np.nan_to_num(np.abs(distances), nan=np.inf), axis=-1)
         poles = np.take_along_axis(form.open_poles(), nearest, axis=-1)

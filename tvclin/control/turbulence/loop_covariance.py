@@ -255,8 +255,8 @@ class LoopCovariance(GaussianOutputs):
             points, A, noise = 1j * frequencies.ravel(), loop.A, loop.noise
         systems = points[:, np.newaxis, np.newaxis] * np.eye(len(A)) - A
         rows = np.broadcast_to(row, (len(points), len(row)))[..., np.newaxis]
-        left = np.linalg.solve(np.swapaxes(systems, -1, -2), rows)[..., 0]
-        power = np.real(np.einsum("ki,ij,kj->k", left, noise, left.conj()))
+        factors = np.linalg.solve(np.swapaxes(systems, -1, -2), rows)[..., 0]
+        power = np.real(np.einsum("ki,ij,kj->k", factors, noise, factors.conj()))
         return np.asarray(power / np.pi).reshape(frequencies.shape)
 
     def tables(self) -> list[Table]:
