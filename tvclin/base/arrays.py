@@ -15,7 +15,7 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 IndexArray = NDArray[np.intp]
 Real = float | FloatArray
-"""A number of one vehicle, or those of a batch."""
+"""A number of one vehicle, or the numbers of a batch."""
 
 
 class Storage:

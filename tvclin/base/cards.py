@@ -89,7 +89,7 @@ class Shown(Record):
     """Answer whose printed text is a short form of its card."""
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Give a subclass this text, ahead of the one that a dataclass would write."""
+        """Give a subclass this text before a dataclass writes its own."""
         super().__init_subclass__(**options)
         if "__repr__" not in vars(cls):
             cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # ahead of a dataclass

@@ -328,7 +328,7 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
 
 
 def limit_angle(value: ArrayLike, name: str = "deflection_limit") -> float:
-    """Return a deflection limit [rad] as a float; `InputError` unless positive, within 90 degrees.
+    """Return a limit `value` [rad] as a float; `InputError` unless positive, within 90 degrees.
 
     `name`: name of the argument, in messages.
     """

@@ -457,7 +457,7 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
 
 
 def _in_any_unit(item: Field) -> bool:
-    """Return whether the check of the number `item`, as of its sign, holds in any unit."""
+    """Return whether the check of the number `item`, such as a sign, holds in any unit."""
     return item.numeric and (
         item.kind == "angle" or item.check in (errors.positive, errors.nonnegative, errors.nonzero)
     )

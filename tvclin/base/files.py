@@ -54,7 +54,7 @@ class EditedSource(str):
         return made
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        """Return the source itself, which is never changed; `memo` is that of `copy.deepcopy`."""
+        """Return the source itself, which is never changed; `memo` belongs to `copy.deepcopy`."""
         return self
 
     @property

@@ -229,7 +229,7 @@ def _key(unit: str) -> str:
 
 
 def _respelled(unit: str) -> str:
-    """Return the key of a unit with the usual spelling of its components: of m/sec that of m/s."""
+    """Return the key of a unit after its components are spelled as usual: m/s for m/sec."""
     text = re.sub(r"[\s_]+", " ", unit.lower()).replace(" per ", "/")
     words = (_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text))
     key = _key("".join(words))

@@ -135,7 +135,7 @@ class ExitProblem:
     def _run(self, function: Any, longer: int, winds: Any, which: IndexArray, *arrays: Any) -> None:
         """Run a kernel `function` over cases: the winds, the wind index `which` of each, `arrays`.
 
-        `longer`: time for a term of the sum, relative to that of a wind itself as trim.
+        `longer`: time for a term of the sum, relative to the time where trim is the wind itself.
         """
         terms = longer * winds[0].shape[-1] * winds[2].shape[-1] * which.size
         seconds = (switches.PLAIN * terms, switches.COMPILED * terms)

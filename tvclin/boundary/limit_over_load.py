@@ -296,7 +296,7 @@ class LoadLimits:
 
     @property
     def _programmed(self) -> bool:
-        """Whether the minimum load takes linear programs, and is not that of a jump of the wind."""
+        """Whether the minimum load takes linear programs, and is not just a jump of the wind."""
         case = self.case
         return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
 

@@ -135,8 +135,8 @@ class PlanePair:
     def mode_demands(self, plane: int, t: float, after_trim: bool) -> FloatArray:
         """Return the demand [rad] of each mode of a plane from `t` [s] on, ``(N,)``.
 
-        `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the vehicle is trimmed up to then;
-        else it is that of the wind, -B K1 W.
+        `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the vehicle is trimmed up to then; else
+        the demand is the wind's, -B K1 W.
         """
         history, factors = (self.trim, self.poles) if after_trim else (self.wind, self._strengths)
         component, poles = (history.pitch, history.yaw)[plane], self.poles[plane]
@@ -223,9 +223,9 @@ def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], Float
 def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     """Return the lower bound [rad] for laws that know the wind, but not when it stops.
 
-    It is that of the fast mode of each plane of `pair`, with S a `limit_shape`. With planes that
-    differ, it is computed for states that a constant vector returns from: up to two percent too
-    large where the poles differ by half.
+    The fast mode of each plane of `pair` sets it, with S a `limit_shape`. With planes that differ,
+    it is computed for states that a constant vector returns from: up to two percent too large where
+    the poles differ by half.
     """
     onset, end = float(pair.wind.onset), float(pair.wind.end)
     shown = pair.times()

@@ -31,7 +31,7 @@ _inertia = between(0.0, _MAX_NUMBER**2)
 
 @dataclass(frozen=True)
 class _Batched:
-    """Part of a structure whose numbers are those of one vehicle or of a batch."""
+    """Part of a structure whose numbers belong to one vehicle or to a batch."""
 
     def __post_init__(self) -> None:
         """Check all numbers, set each to a float or an array; refuse shapes that do not broadcast.

@@ -409,7 +409,7 @@ def _proved(
 def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """Return upper bounds [rad] of `_pair_peaks`, ``(n,)``: demands over lower bounds of the norms.
 
-    `poles`: sigma + j omega [1/s], ``(n,)``. `demands`: of eq (C1) [rad s], ``(n,)``.
+    `poles`: s = sigma + j omega [1/s], ``(n,)``. `demands`: of eq (C1) [rad s], ``(n,)``.
 
         integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
     """
