@@ -9,7 +9,7 @@ from scipy.special import lambertw
 import tvclin as tv
 from tests.turns import usual
 from tvclin.control import design_law
-from tvclin.kernels.control_laws import allowed_lean, recovery_distance
+from tvclin.kernels.control_laws import lean_command, recovery_travel
 
 PEAK, B, BETA = 0.1, 0.1, 0.5
 FIXED = tv.Plant(tv.Coefficients.from_beta(beta=BETA, B=B), "fixed-path")
@@ -107,10 +107,10 @@ def test_how_far_the_nozzle_turns_is_the_inverse_of_the_recoverable_set():
     q = room / swing
     exact = 1.0 + q + lambertw(-np.exp(-1.0 - q)).real
     exact[:2] = np.sqrt(2.0 * q[:2])  # the same, to a part of sqrt(q)/4, without the branch point
-    computed = np.array([recovery_distance(one, swing) for one in room]) / swing
+    computed = np.array([recovery_travel(one, swing) for one in room]) / swing
     assert computed == pytest.approx(exact, rel=3e-5, abs=0.0)
     assert computed[2:] == pytest.approx(exact[2:], rel=1e-9)
-    assert recovery_distance(-1.0, swing) == 0.0
+    assert recovery_travel(-1.0, swing) == 0.0
 
 
 @pytest.mark.parametrize("plant", [FIXED, EXACT])
@@ -122,7 +122,7 @@ def test_without_a_rate_limit_the_law_is_what_it_was_to_the_last_digit(plant):
         felt, D = n.wind * wind, 0.006 / abs(n.B)
         fast = n.fast_attitude * theta + n.fast_rate * rate + n.fast_path * path
         slow = n.slow_attitude * theta + n.slow_rate * rate + n.slow_path * path
-        before = n.B * (fast - felt + n.gain * (fast - allowed_lean(n, slow, felt, abs(wind), D)))
+        before = n.B * (fast - felt + n.gain * (fast - lean_command(n, slow, felt, abs(wind), D)))
         measurement = tv.control.laws.law.Measurement(theta, rate, path, alpha, 0.0)
         assert law.demand(measurement, np.zeros(0), 0.006) == before
     assert design_law("trim", plant, PEAK) == tv.TrimLaw(tv.Plant(plant.coefficients, "fixed-path"))

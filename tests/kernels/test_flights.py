@@ -112,7 +112,7 @@ def test_both_kernels_of_a_sample_run_alike_if_one_alone_is_cached(monkeypatch):
     with pinned(False):
         expected = flown((plant, LawInPython(), wind, limit))
     monkeypatch.setattr(choice, "_MIN_LOADING_SECONDS", 0.0)
-    monkeypatch.setattr(choice, "_is_cached", lambda kernel: kernel is flights.advance)
+    monkeypatch.setattr(choice, "_is_cached", lambda kernel: kernel is flights.move_flights)
     computed = flown((plant, LawInPython(), wind, limit))
     np.testing.assert_array_equal(fields(computed), fields(expected))
 

@@ -6,6 +6,7 @@ from scipy.optimize import linprog
 
 from tvclin.kernels.choice import pinned, run
 from tvclin.kernels.minimum_peaks import minimum_peaks
+from tvclin.kernels.trim_and_demand import VaryingSteps
 
 STEPS, H = 12, 0.05
 FOURTH_ORDER = 1e-6
@@ -45,12 +46,15 @@ def test_no_deflection_of_constant_equations_has_a_smaller_peak(poles, compiled)
     wind, path = rng.normal(size=STEPS), rng.normal(size=STEPS + 1)
     ends = np.append(30.0 / poles[-1] * np.linspace(0.0, 1.0, 1000 if two else 200) ** 2, 1e4)
     after = pushed * integrals(p, ends[:-1], ends[1:])
-    arguments = (
+    steps = VaryingSteps(
         np.full((1, STEPS), H),
         np.tile(np.c_[A, b, w], (1, 1, 3, 1, 1)),
         np.zeros((1, 1, 3, 2, 3, 5)),
         np.ones((1, STEPS, 3)),
         np.repeat(wind, 3).reshape(1, STEPS, 3),
+    )
+    arguments = (
+        steps,
         left[np.newaxis].copy(),
         (pushed / p).reshape(1, -1) if two else np.zeros((1, 2)),
         p.reshape(1, -1) if two else np.zeros((1, 2)),

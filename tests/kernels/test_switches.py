@@ -134,7 +134,7 @@ def test_the_state_of_the_filter_is_that_of_a_matrix_exponential(seed):
             expected = np.real(expm(A * u) @ np.array([0, 0, *c[0]]))[:2]
             expected += np.real(expm(A * u) @ np.array([x, y, 0, 0]))[:2]
             work = np.empty((2, 2), kind)
-            result = excess.filtered_state(c, np.array([rate], kind), u, x, y, b1, q, work)
+            result = excess.advance_filter(c, np.array([rate], kind), u, x, y, b1, q, work)
             np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-12)
 
 

@@ -126,7 +126,7 @@ def fastest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
 def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     """Return a kernel itself, or its machine code where that pays, for work already counted.
 
-    Same parameters as `fastest`.
+    `function`: marked by `kernels.source.kernel`. `seconds`: approximate time in plain Python.
     """
     if not available():
         return function
@@ -160,7 +160,10 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
 
 
 def _count(seconds: float) -> None:
-    """Add a call to the plain work of this process, and warn as soon as it will be long."""
+    """Add a call to the plain work of this process, and warn as soon as it will be long.
+
+    `seconds`: approximate time of the call in plain Python.
+    """
     expected = _plain_work.seconds + seconds * _similar_calls.get()
     _plain_work.seconds += seconds
     if expected > _LONG and not _plain_work.announced:
@@ -239,6 +242,7 @@ def cache_folder(sources: Path) -> Path:
 
 
 def _users_cache() -> Path:
+    """Return numba's folder in the user's cache, as numba places it on this platform."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA", "~")).expanduser() / "numba" / "Cache"
     if sys.platform == "darwin":
@@ -259,6 +263,7 @@ def available() -> bool:
 
 @cache
 def _installed() -> bool:
+    """Return whether numba is installed."""
     return find_spec("numba") is not None
 
 
@@ -276,14 +281,14 @@ def remedy() -> str:
 
 
 def pinned(compiled: bool) -> AbstractContextManager[None]:
-    """Choose plain Python or machine code for all calls inside, whatever their work."""
+    """Choose machine code (`compiled`) or plain Python for all calls inside the context."""
     return _within(_pinned, compiled)
 
 
 def repeated(calls: int) -> AbstractContextManager[None]:
     """Choose as for a number of similar calls, which together may be worth machine code.
 
-    Nested numbers multiply.
+    `calls`: that number. Nested numbers multiply.
     """
     return _within(_similar_calls, _similar_calls.get() * calls)
 
@@ -313,6 +318,7 @@ def compiling_nothing() -> AbstractContextManager[None]:
 
 @contextmanager
 def _within(variable: ContextVar[Any], value: Any) -> Iterator[None]:
+    """Set a context variable to a value inside the context, and back at its end."""
     token = variable.set(value)
     try:
         yield

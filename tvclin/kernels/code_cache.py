@@ -36,6 +36,7 @@ class VerifiedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     """Cache of a kernel in numba's cache folder, in files of `_VerifiedFiles`."""
 
     def __init__(self, function: Callable[..., Any], digest: str) -> None:
+        """Prepare the cache of a function; `digest` is the hash of all its sources."""
         super().__init__(function)
         name, _, line_and_python = self._impl.filename_base.partition("-")
         self._cache_file = _VerifiedFiles(
@@ -46,8 +47,9 @@ class VerifiedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Return the machine code of a signature from the cache; None where there is none.
 
-        numba's own method fills the tables of its compiler first, which takes twice as long as the
-        import of numba, and of which machine code needs only the runtime that allocates arrays.
+        `target`: numba's context of the processor. numba's own method fills the tables of its
+        compiler first, which takes twice as long as the import of numba, and of which machine code
+        needs only the runtime that allocates arrays.
         """
         rtsys.initialize(target)
         code = self._load_overload(signature, target)
@@ -56,7 +58,7 @@ class VerifiedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         return code
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Write machine code to the cache; warn and continue where that fails."""
+        """Write machine code `compiled` of a signature to the cache; warn where that fails."""
         try:
             super().save_overload(signature, compiled)
         except (InputError, OSError) as error:
@@ -68,11 +70,12 @@ class _VerifiedFiles:
     """Files of a kernel, one per signature and processor (`key`), each with its hash in front."""
 
     def __init__(self, base: Path, stamp: Any) -> None:
+        """Prepare files whose names begin with `base`; `stamp` is the state of the source."""
         self._base, self._stamp = base, stamp
         self._missed = np.inf
 
     def load(self, key: Any) -> Any:
-        """Return the serialised machine code; None where there is none, or it is damaged."""
+        """Return the serialised machine code of a key; None where it is missing or damaged."""
         file = self._file(key)
         try:
             content = file.read_bytes()
@@ -86,7 +89,7 @@ class _VerifiedFiles:
         return pickle.loads(content[_HASH:])
 
     def save(self, key: Any, code: Any) -> None:
-        """Write serialised machine code; `InputError` where that fails."""
+        """Write serialised machine code under a key; `InputError` where that fails."""
         seconds = monotonic() - self._missed
         if seconds > _MIN_REPORTED_SECONDS:
             compiled_once = f"a kernel was compiled in {seconds:.0f} s, once on this machine"
@@ -96,6 +99,7 @@ class _VerifiedFiles:
         write_whole(self._file(key), lambda target: Path(target).write_bytes(hashed))
 
     def _file(self, key: Any) -> Path:
+        """Return the file of a key; its hash is of signature, processor, versions and source."""
         made_of = repr((numba.__version__, np.__version__, self._stamp, key))
         return self._base.with_name(
             f"{self._base.name}.{sha256(made_of.encode()).hexdigest()[:16]}.nbc"

@@ -36,10 +36,10 @@ class LawNumbers(NamedTuple):
 
     `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and of
     the slow coordinate (zeros without one), `ratio` of slow and fast pole (or zero), the wind per
-    angle, B, and the law's own numbers; `peak` is infinite without a design peak, and `swing`,
-    `reach` times the rate limit over B and the fast pole [rad], without a rate limit. With
-    `estimates` the first two states are attitude rate and wind, which replace the measurements, and
-    the law's own state follows them.
+    angle, B, and the law's own numbers; `peak` is infinite without a design peak, and
+    `rate_travel`, `reach` times the rate limit over B and the fast pole [rad], without a rate
+    limit. With `estimates` the first two states are attitude rate and wind, which replace the
+    measurements, and the law's own state follows them.
     """
 
     attitude: float = 0.0
@@ -67,7 +67,7 @@ class LawNumbers(NamedTuple):
     peak: float = math.inf
     trust: float = 0.0
     dead_band: float = 0.0
-    swing: float = math.inf
+    rate_travel: float = math.inf
     estimates: bool = False
 
 
@@ -76,7 +76,8 @@ def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
     """Return the deflection that a law demands [rad].
 
     `law`: `LawNumbers`, or a row of an array with their fields. `measured`: measurements in the
-    order of `laws.Measurement`. `states`: states of the law. `limit`: the deflection limit [rad].
+    order of `laws.Measurement`: attitude, its rate, path angle, angle of attack, deflection, drift
+    rate, drift, acceleration. `states`: states of the law. `limit`: the deflection limit [rad].
     """
     if law.leans:
         if law.estimates:
@@ -98,7 +99,12 @@ def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
 def lean_demand(
     law: Any, theta: float, rate: float, path: float, wind: float, limit: float
 ) -> float:
-    """Return the deflection u = z - k w + gain (z - Z) [rad]; `wind` is relative to the path.
+    """Return the deflection u = z - k w + gain (z - Z) [rad], times B, of a law that leans.
+
+    z is the coordinate of the fast unstable mode, Z its lean, w the wind angle and k the demand per
+    wind angle. `law`: `LawNumbers`. `theta`, `rate`: attitude [rad] and its rate [rad/s]. `path`:
+    flight path angle [rad]. `wind`: attitude less angle of attack [rad], the wind angle plus the
+    path angle. `limit`: deflection limit [rad].
 
     With it z' = s (z - u - k w) of `boundary.recoverable` is s gain (Z - z): z follows Z. With a
     known rate limit the feedback is bounded so that it can be reversed in time, and u so that z is
@@ -110,40 +116,47 @@ def lean_demand(
     fast = law.fast_attitude * theta + law.fast_rate * rate + law.fast_path * path
     slow = law.slow_attitude * theta + law.slow_rate * rate + law.slow_path * path
     D = limit / abs(law.B)
-    error = fast - allowed_lean(law, slow, wind_term, size, D)
+    error = fast - lean_command(law, slow, wind_term, size, D)
     feedback = law.gain * error
-    if law.swing < math.inf:
-        reach, max_feedback = law.reach * D, recovery_distance(abs(error), law.swing) - abs(error)
+    if law.rate_travel < math.inf:
+        reach = law.reach * D
+        max_feedback = recovery_travel(abs(error), law.rate_travel) - abs(error)
         feedback = fast - wind_term + min(max(feedback, -max_feedback), max_feedback)
-        feedback = max(feedback, reach - recovery_distance(reach - fast, law.swing))
-        return law.B * min(feedback, recovery_distance(reach + fast, law.swing) - reach)
+        feedback = max(feedback, reach - recovery_travel(reach - fast, law.rate_travel))
+        return law.B * min(feedback, recovery_travel(reach + fast, law.rate_travel) - reach)
     return law.B * (fast - wind_term + feedback)
 
 
 @inlined
-def recovery_distance(room: float, swing: float) -> float:
-    """Return D - u for the furthest u from which D - z = `room` is recovered without wind.
+def recovery_travel(room: float, rate_travel: float) -> float:
+    """Return the largest travel D - u of a deflection to its limit D that recovers z without wind.
 
-    At the full rate R = `swing` to D, and constant there, z up to u + R (1 - e^(-x)) is recovered,
-    x = (D - u)/R: the root of x - 1 + e^(-x) = room/R, by Newton's steps from above. It is also the
-    u from which that rate comes to rest together with z = `room`.
+    `room`: D - z [rad]. `rate_travel`: R [rad], the travel at the full rate in a time constant of
+    the fast mode. At that rate to D, and constant there, z up to u + R (1 - e^(-x)) is recovered, x
+    = (D - u)/R: the root of x - 1 + e^(-x) = room/R, by Newton's steps from above. It is also the u
+    from which that rate comes to an end together with z = `room`.
     """
-    q = max(room, 0.0) / swing
+    q = max(room, 0.0) / rate_travel
     x = q + math.sqrt(2.0 * q)
     for _ in range(_RECOVERY_ITERATIONS):
         slope = -math.expm1(-x)
         if slope > 0.0:
             x -= (x - slope - q) / slope
-    return swing * x
+    return rate_travel * x
 
 
 @inlined
-def allowed_lean(law: Any, slow: float, wind_term: float, wind: float, D: float) -> float:
-    """Return the lean Z that the wind, the recoverable set and the design wind allow.
+def lean_command(law: Any, slow: float, wind_term: float, wind: float, D: float) -> float:
+    """Return the lean Z [rad] that the wind, the recoverable set and the design wind allow.
 
-    Z = k w + 3 z2, with ``|Z| <= M`` = min(reach D, k max(A, 1.1 |w|) - trust D), extended by the
-    contribution of the slow coordinate z2. Z differs from k w by at most 0.9 D, so that the
-    remaining limit stabilises the fast mode; and Z lies in the recoverable set with z2.
+    `law`: `LawNumbers`. `slow`: slow coordinate z2 [rad]. `wind_term`: k w [rad], the demand of the
+    wind, with k = `law.wind`. `wind`: size of the wind angle w [rad]. `D`: deflection limit over B
+    [rad].
+
+    Z = k w + 3 z2, with ``|Z| <= M`` = min(reach D, k max(A, 1.1 |w|) - trust D), A being the
+    design peak, extended by the contribution of the slow coordinate z2. Z differs from k w by at
+    most 0.9 D, so that the remaining limit stabilises the fast mode; and Z lies in the recoverable
+    set with z2.
     """
     reach = law.reach * D
     max_lean = reach
@@ -165,10 +178,12 @@ def allowed_lean(law: Any, slow: float, wind_term: float, wind: float, D: float)
 
 @inlined
 def bounded_coordinate(lean: float, slow: float, power: float) -> float:
-    """Return a fast coordinate bounded by the edges for a slow one, all over the reach.
+    """Return the fast coordinate `lean` bounded by the edges of the recoverable set.
 
-    The edges are 2 ((1 + x)/2)^r - 1 and 1 - 2 ((1 - x)/2)^r with r above one, and x between them;
-    a power is computed only where r = 1 or 4 does not decide.
+    `lean`, `slow`: coordinates of the fast and of the slow mode, over the reach. `power`: r, the
+    ratio of the fast to the slow pole, above one. The edges for x = slow, which it lies between,
+    are 2 ((1 + x)/2)^r - 1 and 1 - 2 ((1 - x)/2)^r; a power is computed only where r = 1 or 4 does
+    not decide.
     """
     above = lean > slow
     if not above:
@@ -184,7 +199,8 @@ def bounded_coordinate(lean: float, slow: float, power: float) -> float:
 def next_mode(engage: float, release: float, demand: float, mode: float) -> float:
     """Return the next mode: +1 or -1 while the whole limit is commanded, else 0.
 
-    `engage` and `release` are deflections [rad].
+    `engage`, `release`: sizes of the demand [rad] from which the whole limit is commanded, and
+    below which it is released. `demand`: of the law [rad]. `mode`: the mode before.
     """
     if not demand * mode > release:
         mode = 0.0
@@ -195,20 +211,23 @@ def next_mode(engage: float, release: float, demand: float, mode: float) -> floa
 
 @kernel
 def slow_edges(fast: Any, ratio: Any) -> Any:
-    """Return the edges of the slow coordinate for a fast one in [-1, 1], over the reach.
+    """Return the edges of the recoverable set: bounds of the slow coordinate for a fast one.
 
-    They are the paths that reach equilibrium with one switch, 1 - 2 ((1 - x)/2)^r and its mirror
-    image. Numbers or arrays.
+    All over the reach. `fast`, `ratio`: fast coordinate x in [-1, 1], and ratio r of slow and fast
+    pole, numbers or arrays. The edges are the paths that reach equilibrium with one switch, 1 - 2
+    ((1 - x)/2)^r and its mirror image.
     """
     return 1.0 - 2.0 * ((1.0 - fast) / 2.0) ** ratio, 2.0 * ((1.0 + fast) / 2.0) ** ratio - 1.0
 
 
 @kernel
 def minimum_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last: int) -> None:
-    """Write the smallest reach with two unstable coordinates on its edge, to ``out (n,)``.
+    """Write the smallest reach with two unstable coordinates in the recoverable set, ``out (n,)``.
 
-    `fast`, `slow`, `ratio`: the coordinates and the ratio of their poles, ``(n,)`` each (see
-    `boundary.recoverable`).
+    The reach is the largest coordinate that the deflection limit recovers; with the smallest, both
+    lie on the edge of the set. `fast`, `slow`, `ratio`: the coordinates and the ratio of the slow
+    to the fast pole, ``(n,)`` each (see `boundary.recoverable`). Cases from `first` up to `last`
+    are computed.
     """
     for case in range(first, last):
         z, w = fast[case], slow[case]
@@ -225,8 +244,9 @@ def minimum_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last
 def _recoverable_fraction(z: float, w: float, power: float) -> float:
     """Return the largest fraction of (z, w), at most one, on the recoverable side of a path.
 
-    That is z > 2 ((1 + w)/2)^power - 1. The margin is concave in the fraction and first positive,
-    so that Newton's steps from beyond converge to the end from above.
+    `z`, `w`: fast and slow coordinate over the reach. `power`: ratio of the fast to the slow pole.
+    The side is z > 2 ((1 + w)/2)^power - 1. The margin is concave in the fraction and first
+    positive, so that Newton's steps from beyond converge to the end from above.
     """
     fraction = 1.0
     for _ in range(_MAX_REACH_ITERATIONS):

@@ -80,7 +80,11 @@ def dead_band_exits(
 
 @bare
 def _demand_at(curves: Any, position: float) -> float:
-    """Return the demand [rad] at a position in steps, by Hermite's cubic."""
+    """Return the demand [rad] at a position in steps (2.5: middle of the third step).
+
+    By Hermite's cubic. `curves`: trim and demand [rad] ``(S, 3)``, slopes of the demand [rad/s]
+    ``(S, 2)``, and lengths of the steps [s] ``(S,)``.
+    """
     _, demand, slopes, lengths = curves
     step = min(int(position), lengths.shape[0] - 1)
     u, a, b = position - step, demand[step, 0], demand[step, 2]
@@ -91,7 +95,11 @@ def _demand_at(curves: Any, position: float) -> float:
 
 @bare
 def _excess(curves: Any, sign: float, dead_band: float, floor: float, position: float) -> float:
-    """Return trim, at least `floor`, minus K times the demand [rad], at a position in steps."""
+    """Return trim, at least `floor`, minus K times the demand [rad], at a position in steps.
+
+    `curves`: trim, demand, its slopes, and lengths of the steps. `sign`: of the largest trim, which
+    counts as positive. `dead_band`: K.
+    """
     trim = curves[0]
     step = min(int(position), trim.shape[0] - 1)
     u, a, b, c = position - step, trim[step, 0], trim[step, 1], trim[step, 2]
@@ -103,9 +111,12 @@ def _excess(curves: Any, sign: float, dead_band: float, floor: float, position: 
 def _exit(
     curves: Any, sign: float, dead_band: float, floor: float, low: float, high: float
 ) -> float:
-    """Return the position between two at which the excess rises through zero, else the latter.
+    """Return the position in steps at which the excess rises through zero, `high` if it does not.
 
-    By the method of `numerics.searches.roots_between`.
+    The excess is trim minus K times the demand. `curves`: trim, demand, its slopes, and lengths of
+    the steps. `sign`: of the largest trim. `dead_band`: K. `floor`: smallest trim that counts
+    [rad]. `low`, `high`: positions between which the exit is sought. By the method of
+    `numerics.searches.roots_between`.
     """
     f1 = _excess(curves, sign, dead_band, floor, low)
     f2 = _excess(curves, sign, dead_band, floor, high)
@@ -118,14 +129,14 @@ def _exit(
         width, tolerance = abs(x2 - x1), _RELATIVE_TOLERANCE * abs(best) + 4.0 * _SMALLEST
         if width < tolerance or f1 == 0.0 or f2 == 0.0:
             break
-        part = 0.5
+        step_fraction = 0.5
         if x3 != x2 and f3 != f2:
             fraction, height = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
             if 1.0 - math.sqrt(max(1.0 - fraction, 0.0)) < height < math.sqrt(max(fraction, 0.0)):
-                part = f1 / (f1 - f2) * f3 / (f3 - f2)
-                part -= (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f2 - f3)
+                step_fraction = f1 / (f1 - f2) * f3 / (f3 - f2)
+                step_fraction -= (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f2 - f3)
         nearest = 0.5 * tolerance / width
-        x = x1 + min(max(part, nearest), 1.0 - nearest) * (x2 - x1)
+        x = x1 + min(max(step_fraction, nearest), 1.0 - nearest) * (x2 - x1)
         f = _excess(curves, sign, dead_band, floor, x)
         if (f > 0.0 and f1 > 0.0) or (f < 0.0 and f1 < 0.0):
             x3, f3 = x1, f1

@@ -9,16 +9,11 @@ The driver d is f or g, and the demand is the deflection that, held from t on, m
 The excess e = d - K D follows e' = p e + h with h = d' - p d + K p g. So between two changes of
 sign of h it has one zero at most.
 
-In all functions `wind` is the tuple of its breakpoints, coefficients and rates, the results of
-`march_wind` at the breakpoints, and a work array; `law` is p, K, b2 - b1, b1, q, and whether trim
-itself is the driver. Times u are local to segment i.
-
-A piece of the wind is a sum of terms c u^k e^(lambda u), `c` being coefficients ``(rates, degree +
-1)``. The filter of trim is x'' + b1 x' + q x = f and y = x'; with q = 0 it is the lag
-y' + b1 y = f.
+Times u are local to segment i, in which the wind is a sum of terms c u^k e^(lambda u). The filter
+of trim is x'' + b1 x' + q x = f and y = x'; with q = 0 it is the lag y' + b1 y = f.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,9 +45,45 @@ _LAST_RELATIVE_STEP = 1e-9
 order of the step's square, with Halley's curvature of its cube."""
 
 
+class Wind(NamedTuple):
+    """Wind f of a unit peak, with integrals at its n breakpoints.
+
+    `knots`: breakpoints [s], ``(n,)``. `coefficients`: of the terms c u^k e^(rate u) of each piece,
+    ``(n, rates, degree + 1)``. `rates`: [1/s], ``(rates,)``. `marched`: written by
+    `integrate_wind`: the remaining integral, and the state x and y of trim's filter, at each
+    breakpoint, ``(3, n)``. `work`: work array of `advance_filter`, ``(2, degree + 1)``.
+    """
+
+    knots: Any
+    coefficients: Any
+    rates: Any
+    marched: Any
+    work: Any
+
+
+class ExitLaw(NamedTuple):
+    """Numbers of the exit of the dead band.
+
+    `p`: unstable pole [1/s]. `K`: dead band. `gain`: b2 - b1 [1/s] of trim's filter; zero for trim
+    without drift. `b1`, `q`: of this filter [1/s, 1/s^2]. `trim_drives`: whether trim itself, not
+    the wind, is the driver.
+    """
+
+    p: Any
+    K: Any
+    gain: Any
+    b1: Any
+    q: Any
+    trim_drives: Any
+
+
 @bare
 def piece_value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
-    """Return value, slope and curvature of a piece at the local time `u` [s]."""
+    """Return value, slope and curvature of a piece of a history at the local time u [s].
+
+    The piece is a sum of terms c_rk u^k e^(rate_r u). `c`: coefficients, ``(rates, degree + 1)``.
+    `rates`: [1/s], ``(rates,)``.
+    """
     value, slope, curvature = 0.0, 0.0, 0.0
     for r in range(rates.size):
         rate = rates[r]
@@ -76,10 +107,12 @@ def piece_value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
 
 @bare
 def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> Any:
-    """Return the integral of e^(-p v) f(u + v) dv over the remainder of a piece.
+    """Return the integral of e^(-p v) f(u + v) dv over the remainder of a piece f.
 
-    By the moments of `numerics.pieces`, each order from the direction that is stable for it. The
-    pole p may be complex; `remainder`: length of the remainder [s].
+    `c`, `rates`: coefficients ``(rates, degree + 1)`` and rates [1/s] of the terms c u^k e^(rate u)
+    of f. `u`: local time at which the remainder begins [s]. `remainder`: its length [s]. `p`: pole
+    [1/s], which may be complex. By the moments of `numerics.pieces`, each order from the direction
+    that is stable for it.
     """
     degree = c.shape[1] - 1
     total = 0.0 * (c[0, 0] * p)
@@ -118,7 +151,10 @@ def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> An
 
 @bare
 def _recentred(c: Any, r: int, k: int, u: float) -> Any:
-    """Return the coefficient of order k about a local time u, without the exponential."""
+    """Return the coefficient of order k, at rate number r, of a piece about a local time u [s].
+
+    `c`: coefficients about zero, ``(rates, degree + 1)``. The factor e^(rate u) is omitted.
+    """
     degree = c.shape[1] - 1
     if u == 0.0 or k == degree:
         return c[r, k]
@@ -133,14 +169,17 @@ def _recentred(c: Any, r: int, k: int, u: float) -> Any:
 
 
 @bare
-def filtered_state(
+def advance_filter(
     c: Any, rates: Any, u: float, x: float, y: float, b1: float, q: float, work: Any
 ) -> tuple[float, float]:
-    """Return the filter's state (x, y) at the local time `u` from that at the start of the piece.
+    """Return the state (x, y) of x' = y, y' = f - b1 y - q x a time u [s] later.
 
-    Its responses to the impulse and to v^k e^(lambda v) are series over a time so short that no
-    rate times it exceeds one, then doubled repeatedly. `work` is ``(2, degree + 2)``, of the type
-    of the coefficients.
+    `c`, `rates`: coefficients ``(rates, degree + 1)`` and rates [1/s] of the terms c v^k e^(rate v)
+    of f. `x`, `y`: the state at the start, where v = 0. `b1`, `q`: of the filter [1/s, 1/s^2].
+    `work`: work array ``(2, degree + 1)``, of the type of the coefficients.
+
+    The responses to the impulse and to v^k e^(rate v) are series over a time so short that no rate
+    times it exceeds one, then doubled repeatedly.
     """
     new_x, new_y = 0.0, 0.0
     degree = c.shape[1] - 1
@@ -185,9 +224,11 @@ def filtered_state(
 def _impulse_series(
     work: Any, degree: int, rate: Any, step: float, b1: float, q: float, size: float
 ) -> tuple[float, float]:
-    """Return the impulse response and its slope, and write the responses to v^k e^(rate v).
+    """Return the impulse response f of trim's filter and its slope g after `step` [s], by series.
 
-    The k-th response is k! f(s)/(s - rate)^(k + 1), a ladder of sums over the terms of f.
+    To `work` ``(2, degree + 1)``, row 1, the responses to v^k e^(rate v) are written, which are k!
+    f(s)/(s - rate)^(k + 1), a ladder of sums over the terms of f. `degree`: highest k. `rate`:
+    [1/s]. `b1`, `q`: of y'' + b1 y' + q y [1/s, 1/s^2]. `size`: bound of all rates times the step.
     """
     for k in range(degree + 1):
         work[0, k], work[1, k] = 0.0, 0.0
@@ -208,44 +249,44 @@ def _impulse_series(
 
 
 @bare
-def march_wind(wind: Any, law: Any) -> None:
-    """Write the remaining integral and the filter's state at each breakpoint, ``marched (3, n)``.
+def integrate_wind(wind: Wind, law: ExitLaw) -> None:
+    """Write the remaining integral and the filter's state at each breakpoint, to `marched`.
 
     Backwards W_i = integral over the segment + e^(-p width) W_(i+1), forwards x and y = x' of the
-    filter.
+    filter. `wind`: its breakpoints and pieces; `law`: the pole p and the filter of trim.
     """
     knots, c, rates, marched, _ = wind
-    p, last = law[0], knots.size - 1
+    p, last = law.p, knots.size - 1
     marched[0, last] = 0.0
     for i in range(last - 1, -1, -1):
         width = knots[i + 1] - knots[i]
         later = np.exp(-p * width) * marched[0, i + 1]
         marched[0, i] = piece_integral(c[i], rates, 0.0, width, p).real + later
-    march_filter(wind, law)
+    integrate_filter(wind, law)
 
 
 @bare
-def march_filter(wind: Any, law: Any) -> None:
-    """Write the state (x, y) of trim's filter at each of n breakpoints of the wind.
+def integrate_filter(wind: Wind, law: ExitLaw) -> None:
+    """Write the state (x, y) of x'' + b1 x' + q x = f, y = x', at n breakpoints of a wind f.
 
-    It becomes the last two rows of `marched`, ``(3, n)``, whose first is the remaining integral.
-    `wind` and `law` are the tuples of all functions here.
+    Trim is f + (b2 - b1) y; without this term (`law.gain` zero) the states are zero. They become
+    the last two rows of `wind.marched`, ``(3, n)``, whose first is the remaining integral.
     """
     knots, c, rates, marched, work = wind
-    _, _, gain, b1, q, _ = law
+    gain, b1, q = law.gain, law.b1, law.q
     marched[1, 0], marched[2, 0] = 0.0, 0.0
     for i in range(knots.size - 1):
         x, y = 0.0, 0.0
         if gain != 0.0:
             width = knots[i + 1] - knots[i]
-            x, y = filtered_state(c[i], rates, width, marched[1, i], marched[2, i], b1, q, work)
+            x, y = advance_filter(c[i], rates, width, marched[1, i], marched[2, i], b1, q, work)
         marched[1, i + 1], marched[2, i + 1] = x, y
 
 
 @bare
-def onset_piece(wind: Any) -> int:
-    """Return the index of the first piece that differs from zero."""
-    knots, c, _, _, _ = wind
+def onset_piece(wind: Wind) -> int:
+    """Return the index of the first piece of a wind that differs from zero."""
+    knots, c = wind.knots, wind.coefficients
     for i in range(knots.size - 1):
         if knots[i + 1] > knots[i]:
             for r in range(c.shape[1]):
@@ -256,15 +297,15 @@ def onset_piece(wind: Any) -> int:
 
 
 @bare
-def cell_count(wind: Any, law: Any, i: int) -> int:
-    """Return the number of cells of a segment.
+def cell_count(wind: Wind, law: ExitLaw, i: int) -> int:
+    """Return the number of cells of segment i of a wind, in which sign changes are sought.
 
-    One more than the fastest rate in it times its width, at the scale of `_CELLS_PER_RATE`: of the
-    wind's exponentials, and where trim is filtered by a second-order filter of that, b1 and
+    It is one more than the width times the fastest rate, at the scale of `_CELLS_PER_RATE`: of the
+    wind's exponentials, and where trim is filtered by a second-order filter (`law`) of b1 and
     sqrt(q).
     """
     knots, c, rates, _, _ = wind
-    _, _, gain, b1, q, _ = law
+    gain, b1, q = law.gain, law.b1, law.q
     fastest = 0.0
     for r in range(rates.size):
         for k in range(c.shape[2]):
@@ -277,12 +318,13 @@ def cell_count(wind: Any, law: Any, i: int) -> int:
 
 
 @bare
-def monotone_intervals(wind: Any, law: Any, i: int, ends: Any) -> int:
-    """Write the ends of intervals in which the driver is monotone in a piece; return their number.
+def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
+    """Return the number of intervals of segment i of a wind in which the driver is monotone.
 
-    `ends`: written, local times [s]. A piece without width has none.
+    To `ends` their ends are written, local times [s]; a segment without width has none. `law`: the
+    filter of trim, and whether the driver is the wind or its trim.
     """
-    width, count = wind[0][i + 1] - wind[0][i], 0
+    width, count = wind.knots[i + 1] - wind.knots[i], 0
     ends[0] = 0.0
     if width <= 0.0:
         return count
@@ -300,54 +342,66 @@ def monotone_intervals(wind: Any, law: Any, i: int, ends: Any) -> int:
 
 
 @bare
-def filter_state(wind: Any, law: Any, i: int, u: float) -> tuple[float, float]:
-    """Return the filter's state (x, y) at a local time of a piece."""
+def filter_state(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float]:
+    """Return the state (x, y) of trim's filter at the local time u [s] of segment i of a wind.
+
+    `law`: the filter, x'' + b1 x' + q x = f with y = x'.
+    """
     knots, c, rates, marched, work = wind
-    _, _, gain, b1, q, _ = law
+    gain, b1, q = law.gain, law.b1, law.q
     if gain == 0.0 or u == 0.0:
         return marched[1, i], marched[2, i]
     if u == knots[i + 1] - knots[i]:
         return marched[1, i + 1], marched[2, i + 1]
-    return filtered_state(c[i], rates, u, marched[1, i], marched[2, i], b1, q, work)
+    return advance_filter(c[i], rates, u, marched[1, i], marched[2, i], b1, q, work)
 
 
 @bare
-def _trim(law: Any, wind_terms: Any, x: float, y: float) -> tuple[float, float, float]:
-    """Return trim, its slope and its curvature, from the wind's and the filter's state.
+def _trim(law: ExitLaw, wind_terms: Any, x: float, y: float) -> tuple[float, float, float]:
+    """Return trim over -B, its slope and its curvature, from the wind's and the filter's state.
 
-    g = f + (b2 - b1) y with y' = f - b1 y - q x, x' = y, and so y'' = f' - b1 y' - q y.
+    g = f + (b2 - b1) y with y' = f - b1 y - q x, x' = y, and so y'' = f' - b1 y' - q y. `law`: the
+    filter. `wind_terms`: f, f' and f''. `x`, `y`: state of the filter.
     """
-    _, _, gain, b1, q, _ = law
+    gain, b1, q = law.gain, law.b1, law.q
     f, slope, curvature = wind_terms
     first = f - b1 * y - q * x
     return f + gain * y, slope + gain * first, curvature + gain * (slope - b1 * first - q * y)
 
 
 @bare
-def driver(wind: Any, law: Any, i: int, u: float) -> tuple[float, float, float]:
-    """Return the driver, its slope and its curvature at a local time of a piece."""
-    wind_terms = piece_value(wind[1][i], wind[2], u)
-    if not law[5] or law[2] == 0.0:
+def driver(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float, float]:
+    """Return the driver, its slope and its curvature at the local time u [s] of segment i.
+
+    `law`: whether the driver is the wind itself or its trim, whose size exits the dead band.
+    """
+    wind_terms = piece_value(wind.coefficients[i], wind.rates, u)
+    if not law.trim_drives or law.gain == 0.0:
         return wind_terms
     x, y = filter_state(wind, law, i, u)
     return _trim(law, wind_terms, x, y)
 
 
 @bare
-def demand(wind: Any, law: Any, i: int, u: float) -> float:
-    """Return the demand at a local time of a piece: infinite where trim outgrows the mode."""
+def demand(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
+    """Return the demand at the local time u [s] of segment i of a wind, over -B and its peak.
+
+    It is the constant deflection that satisfies (4b) from then on; infinite where trim outgrows the
+    mode. `law`: unstable pole and filter of trim.
+    """
     x, y = filter_state(wind, law, i, u)
     return _demand(wind, law, i, u, x, y)
 
 
 @bare
-def _demand(wind: Any, law: Any, i: int, u: float, x: float, y: float) -> float:
-    """Return the demand from the wind's remaining integral and the filter's state.
+def _demand(wind: Wind, law: ExitLaw, i: int, u: float, x: float, y: float) -> float:
+    """Return the demand at the local time u [s] of segment i, from the filter's state (x, y) there.
 
-    It is infinite where the filter grows as fast as the mode, -b1/2 + sqrt(b1^2/4 - q) >= p.
+    It is infinite where the filter of `law` grows as fast as the mode, -b1/2 + sqrt(b1^2/4 - q) >=
+    p. `wind`: the wind with its remaining integrals.
     """
     knots, c, rates, marched, _ = wind
-    p, _, gain, b1, q, _ = law
+    gain, b1, q = law.gain, law.b1, law.q
     width = knots[i + 1] - knots[i] if i < knots.size - 1 else 0.0
     if u == 0.0:
         integral = marched[0, i]
@@ -356,17 +410,20 @@ def _demand(wind: Any, law: Any, i: int, u: float, x: float, y: float) -> float:
     else:
         remainder = width - u
         integral = (
-            piece_integral(c[i], rates, u, remainder, p).real
-            + np.exp(-p * remainder) * marched[0, i + 1]
+            piece_integral(c[i], rates, u, remainder, law.p).real
+            + np.exp(-law.p * remainder) * marched[0, i + 1]
         )
-    if gain != 0.0 and -0.5 * b1 + np.sqrt(max(0.25 * b1 * b1 - q, 0.0)) >= p:
+    if gain != 0.0 and -0.5 * b1 + np.sqrt(max(0.25 * b1 * b1 - q, 0.0)) >= law.p:
         return np.inf
-    return demand_of_integral(law, p, integral, x, y)
+    return demand_of_integral(law, law.p, integral, x, y)
 
 
 @bare
-def remaining_integral(wind: Any, i: int, u: float, p: Any) -> Any:
-    """Return the integral of e^(-p r) f(t + r) dr over all the wind after a time t."""
+def remaining_integral(wind: Wind, i: int, u: float, p: Any) -> Any:
+    """Return the integral of e^(-p r) f(t + r) dr over all the wind f after a time t.
+
+    `i`, `u`: segment and local time [s] of t. `p`: pole [1/s], which may be complex.
+    """
     knots, c, rates, _, _ = wind
     total = 0.0 * (p * c[0, 0, 0])
     for j in range(knots.size - 2, i, -1):
@@ -377,15 +434,15 @@ def remaining_integral(wind: Any, i: int, u: float, p: Any) -> Any:
 
 
 @bare
-def demand_of_integral(law: Any, p: Any, integral: Any, x: float, y: float) -> Any:
-    """Return the demand of a pole p, possibly complex, from the integral and a filter state.
+def demand_of_integral(law: ExitLaw, p: Any, integral: Any, x: float, y: float) -> Any:
+    """Return the demand of a pole p, possibly complex, from the wind's integral and a filter state.
 
-    With W the integral of e^(-p r) f(t + r) dr, and the state (x, y) at t, the Laplace transform of
-    y' = f - b1 y - q x, x' = y from t on is
+    With `integral` W, of e^(-p r) f(t + r) dr, and the state (x, y) of the filter (`law`) at t, the
+    Laplace transform of y' = f - b1 y - q x, x' = y from t on is
 
-        Y (p + b1 + q/p) = W + y - q x/p,        D = p [W + (b2 - b1) Y].
+            Y (p + b1 + q/p) = W + y - q x/p,        D = p [W + (b2 - b1) Y].
     """
-    _, _, gain, b1, q, _ = law
+    gain, b1, q = law.gain, law.b1, law.q
     if gain == 0.0:
         return p * integral
     return p * (integral + gain * (y + integral - q * x / p) / (p + b1 + q / p))
@@ -393,21 +450,22 @@ def demand_of_integral(law: Any, p: Any, integral: Any, x: float, y: float) -> A
 
 @bare
 def evaluate(
-    kind: Any, floor: float, wind: Any, law: Any, i: int, u: float
+    kind: Any, floor: float, wind: Wind, law: ExitLaw, i: int, u: float
 ) -> tuple[float, float, float]:
-    """Return the function `kind`, its slope, and its curvature or zero, at a local time.
+    """Return the function `kind`, its slope, and its curvature or zero, at the local time u [s].
 
-    DRIVER_SLOPE: d'. EXCESS_FORCING: h = d' - p d + K p g. HEIGHT: d - floor. EXCESS: e = max(d,
-    floor) - K D, with D' = p (D - g) and D'' = p (D' - g'). The first two have no curvature: their
-    roots are found by Newton's steps.
+    Of segment i, with the driver d, trim g and the demand D. DRIVER_SLOPE: d'. EXCESS_FORCING: h =
+    d' - p d + K p g. HEIGHT: d - floor. EXCESS: e = max(d, floor) - K D, with D' = p (D - g) and
+    D'' = p (D' - g'). The first two have no curvature: their roots are found by Newton's steps.
+    `wind`, `law`: wind with its integrals, and p, K and the filter.
     """
-    p, K, gain, _, _, literal = law
-    wind_terms = piece_value(wind[1][i], wind[2], u)
+    p, K = law.p, law.K
+    wind_terms = piece_value(wind.coefficients[i], wind.rates, u)
     x, y = 0.0, 0.0
-    if gain != 0.0 and (literal or kind in (EXCESS_FORCING, EXCESS)):
+    if law.gain != 0.0 and (law.trim_drives or kind in (EXCESS_FORCING, EXCESS)):
         x, y = filter_state(wind, law, i, u)
     g, g_slope, g_curvature = _trim(law, wind_terms, x, y)
-    d, slope, curvature = (g, g_slope, g_curvature) if literal else wind_terms
+    d, slope, curvature = (g, g_slope, g_curvature) if law.trim_drives else wind_terms
     if kind == DRIVER_SLOPE:
         return slope, curvature, 0.0
     if kind == EXCESS_FORCING:
@@ -423,9 +481,13 @@ def evaluate(
 
 @bare
 def sign_changes(
-    kind: Any, wind: Any, law: Any, i: int, a: float, b: float
+    kind: Any, wind: Wind, law: ExitLaw, i: int, a: float, b: float
 ) -> tuple[int, float, float]:
-    """Return the number of sign changes of a function in a cell, at most two, and their times."""
+    """Return the number of sign changes of a function in a cell, at most two, and their times.
+
+    `kind`: function of `evaluate`. `wind`, `law`, `i`: of the function. `a`, `b`: ends of the cell,
+    local times [s]. Times without a sign change are the ends.
+    """
     at_a, slope_a, _ = evaluate(kind, 0.0, wind, law, i, a)
     at_b, slope_b, _ = evaluate(kind, 0.0, wind, law, i, b)
     if at_a * at_b < 0.0:
@@ -457,15 +519,18 @@ def sign_changes(
 def root(
     kind: Any,
     floor: float,
-    wind: Any,
-    law: Any,
+    wind: Wind,
+    law: ExitLaw,
     i: int,
     a: float,
     at_a: float,
     b: float,
     at_b: float,
 ) -> float:
-    """Return the local time of a sign change, by Halley's steps in a bracket.
+    """Return the local time [s] of a sign change of a function, by Halley's steps in a bracket.
+
+    `kind`, `floor`, `wind`, `law`, `i`: function of `evaluate`. `a`, `b`: ends of the bracket,
+    local times [s]; `at_a`, `at_b`: values there; without a sign change the end that is zero, or b.
 
     u <- u - f f'/(f'^2 - f f''/2), starting at the zero of the secant; the middle of the bracket
     where such a step would leave it.

@@ -10,23 +10,18 @@ start make
 which is exact while the nozzle is not limited. For a nozzle that is fast relative to the samples of
 the law an interval is divided into substeps, unless the nozzle is not limited in any of them. In a
 substep in which rate or deflection limit act, the deflection is linear between its end values.
+
+In both planes each plane is a flight: at each sample the demands (x, y) behind the filters are
+scaled by min(1, limit/g(x, y)), g the gauge of the limit shape.
 """
 
-from typing import Any, NamedTuple
+import math
 
-from tvclin.base.arrays import BoolArray, FloatArray, IntArray
+from tvclin.base.arrays import FloatArray
 from tvclin.kernels.control_laws import law_demand, next_mode, slow_edges
+from tvclin.kernels.flight_arrays import LOST, MEASURED, NEVER, SURVIVED, UNDECIDED, Flights
 from tvclin.kernels.source import bare, inlined
 
-UNDECIDED, SURVIVED, LOST = range(3)
-"""Outcome of a flight."""
-MEASURED = 8
-"""Number of measurements of a law."""
-PEAKS = 6
-"""Number of peaks: attitude, its rate, deflection, its rate, angle of attack; samples at the
-limit."""
-NEVER = 1 << 60
-"""Number of samples of a flight that ends when its outcome is decided."""
 _SERIES_TERMS, _MAX_SERIES_ARGUMENT = 24, 2.0
 """Terms of the series of a wind that begins within a step, and its argument: 2^24/24! is 3e-17."""
 _LIMIT_TOLERANCE = 1.0 + 1e-9
@@ -39,154 +34,9 @@ JUDGED_SAMPLES = 8
 """Samples between two judgements of a flight."""
 
 
-class Steps(NamedTuple):
-    """Transition matrices of a step of p vehicles with N states, n of them without the nozzle.
-
-    `joint`: J of each interval of a step, the interval after the delay first, ``(p, parts, N, N + 1
-    + terms)``. `fine`: J of a substep of each interval, likewise. `substeps`: number of substeps of
-    an interval, ``(p, parts)``. `ramp`: effect on the vehicle of the deflection at both ends of a
-    substep, ``(p, parts, n, 2)``; where its acceleration is an input, then of its rates before and
-    after, ``(p, parts, n, 4)``. `lengths`: of a step, and of its intervals [s], ``(p, 1 + parts)``.
-    `short`: of a substep of each interval [s], ``(p, parts)``. `quick`: travel of a first-order
-    nozzle in a substep at its initial rate, over the remaining travel; infinite without a nozzle,
-    zero for a second-order one, ``(p, parts)``. `late`: whole samples of the delay of a command,
-    ``(p,)``.
-    """
-
-    joint: FloatArray
-    fine: FloatArray
-    substeps: IntArray
-    ramp: FloatArray
-    lengths: FloatArray
-    short: FloatArray
-    quick: FloatArray
-    late: IntArray
-
-
-class Vehicles(NamedTuple):
-    """Further numbers of p vehicles.
-
-    `shown`: attitude, rate, flight path angle and angle of attack from states and wind, ``(p, 4, n
-    + 1)``; with lateral sensors also drift rate, drift and acceleration, ``(p, 7, n + 1)``. `A`,
-    `gust`: of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and ``(p, n)``.
-    `fastest`: size of the largest eigenvalue of A [1/s], ``(p,)``. `judges`: rows of
-    the fast and of the slow unstable coordinate, ``(p, 2, N)``. `reach`, `ratio`: reach of the
-    coordinates over the deflection limit, NaN without a criterion; and ratio of their poles,
-    ``(p,)``.
-    """
-
-    shown: FloatArray
-    A: FloatArray
-    gust: FloatArray
-    fastest: FloatArray
-    judges: FloatArray
-    reach: FloatArray
-    ratio: FloatArray
-
-
-class Winds(NamedTuple):
-    """Winds: knots [s], ``(w, k)``, and polynomials, lowest power first, ``(w, k, terms)``."""
-
-    knots: FloatArray
-    pieces: FloatArray
-
-
-class Laws(NamedTuple):
-    """Laws, with their states and filters.
-
-    `numbers`: a sequence of `LawNumbers`, or an array with their fields. `memory`: next states of a
-    law with its filters: rows on these states and on the sensed values, ``(l, s, s + 9)``, of the l
-    indices in `Cases.memory`. `input_rows`, `command_rows`: with filters, rows of the law's
-    inputs and of the command to the limiter, ``(l, 8, s + 9)`` and ``(l, s + 9)``; empty without
-    filters. `noise`: of the measured attitude rate [rad/s], ``(sequences, samples)``.
-    """
-
-    numbers: Any
-    memory: FloatArray
-    input_rows: FloatArray
-    command_rows: FloatArray
-    noise: FloatArray
-
-
-class Cases(NamedTuple):
-    """Indices and numbers of each of m flights, ``(m,)``.
-
-    `vehicle`, `wind`, `law`, `memory`, `sequence`: indices; `memory` that of the states of the law,
-    the last that of its noise. `stages`: number of vehicles, laws and memories that follow each
-    other, one for each sample, from these indices on, which are then those of the present sample;
-    one for a flight with constant matrices, and a single memory is that of all samples. `gain`:
-    factor on the demand of the law. `limit`, `rate_limit`: of the deflection. `start`: start time
-    [s]. `finish`, `ends`, `waiting`, `settling`: numbers of samples of a flight with a fixed end,
-    up to the end of the wind, after it, and for which a flight must be settled to survive.
-    """
-
-    vehicle: IntArray
-    wind: IntArray
-    law: IntArray
-    memory: IntArray
-    sequence: IntArray
-    stages: IntArray
-    gain: FloatArray
-    limit: FloatArray
-    rate_limit: FloatArray
-    start: FloatArray
-    finish: IntArray
-    ends: IntArray
-    waiting: IntArray
-    settling: IntArray
-
-
-class FlightStates(NamedTuple):
-    """Current states of m flights, and work arrays.
-
-    `y`, `states`, `here`: states of the system ``(m, N)`` and of the law ``(m, s)``, and the wind's
-    polynomial about the current time ``(m, terms)``. `sensed`, `measured`: sensor outputs, and last
-    the demand of the law, ``(m, 9)``; and the inputs of the law, behind its filters, ``(m, 8)``.
-    `next`, `series`: work arrays for the next states, ``(m, max(N, s))``, and for a series, ``(m,
-    3, n)``. `commands`: the last commands, ``(m, largest late + parts)``. `mode`: +1 or -1 while
-    the whole limit is commanded, ``(m,)``. `bounded`: whether the nozzle was limited in its last
-    substep, ``(m,)``. `peaks`: see `PEAKS`, ``(m, 6)``. `piece`, `settled`, `outcome`, `ended`:
-    piece of the wind, number of settled samples, outcome, and the sample at which a flight ended or
-    -1, ``(m,)``.
-    """
-
-    y: FloatArray
-    states: FloatArray
-    here: FloatArray
-    sensed: FloatArray
-    measured: FloatArray
-    next: FloatArray
-    series: FloatArray
-    commands: FloatArray
-    mode: FloatArray
-    bounded: BoolArray
-    peaks: FloatArray
-    piece: IntArray
-    settled: IntArray
-    outcome: IntArray
-    ended: IntArray
-
-
-class Flights(NamedTuple):
-    """Batch of m flights.
-
-    `track`: of a single flight y, command, deflection at the end, one where the nozzle was limited,
-    and the start [s], for each substep, ``(substeps, N + 4)``; NaN where an interval was one step.
-    Empty by default.
-    """
-
-    steps: Steps
-    vehicles: Vehicles
-    winds: Winds
-    laws: Laws
-    cases: Cases
-    now: FlightStates
-    track: FloatArray
-
-
 @inlined
 def expand_wind(f: Flights, i: int, now: float) -> None:
-    """Write the polynomial of the wind about a time in its current piece."""
+    """Write the polynomial of flight i's wind about the time `now` [s], in its current piece."""
     here, w, j = f.now.here[i], f.cases.wind[i], f.now.piece[i]
     expand_piece(f.winds.pieces, f.winds.knots, w, j, now, here)
 
@@ -195,7 +45,11 @@ def expand_wind(f: Flights, i: int, now: float) -> None:
 def expand_piece(
     pieces: FloatArray, knots: FloatArray, w: int, j: int, now: float, here: FloatArray
 ) -> None:
-    """Write the coefficients of a piece of a wind about a time; zeros before the first."""
+    """Write the coefficients of piece j of wind w about the time `now` [s]; zeros for j < 0.
+
+    `pieces`, `knots`: coefficients ``(w, k, terms)``, lowest power first, and knots [s] of the
+    winds. `here`: written, ``(terms,)``.
+    """
     terms = here.size
     if j < 0:
         for r in range(terms):
@@ -208,7 +62,10 @@ def expand_piece(
 
 @inlined
 def shift_polynomial(c: FloatArray, u: float) -> None:
-    """Replace a polynomial by its expansion about a point u later, by repeated Horner schemes."""
+    """Replace a polynomial c ``(terms,)`` by its expansion about a point u later, in place.
+
+    Lowest power first, by repeated Horner schemes.
+    """
     for low in range(c.size - 1):
         for r in range(c.size - 2, low - 1, -1):
             c[r] += c[r + 1] * u
@@ -216,7 +73,11 @@ def shift_polynomial(c: FloatArray, u: float) -> None:
 
 @inlined
 def pass_knots(f: Flights, i: int, begin: float, end: float) -> None:
-    """Add the effect of the wind's knots within an interval, and set the piece at its end."""
+    """Add the effect of the wind's knots in an interval of flight i, and set the piece at its end.
+
+    `begin`, `end`: of the interval [s]. At a knot inside, the response to the change of the wind is
+    added.
+    """
     knots = f.winds.knots[f.cases.wind[i]]
     while f.now.piece[i] + 1 < knots.size and knots[f.now.piece[i] + 1] <= end:
         knot = knots[f.now.piece[i] + 1]
@@ -227,10 +88,11 @@ def pass_knots(f: Flights, i: int, begin: float, end: float) -> None:
 
 @inlined
 def add_gust_response(f: Flights, i: int, knot: float, time: float) -> None:
-    """Add the response to the difference of the next piece of wind from this one, by series.
+    """Add to the states of flight i the response to the change of its wind at a knot, by series.
 
-    The terms about the start of an interval t are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1),
-    x_0 being the result of the interval before.
+    `knot`: time of the knot [s]; from there on the next piece differs from the current one. `time`:
+    from the knot to the end of the interval [s]. The terms about the start of an interval t are
+    x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1), x_0 being the result of the interval before.
     """
     p, n, w = f.cases.vehicle[i], f.vehicles.A.shape[1], f.cases.wind[i]
     difference, j = f.now.here[i], f.now.piece[i] + 1
@@ -269,7 +131,12 @@ def add_series(
     term: FloatArray,
     response: FloatArray,
 ) -> None:
-    """Add the terms of the series over an interval that follow the first."""
+    """Add to `response` the terms of its series over an interval that follow the first.
+
+    `A`, `gust`: of x' = A x + gust w, ``(n, n)`` and ``(n,)``. `difference`: w, a polynomial,
+    lowest power first. `length`: of the interval [s]. `previous`: work array ``(n,)``. `term`: the
+    first term, overwritten.
+    """
     n, power = response.size, length
     for k in range(_SERIES_TERMS):
         forcing = power * difference[k] if k < difference.size else 0.0
@@ -286,23 +153,29 @@ def add_series(
 
 @inlined
 def keep_peak(peaks: FloatArray, row: int, value: float) -> None:
-    """Update the largest size of a quantity."""
+    """Replace the peak number `row` of a flight by the size of a value, if that is larger."""
     peaks[row] = max(peaks[row], abs(value))
 
 
 @inlined
-def move_through(f: Flights, i: int, part: int, k: int, c: float, begin: float, end: float) -> None:
-    """Move vehicle and nozzle through an interval of a step, with the command c."""
+def move_interval(
+    f: Flights, i: int, interval: int, k: int, c: float, begin: float, end: float
+) -> None:
+    """Move vehicle and nozzle of flight i through an interval of sample k, at the command c [rad].
+
+    `interval`: its index; the one after the delay is 0. `begin`, `end`: its times [s]. In substeps
+    where the nozzle may reach a limit, else in one step.
+    """
     p = f.cases.vehicle[i]
-    short, count = f.steps.short[p, part], f.steps.substeps[p, part]
-    whole = count > 1 and is_unlimited(f, i, part, c)
-    first, steps = begin, 1 if whole else count
+    short, count = f.steps.short[p, interval], f.steps.substeps[p, interval]
+    unlimited = count > 1 and is_unlimited(f, i, interval, c)
+    first, steps = begin, 1 if unlimited else count
     for step in range(steps):
         last = begin + short * (step + 1) if step < steps - 1 else end
         if step > 0:
             expand_wind(f, i, first)
-        move_substep(f, i, part, whole, c)
-        write_track(f, i, part, k, step, c, first)
+        move_substep(f, i, interval, unlimited, c)
+        write_track_row(f, i, interval, k, step, c, first)
         for r in range(f.now.y.shape[1]):
             f.now.y[i, r] = f.now.next[i, r]
         pass_knots(f, i, first, last)
@@ -310,63 +183,73 @@ def move_through(f: Flights, i: int, part: int, k: int, c: float, begin: float, 
 
 
 @inlined
-def is_unlimited(f: Flights, i: int, part: int, c: float) -> bool:
+def is_unlimited(f: Flights, i: int, interval: int, c: float) -> bool:
     """Return whether the nozzle of flight i reaches no limit in any substep of an interval.
 
-    `part`: index of the interval of a sample. `c`: command [rad], constant in it. The nozzle's
+    `interval`: index of the interval of a sample. `c`: command [rad], constant in it. The nozzle's
     deflection s [rad] and rate v [rad/s] do not depend on the vehicle.
     """
     p, n, size = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y.shape[1]
-    J, s, v, rate = f.steps.fine[p, part], f.now.y[i, n], 0.0, 0.0
+    J, s, v, next_v = f.steps.fine[p, interval], f.now.y[i, n], 0.0, 0.0
     if size > n + 1:
         v = f.now.y[i, n + 1]
     largest, largest_change = 0.0, 0.0
-    for _ in range(f.steps.substeps[p, part]):
+    for _ in range(f.steps.substeps[p, interval]):
         next_s = J[n, n] * s + J[n, size] * c
         if size > n + 1:
             next_s += J[n, n + 1] * v
-            rate = J[n + 1, n] * s + J[n + 1, n + 1] * v + J[n + 1, size] * c
-        if is_limited(f, i, part, c, s, v, next_s, rate):
+            next_v = J[n + 1, n] * s + J[n + 1, n + 1] * v + J[n + 1, size] * c
+        if is_limited(f, i, interval, c, s, v, next_s, next_v):
             return False
         largest, largest_change = max(largest, abs(next_s)), max(largest_change, abs(next_s - s))
-        s, v = next_s, rate
+        s, v = next_s, next_v
     keep_peak(f.now.peaks[i], 2, min(largest, f.cases.limit[i]))
-    keep_peak(f.now.peaks[i], 3, largest_change / f.steps.short[p, part])
+    keep_peak(f.now.peaks[i], 3, largest_change / f.steps.short[p, interval])
     return True
 
 
 @inlined
-def move_substep(f: Flights, i: int, part: int, whole: bool, c: float) -> None:
-    """Write the next states of vehicle and nozzle, over a whole interval or a substep."""
+def move_substep(f: Flights, i: int, interval: int, unlimited: bool, c: float) -> None:
+    """Write the next states of vehicle and nozzle of flight i, over an interval or a substep.
+
+    `interval`: its index in the sample. `unlimited`: whether it is one step without limits. `c`:
+    command [rad].
+    """
     p, n, y, new = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y[i], f.now.next[i]
     limit, f.now.bounded[i] = f.cases.limit[i], False
-    if whole:
-        free_step(f, i, f.steps.joint[p, part], c)
+    if unlimited:
+        free_step(f, i, f.steps.joint[p, interval], c)
         return
-    free_step(f, i, f.steps.fine[p, part], c)
-    f.now.bounded[i] = limit_nozzle(f, i, part, c)
+    free_step(f, i, f.steps.fine[p, interval], c)
+    f.now.bounded[i] = limit_nozzle(f, i, interval, c)
     first, last = min(max(y[n], -limit), limit), min(max(new[n], -limit), limit)
     if f.now.bounded[i]:
-        ramp_step(f, i, f.steps.fine[p, part], f.steps.ramp[p, part], first, last)
+        ramp_step(f, i, f.steps.fine[p, interval], f.steps.ramp[p, interval], first, last)
         if f.steps.ramp.shape[3] > 2:
-            add_engine_impulses(f, i, f.steps.ramp[p, part])
-    if f.steps.substeps[p, part] > 1:
+            add_engine_impulses(f, i, f.steps.ramp[p, interval])
+    if f.steps.substeps[p, interval] > 1:
         keep_peak(f.now.peaks[i], 2, last)
-        keep_peak(f.now.peaks[i], 3, (last - first) / f.steps.short[p, part])
+        keep_peak(f.now.peaks[i], 3, (last - first) / f.steps.short[p, interval])
 
 
 @inlined
-def write_track(f: Flights, i: int, part: int, k: int, step: int, c: float, begin: float) -> None:
-    """Write a row of the track: start of a substep, states and command."""
+def write_track_row(
+    f: Flights, i: int, interval: int, k: int, step: int, c: float, begin: float
+) -> None:
+    """Write the row of the track of a substep of flight i: states, command, limits and start.
+
+    `interval`: index of the interval of sample k. `step`: number of the substep in it. `c`: command
+    [rad]. `begin`: start of the substep [s].
+    """
     rows = f.track.shape[0]
     if rows == 0:
         return
     p, y, limit, size = f.cases.vehicle[i], f.now.y[i], f.cases.limit[i], f.now.y.shape[1]
     total, previous = 0, 0
-    for interval in range(f.steps.joint.shape[1]):
-        total += f.steps.substeps[p, interval]
-        if interval > part:
-            previous += f.steps.substeps[p, interval]
+    for j in range(f.steps.joint.shape[1]):
+        total += f.steps.substeps[p, j]
+        if j > interval:
+            previous += f.steps.substeps[p, j]
     row = k * total + previous + step
     if row >= rows:
         return
@@ -380,7 +263,10 @@ def write_track(f: Flights, i: int, part: int, k: int, step: int, c: float, begi
 
 @inlined
 def free_step(f: Flights, i: int, J: FloatArray, c: float) -> None:
-    """Write J [y, c, w0, w1, ...]."""
+    """Write the next states J [y, c, w0, w1, ...] of flight i, without limits of the nozzle.
+
+    `J`: transition matrix ``(N, N + 1 + terms)``. `c`: command [rad].
+    """
     y, here, new = f.now.y[i], f.now.here[i], f.now.next[i]
     size = y.size
     for r in range(size):
@@ -394,36 +280,42 @@ def free_step(f: Flights, i: int, J: FloatArray, c: float) -> None:
 
 @inlined
 def is_limited(
-    f: Flights, i: int, part: int, c: float, s: float, v: float, later: float, rate: float
+    f: Flights, i: int, interval: int, c: float, s: float, v: float, next_s: float, next_v: float
 ) -> bool:
-    """Return whether rate or deflection limit act in a substep from s, v to later, rate.
+    """Return whether rate or deflection limit act in a substep of flight i.
 
-    A first-order nozzle starts with omega (c - s) and is slower afterwards: `quick` is omega times
-    the length of the substep, which is compared with the travel at the rate limit.
+    `interval`: index of the interval of a sample. `c`: command [rad]. `s`, `v`: deflection [rad]
+    and rate [rad/s] at the start, `next_s`, `next_v`: without limits at the end. A first-order
+    nozzle starts with omega (c - s) and is slower afterwards: `quick` is omega times the length of
+    the substep, which is compared with the travel at the rate limit.
     """
     p, max_rate = f.cases.vehicle[i], f.cases.rate_limit[i]
-    reach = max_rate * f.steps.short[p, part]
-    if abs(c - s) * f.steps.quick[p, part] > reach or abs(later - s) > reach:
+    reach = max_rate * f.steps.short[p, interval]
+    if abs(c - s) * f.steps.quick[p, interval] > reach or abs(next_s - s) > reach:
         return True
-    if max(abs(later), abs(s)) > _LIMIT_TOLERANCE * f.cases.limit[i]:
+    if max(abs(next_s), abs(s)) > _LIMIT_TOLERANCE * f.cases.limit[i]:
         return True
-    return f.now.y.shape[1] > f.vehicles.A.shape[1] + 1 and max(abs(rate), abs(v)) >= max_rate
+    return f.now.y.shape[1] > f.vehicles.A.shape[1] + 1 and max(abs(next_v), abs(v)) >= max_rate
 
 
 @inlined
-def limit_nozzle(f: Flights, i: int, part: int, c: float) -> bool:
-    """Return whether rate or deflection limit act in a substep, and limit the next states."""
+def limit_nozzle(f: Flights, i: int, interval: int, c: float) -> bool:
+    """Return whether rate or deflection limit act in a substep, and limit the next states.
+
+    `f`, `i`: flight, whose next states are without limits before. `interval`: index of the interval
+    of a sample. `c`: command [rad].
+    """
     p, n, max_rate = f.cases.vehicle[i], f.vehicles.A.shape[1], f.cases.rate_limit[i]
     y, new = f.now.y[i], f.now.next[i]
     second = y.size > n + 1
-    v, rate = (y[n + 1], new[n + 1]) if second else (0.0, 0.0)
-    if not is_limited(f, i, part, c, y[n], v, new[n], rate):
+    v, next_v = (y[n + 1], new[n + 1]) if second else (0.0, 0.0)
+    if not is_limited(f, i, interval, c, y[n], v, new[n], next_v):
         return False
-    reach = max_rate * f.steps.short[p, part]
+    reach = max_rate * f.steps.short[p, interval]
     if abs(new[n] - y[n]) > reach:
         new[n] = y[n] + (reach if new[n] > y[n] else -reach)
-    if second and max(abs(rate), abs(v)) >= max_rate:
-        new[n + 1] = min(max(rate, -max_rate), max_rate)
+    if second and max(abs(next_v), abs(v)) >= max_rate:
+        new[n + 1] = min(max(next_v, -max_rate), max_rate)
     return True
 
 
@@ -431,9 +323,11 @@ def limit_nozzle(f: Flights, i: int, part: int, c: float) -> bool:
 def ramp_step(
     f: Flights, i: int, J: FloatArray, ramp: FloatArray, first: float, last: float
 ) -> None:
-    """Write the states of the vehicle for a deflection linear from first to last.
+    """Write the next states of the vehicle of flight i, for a deflection that is linear in time.
 
-    x <- Phi x + ramp [first, last] + the wind's terms of J.
+    x <- Phi x + ramp [first, last] + the wind's terms of J. `J`: transition matrix ``(N, N + 1 +
+    terms)``, which has Phi. `ramp`: effect of the deflection at both ends, ``(n, 2)`` or more
+    columns. `first`, `last`: deflection at both ends [rad].
     """
     n, y, here, new = f.vehicles.A.shape[1], f.now.y[i], f.now.here[i], f.now.next[i]
     for r in range(n):
@@ -449,8 +343,10 @@ def ramp_step(
 def add_engine_impulses(f: Flights, i: int, ramp: FloatArray) -> None:
     """Add the effect on the vehicle of an engine with inertia when its rate jumps, at both ends.
 
-    The constant rate v of a substep lies between the rates before and after: the acceleration is (v
-    - before) and (after - v) as impulses. The terms of v are in the first columns.
+    `f`, `i`: flight. `ramp`: effects in a substep, ``(n, 4)``: of the deflection at both ends, and
+    of the rates before and after. The constant rate v of a substep lies between the rates before
+    and after: the acceleration is (v - before) and (after - v) as impulses. The terms of v are in
+    the first columns.
     """
     n, y, new, limit = f.vehicles.A.shape[1], f.now.y[i], f.now.next[i], f.cases.limit[i]
     before, after = nozzle_rate(y, n, limit), nozzle_rate(new, n, limit)
@@ -460,13 +356,16 @@ def add_engine_impulses(f: Flights, i: int, ramp: FloatArray) -> None:
 
 @inlined
 def nozzle_rate(y: FloatArray, n: int, limit: float) -> float:
-    """Return the rate of a second-order nozzle [rad/s]: zero at its deflection limit."""
+    """Return the rate of a second-order nozzle [rad/s]: zero at its deflection limit.
+
+    `y`: states, of which numbers n and n + 1 are deflection [rad] and rate. `limit`: [rad].
+    """
     return y[n + 1] if abs(y[n]) <= limit else 0.0
 
 
 @bare
 def fly(f: Flights, first: int, last: int) -> None:
-    """Fly the cases from `first` up to `last`, each to its end."""
+    """Fly the cases from `first` up to `last` of the batch f, each to its end."""
     for i in range(first, last):
         for k in range(NEVER):
             if not measure_sample(f, i, k):
@@ -477,8 +376,45 @@ def fly(f: Flights, first: int, last: int) -> None:
 
 
 @bare
-def look(f: Flights, k: int) -> int:
-    """Measure all flights at a sample; return the number of those that continue."""
+def fly_in_planes(
+    pitch: Flights, yaw: Flights, normals: FloatArray, limit: FloatArray, first: int, last: int
+) -> None:
+    """Fly cases from `first` up to `last` in both planes, the vector of their demands limited.
+
+    `pitch`, `yaw`: flights of each plane, of the same number of cases. The demands behind the
+    filters are brought into the limit shape along their direction; each plane has its own limit
+    besides. `normals`: of the edges of the limit shape over their distance from zero, ``(k, 2)``;
+    none for a circle. `limit`: scale [rad] of the limit shape, ``(m,)``. The flights of both planes
+    end at the same sample.
+    """
+    for i in range(first, last):
+        for k in range(NEVER):
+            flies = measure_sample(pitch, i, k)
+            if not (measure_sample(yaw, i, k) and flies):
+                break
+            x, y = autopilot_demand(pitch, i), autopilot_demand(yaw, i)
+            gauge = math.hypot(x, y) if normals.shape[0] == 0 else 0.0
+            for r in range(normals.shape[0]):
+                gauge = max(gauge, normals[r, 0] * x + normals[r, 1] * y)
+            scale = limit[i] / gauge if gauge > limit[i] else 1.0
+            move_sample(pitch, i, k, scale * x)
+            move_sample(yaw, i, k, scale * y)
+
+
+@inlined
+def autopilot_demand(f: Flights, i: int) -> float:
+    """Return the demand [rad] of the law of flight i, behind its filters.
+
+    `f`: batch of flights, of laws without modes in which the whole limit is commanded.
+    """
+    law = f.laws.numbers[f.cases.law[i]]
+    demand = law_demand(law, f.now.measured[i], f.now.states[i], f.cases.limit[i])
+    return filtered_demand(f, i, demand)
+
+
+@bare
+def measure_flights(f: Flights, k: int) -> int:
+    """Measure all flights of the batch f at sample k; return the number of those that continue."""
     count = 0
     for i in range(f.cases.limit.size):
         if f.now.ended[i] < 0 and measure_sample(f, i, k):
@@ -487,10 +423,14 @@ def look(f: Flights, k: int) -> int:
 
 
 @bare
-def advance(
+def move_flights(
     f: Flights, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray
 ) -> None:
-    """Move all flights that continue by a sample, with demands of laws in Python, ``(m,)``."""
+    """Move all flights of the batch f that continue by sample k, with laws in Python.
+
+    `demand`: of the laws [rad]. `engage`, `release`: sizes over the limit at which the whole limit
+    is commanded, and released. All ``(m,)``.
+    """
     for i in range(f.cases.limit.size):
         if f.now.ended[i] < 0:
             step_sample(f, i, k, demand[i], engage[i], release[i])
@@ -498,7 +438,7 @@ def advance(
 
 @inlined
 def measure_sample(f: Flights, i: int, k: int) -> bool:
-    """Write the measurements of a law at a sample; return whether the flight continues."""
+    """Write the measurements of the law of flight i at sample k; return whether it continues."""
     if 0 < k < f.cases.stages[i]:
         take_next_stage(f, i)
     p, peaks, sensed, x = f.cases.vehicle[i], f.now.peaks[i], f.now.sensed[i], f.now.y[i]
@@ -532,7 +472,7 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
 
 @inlined
 def take_next_stage(f: Flights, i: int) -> None:
-    """Write the indices of the next stage of a flight."""
+    """Write the indices of vehicle, law and memory of the next stage of flight i."""
     f.cases.vehicle[i] += 1
     f.cases.law[i] += 1
     if f.laws.memory.shape[0] > 1:
@@ -541,7 +481,7 @@ def take_next_stage(f: Flights, i: int) -> None:
 
 @inlined
 def row_product(f: Flights, i: int, row: FloatArray) -> float:
-    """Return the product of a row with the states of a law and the sensed values."""
+    """Return the product of a row ``(s + 9,)`` with law states and sensed values of flight i."""
     s, total = f.now.states.shape[1], 0.0
     for j in range(s):
         total += row[j] * f.now.states[i, j]
@@ -552,7 +492,7 @@ def row_product(f: Flights, i: int, row: FloatArray) -> float:
 
 @inlined
 def judge_states(f: Flights, i: int) -> None:
-    """Decide the outcome of a flight after its wind, if possible; a survivor may yet diverge.
+    """Decide the outcome of flight i after its wind, if possible; a survivor may yet diverge.
 
     It is lost outside the recoverable set |z1| < D, slow_edges(z1) about z2 (see
     `boundary.recoverable`, whose rows times the states are z1 and z2); it survives when both stay
@@ -584,8 +524,9 @@ def judge_states(f: Flights, i: int) -> None:
 
 @inlined
 def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
-    """Move a flight by a sample.
+    """Move flight i by sample k, with the demand [rad] of its law.
 
+    `engage`, `release`: sizes over the limit at which the whole limit is commanded, and released.
     The command of sample k acts from k + late on, or for a fractional delay within that step: its
     first interval (1) still has the command before, its second (0) this one.
     """
@@ -597,7 +538,10 @@ def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, releas
 
 @inlined
 def filtered_demand(f: Flights, i: int, demand: float) -> float:
-    """Return the demand [rad] of a law behind its filters, and write it among the sensed values."""
+    """Return the demand [rad] of the law of flight i behind its filters, and store it.
+
+    The demand before the filters becomes the last of the sensed values, on which the filters act.
+    """
     demand = f.cases.gain[i] * demand
     f.now.sensed[i, MEASURED] = demand
     if f.laws.command_rows.shape[0]:
@@ -607,21 +551,21 @@ def filtered_demand(f: Flights, i: int, demand: float) -> float:
 
 @inlined
 def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
-    """Move a flight by a sample with the demand [rad], limited, as the command of sample k."""
+    """Move flight i by sample k, with the demand [rad], limited, as its command."""
     p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
     command = min(max(demand, -limit), limit)
     if abs(command) >= limit:
         f.now.peaks[i, 5] += 1.0
     begin = f.cases.start[i] + f.steps.lengths[p, 0] * k
     end = f.cases.start[i] + f.steps.lengths[p, 0] * (k + 1)
-    parts, ring, since = f.steps.joint.shape[1], f.now.commands.shape[1], k - f.steps.late[p]
-    if ring > 1:
+    intervals, ring, since = f.steps.joint.shape[1], f.now.commands.shape[1], k - f.steps.late[p]
+    if ring > 1:  # delayed commands, in a ring buffer
         f.now.commands[i, k % ring] = command
-    for part in range(parts - 1, -1, -1):
-        now = f.now.commands[i, (since - part) % ring] if ring > 1 else command
-        stop = begin + f.steps.lengths[p, 2] if part > 0 else end
-        move_through(f, i, part, k, now, begin, stop)
-        if part > 0:
+    for interval in range(intervals - 1, -1, -1):
+        now = f.now.commands[i, (since - interval) % ring] if ring > 1 else command
+        stop = begin + f.steps.lengths[p, 2] if interval > 0 else end
+        move_interval(f, i, interval, k, now, begin, stop)
+        if interval > 0:
             expand_wind(f, i, stop)
         begin = stop
     update_law_states(f, i)
@@ -633,7 +577,7 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
 
 @inlined
 def update_law_states(f: Flights, i: int) -> None:
-    """Update the states of a law and of its filters from sensed values and demand."""
+    """Update the states of the law of flight i and of its filters from sensed values and demand."""
     s = f.now.states.shape[1]
     for r in range(s):
         f.now.next[i, r] = row_product(f, i, f.laws.memory[f.cases.memory[i], r])

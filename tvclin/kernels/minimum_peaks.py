@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.kernels.source import bare, kernel
-from tvclin.kernels.trim_and_demand import costate_step, equations_at_ratio
+from tvclin.kernels.trim_and_demand import VaryingSteps, costate_step, equations_at_ratio
 
 PLAIN, COMPILED = 6e-5, 2e-7
 """Seconds per step and mode of the costates, in plain Python and as machine code."""
@@ -38,11 +38,7 @@ _RELATIVE_GAP = 1e-9
 
 @kernel
 def minimum_peaks(
-    lengths: Any,
-    equations: Any,
-    slopes: Any,
-    ratio: Any,
-    wind: Any,
+    steps: VaryingSteps,
     costates: Any,
     reaches: Any,
     poles: Any,
@@ -53,14 +49,14 @@ def minimum_peaks(
     first: int,
     last: int,
 ) -> None:
-    """Write the minimum peaks [rad] of all control from the begin of steps on, ``(n, S)``.
+    """Write the minimum peaks [rad] of all control from the begin of steps on, ``(n, S + 1)``.
 
     h = p.b is the effectiveness of the deflection on the costate p of each unstable mode.
 
     Parameters
     ----------
-    lengths, equations, slopes, ratio, wind : ndarray
-        As in `trim_and_demand`.
+    steps : VaryingSteps
+        Steps, equations and winds of the n cases.
     costates : ndarray
         Of the unstable modes at the end of the last step, the fastest first, ``(n, k, m)``, k up to
         three.
@@ -81,35 +77,42 @@ def minimum_peaks(
     first, last : int
         Cases from the first up to the last are computed.
     """
-    steps, m, modes = lengths.shape[1], equations.shape[3], costates.shape[1]
-    size = steps + cells.shape[2] + 2
+    count, m, modes = steps.lengths.shape[1], steps.equations.shape[3], costates.shape[1]
+    size = count + cells.shape[2] + 2
     matrix, rates, state = np.empty((3, m, m + 2)), np.empty((4, m + 2)), np.empty((2, m + 2))
     costate, weights = np.empty((modes, 2, m + 2)), np.empty((modes, size))
     d, sums = np.empty(3), np.empty((3, size))
     for case in range(first, last):
-        c = case if equations.shape[0] > 1 else 0
-        _begin_at_end(costates[case], reaches[case], cells[case], costate, weights)
-        known = False
-        for s in range(steps, -1, -1):
-            if s < steps:
-                equations_at_ratio(equations, slopes, c, s, ratio[case, s], 0.0, matrix)
+        _initialise_costates(costates[case], reaches[case], cells[case], costate, weights)
+        exceeded = False
+        for s in range(count, -1, -1):
+            if s < count:
+                equations_at_ratio(steps, case, s, 0.0, matrix)
+                h, wind = steps.lengths[case, s], steps.wind[case, s]
                 for k in range(modes):
-                    h = lengths[case, s]
-                    costate_step(matrix, wind[case, s], h, costate[k], 0, state, rates)
+                    costate_step(matrix, wind, h, costate[k], 0, state, rates)
                     weights[k, s] = costate[k, 0, m]
                     costate[k, 1] = costate[k, 0]
                     costate[k, 1, m] = 0.0
-            if s == 0 or (steps - s) % _STEPS_PER_ORTHOGONALISATION == 0:
+            if s == 0 or (count - s) % _STEPS_PER_ORTHOGONALISATION == 0:
                 _orthogonalise(costate, weights, s)
-            if s == 0 or not (known or math.isnan(heights[case, s])):
+            if s == 0 or not (exceeded or math.isnan(heights[case, s])):
                 _unstable_components(costate, path[case, s], d)
                 peaks[case, s] = _dual_value(weights, s, d, poles[case], sums)
-                known = known or heights[case, s] < peaks[case, s]
+                exceeded = exceeded or heights[case, s] < peaks[case, s]
 
 
 @bare
-def _begin_at_end(costates: Any, reaches: Any, cells: Any, costate: Any, weights: Any) -> None:
-    """Write costates and weights after the end of the wind, where the march begins."""
+def _initialise_costates(
+    costates: Any, reaches: Any, cells: Any, costate: Any, weights: Any
+) -> None:
+    """Write costates and weights of k modes at the end of the wind, where the march begins.
+
+    `costates`: p at the end, ``(k, m)``. `reaches`: integrals of p.b after it, of two real modes,
+    ``(2,)``. `cells`: such integrals over cells, ``(k, cells)``. `costate`: written: p and zero
+    integrals, ``(k, 2, m + 2)``, in the second row. `weights`: written: effect of the deflection
+    after the end on each mode, the last columns of ``(k, size)``.
+    """
     modes, m = costates.shape
     size, count = weights.shape[1], cells.shape[1]
     for k in range(modes):
@@ -124,7 +127,11 @@ def _begin_at_end(costates: Any, reaches: Any, cells: Any, costate: Any, weights
 
 @bare
 def _unstable_components(costate: Any, path: Any, d: Any) -> None:
-    """Write d, the unstable components at the end without a deflection from here on."""
+    """Write d ``(k,)``, the unstable components at the end without a deflection from here on.
+
+    `costate`: p and wind integral of each mode, second row of ``(k, 2, m + 2)``. `path`: states
+    beyond attitude and rate, ``(m - 2,)``; those two are zero.
+    """
     for k in range(costate.shape[0]):
         d[k] = costate[k, 1, path.size + 3]
         for i in range(path.size):
@@ -133,7 +140,11 @@ def _unstable_components(costate: Any, path: Any, d: Any) -> None:
 
 @bare
 def _orthogonalise(costate: Any, weights: Any, s: int) -> None:
-    """Make costates orthonormal in place, with the integrals and the weights from a step on."""
+    """Make costates orthonormal in place, with their integrals and the weights from step s on.
+
+    `costate`: p, and integrals of wind and control, second row of ``(k, 2, m + 2)``. `weights`:
+    effect of the deflection of each step on each mode, ``(k, size)``.
+    """
     modes, m = costate.shape[0], costate.shape[2] - 2
     for k in range(modes):
         for j in range(k + 1):
@@ -141,20 +152,23 @@ def _orthogonalise(costate: Any, weights: Any, s: int) -> None:
             for i in range(m):
                 product += costate[k, 1, i] * costate[j, 1, i]
             if j == k:
-                scale, part = 1.0 / math.sqrt(product), 0.0
+                scale, projection = 1.0 / math.sqrt(product), 0.0
             else:
-                scale, part = 1.0, product
+                scale, projection = 1.0, product
             for i in range(m + 2):
-                costate[k, 1, i] = scale * (costate[k, 1, i] - part * costate[j, 1, i])
+                costate[k, 1, i] = scale * (costate[k, 1, i] - projection * costate[j, 1, i])
             for i in range(s, weights.shape[1]):
-                weights[k, i] = scale * (weights[k, i] - part * weights[j, i])
+                weights[k, i] = scale * (weights[k, i] - projection * weights[j, i])
 
 
 @bare
 def _dual_value(weights: Any, s: int, d: Any, poles: Any, sums: Any) -> float:
-    """Return the largest ``|lambda.d|/J`` over lambda, from a step on.
+    """Return the minimum peak [rad], the largest ``|lambda.d|/J(lambda)``, from step s on.
 
-    J is that of a + u b + v c, the rows of `sums`, with lambda.d = 1.
+    `weights`: effect of the deflection of each step on each of k modes, ``(k, size)``. `d`:
+    unstable components to be brought to zero, ``(k,)``. `poles`: of two real modes [1/s], ``(2,)``.
+    `sums`: work array ``(3, size)``: with lambda.d = 1, J is the sum of ``|a + u b + v c|``, its
+    rows.
     """
     modes, cells = weights.shape
     largest, row = 0, 0
@@ -174,12 +188,16 @@ def _dual_value(weights: Any, s: int, d: Any, poles: Any, sums: Any) -> float:
         return 1.0 / _derivatives(sums, s, 1.0, 0.0, 0.0, poles)[0]
     if modes == 2:
         return 1.0 / _minimum(sums, s, 1.0, 0.0, poles)[0]
-    return 1.0 / _minimum_over_both(sums, s, poles)
+    return 1.0 / _minimum_of_three_modes(sums, s, poles)
 
 
 @bare
-def _minimum_over_both(sums: Any, s: int, poles: Any) -> float:
-    """Return the minimum of J over u and v."""
+def _minimum_of_three_modes(sums: Any, s: int, poles: Any) -> float:
+    """Return the minimum over u and v of J, the sum of ``|a + u b + v c|``.
+
+    `sums`: a, b and c, ``(3, size)``, counted from step s on. `poles`: of two real modes [1/s],
+    ``(2,)``, whose integrals after the wind are the last two numbers.
+    """
     minimum, a_high, c_high = _minimum(sums, s, 0.0, 1.0, poles)
     a_low, c_low = -a_high, -c_high
     if c_high == 0.0:
@@ -198,9 +216,11 @@ def _minimum_over_both(sums: Any, s: int, poles: Any) -> float:
 
 @bare
 def _minimum(sums: Any, s: int, t: float, v: float, poles: Any) -> tuple[float, float, float]:
-    """Return the minimum over u of J of t a + u b + v c, and its derivatives by t and v.
+    """Return the minimum over u of J, the sum of ``|t a + u b + v c|``, and its slopes by t and v.
 
-    J is nowhere below a tangent, t J_t + u J_u + v J_v; the first two are those of large u.
+    `sums`: a, b and c, ``(3, size)``, counted from step s on. `poles`: of two real modes [1/s],
+    ``(2,)``. J is nowhere below a tangent, t J_t + u J_u + v J_v; the first two tangents are those
+    of large u.
     """
     a_high, b_high, c_high = _derivatives(sums, s, 0.0, 1.0, 0.0, poles)
     a_low, b_low, c_low = -a_high, -b_high, -c_high
@@ -218,8 +238,12 @@ def _minimum(sums: Any, s: int, t: float, v: float, poles: Any) -> tuple[float, 
             a_high, b_high, c_high = a, b, c
         else:
             a_low, b_low, c_low = a, b, c
-    part = b_high / (b_high - b_low)  # of the lower tangent, with which J_u is zero
-    return minimum, part * a_low + (1.0 - part) * a_high, part * c_low + (1.0 - part) * c_high
+    low_weight = b_high / (b_high - b_low)  # of the lower tangent, with which J_u is zero
+    return (
+        minimum,
+        low_weight * a_low + (1.0 - low_weight) * a_high,
+        low_weight * c_low + (1.0 - low_weight) * c_high,
+    )
 
 
 @bare
@@ -228,8 +252,9 @@ def _derivatives(
 ) -> tuple[float, float, float]:
     """Return the derivatives by t, u and v of J, the sum of ``|t a + u b + v c|``.
 
-    The last two numbers of each are integrals of two modes after the end: their sum turns once
-    there at most.
+    `sums`: a, b and c, ``(3, size)``, counted from step s on. The last two numbers of each are
+    integrals of two modes after the end, with `poles` [1/s], ``(2,)``: their sum changes its sign
+    once there at most.
     """
     a, b, c = 0.0, 0.0, 0.0
     cells = sums.shape[1] - 2

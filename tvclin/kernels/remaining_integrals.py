@@ -22,12 +22,14 @@ from tvclin.kernels.excess import (
     MAX_INTERVALS,
     TRIM_DRIVES,
     WIND_DRIVES,
+    ExitLaw,
+    Wind,
     demand,
     demand_of_integral,
     driver,
     filter_state,
-    march_filter,
-    march_wind,
+    integrate_filter,
+    integrate_wind,
     monotone_intervals,
     onset_piece,
     remaining_integral,
@@ -47,36 +49,36 @@ def largest_remaining_integrals(
 ) -> None:
     """Write p times the remaining integral of winds of unit peak, at its onset and maximum.
 
-    At the onset, the maximum, and its time [s], to ``out (n, 3)``, for ``poles (n,)`` [1/s]. It
-    rises as long as it is above the wind, W' = p (W - f): its maximum is at a knot, or where a
-    rising wind reaches it.
+    To ``out (n, 3)``: at the onset, the maximum, and its time [s]. `winds`: knots ``(w, k)``,
+    coefficients and rates of the winds. `which`: index of the wind of each case, ``(n,)``. `poles`:
+    p [1/s], ``(n,)``. Cases from `first` up to `last` are computed. It rises as long as it is above
+    the wind, W' = p (W - f): its maximum is at a knot, or where a rising wind reaches it.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
-        wind = (knots[i], coefficients[i], rates[i], marched, work)
-        law = (poles[case], 1.0, 0.0, 0.0, 0.0, WIND_DRIVES)
-        march_wind(wind, law)
+        wind = Wind(knots[i], coefficients[i], rates[i], marched, work)
+        law = ExitLaw(poles[case], 1.0, 0.0, 0.0, 0.0, WIND_DRIVES)
+        integrate_wind(wind, law)
         largest, time = _largest_demand(wind, law, ends)
-        out[case, 0], out[case, 1], out[case, 2] = (
-            demand(wind, law, onset_piece(wind), 0.0),
-            largest,
-            time,
-        )
+        out[case, 0] = demand(wind, law, onset_piece(wind), 0.0)
+        out[case, 1], out[case, 2] = largest, time
 
 
 @kernel
 def onset_integrals(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:
     """Write the discounted remaining integrals of winds at their onset to ``out (n, m)``.
 
-    For ``poles (n, m)`` [1/s], which may be complex.
+    They are of e^(-p r) f(t + r) dr over the wind f. `winds`: knots, coefficients and rates.
+    `which`: index of the wind of each case, ``(n,)``. `poles`: p [1/s], which may be complex, ``(n,
+    m)``. Cases from `first` up to `last` are computed.
     """
     knots, c, rates = winds
     for case in range(first, last):
         i = which[case]
-        wind = (knots[i], c[i], rates[i], knots, knots)
+        wind = Wind(knots[i], c[i], rates[i], knots, knots)
         for k in range(poles.shape[1]):
             out[case, k] = remaining_integral(wind, onset_piece(wind), 0.0, poles[case, k])
 
@@ -87,10 +89,11 @@ def demands_at_heights(
 ) -> None:
     """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
 
-    `winds`, `which`: as in `switches.switches`. `numbers`: b1, b2 and q of each case, ``(n, 3)``.
-    `poles`: of the modes [1/s], which may be complex, ``(n, m)``. `heights`: over B times the
-    wind's peak, positive, ``(n,)``. `out`: demands, ``(n, m)``; where trim stays below the height
-    during the wind, those at its end.
+    `winds`, `which`: knots, coefficients and rates of winds, and the index of each case's,
+    ``(n,)``. `numbers`: b1, b2 and q of each case, ``(n, 3)``. `poles`: of the modes [1/s], which
+    may be complex, ``(n, m)``. `heights`: over B times the wind's peak, positive, ``(n,)``. `out`:
+    demands, ``(n, m)``; where trim stays below the height during the wind, at its end. Cases from
+    `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
@@ -98,9 +101,9 @@ def demands_at_heights(
     for case in range(first, last):
         j = which[case]
         b1, b2, q = numbers[case, 0], numbers[case, 1], numbers[case, 2]
-        wind = (knots[j], coefficients[j], rates[j], marched, work)
-        law = (1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
-        march_filter(wind, law)
+        wind = Wind(knots[j], coefficients[j], rates[j], marched, work)
+        law = ExitLaw(1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
+        integrate_filter(wind, law)
         i, u = _height_time(wind, law, heights[case], ends)
         x, y = filter_state(wind, law, i, u)
         for k in range(poles.shape[1]):
@@ -109,9 +112,12 @@ def demands_at_heights(
 
 
 @bare
-def _largest_demand(wind: Any, law: Any, ends: Any) -> tuple[float, float]:
-    """Return the largest demand of the wind itself, and its time [s]."""
-    knots = wind[0]
+def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
+    """Return the largest demand of a wind trimmed at once, over -B, and its time [s].
+
+    `law`: the unstable pole, and a filter without effect. `ends`: work array.
+    """
+    knots = wind.knots
     largest, time = -np.inf, 0.0
     for i in range(knots.size - 1):
         level = demand(wind, law, i, 0.0)
@@ -131,12 +137,13 @@ def _largest_demand(wind: Any, law: Any, ends: Any) -> tuple[float, float]:
 
 
 @bare
-def _height_time(wind: Any, law: Any, height: float, ends: Any) -> tuple[int, float]:
-    """Return the piece and the local time at which the driver's size first reaches a height.
+def _height_time(wind: Wind, law: ExitLaw, height: float, ends: Any) -> tuple[int, float]:
+    """Return the piece and the local time [s] at which the driver's size first reaches a height.
 
-    The end of the wind where it never does.
+    The end of the wind where it never does. `law`: the driver. `height`: over the peak of the wind.
+    `ends`: work array of `monotone_intervals`.
     """
-    knots = wind[0]
+    knots = wind.knots
     for i in range(knots.size - 1):
         for k in range(monotone_intervals(wind, law, i, ends)):
             a, b = ends[k], ends[k + 1]

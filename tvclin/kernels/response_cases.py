@@ -54,7 +54,10 @@ class Case(NamedTuple):
 
 @kernel
 def merge_knots(first: Any, second: Any, knots: Any) -> Any:
-    """Write the knots of both inputs without repetition, then infinity; return their number."""
+    """Write the knots [s] of both inputs without repetition, then infinity; return their number.
+
+    `first`, `second`: ascending knots of each. `knots`: written.
+    """
     i, j, count = 0, 0, 0
     while i < first.size or j < second.size:
         if j == second.size or (i < first.size and first[i] <= second[j]):
@@ -70,7 +73,10 @@ def merge_knots(first: Any, second: Any, knots: Any) -> Any:
 
 @kernel
 def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
-    """Append the new ones of given rates to the first `used`; return the new number of rates."""
+    """Append the rates that are not among the first `used` of `rates`; return their new number.
+
+    `new_rates`: rates of an input [1/s]. `rates`: changed.
+    """
     for q in range(new_rates.size):
         if rate_index(new_rates[q], rates, used) == used:
             rates[used] = new_rates[q]
@@ -88,8 +94,12 @@ def rate_index(rate: Any, rates: Any, used: Any) -> Any:
 
 
 @kernel
-def put_input(case: Any, forces: Any, knots: Any, coefficients: Any, rates: Any) -> None:
-    """Write an input on the common knots, to its `forces` ``(K, Q, m)`` of a case."""
+def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any) -> None:
+    """Write an input on the common knots of a case, to `forces` ``(K, Q, m)``.
+
+    `forces`: coefficients of the terms u^k e^(rate u) by knot and rate of the case. `knots`,
+    `coefficients`, `rates`: the input's own, ``(n,)`` [s], ``(n, r, m)`` and ``(r,)`` [1/s].
+    """
     piece = -1
     for i in range(case.knots.size - 1):
         for q in range(case.rates.size):
@@ -110,7 +120,10 @@ def put_input(case: Any, forces: Any, knots: Any, coefficients: Any, rates: Any)
 
 @kernel
 def recentre(terms: Any, rate: Any, u: Any) -> None:
-    """Replace the terms of c(v) e^(rate v) by those about v = u."""
+    """Replace the terms of c(v) e^(rate v) by those about v = u [s], in place.
+
+    `terms`: coefficients of c, lowest power first, ``(m,)``.
+    """
     count = significant_terms(terms, np.inf)
     for low in range(count):
         for k in range(count - 2, low - 1, -1):
@@ -122,8 +135,8 @@ def recentre(terms: Any, rate: Any, u: Any) -> None:
 
 
 @kernel
-def count_terms(case: Any) -> None:
-    """Write the number of significant terms in each span."""
+def count_terms(case: Case) -> None:
+    """Write the number of significant terms of both inputs in each span of a case."""
     for i in range(case.knots.size - 1):
         width = case.knots[i + 1] - case.knots[i]
         for q in range(case.rates.size):
@@ -135,7 +148,10 @@ def count_terms(case: Any) -> None:
 
 @kernel
 def significant_terms(terms: Any, width: Any) -> Any:
-    """Return the number of significant terms, c u^k being largest at u = width."""
+    """Return the number of significant terms c_k u^k, each being largest at u = width [s].
+
+    `terms`: c, lowest power first; all nonzero ones count at an infinite width.
+    """
     power, largest, count = 1.0, 0.0, 0
     for k in range(terms.size):
         if terms[k] != 0.0:
@@ -157,13 +173,13 @@ class Plant(NamedTuple):
 
 
 class Span(NamedTuple):
-    """Quantities of a span between two knots.
+    """Quantities of a span between two knots, for N modes, Q rates and R outputs.
 
     For each mode whether it is integrated `backward`, its residue `excess`, the state at a knot
-    (`state`, and `known` ``(N, K + 1)`` of backward ones), and the coefficients of its exponential
-    beside the particular solution, from either end (`lead`, `tail`). A particular solution `answer`
-    ``(Q, L)`` with its `sizes` ``(Q,)``, and the outputs' sum of them, `shares` ``(R, Q, L)`` with
-    its `lengths` ``(Q,)``.
+    (`state`, and `bounded` ``(N, K + 1)`` of backward ones), and the coefficients of its
+    exponential beside the particular solution, from either end (`lead`, `tail`). A particular
+    `solution` ``(Q, L)`` with its `sizes` ``(Q,)``, and the outputs' sum of them, `shares` ``(R, Q,
+    L)`` with its `lengths` ``(Q,)``.
     """
 
     backward: Any
@@ -171,8 +187,8 @@ class Span(NamedTuple):
     state: Any
     lead: Any
     tail: Any
-    known: Any
-    answer: Any
+    bounded: Any
+    solution: Any
     sizes: Any
     shares: Any
     lengths: Any
@@ -181,7 +197,11 @@ class Span(NamedTuple):
 def workspace(
     kind: Any, plant: tuple[int, int], deflections: tuple[Any, ...], winds: tuple[Any, ...]
 ) -> tuple[Case, Span]:
-    """Return the arrays for one case, by type, numbers of modes and outputs, and inputs."""
+    """Return the arrays for one case, which the kernel overwrites.
+
+    `kind`: type of poles and coefficients, float or complex. `plant`: numbers of modes and of
+    outputs. `deflections`, `winds`: knots, coefficients and rates of both inputs.
+    """
     modes, rows = plant
     knots = deflections[0].shape[1] + winds[0].shape[1]
     rates = 1 + deflections[2].shape[1] + winds[2].shape[1]
@@ -228,7 +248,7 @@ def respond(
     `winds`: knots ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``. `which`: indices
     of plant, deflection and wind of each case, ``(3, cases)``. `out`, `close`: written: ``(cases,
     R, n)``, and whether two poles are too close for distinct modes, ``(cases,)``; such a case is
-    skipped. `memory`: arrays of `memory`, not shared with another thread.
+    skipped. `memory`: arrays of `workspace`, not shared with another thread.
     """
     arrays, span = memory
     for number in range(first, last):
@@ -257,14 +277,18 @@ def respond(
                 rounding = EPSILON * residue_roundings(pole, deflections[0][d], winds[0][w])
                 size = residue_magnitude(pole, gain[0], case.knots[0], deflections, d)
                 size += residue_magnitude(pole, gain[1], case.knots[0], winds, w)
-                if abs(span.known[m, 0]) > rounding * size:
-                    span.excess[m] = -span.known[m, 0]
+                if abs(span.bounded[m, 0]) > rounding * size:
+                    span.excess[m] = -span.bounded[m, 0]
         march_case(times, plant, case, span, out[number])
 
 
 @kernel
-def march_case(times: Any, plant: Any, case: Any, span: Any, out: Any) -> None:
-    """Write the outputs of a case, span by span."""
+def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> None:
+    """Write the outputs of a case at ascending times ``(n,)`` [s] to `out` ``(R, n)``, by spans.
+
+    `plant`: its poles, gains and outputs. `case`: both inputs. `span`: work arrays, with the
+    residues and the bounded solutions of unstable modes.
+    """
     first = np.searchsorted(times, case.knots[0])
     for r in range(out.shape[0]):
         for j in range(first):
@@ -283,7 +307,7 @@ def march_case(times: Any, plant: Any, case: Any, span: Any, out: Any) -> None:
             start, stop = particular_solution(pole, plant.gains[m], case, i, horizon, span)
             if span.backward[m]:
                 span.lead[m] = 0.0
-                span.tail[m] = 0.0 if np.isinf(width) else span.known[m, i + 1] - stop
+                span.tail[m] = 0.0 if np.isinf(width) else span.bounded[m, i + 1] - stop
             else:
                 span.lead[m], span.tail[m] = span.state[m] - start, 0.0
                 span.state[m] = span.lead[m] * np.exp(pole * reach) + stop
@@ -296,8 +320,12 @@ def march_case(times: Any, plant: Any, case: Any, span: Any, out: Any) -> None:
 
 
 @bare
-def write_outputs(times: Any, plant: Any, case: Any, i: Any, span: Any, out: Any) -> None:
-    """Write the outputs ``(R, n)`` at times of span `i`: real parts, where 0 times inf is 0."""
+def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out: Any) -> None:
+    """Write the outputs ``(R, n)`` at n times of span i: real parts, where 0 times inf is 0.
+
+    `plant`, `case`: poles and outputs, and knots and rates of the inputs. `span`: the modes'
+    exponentials, and the outputs' polynomials for each rate.
+    """
     width, since = case.knots[i + 1] - case.knots[i], case.knots[i] - case.knots[0]
     for j in range(times.size):
         u = times[j] - case.knots[i]
@@ -318,7 +346,10 @@ def write_outputs(times: Any, plant: Any, case: Any, i: Any, span: Any, out: Any
 
 @bare
 def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
-    """Add the real parts of polynomials ``(R, L)`` times e^(rate u) to the outputs ``(R,)``."""
+    """Add the real parts of polynomials ``(R, L)`` times e^(rate u) to the outputs ``(R,)``.
+
+    `u`: local time [s]. `shares`: coefficients, lowest power first.
+    """
     real, imaginary = exponential(rate, u)
     for r in range(out.size):
         total = shares[r, shares.shape[1] - 1]
@@ -330,11 +361,12 @@ def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
 
 
 @bare
-def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Any) -> Any:
-    """Return real and imaginary part of a mode's free exponential at the local time `u`.
+def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Span) -> Any:
+    """Return real and imaginary part of a mode's free exponential at the local time u [s].
 
     lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): the terms from the left end,
-    from the right end, and from the first knot.
+    from the right end, and from the first knot. `pole`, `mode`: p [1/s] and its index. `width`: of
+    the span [s]. `since`: from the first knot to the span [s]. `span`: coefficients.
     """
     real, imaginary = 0.0, 0.0
     for term in range(3):
@@ -354,20 +386,22 @@ def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Any) -
 
 @bare
 def exponential(exponent: Any, u: Any) -> Any:
-    """Return the real and the imaginary part of e^(exponent u)."""
+    """Return the real and the imaginary part of e^(exponent u), for a complex exponent."""
     real, angle = np.exp(exponent.real * u), exponent.imag * u
     return (real, 0.0) if angle == 0.0 else (real * np.cos(angle), real * np.sin(angle))
 
 
 @kernel
-def particular_solution(pole: Any, gain: Any, case: Any, i: Any, width: Any, span: Any) -> Any:
-    """Write a particular solution of a mode in span `i`; return its values at 0 and at the width.
+def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, span: Span) -> Any:
+    """Write a particular solution of a mode in span i; return its values at both ends.
 
-    At infinite width it is constant from 0 on.
+    Of z' = p z + g f, to `span.solution`, as a polynomial for each rate. `pole`, `gain`: p [1/s],
+    and g of both inputs. `case`: f. `width`: length of the span [s], or of its beginning that
+    matters; at infinite width the solution is constant from 0 on.
     """
     start, stop = 0.0 * pole, 0.0 * pole
     for q in range(case.rates.size):
-        count, gap, terms = case.lengths[i, q], case.rates[q] - pole, span.answer[q]
+        count, gap, terms = case.lengths[i, q], case.rates[q] - pole, span.solution[q]
         per_gap = 1.0 / gap if gap != 0.0 else gap + np.inf
         first, second = case.forces[i, 0, q], case.forces[i, 1, q]
         span.sizes[q] = count
@@ -402,9 +436,10 @@ def particular_solution(pole: Any, gain: Any, case: Any, i: Any, width: Any, spa
 
 
 @kernel
-def bounded_solution(pole: Any, gain: Any, case: Any, mode: Any, span: Any) -> Any:
+def bounded_solution(pole: Any, gain: Any, case: Case, mode: Any, span: Span) -> Any:
     """Write the bounded solution of an unstable mode at each knot; return whether there is one.
 
+    To `span.bounded`. `pole`, `gain`: of z' = p z + g f. `case`: both inputs f. `mode`: its index.
     After the last knot a bounded z is the particular solution a; before it, from the right, z(0) =
     a(0) + e^(-p width) [z(width) - a(width)].
     """
@@ -412,22 +447,24 @@ def bounded_solution(pole: Any, gain: Any, case: Any, mode: Any, span: Any) -> A
     for q in range(case.rates.size):
         if case.lengths[last, q] > 0 and not (case.rates[q] - pole).real < 0.0:
             return False
-    span.known[mode, last + 1] = 0.0
+    span.bounded[mode, last + 1] = 0.0
     for i in range(last, -1, -1):
         width = case.knots[i + 1] - case.knots[i]
         start, stop = particular_solution(pole, gain, case, i, width, span)
-        span.known[mode, i] = start
+        span.bounded[mode, i] = start
         if i < last:
-            span.known[mode, i] += np.exp(-pole * width) * (span.known[mode, i + 1] - stop)
-    return bool(np.isfinite(abs(span.known[mode, 0])))
+            span.bounded[mode, i] += np.exp(-pole * width) * (span.bounded[mode, i + 1] - stop)
+    return bool(np.isfinite(abs(span.bounded[mode, 0])))
 
 
 @kernel
 def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: Any) -> Any:
-    """Return the sum of the sizes of all terms of a residue, within a quarter.
+    """Return the sum of the sizes of all terms of the residue of one input, within a quarter.
 
-    The integral of u^k e^(-g u) up to the width is approximated by the inverse sum of the inverses
-    of that of u^k, width^(k+1)/(k+1), and of that without end, k!/g^(k+1).
+    `pole`, `gain`: of z' = p z + g f. `start`: time from which the residue counts [s]. `histories`:
+    knots, coefficients and rates of inputs, of which `number` is f. The integral of u^k e^(-g u) up
+    to the width is approximated by the inverse sum of the inverses of the integrals of u^k,
+    width^(k+1)/(k+1), and of u^k e^(-g u) without end, k!/g^(k+1).
     """
     knots, coefficients, rates = histories[0][number], histories[1][number], histories[2][number]
     total = 0.0
@@ -449,7 +486,10 @@ def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: 
 
 @kernel
 def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
-    """Return the number of roundings in a residue of two histories with these knots."""
+    """Return the number of roundings in the residue at a pole [1/s] of two histories.
+
+    `first`, `second`: knots of both [s].
+    """
     start, total = min(first[0], second[0]), ROUNDINGS
     for knots in (first, second):
         exponent = abs(pole) * abs(knots[knots.size - 1] - start)
@@ -461,7 +501,8 @@ def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
 def has_close_poles(poles: Any, horizon: Any) -> Any:
     """Return whether two poles are too close for distinct modes within a time.
 
-    A fast unstable plant keeps its modes all the same: a chain of lags is integrated forward.
+    `poles`: of a plant [1/s], ``(N,)``. `horizon`: the time [s]. A fast unstable plant keeps its
+    modes all the same: a chain of lags is integrated forward.
     """
     gap, size, fastest = np.inf, 0.0, -np.inf
     for i in range(poles.size):
@@ -473,18 +514,22 @@ def has_close_poles(poles: Any, horizon: Any) -> Any:
 
 
 @kernel
-def add_share(outputs: Any, used: Any, span: Any) -> None:
-    """Add a mode's particular solution to the outputs that contain it."""
+def add_share(outputs: Any, used: Any, span: Span) -> None:
+    """Add a mode's particular solution to the outputs that contain it.
+
+    `outputs`: coefficient of the mode in each output, ``(R,)``. `used`: number of rates. `span`:
+    solution, and the outputs' sums of them.
+    """
     for q in range(used):
         lengthen(q, span.sizes[q], span)
         for r in range(outputs.size):
             for k in range(span.sizes[q]):
-                span.shares[r, q, k] += outputs[r] * span.answer[q, k]
+                span.shares[r, q, k] += outputs[r] * span.solution[q, k]
 
 
 @kernel
-def subtract_wind(case: Any, i: Any, span: Any) -> None:
-    """Subtract the wind from the last output."""
+def subtract_wind(case: Case, i: Any, span: Span) -> None:
+    """Subtract the wind in span i of a case from the last output."""
     last = span.shares.shape[0] - 1
     for q in range(case.rates.size):
         lengthen(q, case.lengths[i, q], span)
@@ -493,7 +538,7 @@ def subtract_wind(case: Any, i: Any, span: Any) -> None:
 
 
 @kernel
-def lengthen(q: Any, length: Any, span: Any) -> None:
+def lengthen(q: Any, length: Any, span: Span) -> None:
     """Pad the polynomials of all outputs at the q-th rate with zeros, to at least `length` terms.
 
     `span`: a `Span`, whose `shares` are the coefficients and `lengths` their number by rate.

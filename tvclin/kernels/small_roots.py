@@ -23,10 +23,10 @@ _LAST_RELATIVE_STEP = 4.0 * 2.0**-52
 def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
     """Write the roots of ``polynomials (n, degree + 1)`` to ``out (n, degree)``, complex.
 
-    The leading coefficient comes first and is one. The roots are found by Laguerre's iteration from
-    zero on and deflated, the smaller ones first, which is stable; the last two by their sum and
-    product. Two Newton steps on the polynomial itself bring small roots to full relative accuracy
-    beside large ones.
+    The leading coefficient comes first and is one. Cases from `first` up to `last` are computed.
+    The roots are found by Laguerre's iteration from zero on and deflated, the smaller ones first,
+    which is stable; the last two by their sum and product. Two Newton steps on the polynomial
+    itself bring small roots to full relative accuracy beside large ones.
     """
     work = np.empty(polynomials.shape[1])
     for case in range(first, last):
@@ -55,7 +55,11 @@ def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
 
 @bare
 def _divide(work: Any, degree: int, first: float, second: float) -> None:
-    """Divide in place by s + first, or by s^2 + first s + second where `second` is not zero."""
+    """Divide a polynomial in place by s + first, or s^2 + first s + second if `second` is not zero.
+
+    `work`: coefficients, highest power first, of which the quotient's, up to `degree`, are
+    computed.
+    """
     for k in range(1, degree + 1):
         work[k] -= first * work[k - 1]
         if second != 0.0 and k > 1:
@@ -64,7 +68,10 @@ def _divide(work: Any, degree: int, first: float, second: float) -> None:
 
 @bare
 def _laguerre_root(work: Any, degree: int) -> complex:
-    """Return a root by Laguerre's iteration; real where rounding cannot distinguish it."""
+    """Return a root by Laguerre's iteration; real where rounding cannot distinguish it.
+
+    `work`: coefficients, highest power first, up to number `degree`.
+    """
     root = complex(0.0, 0.0)
     if work[degree] == 0.0:
         return root
@@ -102,7 +109,11 @@ def _laguerre_root(work: Any, degree: int) -> complex:
 
 @bare
 def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
-    """Return a root after a Newton step, if it is isolated and the residual decreases."""
+    """Return a root after a Newton step, if it is isolated and the residual decreases.
+
+    `polynomials`: ``(n, degree + 1)``, highest power first. `out`: roots ``(n, degree)``, of which
+    number k of polynomial number `case` is taken.
+    """
     root = out[case, k]
     distance = np.inf
     for other in range(out.shape[1]):
@@ -123,7 +134,7 @@ def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
 
 @bare
 def _quadratic_roots(middle: float, product: float) -> tuple[complex, complex]:
-    """Return two roots by their mean and product, without cancellation."""
+    """Return two roots by their mean `middle` and their product, without cancellation."""
     square = middle * middle - product
     if square < 0.0:
         height = np.sqrt(-square)

@@ -56,7 +56,7 @@ def inlined(function: F) -> F:
 
 @cache
 def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a kernel compiled, with all kernels that it calls.
+    """Return a kernel `function` compiled, with all kernels that it calls.
 
     The machine code is cached beside the source, or in the user's cache, under a name that depends
     on its sources, and with its hash; damaged code is compiled anew, and without a writable folder

@@ -18,11 +18,13 @@ from tvclin.kernels.excess import (
     RELATIVE_ROUNDING,
     TRIM_DRIVES,
     WIND_DRIVES,
+    ExitLaw,
+    Wind,
+    advance_filter,
     demand,
     driver,
     evaluate,
-    filtered_state,
-    march_wind,
+    integrate_wind,
     monotone_intervals,
     onset_piece,
     root,
@@ -45,35 +47,33 @@ _RELATIVE_JUMP = 1e-9
 def switches(
     winds: Any, which: Any, numbers: Any, literal: Any, out: Any, first: int, last: int
 ) -> None:
-    """Write time [s], demand and status of the cases from `first` up to `last`.
+    """Write time [s], demand and status of the exit of the dead band, of each case.
 
     `winds`: knots, coefficients and rates of winds over their peaks, with one axis for the batch.
-    `which`: the wind of each case, ``(n,)``. `numbers`: p, K, b1, b2 and q of each case, ``(n,
-    5)``. `literal`: whether the driver is trim itself. `out`: time, demand and status, ``(3, n)``.
+    `which`: index of the wind of each case, ``(n,)``. `numbers`: p, K, b1, b2 and q of each case,
+    ``(n, 5)``. `literal`: whether the driver is trim itself. `out`: time, demand and status, ``(3,
+    n)``. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(MAX_INTERVALS)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
-        p, K, b1, b2, q = (
-            numbers[case, 0],
-            numbers[case, 1],
-            numbers[case, 2],
-            numbers[case, 3],
-            numbers[case, 4],
-        )
-        wind = (knots[i], coefficients[i], rates[i], marched, work)
-        march_wind(wind, (p, K, b2 - b1, b1, q, WIND_DRIVES))
-        law = (p, K, b2 - b1, b1, q, literal)
+        p, K = numbers[case, 0], numbers[case, 1]
+        b1, b2, q = numbers[case, 2], numbers[case, 3], numbers[case, 4]
+        wind = Wind(knots[i], coefficients[i], rates[i], marched, work)
+        integrate_wind(wind, ExitLaw(p, K, b2 - b1, b1, q, WIND_DRIVES))
+        law = ExitLaw(p, K, b2 - b1, b1, q, literal)
         out[0, case], out[1, case], out[2, case] = _solve(wind, law, marks, ends)
 
 
 @kernel
 def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, last: int) -> None:
-    """Write the largest size of trim, over the wind's peak, to ``out (n,)``, as `switches`.
+    """Write the largest size of trim, over B and the wind's peak, to ``out (n,)``.
 
-    Infinite where trim grows without bound after the wind.
+    Infinite where trim grows without bound after the wind. `winds`, `which`, `numbers`: knots,
+    coefficients and rates of winds, the index of each case's, ``(n,)``, and p, K, b1, b2 and q of
+    each case, ``(n, 5)``. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
@@ -81,17 +81,22 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
     for case in range(first, last):
         i = which[case]
         b1, b2, q = numbers[case, 2], numbers[case, 3], numbers[case, 4]
-        wind = (knots[i], coefficients[i], rates[i], marched, work)
-        law = (numbers[case, 0], 1.0, b2 - b1, b1, q, TRIM_DRIVES)
-        march_wind(wind, law)
+        wind = Wind(knots[i], coefficients[i], rates[i], marched, work)
+        law = ExitLaw(numbers[case, 0], 1.0, b2 - b1, b1, q, TRIM_DRIVES)
+        integrate_wind(wind, law)
         out[case] = _largest_trim(wind, law, ends)
 
 
 @bare
-def _solve(wind: Any, law: Any, marks: Any, ends: Any) -> tuple[float, float, int]:
-    """Return time, demand and status of one case."""
-    knots = wind[0]
-    K = law[1]
+def _solve(wind: Wind, law: ExitLaw, marks: Any, ends: Any) -> tuple[float, float, int]:
+    """Return time [s], demand and status of the exit of the dead band of one wind.
+
+    It lies between the last height of the driver (wind or trim over -B) below K times the demand,
+    the constant deflection that then satisfies (4b), and the first one after it that is not. `law`:
+    p, K and the filter of trim. `marks`, `ends`: work arrays.
+    """
+    knots = wind.knots
+    K = law.K
     if K == 0.0:
         i = onset_piece(wind)
         return knots[i], demand(wind, law, i, 0.0), SOLVED
@@ -101,7 +106,7 @@ def _solve(wind: Any, law: Any, marks: Any, ends: Any) -> tuple[float, float, in
     highest = 0.0
     for i in range(knots.size - 1):
         for interval in range(monotone_intervals(wind, law, i, ends)):
-            heights = _candidates(wind, law, marks, highest, i, ends[interval], ends[interval + 1])
+            heights = _new_heights(wind, law, marks, highest, i, ends[interval], ends[interval + 1])
             for k in range(heights):
                 u, level, margin = marks[k, 0], marks[k, 1], marks[k, 2]
                 if margin < -RELATIVE_ROUNDING * level:
@@ -115,23 +120,35 @@ def _solve(wind: Any, law: Any, marks: Any, ends: Any) -> tuple[float, float, in
 
 
 @bare
-def _exit(wind: Any, law: Any, low: Any, high: Any) -> tuple[float, float, int]:
-    """Return time, demand and status of the exit after a low height, which need not exist."""
+def _exit(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[float, float, int]:
+    """Return time [s], demand and status of the exit of the dead band between two heights.
+
+    Heights are new maxima of the driver (wind or trim over -B). `low`: piece, local time, height
+    and margin of the last one below K times the demand; a negative height if there is none. `high`:
+    piece, local time and margin of the next. `law`: p, K and the filter of trim of a wind.
+    """
     i, u, _ = high
     status = SOLVED
     if low[2] >= 0.0:
         i, u = _crossing(wind, law, low, high)
         if _driver_after(wind, law, i, u) < low[2] * (1.0 - _RELATIVE_JUMP):
             status = JUMP
-    return wind[0][i] + u, demand(wind, law, i, u), status
+    return wind.knots[i] + u, demand(wind, law, i, u), status
 
 
 @bare
-def _candidates(wind: Any, law: Any, marks: Any, highest: float, i: int, a: float, b: float) -> int:
-    """Write times, new heights and margins of a monotone interval; return their number."""
+def _new_heights(
+    wind: Wind, law: ExitLaw, marks: Any, highest: float, i: int, a: float, b: float
+) -> int:
+    """Write new maxima of the driver in a monotone interval to `marks`; return their number.
+
+    The driver is the wind or its trim (`law`), over -B. `marks`: written: local time [s], height,
+    and its margin over K times the demand, ``(4, 3)``. `highest`: largest height so far. `i`, `a`,
+    `b`: segment of the wind, and both ends of the interval [s].
+    """
     start, _, _ = driver(wind, law, i, a)
     stop, _, _ = driver(wind, law, i, b)
-    maximum, K = max(start, stop), law[1]
+    maximum, K = max(start, stop), law.K
     # Only new heights count, above the highest so far.
     if maximum <= 0.0 or maximum < highest * (1.0 - RELATIVE_ROUNDING):
         return 0
@@ -165,9 +182,14 @@ def _candidates(wind: Any, law: Any, marks: Any, highest: float, i: int, a: floa
 
 
 @bare
-def _crossing(wind: Any, law: Any, low: Any, high: Any) -> tuple[int, float]:
-    """Return the piece and the local time of the crossing with the demand, between two heights."""
-    knots, K = wind[0], law[1]
+def _crossing(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[int, float]:
+    """Return the piece and the local time [s] at which the driver reaches K times the demand.
+
+    `low`, `high`: the heights of the driver between which it is: piece, local time, height and
+    margin; piece, local time and margin. The driver counts at least as the lower height. `wind`,
+    `law`: wind with its integrals, and p, K and the filter of trim.
+    """
+    knots, K = wind.knots, law.K
     i, u, floor, margin = low
     while i < high[0]:
         width = knots[i + 1] - knots[i]
@@ -184,38 +206,45 @@ def _crossing(wind: Any, law: Any, low: Any, high: Any) -> tuple[int, float]:
 
 
 @bare
-def _driver_after(wind: Any, law: Any, i: int, u: float) -> float:
-    """Return the driver just after a time."""
-    knots = wind[0]
+def _driver_after(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
+    """Return the driver just after the local time u [s] of piece i, behind a jump at its end.
+
+    The driver is the wind or its trim (`law`), over -B.
+    """
+    knots = wind.knots
     while i < knots.size - 1 and u >= knots[i + 1] - knots[i]:
         i, u = i + 1, 0.0
     return driver(wind, law, i, u)[0]
 
 
 @bare
-def _largest_trim(wind: Any, law: Any, ends: Any) -> float:
-    """Return the largest size of trim, during the wind and after it."""
+def _largest_trim(wind: Wind, law: ExitLaw, ends: Any) -> float:
+    """Return the largest size of trim over B, during the wind and after it.
+
+    `law`: the filter of trim, which is the driver. `ends`: work array.
+    """
     largest = 0.0
-    for i in range(wind[0].size - 1):
-        for part in range(monotone_intervals(wind, law, i, ends)):
-            for k in (part, part + 1):
+    for i in range(wind.knots.size - 1):
+        for interval in range(monotone_intervals(wind, law, i, ends)):
+            for k in (interval, interval + 1):
                 largest = max(largest, abs(driver(wind, law, i, ends[k])[0]))
     return max(largest, _largest_free_trim(wind, law))
 
 
 @bare
-def _largest_free_trim(wind: Any, law: Any) -> float:
-    """Return the largest size of trim after the wind; infinite where it grows without bound.
+def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
+    """Return the largest size of trim over B after the wind; infinite where it grows without end.
 
-    Without wind v = y' obeys v'' + b1 v' + q v = 0, so with w^2 = q - b1^2/4 it is
+    `law`: the filter of trim, whose state at the end is in `wind.marched`. Without wind v = y'
+    obeys v'' + b1 v' + q v = 0, so with w^2 = q - b1^2/4 it is
 
-        v(u) = e^(-b1 u/2) [v cos(w u) + (v' + b1 v/2) sin(w u)/w],
+            v(u) = e^(-b1 u/2) [v cos(w u) + (v' + b1 v/2) sin(w u)/w],
 
     and y is extreme where that is zero, tan(w u) = -w v/(v' + b1 v/2): at the first u > 0, and with
     tanh where w^2 is negative.
     """
     _, c, rates, marched, work = wind
-    _, _, gain, b1, q, _ = law
+    gain, b1, q = law.gain, law.b1, law.q
     last = marched.shape[1] - 1
     x, y = marched[1, last], marched[2, last]
     if gain == 0.0 or (y == 0.0 and q * x == 0.0):
@@ -232,5 +261,5 @@ def _largest_free_trim(wind: Any, law: Any) -> float:
         u = (phase if phase > 0.0 else phase + np.pi) / frequency
     elif 0.0 < -slope * frequency < cosine_term or cosine_term < -slope * frequency < 0.0:
         u = np.arctanh(-slope * frequency / cosine_term) / frequency
-    _, extreme = filtered_state(c[last], rates, u, x, y, b1, q, work)
+    _, extreme = advance_filter(c[last], rates, u, x, y, b1, q, work)
     return abs(gain) * max(abs(y), abs(extreme))

@@ -26,7 +26,7 @@ back. Its flight diverges if in the end L, constant, cannot bring the unstable c
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,13 +36,25 @@ PLAIN, COMPILED = 1.3e-4, 2e-7
 """About how many seconds a step takes, in plain Python and as machine code."""
 
 
+class VaryingSteps(NamedTuple):
+    """Steps of winds, and the equations of vehicles over them.
+
+    `lengths`: lengths of the steps [s], ``(n, S)``. `equations`: E at begin, middle and end of each
+    step, ``(n, S, 3, m, m + 2)``; of a first or second axis of length one the only entry holds for
+    all. `slopes`: E_1 and E_2 there, ``(n, S, 3, 2, m, m + 2)``. `ratio`, `wind`: r and alpha_w
+    [rad] there, ``(n, S, 3)``.
+    """
+
+    lengths: Any
+    equations: Any
+    slopes: Any
+    ratio: Any
+    wind: Any
+
+
 @kernel
 def trim_and_demand(
-    lengths: Any,
-    equations: Any,
-    slopes: Any,
-    ratio: Any,
-    wind: Any,
+    steps: VaryingSteps,
     end: Any,
     onset: Any,
     trim: Any,
@@ -54,56 +66,52 @@ def trim_and_demand(
 ) -> None:
     """Write trim [rad], demand [rad], its slopes [rad/s] and the path under trim of each case.
 
+    The demand is the constant deflection that suffices from then on, -(p.x + F)/R.
+
     Parameters
     ----------
-    lengths : ndarray
-        Lengths of the steps [s], ``(n, S)``.
-    equations : ndarray
-        E at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``; of a first or second axis
-        of length one the only entry holds for all.
-    slopes : ndarray
-        E_1 and E_2 there, ``(n, S, 3, 2, m, m + 2)``.
-    ratio, wind : ndarray
-        r and alpha_w [rad] there, ``(n, S, 3)``.
+    steps : VaryingSteps
+        Steps, equations and winds of the n cases.
     end : ndarray
-        p and R at the end of the last step, ``(n, m + 1)``.
+        Costate p of the fastest unstable mode and control reach R, at the end of the last step,
+        ``(n, m + 1)``.
     onset : ndarray
-        Position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third, of which the
-        length, r and alpha_w are those from there on. Before it nothing is written.
+        Position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third, whose length,
+        pressure ratio and wind then hold from there on. Before it nothing is written.
     trim, demand : ndarray
         Written: both at begin, middle and end of each step [rad], ``(n, S, 3)``.
     demand_slope : ndarray
         Written: slopes of the demand at begin and end of each step [rad/s], ``(n, S, 2)``.
     path : ndarray
-        Written: x beyond attitude and rate at the ends of the steps, ``(n, S + 1, m - 2)``.
+        Written: states beyond attitude and rate at the ends of the steps, ``(n, S + 1, m - 2)``.
     first, last : int
         Cases from the first up to the last are computed.
     """
-    steps, m = lengths.shape[1], equations.shape[3]
-    matrices, costate = np.empty((steps, 3, m, m + 2)), np.empty((steps + 1, m + 2))
+    count, m = steps.lengths.shape[1], steps.equations.shape[3]
+    matrices, costate = np.empty((count, 3, m, m + 2)), np.empty((count + 1, m + 2))
     state, rates = np.empty((2, m + 2)), np.empty((4, m + 2))
     for case in range(first, last):
-        c = case if equations.shape[0] > 1 else 0
+        lengths, wind = steps.lengths[case], steps.wind[case]
         for i in range(m + 1):
-            costate[steps, i] = end[case, i]
-        costate[steps, m + 1] = 0.0
+            costate[count, i] = end[case, i]
+        costate[count, m + 1] = 0.0
         begin = int(onset[case])
-        for s in range(steps - 1, begin - 1, -1):
-            skipped, matrix = max(onset[case] - s, 0.0), matrices[s]
-            equations_at_ratio(equations, slopes, c, s, ratio[case, s], skipped, matrix)
-            costate_step(matrix, wind[case, s], lengths[case, s], costate, s, state, rates)
+        for s in range(count - 1, begin - 1, -1):
+            matrix = matrices[s]
+            equations_at_ratio(steps, case, s, max(onset[case] - s, 0.0), matrix)
+            costate_step(matrix, wind[s], lengths[s], costate, s, state, rates)
             _normalise(costate[s])
         for i in range(2, m):
             path[case, begin, i - 2] = 0.0
-        for s in range(begin, steps):
-            h, matrix = lengths[case, s], matrices[s]
-            _forwards(matrix, wind[case, s], h, path[case], s, state, rates)
-            trim[case, s, 0] = _trim(matrix, 0, path[case, s], wind[case, s, 0])
-            trim[case, s, 2] = _trim(matrix, 2, path[case, s + 1], wind[case, s, 2])
+        for s in range(begin, count):
+            h, matrix = lengths[s], matrices[s]
+            _path_step(matrix, wind[s], h, path[case], s, state, rates)
+            trim[case, s, 0] = _trim(matrix, 0, path[case, s], wind[s, 0])
+            trim[case, s, 2] = _trim(matrix, 2, path[case, s + 1], wind[s, 2])
             for i in range(m - 2):  # Hermite's cubic in the middle
-                both = path[case, s, i] + path[case, s + 1, i]
-                state[0, i] = 0.5 * both + h / 8.0 * (rates[0, i + 2] - rates[3, i + 2])
-            trim[case, s, 1] = _trim(matrix, 1, state[0], wind[case, s, 1])
+                total = path[case, s, i] + path[case, s + 1, i]
+                state[0, i] = 0.5 * total + h / 8.0 * (rates[0, i + 2] - rates[3, i + 2])
+            trim[case, s, 1] = _trim(matrix, 1, state[0], wind[s, 1])
             for j in range(2):
                 g, pushed, r = costate[s + j, m + 1], 0.0, costate[s + j, m]
                 for i in range(m):
@@ -118,16 +126,18 @@ def trim_and_demand(
 
 
 @inlined
-def equations_at_ratio(
-    equations: Any, slopes: Any, c: int, s: int, ratio: Any, skipped: float, matrix: Any
-) -> None:
-    """Write [A b w] at begin, middle and end of a step, at the dynamic pressure encountered.
+def equations_at_ratio(steps: VaryingSteps, case: int, s: int, skipped: float, matrix: Any) -> None:
+    """Write [A b w] at begin, middle and end of step s, at the dynamic pressure encountered.
 
-    Of a step of which a fraction is skipped they are those of the rest, by parabolas.
+    `steps`: steps, equations and winds of the cases. `skipped`: fraction of the step that is
+    skipped: the matrices are then at begin, middle and end of the rest, by parabolas. `matrix`:
+    written, ``(3, m, m + 2)``.
     """
-    k, m = s if equations.shape[1] > 1 else 0, matrix.shape[1]
+    equations, slopes, m = steps.equations, steps.slopes, matrix.shape[1]
+    c, k = case if equations.shape[0] > 1 else 0, s if equations.shape[1] > 1 else 0
     for q in range(3):
-        direct, inverse = ratio[q] - 1.0, 1.0 / ratio[q] - 1.0
+        ratio = steps.ratio[case, s, q]
+        direct, inverse = ratio - 1.0, 1.0 / ratio - 1.0
         u = skipped + 0.5 * q * (1.0 - skipped)
         for i in range(m):
             for j in range(m + 2):
@@ -151,16 +161,17 @@ def costate_step(
     """Write costate p, control reach R and wind integral F at the begin of a step, by Runge-Kutta.
 
     The step goes backwards from row `s + 1` of `costate` to row `s`, with the scale of that row:
-    dp/dt = -p A, dR/dt = -|p.b|, dF/dt = -p.w alpha_w. `matrix`: columns ``[A b w]`` at begin,
-    middle and end of the step. `h`: its length [s]. `state`, `rates`: work arrays.
+    dp/dt = -p A, dR/dt = -p.b, dF/dt = -p.w alpha_w. `matrix`: columns ``[A b w]`` at begin, middle
+    and end of the step. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `state`,
+    `rates`: work arrays.
     """
     m = matrix.shape[1]
     for stage in range(4):
-        q, part = 2 - (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        q, fraction = 2 - (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         for i in range(m):
             state[0, i] = costate[s + 1, i]
             if stage > 0:
-                state[0, i] += h * part * rates[stage - 1, i]
+                state[0, i] += h * fraction * rates[stage - 1, i]
         for j in range(m + 2):
             rates[stage, j] = 0.0
             for i in range(m):
@@ -173,7 +184,7 @@ def costate_step(
 
 @inlined
 def _normalise(costate: Any) -> None:
-    """Scale p, R and F in place to ``|p| = 1``."""
+    """Scale the costate p and the integrals R and F of a row ``(m + 2,)`` to ``|p| = 1``."""
     size = 0.0
     for i in range(costate.size - 2):
         size += costate[i] * costate[i]
@@ -182,15 +193,21 @@ def _normalise(costate: Any) -> None:
 
 
 @inlined
-def _forwards(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, rates: Any) -> None:
-    """Write the path under trim at the end of a step; its slopes there stay in `rates` 0 and 3."""
+def _path_step(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, rates: Any) -> None:
+    """Write the path states under ideal trim at the end of step s, by Runge-Kutta.
+
+    They are the states beyond attitude and rate, rows s and s + 1 of `path` ``(S + 1, m - 2)``.
+    `matrix`: columns ``[A b w]`` at begin, middle and end of the step. `wind`: alpha_w there [rad],
+    ``(3,)``. `h`: its length [s]. `state`, `rates`: work arrays; the slopes at begin and end stay
+    in `rates` 0 and 3.
+    """
     m = matrix.shape[1]
     for stage in range(4):
-        q, part = (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        q, fraction = (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         for i in range(m - 2):
             state[0, i] = path[s, i]
             if stage > 0:
-                state[0, i] += h * part * rates[stage - 1, i + 2]
+                state[0, i] += h * fraction * rates[stage - 1, i + 2]
         _path_rates(matrix, q, state[0], wind[q], rates[stage])
     for i in range(m - 2):
         sums = rates[0, i + 2] + 2.0 * (rates[1, i + 2] + rates[2, i + 2]) + rates[3, i + 2]
@@ -200,7 +217,11 @@ def _forwards(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, r
 
 @inlined
 def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None:
-    """Write the derivatives of the path states under ideal trim to `rates`, from index 2 on."""
+    """Write the derivatives of the path states under ideal trim to `rates`, from index 2 on.
+
+    `matrix`: columns ``[A b w]`` at three times, of which number q is taken. `path`: states beyond
+    attitude and rate, ``(m - 2,)``. `wind`: wind angle of attack [rad].
+    """
     m = matrix.shape[1]
     deflection = _trim(matrix, q, path, wind)
     for i in range(2, m):
@@ -211,7 +232,11 @@ def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None
 
 @inlined
 def _trim(matrix: Any, q: int, path: Any, wind: float) -> float:
-    """Return the deflection of ideal trim [rad]."""
+    """Return the deflection [rad] of ideal trim, with attitude and rate at rest.
+
+    `matrix`: columns ``[A b w]`` at three times, of which number q is taken. `path`: states beyond
+    attitude and rate, ``(m - 2,)``. `wind`: wind angle of attack [rad].
+    """
     m = matrix.shape[1]
     moment = matrix[q, 1, m + 1] * wind
     for j in range(2, m):
@@ -225,11 +250,7 @@ LIMITED_PLAIN, LIMITED_COMPILED = 2.5e-5, 2e-8
 
 @kernel
 def limited_trim(
-    lengths: Any,
-    equations: Any,
-    slopes: Any,
-    ratio: Any,
-    wind: Any,
+    steps: VaryingSteps,
     end: Any,
     onset: Any,
     gain: float,
@@ -240,33 +261,25 @@ def limited_trim(
 ) -> None:
     """Write to ``diverged (n, tries)`` which flights with ``limits (n, tries)`` [rad] diverge.
 
-    `lengths` to `onset` are those of `trim_and_demand`; `gain` is that of the attitude feedback
-    over trim.
+    They are flights of the ideal trim law with a deflection limit. `steps`: steps, equations and
+    winds of the n cases. `end`: costate p and control reach R at the end, ``(n, m + 1)``. `onset`:
+    position at which each wind begins, in steps, ``(n,)``. `gain`: ratio of the attitude feedback
+    to trim. Cases from `first` up to `last` are computed.
     """
-    steps, m, tries = lengths.shape[1], equations.shape[3], limits.shape[1]
+    count, m, tries = steps.lengths.shape[1], steps.equations.shape[3], limits.shape[1]
     matrix, law = np.empty((3, m, m + 2)), np.empty((3, m + 1))
     states, state, rates = np.empty((tries, m)), np.empty(m), np.empty((4, m))
     for case in range(first, last):
-        c = case if equations.shape[0] > 1 else 0
         for k in range(tries):
             for i in range(m):
                 states[k, i] = 0.0
-        for s in range(int(onset[case]), steps):
-            skipped = max(onset[case] - s, 0.0)
-            equations_at_ratio(equations, slopes, c, s, ratio[case, s], skipped, matrix)
+        for s in range(int(onset[case]), count):
+            equations_at_ratio(steps, case, s, max(onset[case] - s, 0.0), matrix)
             for q in range(3):
-                _feedback(matrix[q], gain, law[q])
+                _trim_law_gains(matrix[q], gain, law[q])
+            h, wind = steps.lengths[case, s], steps.wind[case, s]
             for k in range(tries):
-                _step(
-                    matrix,
-                    law,
-                    wind[case, s],
-                    lengths[case, s],
-                    limits[case, k],
-                    states[k],
-                    state,
-                    rates,
-                )
+                _limited_step(matrix, law, wind, h, limits[case, k], states[k], state, rates)
         for k in range(tries):
             component = 0.0
             for i in range(m):
@@ -276,8 +289,12 @@ def limited_trim(
 
 
 @inlined
-def _feedback(matrix: Any, gain: float, law: Any) -> None:
-    """Write the feedback gains of the states, and last of the wind angle, ``(m + 1,)``."""
+def _trim_law_gains(matrix: Any, gain: float, law: Any) -> None:
+    """Write the feedback gains of the states, and last of the wind angle, ``law (m + 1,)``.
+
+    They are the gains of the ideal trim law, see the module. `matrix`: ``[A b w]``, ``(m, m + 2)``.
+    `gain`: ratio of the attitude feedback to trim.
+    """
     m = matrix.shape[0]
     for i in range(m):
         law[i] = -matrix[1, i] / matrix[1, m]
@@ -291,7 +308,7 @@ def _feedback(matrix: Any, gain: float, law: Any) -> None:
 
 
 @inlined
-def _step(
+def _limited_step(
     matrix: Any,
     law: Any,
     wind: Any,
@@ -301,15 +318,20 @@ def _step(
     state: Any,
     rates: Any,
 ) -> None:
-    """Advance the state x of one flight by one step."""
+    """Advance the states ``(m,)`` of a flight of the limited trim law by a step, by Runge-Kutta.
+
+    `matrix`: columns ``[A b w]`` at begin, middle and end of the step. `law`: gains of states and
+    wind there, ``(3, m + 1)``. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `limit`:
+    deflection limit [rad]. `states`: changed. `state`, `rates`: work arrays.
+    """
     m = matrix.shape[1]
     for stage in range(4):
-        q, part = (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        q, fraction = (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         deflection = law[q, m] * wind[q]
         for i in range(m):
             state[i] = states[i]
             if stage > 0:
-                state[i] += h * part * rates[stage - 1, i]
+                state[i] += h * fraction * rates[stage - 1, i]
             deflection += law[q, i] * state[i]
         deflection = max(-limit, min(limit, deflection))
         for i in range(m):

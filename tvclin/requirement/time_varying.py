@@ -341,12 +341,13 @@ def peaks_over_modes(
 
     `march`: times, wind, ratio and onset of `curves`; `path`: see `Curves`.
     """
-    columns = _columns(equations, *march)[:6]
+    steps, end, _ = _columns(equations, *march)
     for modes in equations.modes:
         cases = modes.cases if len(equations.end) > 1 else np.arange(len(path))
-        selected = [x if len(x) == 1 else x[cases] for x in columns]
+        selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
+        end_of_cases = end if len(end) == 1 else end[cases]
         ratios = None if trim_ratios is None else trim_ratios[cases]
-        yield cases, minimum_peaks(modes, selected, path[cases], ratios)
+        yield cases, minimum_peaks(modes, selected, end_of_cases, path[cases], ratios)
 
 
 def batch_requirements(
@@ -563,15 +564,16 @@ def _columns(
     wind: FloatArray,
     ratio: FloatArray,
     onset: FloatArray | None,
-) -> list[FloatArray]:
-    """Return the arrays that the kernels of the limited and the unlimited trim both take.
+) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
+    """Return the arguments that the kernels of the limited and the unlimited trim both take.
 
-    They are lengths of the steps [s], nominal matrices and their slopes, ratios of the dynamic
-    pressure, winds [rad], costates at the end, and onsets in steps; parameters as in `curves`.
+    They are steps with equations and winds, costates at the end, and onsets in steps; parameters as
+    in `curves`.
     """
     shape = wind.shape
     end = np.broadcast_to(equations.end, (shape[0], equations.end.shape[-1]))
     lengths = np.broadcast_to(times[..., 2] - times[..., 0], shape[:2])
     begin = np.zeros(shape[0]) if onset is None else onset
     arrays = lengths, equations.nominal, equations.slopes, ratio, wind, end, begin
-    return [np.require(x, float, ["C", "W"]) for x in arrays]
+    *steps, end, begin = (np.require(x, float, ["C", "W"]) for x in arrays)
+    return marches.VaryingSteps(*steps), end, begin

@@ -22,6 +22,7 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.boundary.limit import COMPARABLE, leading_pole
 from tvclin.kernels import minimum_peaks as marches
 from tvclin.kernels.choice import run
+from tvclin.kernels.trim_and_demand import VaryingSteps
 from tvclin.linear.modes import left_eigenvectors, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle, at_pressure
@@ -131,7 +132,8 @@ def unstable_modes_of(A: FloatArray, single: BoolArray | bool = False) -> tuple[
 
 def minimum_peaks(
     modes: UnstableModes,
-    march: Sequence[FloatArray],
+    steps: VaryingSteps,
+    end: FloatArray,
     path: FloatArray,
     heights: FloatArray | None = None,
 ) -> FloatArray:
@@ -143,8 +145,10 @@ def minimum_peaks(
     ----------
     modes : UnstableModes
         Of these cases.
-    march : sequence of ndarray
-        The first six arguments of `kernels.trim_and_demand`, of these cases.
+    steps : VaryingSteps
+        Steps, equations and winds of these cases.
+    end : ndarray
+        Costate p and control reach R of the fastest mode at the end, ``(n, m + 1)``.
     path : ndarray
         States beyond attitude and rate that trim has led to at the ends of steps,
         ``(n, S + 1, m - 2)``.
@@ -152,24 +156,23 @@ def minimum_peaks(
         Trim over K [rad] from which steps on minimum peaks are known, see `Curves.trim_ratios`:
         backwards to the first above it.
     """
-    *columns, end = march
-    column = columns[1][:, -1, 2, :, -2]
+    column = steps.equations[:, -1, 2, :, -2]
     column = np.broadcast_to(column, (len(end), column.shape[-1]))
     costates, reaches, poles, cells = modes.after(end, column)
     peaks = np.zeros(path.shape[:2])
     if heights is None:
         heights = np.full(peaks.shape, np.nan)
-    arrays = *columns, costates, reaches, poles, cells, path, heights
+    arrays = costates, reaches, poles, cells, path, heights
     count = costates.shape[1]
-    steps = peaks.size * count
+    work = peaks.size * count
     duals = len(path) + np.sum(~np.isnan(heights))
     sums = duals * marches.TANGENTS ** (count - 1) * float(path.shape[1] + cells.shape[-1])
     run(
         marches.minimum_peaks,
-        (*(np.require(x, float, ["C", "W"]) for x in arrays), peaks),
+        (steps, *(np.require(x, float, ["C", "W"]) for x in arrays), peaks),
         len(peaks),
-        marches.PLAIN * steps + marches.CELL_PLAIN * sums,
-        marches.COMPILED * steps + marches.CELL_COMPILED * sums,
+        marches.PLAIN * work + marches.CELL_PLAIN * sums,
+        marches.COMPILED * work + marches.CELL_COMPILED * sums,
     )
     return peaks
 

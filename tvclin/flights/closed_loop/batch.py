@@ -23,7 +23,7 @@ from tvclin.flights.closed_loop.law_batch import LawBatch, law_batch
 from tvclin.flights.closed_loop.outcomes import OutcomeCriteria, outcome_criteria
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import (
+from tvclin.kernels.flight_arrays import (
     MEASURED,
     NEVER,
     PEAKS,

@@ -23,7 +23,7 @@ from tvclin.flights.closed_loop.outcomes import decidable, outcome_criteria
 from tvclin.flights.closed_loop.sampled import finish
 from tvclin.flights.closed_loop.stages import Stages
 from tvclin.kernels.choice import repeated
-from tvclin.kernels.flights import Flights
+from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.flexible import AnyPlant
 from tvclin.numerics.chebyshev import Surface
 

@@ -33,7 +33,7 @@ from tvclin.flights.closed_loop.flown_flights import (
     stages_in_parts,
 )
 from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases
-from tvclin.kernels.flights import Flights
+from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.linear.system import LinearSystem, connect, constant_over_steps, polynomial_input
 from tvclin.numerics.pieces import polynomial_pieces

@@ -33,9 +33,9 @@ from tvclin.flights.closed_loop.law_batch import LawBatch, law_batch, shape_of
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING, decidable
 from tvclin.flights.closed_loop.sampled import finish, flown
 from tvclin.flights.closed_loop.sampled_stability import oscillation_growth
-from tvclin.kernels.flights import NEVER, Cases, Flights, FlightStates
-from tvclin.kernels.flights import SURVIVED as SURVIVED_CODE
-from tvclin.kernels.flights import UNDECIDED as UNDECIDED_CODE
+from tvclin.kernels.flight_arrays import NEVER, Cases, Flights, FlightStates
+from tvclin.kernels.flight_arrays import SURVIVED as SURVIVED_CODE
+from tvclin.kernels.flight_arrays import UNDECIDED as UNDECIDED_CODE
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 

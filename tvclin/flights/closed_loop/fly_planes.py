@@ -35,7 +35,8 @@ from tvclin.flights.closed_loop.law_batch import law_batch
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Stepper
 from tvclin.flights.closed_loop.survival_limit import STEPS, limit_above_losses
-from tvclin.kernels.flights import JUDGED_SAMPLES, Flights
+from tvclin.kernels.flight_arrays import Flights
+from tvclin.kernels.flights import JUDGED_SAMPLES
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind

@@ -29,7 +29,7 @@ from tvclin.control.autopilot.wiring import (
 from tvclin.control.laws.autopilot_law import SystemLaw, gain_numbers
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import MEASURED
+from tvclin.kernels.flight_arrays import MEASURED
 from tvclin.linear.lateral import NO_LATERAL_SENSORS, LateralSensors
 from tvclin.linear.system import LinearSystem, connect
 from tvclin.numerics.state_space import join_columns

@@ -23,8 +23,7 @@ from tvclin.kernels import choice
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import in_slices
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import NEVER, Flights
-from tvclin.kernels.plane_flights import fly_in_planes
+from tvclin.kernels.flight_arrays import NEVER, Flights
 from tvclin.kernels.source import machine_code
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
 from tvclin.linear.system import LinearSystem, connect, polynomial_input
@@ -68,13 +67,15 @@ def finish(f: Flights, laws: LawBatch) -> None:
 
 
 def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: FloatArray) -> None:
-    """Step m flights in both planes to their common ends, in place; see `kernels.plane_flights`.
+    """Step m flights in both planes to their common ends, in place; see `kernels.flights`.
 
     `pitch`, `yaw`: flights of both planes, changed in place. `normals`: normals of the limit shape,
     ``(k, 2)``; empty for a circle. `limit`: deflection limits [rad], ``(m,)``.
     """
-    fly = choice.fastest(fly_in_planes, 2.0 * float(_minimum_samples(pitch).sum()) * kernel.PLAIN)
-    take = _with_law_list if fly is fly_in_planes else _with_law_array
+    fly = choice.fastest(
+        kernel.fly_in_planes, 2.0 * float(_minimum_samples(pitch).sum()) * kernel.PLAIN
+    )
+    take = _with_law_list if fly is kernel.fly_in_planes else _with_law_array
     with np.errstate(all="ignore"):  # a lost flight may overflow
         fly(take(pitch), take(yaw), normals, limit, 0, limit.size)
 
@@ -105,9 +106,11 @@ class Stepper:
 
     def __init__(self, f: Flights) -> None:
         """Choose plain Python or machine code by the length of the flights, changed in place."""
-        self._look = choice.fastest(kernel.look, float(_minimum_samples(f).sum()) * kernel.PLAIN)
-        compiled = self._look is not kernel.look  # both, as machine code takes other arrays
-        self._advance = machine_code(kernel.advance) if compiled else kernel.advance
+        seconds = float(_minimum_samples(f).sum()) * kernel.PLAIN
+        self._look = choice.fastest(kernel.measure_flights, seconds)
+        compiled = self._look is not kernel.measure_flights
+        # both, as machine code takes other arrays
+        self._advance = machine_code(kernel.move_flights) if compiled else kernel.move_flights
         self._flights = _with_law_array(f) if compiled else f
 
     def look(self, k: int) -> int:

@@ -25,7 +25,7 @@ from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.batch import Batch, flights
 from tvclin.flights.closed_loop.outcomes import SETTLING
 from tvclin.kernels.control_laws import LawNumbers, law_demand
-from tvclin.kernels.flights import MEASURED, Flights
+from tvclin.kernels.flight_arrays import MEASURED, Flights
 from tvclin.linear.system import split_delay
 
 _DIFFERENCE_OVER_REACH = 1e-7

@@ -37,7 +37,8 @@ from tvclin.flights.closed_loop.batch import (
 from tvclin.flights.closed_loop.law_batch import LawBatch, Memory, law_rows, memory_of
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import JUDGED_SAMPLES, Cases, Flights, Laws, Steps, Vehicles, Winds
+from tvclin.kernels.flight_arrays import Cases, Flights, Laws, Steps, Vehicles, Winds
+from tvclin.kernels.flights import JUDGED_SAMPLES
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.system import LinearSystem, connect, constant_over_steps, polynomial_input
