@@ -310,7 +310,7 @@ class SignedSum:
 
     @cached_property
     def residual(self) -> float:
-        """Largest violation of a condition by the deflection norm sgn(lambda . e), relative."""
+        """Largest relative violation of a condition by the deflection norm sgn(lambda . e)."""
         demands = self.window.constraints.demands
         with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
             sizes = self.norm * self.window.sizes + np.abs(demands)
