@@ -214,7 +214,8 @@ class Sheet:
     ) -> Column:
         """Return the numbers of the column `name` in SI units; `InputError` if there is none.
 
-        `dimension`, `units`: as in `numbers`. `mend`: text of the remedy.
+        `dimension`: kind of quantity, a key of `WRITTEN`. `units`: factors to SI by spelling, by
+        default of `WRITTEN`. `mend`: text of the remedy.
         """
         heading = self.find(name)
         if heading is None:

@@ -79,7 +79,7 @@ class LoadCase:
 
     @cached_property
     def step_states(self) -> AnyArray:
-        """States -z of unstable modes for a unit deflection that lasts, ``(k,)``; else zero."""
+        """States -z, ``(k,)``, that a constant unit deflection from then on requires; else 0."""
         return np.where(self.unstable, self.sizes / np.where(self.unstable, self.poles, 1.0), 0.0)
 
     @property
