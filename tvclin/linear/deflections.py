@@ -204,7 +204,7 @@ def exit_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatA
     pieces = algebra.spread(relative.pieces, shape)
 
     def excess(t: FloatArray, index: IndexArray) -> FloatArray:
-        """Return driver/limit - K at times ``(k,)`` [s] of the cases at flat positions `index`."""
+        """Return driver/limit - K at times t ``(k,)`` [s] of the cases at positions `index`."""
         values = algebra.value(algebra.take(pieces, index), t[:, np.newaxis])[:, 0]
         return np.real(values) - level[index]
 

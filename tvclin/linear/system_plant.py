@@ -96,7 +96,10 @@ class SystemPlant(Plant):
         inputs: Sequence[str] | None = None,
         outputs: Sequence[str] | None = None,
     ) -> None:
-        """Check the arguments, see the class, and set the fields."""
+        """Check a system with named signals and its coefficients, and set the fields.
+
+        `inputs`, `outputs`: names of the signals, in place of the system's.
+        """
         named = named_system("plant", system, inputs, outputs)
         if named.period is not None:
             raise InputError(
