@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.control.autopilot.gain_schedule import flight_autopilot
 from tvclin.show.explorer.choices import Choices, study_text
@@ -263,6 +264,7 @@ def test_the_budget_has_turbulence_at_its_own_quantile(tmp_path: Path) -> None:
     assert result["total"]["total_deg"] == pytest.approx(total, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_pulse_of_one_flight_time_is_that_of_the_study(tmp_path: Path) -> None:
     """Without the spread, which a study has of a loop that is frozen throughout."""
     keys = "intensity_m_per_s = 6\nsigmas = 0"
@@ -390,7 +392,7 @@ def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
     assert added == pytest.approx(more, rel=1e-6)
 
 
-@pytest.mark.parametrize("law", ["trim", "half-relief"])
+@pytest.mark.parametrize("law", usual(["trim", "half-relief"], 0))
 def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law: str) -> None:
     """Gains by the formulas of the report: trim, a ten times larger feedback, and half relief."""
     calm, computed = sheet("--law", law), sheet("--law", law, *RANDOM)
@@ -433,19 +435,20 @@ def test_torque_in_turbulence_is_not_known() -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [
-        ("margins",),
-        ("ascent", "--from", "66", "--to", "66"),
-        ("nozzle", "--limit-deg", "2", "--from", "66", "--to", "66"),
-        ("study", "--at", "66"),
-    ],
+    usual(
+        [
+            "margins",
+            "ascent --from 66 --to 66",
+            "nozzle --limit-deg 2 --from 66 --to 66",
+            "study --at 66",
+        ],
+        *(0, 3),
+    ),
 )
-def test_no_command_of_a_flight_schedule_is_silent_on_it(
-    tmp_path: Path, words: tuple[str, ...]
-) -> None:
+def test_no_command_of_a_flight_schedule_is_silent_on_it(tmp_path: Path, words: str) -> None:
     file = tmp_path / "flight.csv"
     tv.load_schedule("configuration-i").to_csv(file)
-    command, *options = words
+    command, *options = words.split()
     result = CliRunner().invoke(app, [command, str(file), *options, *RANDOM])
     assert result.exit_code in (0, 1), result.output
     assert "turbulence" in result.output
