@@ -153,7 +153,12 @@ class TurbulenceRequest:
         return replace(air, **{name: x for name, x in values.items() if x is not None})
 
     def at(self, altitude: float | None = None) -> Turbulence:
-        """Return the turbulence at an altitude [m], by default that of the request.
+        """Return the turbulence at one altitude.
+
+        Parameters
+        ----------
+        altitude : float, optional
+            Altitude [m], by default the one of the request.
 
         Raises
         ------
@@ -163,10 +168,10 @@ class TurbulenceRequest:
         height = self.altitude if altitude is None else altitude
         if self.intensity is None and height is None:
             names = ("severity", "exceedance", "table")
-            given = next(name for name in names if getattr(self, name) is not None)
-            given = "levels over altitude" if given == "table" else given
+            key = next(name for name in names if getattr(self, name) is not None)
+            key = "levels over altitude" if key == "table" else key
             raise errors.InputError(
-                f"turbulence needs an altitude with {given}, on which its intensity depends: give"
+                f"turbulence needs an altitude with {key}, on which its intensity depends: give"
                 " altitude_m in [turbulence], or a table [flight] in the vehicle file"
             )
         return self.over_altitude if height is None else self.over_altitude.at(height)

@@ -334,13 +334,15 @@ class PlanarCase:
 
         return self._ended(arcs, rows)
 
-    def _rates(self, t: float, x: FloatArray, limit: float, turned: Any, gust: Any) -> FloatArray:
+    def _rates(
+        self, t: float, x: FloatArray, limit: float, deflection: Any, gust: Any
+    ) -> FloatArray:
         """Return the derivatives of the states `x` at a time `t` [s], ``(states,)``.
 
-        `limit`: deflection limit [rad]. `turned`, `gust`: deflection before the limit, and wind
+        `limit`: deflection limit [rad]. `deflection`, `gust`: deflection before the limit, and wind
         angle [rad], as functions of the time.
         """
-        return self.motion.rates(t, x, min(max(float(turned(t)), -limit), limit), gust(t))
+        return self.motion.rates(t, x, min(max(float(deflection(t)), -limit), limit), gust(t))
 
     def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Solution:
         """Return a solution with NaN after the end of the last of its arcs.

@@ -202,7 +202,7 @@ class Batch:
 
     @cached_property
     def system(self) -> LinearSystem:
-        """Plants with the lateral sensors of the laws, whose states follow those of the plant."""
+        """Plants with the lateral sensors of the laws, whose states are the last ones."""
         return self.laws.sensors.system(self.plant)
 
     @property
@@ -288,7 +288,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     kernel would be compiled again for others.
     """
     batch_shape, (vehicle, encountered) = batch.vehicles, batch.indices
-    knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind.pieces))
+    knots, pieces = (np.ascontiguousarray(array) for array in polynomial_pieces(batch.wind.pieces))
     terms = pieces.shape[2]
     plant = batch.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
     steps = _steps(batch, plant, terms)
@@ -317,7 +317,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
             ratio=judges.ratio[criteria_index],
         ),
         winds=Winds(knots, pieces),
-        laws=Laws([one or LawNumbers() for one in batch.laws.numbers], *memory, noise),
+        laws=Laws([numbers or LawNumbers() for numbers in batch.laws.numbers], *memory, noise),
         cases=cases,
         now=now,
         track=np.full((rows, N + 4), np.nan),
@@ -488,9 +488,9 @@ def samples_in(span: FloatArray, period: FloatArray) -> IntArray:
 
     `period`: sampling period [s]. The two are broadcast.
     """
-    has_reach = np.isfinite(span)
-    counted = np.ceil(np.where(has_reach, span, 0.0) / period - 1e-9)
-    return np.where(has_reach, np.maximum(counted, 1), NEVER).astype(np.int64)
+    is_finite = np.isfinite(span)
+    samples = np.ceil(np.where(is_finite, span, 0.0) / period - 1e-9)
+    return np.where(is_finite, np.maximum(samples, 1), NEVER).astype(np.int64)
 
 
 def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:

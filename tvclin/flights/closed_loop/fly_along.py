@@ -23,7 +23,7 @@ from tvclin.control.autopilot.autopilot import Autopilot, require_pade
 from tvclin.control.autopilot.gain_schedule import GainSchedule
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.control.turbulence.driven_loop import OUTPUT_KINDS
-from tvclin.flights.closed_loop.checks import check_samples
+from tvclin.flights.closed_loop.checks import check_rate_limit, check_samples
 from tvclin.flights.closed_loop.flown_flights import (
     FlownFlight,
     FlownFlights,
@@ -227,7 +227,7 @@ def fly_along(
     if alpha_moment is not None:
         slopes["alpha_moment"] = _moment_slope(flight, "alpha_moment", alpha_moment)
         slopes["deflection_moment"] = _moment_slope(flight, "deflection_moment", deflection_moment)
-    max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
+    max_rate = check_rate_limit(rate_limit)
     if along.law.sample_rate is None:
         if deflection_limit is not None or np.isfinite(max_rate):
             raise errors.InputError("limits need samples: give the autopilot a sample_rate")
@@ -256,8 +256,8 @@ def sampled_outputs(
         flown: list[FlightAlong | None] = []
         further: list[FlownFlight] = []
         for k, along in enumerate(flights[part]):
-            one = np.array([k]), np.array([limit]), np.array([rate_limit])
-            made, f = flown_in_winds(stages, *one, track=True)
+            case = np.array([k]), np.array([limit]), np.array([rate_limit])
+            made, f = flown_in_winds(stages, *case, track=True)
             status = str(made.status[0])
             if status == UNDECIDED and along.further is not None:
                 further.append(along.further)
@@ -336,7 +336,7 @@ def _winds_along(
         errors.one_of("sign", sign, (*SIGNS, FROZEN))
     if not isinstance(wind, History):
         winds = errors.each("wind", wind, MeasuredWind, "a History, or soundings")
-        return [wind_along(flight, one, plane, sign) for one in winds], (len(winds),)
+        return [wind_along(flight, sounding, plane, sign) for sounding in winds], (len(winds),)
     if sign == FROZEN or not wind.batch:
         return [wind_along(flight, wind, plane, sign)], wind.batch
     count = int(np.prod(wind.batch))

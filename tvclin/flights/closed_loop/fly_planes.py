@@ -143,9 +143,9 @@ def _decide(
 ) -> None:
     """End the flights of which one plane has diverged, or both have settled, in place.
 
-    `pair`: arrays of the flights in pitch and in yaw. `limit`: limits of the vector [rad],
-    ``(m,)``. `outcomes`: results, which are updated. `k`: number of the sample. `last`: whether it
-    is the last one, at which all flights end.
+    `pair`: arrays of the flights in pitch and in yaw. `limit_shape`: limit shape of unit limit.
+    `limit`: limits of the vector [rad], ``(m,)``. `outcomes`: results, which are updated. `k`:
+    number of the sample. `last`: whether it is the last one, at which all flights end.
     """
     pitch, yaw = (f.now.outcome for f in pair)
     lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
@@ -287,7 +287,7 @@ def fly_planes(
     ['lost', 'survived']
     """
     planes = _plants(plant, yaw_plant)
-    both = LawInPlanes(law, limit_shape, saturate)
+    law_in_planes = LawInPlanes(law, limit_shape, saturate)
     _check(wind, actuator)
     rate = check_sample_rate(sample_rate, actuator)
     limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
@@ -301,10 +301,12 @@ def fly_planes(
     pair = [
         plane_flights(plane_plant, law, wind, component, flat * plane_limit, hardware)
         for plane_plant, component, plane_limit in zip(
-            planes, (wind.pitch, wind.yaw), both.plane_limits, strict=True
+            planes, (wind.pitch, wind.yaw), law_in_planes.plane_limits, strict=True
         )
     ]
-    return _record(flown_in_step(pair, both, flat), float(wind.onset), 1.0 / rate, limit.shape)
+    return _record(
+        flown_in_step(pair, law_in_planes, flat), float(wind.onset), 1.0 / rate, limit.shape
+    )
 
 
 def flown_plane_limit(

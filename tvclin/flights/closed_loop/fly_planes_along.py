@@ -19,6 +19,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape, PolygonShape, limit_shape_of
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
+from tvclin.flights.closed_loop.checks import check_rate_limit
 from tvclin.flights.closed_loop.flown_flights import SIMILAR_RUNS, FlownFlight, checked_flight
 from tvclin.flights.closed_loop.fly_along import OUTSIDE, FlightAlong, tracked_states, with_outputs
 from tvclin.flights.closed_loop.fly_many import (
@@ -112,7 +113,7 @@ def fly_planes_along(
             f"autopilot must be one for both planes, or one for each of {', '.join(PLANES)}"
         )
     limit = errors.limit_angle(deflection_limit)
-    max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
+    max_rate = check_rate_limit(rate_limit)
     shape = limit_shape_of(limit_shape).inside
     if not isinstance(shape, CircularShape | PolygonShape):
         shape = shape.inscribed()

@@ -10,9 +10,10 @@ from tvclin.ascent.measured_wind import MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import WindAlong, wind_along
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, number, positive, single, unlimited
+from tvclin.base.errors import InputError, number, positive, single
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
+from tvclin.flights.closed_loop.checks import check_rate_limit
 from tvclin.flights.closed_loop.flown_flights import FlownFlight, checked_flight, fly_together
 from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT
 from tvclin.flights.closed_loop.survival_limit import (
@@ -83,7 +84,7 @@ def survival_limit_along(
         single("wind", wind.batch)
     encountered = wind_along(flight, wind, plane, sign, gust_time)
     along = checked_flight(flight, autopilot, encountered, start, stop, model, plane)
-    return limit_of_flight(along, unlimited("rate_limit", rate_limit, unit="rad/s"), highest)
+    return limit_of_flight(along, check_rate_limit(rate_limit), highest)
 
 
 def limit_of_flight(

@@ -296,7 +296,7 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
     """Return the substeps that contain m times [s] of a recorded flight.
 
     `f`: arrays of the flight with its track. `system`: plant with nozzle, whose first `n` states
-    are the plant's.
+    are those of the plant.
     """
     N, order = f.now.y.shape[1], len(system.states)
     limit, track = float(f.cases.limit[0]), _recorded_rows(f)

@@ -379,11 +379,12 @@ class Stages:
     def _assembled(
         self, places: FloatArray, flight: IntArray, pressure: FloatArray, *, middle: bool
     ) -> dict[str, FloatArray]:
-        """Return the matrices of m samples by name, ``(m, ...)``, from plants at given times.
+        """Return the matrices of m samples by name, ``(m, ...)``, from plants at times within them.
 
-        `places`: times [s] as `_places` gives them, ``(places, m)``. `flight`, `pressure`: indices
-        of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places include
-        the middle of samples, and the matrices A and gust input there.
+        `places`: times [s] ``(places, m)``: the first Gauss points of each part of a sample, the
+        second ones, the starts of the samples, and perhaps their middles. `flight`, `pressure`:
+        indices of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places
+        include the middles, and the matrices A and gust input there.
         """
         count, terms, shape = places.shape[1], self._pieces[1].shape[2], flight.shape
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)

@@ -211,12 +211,16 @@ class Prediction:
     )  # fmt: skip
 
     def __init__(
-        self, readers: MotionReaders, step: float, sensors: LateralSensors, turn: float = 0.0
+        self,
+        readers: MotionReaders,
+        step: float,
+        sensors: LateralSensors,
+        path_rotation: float = 0.0,
     ) -> None:
         """Read the state in a plane at the start of a flight.
 
         `readers`: functions that read the motion in the plane. `step`: step [s]. `sensors`: lateral
-        sensors of the law. `turn`: rotation of the flight path in the step before the flight [rad].
+        sensors of the law. `path_rotation`: of the flight path in the step before the flight [rad].
         """
         self._readers, self._step = readers, step
         self._lateral = LateralMotion(sensors, step) if sensors.signals else None
@@ -224,7 +228,10 @@ class Prediction:
             self._lateral.move(0.0, readers.lateral()[0], 0.0, 0.0)
         self._attitude, self._path = readers.angles()
         self._rate, self._acceleration = readers.rates()
-        self._path_before, self._acceleration_before = self._path - turn, self._acceleration
+        self._path_before, self._acceleration_before = (
+            self._path - path_rotation,
+            self._acceleration,
+        )
         self._alpha = self._wind_angle = self._deflection = 0.0
 
     def measurement(self, angle: float, nominal: Row) -> Measurement:
@@ -342,11 +349,11 @@ class Airframe:
     ) -> FloatArray:
         """Return the `OUTPUTS` of a flight in both planes [rad, rad/s], ``(m, 2, 5)``.
 
-        Parameters are frozen, over a flat planet; the flight ends as in `fly`.
-
-        `steering`: function from the predicted measurements in pitch and yaw to both deflections
-        [rad]. `speeds`, `angles`: wind along the flight and to its right [m/s], and as angles
-        [rad], ``(2, n)``; the first are zero. `sensors`: lateral sensors of the law.
+        Parameters are frozen, over a flat planet. The flight ends after the first attitude beyond
+        25 deg or number that is not finite. `steering`: function from the predicted measurements in
+        pitch and yaw to both deflections [rad]. `speeds`, `angles`: wind along the flight and to
+        its right [m/s], and as angles [rad], ``(2, n)``; the first are zero. `sensors`: lateral
+        sensors of the law.
         """
         self._restart()
         planes = [Prediction(self._readers[name], self._step, sensors) for name in DEFLECTIONS]
@@ -421,7 +428,9 @@ class Airframe:
         h, run, set_deflection = self._step, self.engine.run, self._deflection_setters[self._plane]
         set_wind_speed = self._wind_setters[self._plane]
         hold_other_plane = self._attitude_hold(trajectory)
-        prediction = Prediction(self._readers[self._plane], h, sensors, turn=h * next(nominal)[1])
+        prediction = Prediction(
+            self._readers[self._plane], h, sensors, path_rotation=h * next(nominal)[1]
+        )
         rows: list[Row] = [(0.0,) * _COLUMNS]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
         for k, (speed, angle, row) in enumerate(gusts, start=1):

@@ -303,10 +303,11 @@ def planes_verdict(
 ) -> Callable[[float], bool]:
     """Return the function from a deflection limit [rad] to whether its flight survives.
 
-    `vehicle`, `drift`, `step`: same as in `fly_sixdof`; parameters are frozen over a flat planet.
-    `wind`: one wind that ends, from t = 0 on. `control`, `limit_shape`, `saturate`: same as in
-    `fly_planes`. `InputError` for another type than a law, parameters that are not frozen, and in
-    the same cases as `fly_sixdof` and `fly_planes`.
+    The flight is in both planes, over a flat planet with frozen parameters. `wind`: one wind that
+    ends, from t = 0 on. `control`: law of both planes. `drift`: whether the flight path may turn.
+    `step`: step of JSBSim and of the law [s]. `limit_shape`: limit shape of the nozzle, or its
+    name. `saturate`: "radial" or "each plane". `InputError` for another type than a law, parameters
+    that are not frozen, and in the same cases as `fly_sixdof` and `fly_planes`.
     """
     if isinstance(control, Autopilot):
         control = SaturatedLaw(control)

@@ -143,7 +143,9 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | 
     """
     root = Element("fdm_config", name="tvclin", version="2.0")
     _metrics(root, vehicle)
-    balance = mass_balance(root, float(vehicle.mass), _inertias(vehicle))
+    across = float(vehicle.moment_of_inertia)
+    inertias = across / _INERTIA_OVER_ROLL_INERTIA, across, across
+    balance = mass_balance(root, float(vehicle.mass), inertias)
     SubElement(root, "ground_reactions")
     load: Tree = 1.0
     if departure is not None:
@@ -185,12 +187,6 @@ def _burning(root: Element, balance: Element, departure: InitialState) -> None:
     function = SubElement(channel, "fcs_function", name="tvclin/burnt-lbs")
     _function(function, ("product", flow, "simulation/sim-time-sec"))
     _text(function, "output", "inertia/pointmass-weight-lbs")
-
-
-def _inertias(vehicle: Vehicle) -> tuple[float, float, float]:
-    """Return the moments of inertia of a vehicle about x, y and z [kg m^2]."""
-    across = float(vehicle.moment_of_inertia)
-    return across / _INERTIA_OVER_ROLL_INERTIA, across, across
 
 
 def _metrics(root: Element, vehicle: Vehicle) -> None:
