@@ -61,7 +61,10 @@ class Terms:
 
     @classmethod
     def of(cls, loop: Loop, plant: AnyArray) -> Terms:
-        """Return the terms of loops in matrix form, for poles of a `plant` [1/s], ``(k, n)``."""
+        """Return the partial fractions of k loops in matrix form, those of n modes by themselves.
+
+        `plant`: poles of the modes in the plant [1/s], ``(k, n)``.
+        """
         form = loop.form
         assert isinstance(form, StateLoop)
         # Of each mode the pole of the loop that is nearest to the pole of the plant.

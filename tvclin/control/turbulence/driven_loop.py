@@ -106,7 +106,7 @@ class SensorNoise(Record):
 
     @property
     def intensities(self) -> FloatArray:
-        """Two-sided intensities of attitude and rate in continuous time, ``(2,)``."""
+        """Two-sided intensities N^2/2 of attitude and rate in continuous time, ``(2,)``."""
         return 0.5 * np.array([self.attitude, self.rate]) ** 2
 
 
