@@ -9,8 +9,8 @@ import pytest
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.requirement.flight.flight_requirement import slow_mode
 from tvclin.requirement.flight.flight_winds import place
+from tvclin.requirement.flight.frozen_requirement import slow_mode
 
 PEAK = np.radians(5)
 

@@ -77,36 +77,40 @@ _VERDICT = " (verdict)"
 
 
 def vehicle(
-    s: Study, source: str = "unnamed", source_values: Mapping[str, tuple[float, str]] | None = None
+    study: Study,
+    source: str = "unnamed",
+    source_values: Mapping[str, tuple[float, str]] | None = None,
 ) -> Table:
     """Return the numbers of the vehicle, first in the units of its file where these differ.
 
     `source` is the title of a vehicle without a name, `source_values` the numbers in the units of
     the file, by name, with these units; see `as_written`.
     """
-    vehicle_fields = [item for item in fields_of(s.vehicle) if item.value(s.vehicle) is not None]
-    rows = [
-        (item.title, _in_units(s.vehicle, item, source_values or {})) for item in vehicle_fields
+    vehicle_fields = [
+        item for item in fields_of(study.vehicle) if item.value(study.vehicle) is not None
     ]
-    planes = "pitch and yaw" if s.judges_both_planes else s.plane
-    return quantities(f"{s.vehicle.name or source}, {s.model}, {planes}", rows)
+    rows = [
+        (item.title, _in_units(study.vehicle, item, source_values or {})) for item in vehicle_fields
+    ]
+    planes = "pitch and yaw" if study.judges_both_planes else study.plane
+    return quantities(f"{study.vehicle.name or source}, {study.model}, {planes}", rows)
 
 
-def coefficients(s: Study) -> Table:
+def coefficients(study: Study) -> Table:
     """Return the table of linear coefficients, with the coefficients of a known flight path."""
-    damped = ("damping", "pole") if s.coefficients.damping else ()
-    path = ("C1", "C2", "b1", "b2", "K1") if "drift-exact" in s.modes else ()
+    damped = ("damping", "pole") if study.coefficients.damping else ()
+    path = ("C1", "C2", "b1", "b2", "K1") if "drift-exact" in study.modes else ()
     groups = ("beta", "B", *damped), *((name,) for name in path)
-    shown = [row for names in groups for row in rows(s.coefficients, "coefficients", *names)]
-    if s.coefficients.mu_alpha <= 0.0:
+    shown = [row for names in groups for row in rows(study.coefficients, "coefficients", *names)]
+    if study.coefficients.mu_alpha <= 0.0:
         shown.insert(0, ("beta", _NOT_STABLE))
-    return quantities(f"Linear coefficients, {s.plane} plane", shown)
+    return quantities(f"Linear coefficients, {study.plane} plane", shown)
 
 
-def poles(s: Study) -> Table:
+def poles(study: Study) -> Table:
     """Return the unstable poles of every model."""
     rows: list[Row] = []
-    for model, modes in s.modes.items():
+    for model, modes in study.modes.items():
         line: Line = ()
         for k, pole in enumerate(pole for pole in modes.poles if pole.imag >= 0.0):
             line += ((", ",) if k else ()) + upper_pole(f"poles.{model}.{k}", pole)
@@ -114,102 +118,102 @@ def poles(s: Study) -> Table:
     return quantities("Unstable poles [1/s]", rows)
 
 
-def boundaries(s: Study) -> Table:
+def boundaries(study: Study) -> Table:
     """Return static trim, the limit at every dead band, lower bounds, and survivable peaks.
 
     Limits are required deflections at nominal dynamic pressure, or boundary limits with the switch
     of the report. The row of the verdict is marked. The last column, where a limit is in question,
     is the peak of the wind that it survives with the model of the verdict.
     """
-    names, judged, limits = tuple(s.boundaries), _judged(s), _by_dead_band(s)
-    row_label = "K = " if s.switch == "literal" else "boundary limit, K = "
-    rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(s, "trim", s.trim_deflection))]
-    for i, K in enumerate(s.dead_bands):
-        mark = _VERDICT if K == s.dead_band and not judged and not s.unknown else ""
+    names, judged, limits = tuple(study.boundaries), _judged(study), _by_dead_band(study)
+    row_label = "K = " if study.switch == "literal" else "boundary limit, K = "
+    rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(study, "trim", study.trim_deflection))]
+    for i, K in enumerate(study.dead_bands):
+        mark = _VERDICT if K == study.dead_band and not judged and not study.unknown else ""
         sizes = {name: limit[i] for name, limit in limits.items()}
-        cells = map(minimum_limit, _parts(s, f"boundary.{i}", sizes))
+        cells = map(minimum_limit, _parts(study, f"boundary.{i}", sizes))
         rows.append(((row_label, *significant(f"boundary.{i}.K", K), mark), *cells))
     for row in judged:
-        mark, needs = _VERDICT if row.of_verdict else "", {s.model: row.required}
-        rows.append(((row.label + mark,), *_parts(s, row.label.replace(" ", "_"), needs)))
-    rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
+        mark, needs = _VERDICT if row.of_verdict else "", {study.model: row.required}
+        rows.append(((row.label + mark,), *_parts(study, row.label.replace(" ", "_"), needs)))
+    rows += [((LEAST[key],), *_parts(study, key, needs)) for key, needs in study.needs.items()]
     scope = ""
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
-    if _has_survivable_peaks(s):
-        assert s.limit is not None
-        peaks = _survived(s, s.limit, [row.survived for row in judged])
-        bound = abs(s.peak_bound)
+    if _has_survivable_peaks(study):
+        assert study.limit is not None
+        peaks = _survived(study, study.limit, [row.survived for row in judged])
+        bound = abs(study.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
         head = (*head, "survivable peak [deg]")
         if (
             np.isnan([row.survived for row in judged if not row.of_verdict]).any()
-            and not s.beyond_linear
+            and not study.beyond_linear
         ):
-            scope = f"; survivable peak of the {s.direction} wind"
+            scope = f"; survivable peak of the {study.direction} wind"
         rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
-    peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
+    peak, tau = float(np.degrees(study.wind.peak)), float(study.wind.duration)
     component = ""
-    if s.slanting is not None:
-        vector = abs(float(np.degrees(s.slanting.peak)))
-        component = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
+    if study.slanting is not None:
+        vector = abs(float(np.degrees(study.slanting.peak)))
+        component = f", the part in the {study.plane} plane of a vector of {vector:.4g} deg"
     caption = (
-        f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg and {tau:g} s"
-        f"{s.wind_in_plane.gust_text}{component}; K {NOMINAL}{scope}"
+        f"Least deflection limit that survives a {study.shape} wind of {peak:.4g} deg and {tau:g} s"
+        f"{study.wind_in_plane.gust_text}{component}; K {NOMINAL}{scope}"
     )
     return Table(caption, head, tuple(rows))
 
 
-def _has_survivable_peaks(s: Study) -> bool:
+def _has_survivable_peaks(study: Study) -> bool:
     """Return whether the peaks that the limit survives are known, in one plane."""
-    known = s.limit is not None and not s.unknown
-    return known and not s.judges_both_planes and s.model in s.boundaries
+    known = study.limit is not None and not study.unknown
+    return known and not study.judges_both_planes and study.model in study.boundaries
 
 
-def both_planes(s: Study) -> Table:
+def both_planes(study: Study) -> Table:
     """Return the required deflection of both planes with one limit, and of each plane."""
-    assert s.planes is not None
+    assert study.planes is not None
     rows: list[tuple[Line, ...]] = [
-        (("both planes, one stop",), degrees("planes.required", s.planes.deflection))
+        (("both planes, one stop",), degrees("planes.required", study.planes.deflection))
     ]
-    for plane, required in s.planes.separate.items():
+    for plane, required in study.planes.separate.items():
         rows.append(((f"{plane} alone",), degrees(f"planes.{plane}", required)))
-    caption = f"Required deflection of both planes, K = {s.dead_band:g}, {s.model}"
+    caption = f"Required deflection of both planes, K = {study.dead_band:g}, {study.model}"
     return Table(caption, ("what turns the nozzle", "[deg]"), tuple(rows))
 
 
-def heading_line(s: Study) -> Line:
+def heading_line(study: Study) -> Line:
     """Return the direction from which the wind comes, clockwise from the direction of flight."""
-    assert s.slanting is not None
-    assert s.slanting.heading is not None
-    heading = float(np.degrees(s.slanting.heading)) % 360.0
+    assert study.slanting is not None
+    assert study.slanting.heading is not None
+    heading = float(np.degrees(study.slanting.heading)) % 360.0
     return number("planes.heading_deg", heading, 1, "deg")
 
 
-def pitch_omitted_fraction(s: Study) -> Line:
+def pitch_omitted_fraction(study: Study) -> Line:
     """Return the fraction [%] of the requirement of both planes that the pitch plane omits."""
-    assert s.planes is not None
-    return number("planes.missing_percent", 100.0 * s.planes.omitted_fraction("pitch"), 1, "%")
+    assert study.planes is not None
+    return number("planes.missing_percent", 100.0 * study.planes.omitted_fraction("pitch"), 1, "%")
 
 
-def question(s: Study, case: Case) -> Table:
+def question(study: Study, case: Case) -> Table:
     """Return the wind, the dead band, the limits and further inputs of a study of a case."""
     wind, nozzle = pulse_of(case), case.nozzle
     rows: list[Row] = [
-        ("plane", ("pitch and yaw, one stop" if s.judges_both_planes else s.plane,)),
-        ("model of the verdict", (s.model,)),
+        ("plane", ("pitch and yaw, one stop" if study.judges_both_planes else study.plane,)),
+        ("model of the verdict", (study.model,)),
         ("wind shape", (wind.shape,)),
         ("peak wind angle", _typed("wind.peak_deg", wind.peak)),
         ("wind duration", significant("wind.duration", wind.duration, 6, "s")),
-        ("dead band of the verdict, K", significant("question.dead_band", s.dead_band)),
-        ("left when K times the limit is", (LEFT_WHEN[s.switch],)),
+        ("dead band of the verdict, K", significant("question.dead_band", study.dead_band)),
+        ("left when K times the limit is", (LEFT_WHEN[study.switch],)),
     ]
     if wind.heading is not None:
         heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
         rows.insert(4, ("direction of the wind, from the flight", heading))
-    if s.encountered or s.sign is not None:
-        across = s.direction == CROSS
-        rows.append(("dynamic pressure", (ACROSS if across else AIR[s.sign],)))
-    gust = (s.slanting or s.wind_in_plane).placed_gust
+    if study.encountered or study.sign is not None:
+        across = study.direction == CROSS
+        rows.append(("dynamic pressure", (ACROSS if across else AIR[study.sign],)))
+    gust = (study.slanting or study.wind_in_plane).placed_gust
     if gust is not None:
         rows += [
             ("gust on top: peak", _typed("gust.peak_deg", gust.peak)),
@@ -233,72 +237,79 @@ class _Judged(NamedTuple):
     of_verdict: bool
 
 
-def _judged(s: Study) -> list[_Judged]:
+def _judged(study: Study) -> list[_Judged]:
     """Return the rows of required deflections that are not those of a dead band.
 
     Empty where the row with the dead band of the verdict is all that is required. Of the
     directions of a wind the peak is known only of the one that counts.
     """
-    survived = abs(s.survivable_peak or np.nan)
-    if s.judges_both_planes:
-        return [_Judged("both planes", s.required_deflection, survived, True)]
-    if s.model not in s.boundaries:
+    survived = abs(study.survivable_peak or np.nan)
+    if study.judges_both_planes:
+        return [_Judged("both planes", study.required_deflection, survived, True)]
+    if study.model not in study.boundaries:
         return []
     rows = []
-    nominal = s.nominal_deflection
-    if s.switch == "report" and nominal:
-        peak = abs(s.judged_peak) * (s.limit or np.nan) / nominal
-        label = f"required, K = {s.dead_band:g}"
-        rows.append(_Judged(label, nominal, peak, s.at_nominal_pressure))
-    for name, need in s.encountered.items():
-        counts = s.direction == name
+    nominal = study.nominal_deflection
+    if study.switch == "report" and nominal:
+        peak = abs(study.judged_peak) * (study.limit or np.nan) / nominal
+        label = f"required, K = {study.dead_band:g}"
+        rows.append(_Judged(label, nominal, peak, study.at_nominal_pressure))
+    for name, need in study.encountered.items():
+        counts = study.direction == name
         rows.append(_Judged(f"{name} wind", need, survived if counts else np.nan, counts))
     return rows
 
 
-def _by_dead_band(s: Study) -> dict[str, FloatArray]:
+def _by_dead_band(study: Study) -> dict[str, FloatArray]:
     """Return the limits [rad] at the dead bands of a study, by model, sizes ``(k,)``.
 
     They are required deflections at nominal dynamic pressure, or boundary limits with the switch of
     the report.
     """
-    if s.switch == "literal":
-        return s.nominal_requirements
-    return {name: np.abs(boundary.deflection) for name, boundary in s.boundaries.items()}
+    if study.switch == "literal":
+        return study.nominal_requirements
+    return {name: np.abs(boundary.deflection) for name, boundary in study.boundaries.items()}
 
 
-def requirement(s: Study) -> Line:
+def requirement(study: Study) -> Line:
     """Return the required deflection with its basis, and the peak that the limit survives."""
-    switch = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
-    air = f", dynamic pressure {AIR[s.sign]}" if s.sign and s.direction != CROSS else ""
-    if s.at_nominal_pressure and s.sign != FROZEN:
+    switch = "" if study.switch == "literal" else f", left when {LEFT_WHEN[study.switch]}"
+    air = f", dynamic pressure {AIR[study.sign]}" if study.sign and study.direction != CROSS else ""
+    if study.at_nominal_pressure and study.sign != FROZEN:
         air = f", {NOMINAL}"
     line: Line = ("Required deflection: ", sufficiency(None))
-    if s.unknown:
-        nominal = minimum_limit(degrees("verdict.nominal", s.nominal_deflection, unit="deg"))
+    if study.unknown:
+        nominal = minimum_limit(degrees("verdict.nominal", study.nominal_deflection, unit="deg"))
         line = (*line, f"; {NOMINAL} ", *nominal)
-    elif not s.beyond_linear:
-        required = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
-        basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
-        line = ("Required deflection: ", *required, basis)
-    if s.survivable_peak is None:
-        small = s.limit is not None and s.sufficient is False
+    elif not study.beyond_linear:
+        required = minimum_limit(degrees("verdict.required", study.required_deflection, unit="deg"))
+        basis = f" (model {study.model}, dead band {study.dead_band:g}{switch}{air})"
+        line = ("Required deflection: ", *required, f"{basis}, {_governed(study)}")
+    if study.survivable_peak is None:
+        small = study.limit is not None and study.sufficient is False
         return (*line, f"; the limit is too small {NOMINAL} too") if small else line
-    survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
-    of = f", {s.peak_of}" if s.peak_of else ""
-    bound = f" at least{of}; {BEYOND_LINEAR}" if s.survives_bound else of
+    survived = degrees("verdict.survived", abs(study.survivable_peak), unit="deg")
+    of = f", {study.peak_of}" if study.peak_of else ""
+    bound = f" at least{of}; {BEYOND_LINEAR}" if study.survives_bound else of
     return (*line, "; survivable peak ", *survived, bound)
 
 
 def survivable(name: str, peak: float, bound: float) -> Line:
-    """Return a survivable peak [rad] in degrees, marked at the bound of what is known."""
+    """Return the cell of a survivable peak [rad] in degrees, marked at its largest known value.
+
+    `name`: name of the number. `bound`: peak [rad] up to which requirements are known.
+    """
     if peak >= bound * (1.0 - ROUNDING):
         return ("≥ ", *degrees(name, bound))
     return degrees(name, peak)
 
 
 def _in_units(vehicle: AnyVehicle, item: Field, own: Mapping[str, tuple[float, str]]) -> Line:
-    """Return the cell of a number in the unit of its file, and of tables where it differs."""
+    """Return the cell of a number of a vehicle in the unit of its file.
+
+    `item`: field of the number; it follows in its unit of tables where that differs. `own`: value
+    and unit in the file, by key.
+    """
     key, name = f"vehicle.{item.name}", item.name
     shown = significant(key, item.value(vehicle), 6, item.unit)
     value, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
@@ -307,40 +318,49 @@ def _in_units(vehicle: AnyVehicle, item: Field, own: Mapping[str, tuple[float, s
     return (*significant(f"{key}.own", value, 6, unit), " (", *shown, ")")
 
 
-def _parts(s: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
-    """Return the cells of a deflection for each model: in degrees, and normalised by trim."""
+def _parts(study: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
+    """Return the cells of a deflection for each model: in degrees, and normalised by trim.
+
+    `key`: prefix of their names. `needs`: deflection [rad] of each model, or of all.
+    """
     cells: list[Line] = []
-    for name in s.boundaries:
+    for name in study.boundaries:
         need = needs.get(name, np.nan) if isinstance(needs, Mapping) else needs
-        if not s.trim_deflection:
+        if not study.trim_deflection:
             need = np.nan
-        ratio = need / s.trim_deflection if s.trim_deflection else np.nan
+        ratio = need / study.trim_deflection if study.trim_deflection else np.nan
         cells += [degrees(f"{key}.{name}", need), number(f"{key}.{name}.part", ratio)]
     return cells
 
 
-def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
-    """Return the survivable peaks [rad] of a limit, for each row, of the model of the verdict."""
-    rows = s.nominal_requirements[s.model]
-    minimum_limit = [needs.get(s.model, np.nan) for needs in s.needs.values()]
-    peak = abs(float(s.history.peak))
+def _survived(study: Study, limit: float, judged: list[float]) -> list[float]:
+    """Return the survivable peaks [rad] of a limit [rad], for each row, of the verdict's model.
+
+    `judged`: peaks of the rows of `_judged`.
+    """
+    rows = study.nominal_requirements[study.model]
+    minimum_limit = [needs.get(study.model, np.nan) for needs in study.needs.values()]
+    peak = abs(float(study.history.peak))
     with np.errstate(divide="ignore"):
         linear, below = (
             [float(peak * limit / np.float64(required)) for required in column]
-            for column in ((s.trim_deflection, *rows), minimum_limit)
+            for column in ((study.trim_deflection, *rows), minimum_limit)
         )
     return [*linear, *judged, *below]
 
 
-def _governed(s: Study) -> str:
+def _governed(study: Study) -> str:
     """Return words for the reason that sets the required deflection."""
-    if s.judges_both_planes:
-        return f"of both planes, {s.governs}"
-    return "none is needed" if s.governs == Reason.NOTHING else f"set by {s.governs}"
+    if study.judges_both_planes:
+        return f"of both planes, {study.governs}"
+    return "none is needed" if study.governs == Reason.NOTHING else f"set by {study.governs}"
 
 
 def _typed(name: str, angle: Any, unit: str = "deg") -> Line:
-    """Return an angle [rad] or a rate [rad/s] in degrees, as it was typed."""
+    """Return the cell of an angle [rad] or a rate [rad/s] in degrees, as it was typed.
+
+    `name`: name of the number. `unit`: unit in the cell.
+    """
     return significant(name, np.degrees(angle), unit=unit)
 
 
@@ -415,17 +435,17 @@ class StudyResponse:
         return response_table("Largest and last values", self.extremes, loads)
 
 
-def study_response(s: Study) -> StudyResponse | None:
+def study_response(study: Study) -> StudyResponse | None:
     """Return the response of a study with its limit, by default 1.1 times the required deflection.
 
     None where that is zero or infinite.
     """
-    required = abs(float(s.requirement.deflection))
-    limit = s.limit if s.limit is not None else _LIMIT_OVER_REQUIREMENT * required
+    required = abs(float(study.requirement.deflection))
+    limit = study.limit if study.limit is not None else _LIMIT_OVER_REQUIREMENT * required
     if not limit or np.isinf(limit):
         return None
-    plant, wind = Plant(s.coefficients, s.model), s.history
-    against = -float(np.sign(s.coefficients.B * wind.peak)) or 1.0
-    deflection = trim_then_hold(plant, wind, against * limit, s.dead_band, s.switch)
+    plant, wind = Plant(study.coefficients, study.model), study.history
+    against = -float(np.sign(study.coefficients.B * wind.peak)) or 1.0
+    deflection = trim_then_hold(plant, wind, against * limit, study.dead_band, study.switch)
     shown = response_end(plant, deflection, wind, _MAX_END_OVER_DURATION * float(wind.end))
-    return StudyResponse(s, plant, deflection, limit, shown.time, shown.why)
+    return StudyResponse(study, plant, deflection, limit, shown.time, shown.why)

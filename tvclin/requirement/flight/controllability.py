@@ -171,7 +171,8 @@ def controllability_ratio(
 def _trims(sizing: Sizing, gusts: FloatArray) -> Iterator[tuple[float, float, float]]:
     """Yield flight times [s], the trim [rad] of each wind then, and the gust's peak angle [rad].
 
-    A wind that is fixed in flight time has the largest trim near each flight time, at its own time.
+    `sizing`: trims by flight time and wind. `gusts`: peak angle at each flight time, ``(n,)``. A
+    wind that is fixed in flight time has the largest trim near each flight time, at its own time.
     """
     trim = sizing.required[TRIM]
     time, gust = (np.broadcast_to(x[:, np.newaxis], trim.shape) for x in (sizing.times, gusts))

@@ -136,7 +136,11 @@ def autopilot_requirements(
 def _encountered(
     sizing: Sizing, placed: PlacedWind, plane: str, signs: tuple[str | None, ...]
 ) -> list[WindAlong]:
-    """Return a placed wind as the flight encounters it, by its possible directions."""
+    """Return a placed wind as the flight of a sizing encounters it, by possible directions.
+
+    `plane`: plane of its angle. `signs`: directions of a pulse, or "frozen" for the nominal dynamic
+    pressure. `NotKnownError` for a wind that is calm or not known.
+    """
     if not placed.known:
         raise errors.NotKnownError(placed.why or "the wind is not known")
     if placed.calm:
@@ -276,7 +280,8 @@ def deflection_use(
 def used_around(flown: FlightAlong, times: FloatArray) -> FloatArray:
     """Return the largest deflection [rad] of a flight around each of rising flight times ``(n,)``.
 
-    From the middle between two times to the next; NaN where the flight does not fly.
+    `flown`: the flight of an autopilot. A time counts from the middle to the time before to the
+    middle to the next; NaN where the flight does not fly.
     """
     edges = np.concatenate([[-np.inf], 0.5 * (times[1:] + times[:-1]), [np.inf]])
     sizes = np.abs(flown.outputs["deflection"])

@@ -317,7 +317,10 @@ class LoopOverFlight:
         return turbulence_along(flown, self.gains, air, wind=wind, model=self.model, plane=plane)
 
     def response(self, time: float, pressure: float, pulse: History) -> CovarianceHistory:
-        """Return the response to a pulse from its onset on, frozen at a flight time [s]."""
+        """Return the response to a pulse from its onset on, frozen at a flight time [s].
+
+        `pressure`: ratio of the dynamic pressure in the pulse to the nominal one.
+        """
         schedule, at = self.schedule, np.asarray(time)
         height = None
         if self._air_is_table:
@@ -401,13 +404,15 @@ class _Responses(NamedTuple):
 
 
 def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
-    """Return standard deviations and responses in a sounding, with its gust at each flight time.
+    """Return standard deviations and responses of a loop in a sounding.
 
-    The dynamic pressure follows the sounding.
+    `wind`: the sounding's wind; its gust is placed at each flight time. The dynamic pressure
+    follows it.
     """
     sign = FROZEN if loop.case.sign == FROZEN else None
 
     def flown(gust_time: float | None) -> CovarianceHistory:
+        """Return the response in the sounding with its gust at a flight time [s]; None: no gust."""
         along = wind_along(loop.schedule, wind, loop.case.plane, sign, gust_time)
         return loop.along(along.history, along.pressure(loop.schedule.times))
 
@@ -424,8 +429,9 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
 def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _Responses]:
     """Return standard deviations over the flight and responses to a pulse, by its direction.
 
-    `wind`: a pulse, see `SizingRequest.winds`. `signed`: whether it may be a head or a tail wind.
-    Flight times at which the pulse is not known or zero are omitted.
+    `loop`: autopilot and vehicle over the flight. `wind`: a pulse, see `SizingRequest.winds`.
+    `signed`: whether it may be a head or a tail wind. Flight times at which the pulse is not known
+    or zero are omitted.
     """
     case, schedule = loop.case, loop.schedule
     rows: dict[str, list[tuple[float, float, History, CovarianceHistory]]] = {}
@@ -447,9 +453,10 @@ def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _R
 def _of_pulse(
     loop: LoopOverFlight, rows: list[tuple[float, float, History, CovarianceHistory]]
 ) -> _Responses:
-    """Return the responses to a pulse of one direction.
+    """Return the responses of a loop over the flight to a pulse of one direction.
 
-    `rows`: flight time [s], ratio of the dynamic pressure, pulse and response of each time.
+    `rows`: flight time [s], ratio of the dynamic pressure to the nominal one, pulse and response of
+    each time.
     """
     order = np.argsort([row[0] for row in rows])
     times, ratios = (np.array([row[k] for row in rows], dtype=float)[order] for k in (0, 1))
@@ -463,10 +470,15 @@ def _of_pulse(
 def _largest(
     name: str, start: float, mean: CovarianceHistory, responses: _Responses, k: float
 ) -> LargestInTurbulence:
-    """Return the largest of each quantity, of a response from a flight time [s] on."""
+    """Return the largest of each quantity, k standard deviations about the mean response.
+
+    `name`: name of the wind. `start`: flight time [s] at which the response `mean` begins.
+    `responses`: with the standard deviations over the flight.
+    """
     times, covariance = mean.times + start, responses.covariance
 
     def sizes(output: str) -> FloatArray:
+        """Return the mean size of an output plus k standard deviations, at each time."""
         return np.abs(mean.mean(output)) + k * _deviation(covariance, times, output)
 
     deflection, smooth = sizes(DEFLECTION), DEFLECTION_RATE in covariance.outputs
@@ -481,12 +493,18 @@ def _largest(
 
 
 def _deviation(covariance: CovarianceHistory, times: FloatArray, output: str) -> FloatArray:
-    """Return the standard deviation of an output at flight times [s], constant beyond its ends."""
+    """Return the standard deviation of an output at flight times [s], constant beyond its ends.
+
+    `covariance`: covariance over the flight.
+    """
     return np.asarray(np.interp(times, covariance.times, covariance.deviation(output)))
 
 
 def _worst(rows: list[LargestInTurbulence]) -> LargestInTurbulence:
-    """Return the largest of each quantity over the flight times of a wind."""
+    """Return the largest of each quantity over the flight times of a wind.
+
+    `rows`: the largest at each of these times.
+    """
     rates = [row.deflection_rate for row in rows if row.deflection_rate is not None]
     return replace(
         max(rows, key=lambda row: row.deflection),

@@ -91,9 +91,10 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
     """Return a wind placed at a flight time [s] of a vehicle; a measured wind keeps its time.
 
-    With "peak" the peak (the middle of a flat top) is moved to that time; with "flight" the wind is
-    in flight time, and counts within half a window [s]. `InputError` for a batch of winds,
-    and a wind that never ends or is zero; `NotKnownError` from a function that gives the wind.
+    With the `placing` "peak" the peak (the middle of a flat top) is moved to that time; with
+    "flight" the wind is in flight time, and counts within half a window [s]. `InputError` for a
+    batch of winds, and a wind that never ends or is zero; `NotKnownError` from a function that
+    gives the wind.
     """
     if isinstance(wind, MeasuredWind):
         first, last = wind.known
@@ -132,10 +133,12 @@ def placed_in_planes(
     placing: str,
     window: float,
 ) -> dict[str, PlacedWind]:
-    """Return a wind placed at a flight time, by planes; in both planes its vector is placed.
+    """Return a wind placed at a flight time [s], by planes; in both planes its vector is placed.
 
-    A wind of more than `MAX_LINEAR_ANGLE`, or with a `NotKnownError` at this time, counts as
-    unknown. Same exceptions as `place`; in both planes also for a wind without a direction.
+    `vehicle`: vehicle at this time. `placing`: "peak" or "flight", see `place`. `window`: interval
+    [s] about the time in which a wind in flight time counts. A wind of more than
+    `MAX_LINEAR_ANGLE`, or with a `NotKnownError` at this time, counts as unknown. Same exceptions
+    as `place`; in both planes also for a wind without a direction.
     """
     try:
         if len(planes) == 1:
@@ -191,7 +194,10 @@ def _at_most(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> flo
 
 
 def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
-    """Return the largest size [rad] of the wind angle, of both planes of its vector."""
+    """Return the largest size [rad] of the wind angle; with both planes, of its vector.
+
+    `placed`: placed wind of each plane.
+    """
     winds = {
         plane: placed_wind.history for plane, placed_wind in placed.items() if not placed_wind.calm
     }
@@ -214,7 +220,11 @@ def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
 def place_vector(
     wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float
 ) -> dict[str, PlacedWind]:
-    """Return the components of a wind placed at a flight time [s], by plane."""
+    """Return the components of a wind placed at a flight time [s], by plane.
+
+    `vehicle`: vehicle at this time. `placing`: "peak" or "flight", see `place`. `window`: interval
+    [s] about the time in which a wind in flight time counts.
+    """
     if isinstance(wind, MeasuredPlanes):
         measured = {plane: wind.component(plane, vehicle) for plane in PLANES}
         calm = (
@@ -299,8 +309,9 @@ def concurrent_trim(
 ) -> ConcurrentTrim:
     """Return the concurrent trim [rad] of winds at flight times [s], ``(n, m)``.
 
-    `known`: whether a wind can be sized, ``(n, m)``; the trim of a wind that cannot, such as beyond
-    linear aerodynamics, is NaN.
+    `winds`: m winds by name; `placing`: "peak" or "flight" for each. `planes`: one plane or both;
+    with both `limit_shape` measures the vector of trim. `known`: whether a wind can be sized, ``(n,
+    m)``; the trim of a wind that cannot, such as beyond linear aerodynamics, is NaN.
     """
     ordered = np.sort(times)
     edges = np.concatenate([ordered[:1], 0.5 * (ordered[1:] + ordered[:-1]), ordered[-1:]])
@@ -328,7 +339,12 @@ def _largest(
     limit_shape: LimitShape,
     interval: tuple[float, float],
 ) -> tuple[float, float]:
-    """Return the largest trim [rad] of an interval of the flight, and its time [s]."""
+    """Return the largest trim [rad] of an interval of the flight, and its time [s].
+
+    `wind`: wind in flight time. `vehicle`: vehicle with which its angle is evaluated. `planes`: one
+    plane or both; with both `limit_shape` measures the vector of trim. `interval`: first and last
+    time [s].
+    """
     low, high = interval
     components = {plane: _in_plane(wind, plane, vehicle) for plane in planes}
     samples = [
@@ -355,7 +371,10 @@ def _largest(
 
 
 def _in_plane(wind: Any, plane: str, vehicle: Vehicle) -> History | None:
-    """Return the wind in one plane in flight time, without its gust; None where it is calm."""
+    """Return the wind in one plane in flight time, without its gust; None where it is calm.
+
+    `vehicle`: vehicle of a wind that depends on it.
+    """
     if isinstance(wind, MeasuredPlanes):
         measured = wind.parts.get(plane)
         return None if measured is None else measured.wind
@@ -367,7 +386,10 @@ def _in_plane(wind: Any, plane: str, vehicle: Vehicle) -> History | None:
 
 
 def _gust(wind: Any, vehicle: Vehicle) -> float:
-    """Return the peak angle [rad] of the gust of a measured wind; NaN where it is not known."""
+    """Return the peak angle [rad] of the gust of a measured wind; NaN where it is not known.
+
+    `vehicle`: vehicle whose speed a gust by speed is divided by. Zero without a gust.
+    """
     gust = getattr(wind, "gust", None)
     if gust is None:
         return 0.0

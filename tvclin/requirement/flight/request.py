@@ -455,7 +455,10 @@ class SizingRequest:
         return tuple(f"{gap}, in a gap of {name}" for name, gap in gaps.items() if gap)
 
     def _mode(self, case: Case, sizing: Sizing) -> FlightMode | None:
-        """Return the flight over schedule and winds; None with both planes or frozen parameters."""
+        """Return the unstable mode of a case over its schedule and the winds of a sizing.
+
+        None with both planes or frozen parameters.
+        """
         if case.nozzle.limit_shape is not None or not base_requirement(sizing).varying:
             return None
         first, last = self.schedule.span
@@ -520,7 +523,10 @@ class SizingRequest:
         )
 
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
-        """Return the controllability ratio of a sizing; None without a limit or any known trim."""
+        """Return the controllability ratio of a sizing with the limit of a case.
+
+        None without a limit or any known trim.
+        """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("sizing", sizing, Sizing, "see sizing()")
         if case.nozzle.limit is None or np.all(np.isnan(sizing.required[TRIM])):

@@ -22,12 +22,9 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant
 from tvclin.requirement.flight.flight_requirement import (
-    LAWS,
     FlightMode,
     FlightRequirement,
-    FrozenRequirement,
     flight_requirements,
-    frozen_requirements,
 )
 from tvclin.requirement.flight.flight_winds import (
     PlacedWind,
@@ -37,6 +34,11 @@ from tvclin.requirement.flight.flight_winds import (
     named_winds,
     placed_in_planes,
     placings,
+)
+from tvclin.requirement.flight.frozen_requirement import (
+    LAWS,
+    FrozenRequirement,
+    frozen_requirements,
 )
 from tvclin.requirement.flight.sizing import (
     Sizing,
@@ -63,8 +65,9 @@ def two_plane_sizing(
 ) -> Sizing:
     """Return the sizing of both planes from the sizing of each plane, without notes.
 
-    `vehicles`: by flight time, ``(n,)``. `placed`: winds by plane, by flight time and wind.
-    `counted`: function that returns its argument and counts it for the progress.
+    `parts`: sizing of each plane. `vehicles`: by flight time, ``(n,)``. `placed`: winds by plane,
+    by flight time and wind. `limit_shape`: shape of the limit in both planes. `counted`: function
+    that returns its argument and counts it for the progress.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
     bands = pitch.dead_bands
@@ -100,9 +103,10 @@ def two_plane_sizing(
 
 
 def _two_plane_arising(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray:
-    """Return the time at which a requirement of fixed winds arises [s], ``(m,)``.
+    """Return the flight time at which a requirement of fixed winds arises [s], ``(m,)``.
 
-    It is the time of the plane with the larger requirement.
+    `pitch`, `yaw`: sizing of each plane, of the same m winds. `name`: the requirement. The time is
+    that of the plane with the larger requirement.
     """
     times = [sizing.arising(name) for sizing in (pitch, yaw)]
     sizes = [np.nanmax(sizing.required[name], axis=0, initial=0.0) for sizing in (pitch, yaw)]
@@ -118,6 +122,9 @@ def _required(
     arises: dict[Requirement, FloatArray],
 ) -> tuple[dict[Requirement, FloatArray], BoolArray]:
     """Return the requirements [rad] of both planes, and whether the wind vector requires more.
+
+    `pitch`, `yaw`: sizing of each plane. `needs`: requirements of the wind vector, by flight time
+    and wind. `limit_shape`: limit in both planes. `arises`: times [s] of fixed winds.
 
     For trim, minimum and the bound without a forecast the larger of both planes counts, for dead
     bands the corner of both; the requirement of the wind vector counts if it is larger.
@@ -163,7 +170,11 @@ def _vector(
     limit_shape: LimitShape,
     bands: FloatArray,
 ) -> VectorRequirement:
-    """Return the requirements of the wind vector; zeros where a plane is without wind."""
+    """Return the requirements of the wind vector at a flight time; zeros in a calm plane.
+
+    `vehicle`: vehicle frozen at that time. `model`: name of the linear model. `wind`: placed wind
+    of each plane. `limit_shape`: limit in both planes. `bands`: dead bands K, ``(k,)``.
+    """
     if any(placed.calm for placed in wind.values()):
         nothing = np.zeros(bands.shape)
         return VectorRequirement(0.0, nothing, 0.0, 0.0, ())
@@ -173,7 +184,11 @@ def _vector(
 
 
 def _larger(values: FloatArray, needs: list[list[VectorRequirement]], value: Any) -> FloatArray:
-    """Return the larger value [rad] of planes and vector, ``(n, m)``; NaN is propagated."""
+    """Return the larger value [rad] of planes and vector, ``(n, m)``; NaN is propagated.
+
+    `values`: of the planes, ``(n, m)``. `needs`: requirements of the wind vector, by flight time
+    and wind. `value`: function of such a requirement to its value.
+    """
     return np.asarray(np.maximum(values, [[value(vector) for vector in row] for row in needs]))
 
 
@@ -333,9 +348,10 @@ def _plane_sizing(
 ) -> Sizing:
     """Return the sizing in one plane, without its notes.
 
-    `vehicles`: vehicle at each of n flight times. `placed`: m winds at each of these times.
-    `varying`: whether the vehicle varies over a wind; None for both, as far as possible.
-    `count_need`: function that returns a requirement unchanged and reports progress.
+    `inputs`: schedule, flight times, dead bands, model and plane. `vehicles`: vehicle at each of n
+    flight times. `placed`: m winds at each of these times. `varying`: whether the vehicle varies
+    over a wind; None for both, as far as possible. `count_need`: function that returns a
+    requirement unchanged and reports progress.
     """
     schedule, bands, model, plane = inputs.schedule, inputs.dead_bands, inputs.model, inputs.plane
     frozen = _frozen(inputs, placed)
@@ -369,7 +385,10 @@ def _plane_sizing(
 
 
 def _messages(times: FloatArray, needs: list[list[FrozenRequirement]]) -> list[str]:
-    """Return the messages of requirements, with flight times where a message is not of all."""
+    """Return the messages of requirements, with flight times where a message is not of all.
+
+    `times`: flight times [s], ``(n,)``. `needs`: requirements by flight time and wind.
+    """
     at: dict[str, list[float]] = {}
     for time, row in zip(times.tolist(), needs, strict=True):
         for message in dict.fromkeys(message for need in row for message in need.said):
@@ -388,7 +407,8 @@ def _circumstances(
 ) -> dict[str, Any]:
     """Return fields of `Sizing`: begin and end [s], change and coverage of winds, ``(n, m)``.
 
-    `vehicles`: vehicle at each of n flight times. `placed`: m winds at each of these times.
+    `vehicles`: vehicle of the schedule at each of n flight times. `placed`: m winds at each of
+    these times, in the plane `plane`.
     """
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [
@@ -407,7 +427,8 @@ def _circumstances(
 def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenRequirement]:
     """Yield the requirements at frozen parameters, of all winds at the first flight time first.
 
-    They are zero in a calm, and NaN if the wind is not known.
+    `inputs`: schedule, flight times, dead bands, model and plane. `placed`: winds by flight time.
+    The requirements are zero in a calm, and NaN if the wind is not known.
     """
     bands, winds = inputs.dead_bands, [wind for row in placed for wind in row]
     blowing = np.flatnonzero([not wind.calm for wind in winds])
@@ -432,7 +453,10 @@ def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatAr
 
 
 def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list[str]:
-    """Return a message where dead bands are defined only with frozen parameters."""
+    """Return a message where dead bands are defined only with frozen parameters.
+
+    `required`: each requirement [rad], ``(n, m)``. `bands`: dead bands K, ``(k,)``.
+    """
     for K in bands:
         frozen, along = (required[Requirement(dead_band=K, varying=x)] for x in (False, True))
         if np.any(np.isnan(along) & ~np.isnan(frozen)):
@@ -445,7 +469,8 @@ def _without_exit(
 ) -> list[str]:
     """Return a message where the dead band of K < 1 has no exit in a wind, empty elsewhere.
 
-    `times`: flight times [s] of the rows of winds in `placed`. `bands`: all K.
+    `mode`: unstable mode along the flight. `times`: flight times [s] of the rows of winds in
+    `placed`. `bands`: all K.
     """
     at = [
         time
@@ -464,7 +489,10 @@ def _without_exit(
 def _flight_mode(
     schedule: FlightSchedule, model: str, plane: str, placed: list[list[PlacedWind]]
 ) -> FlightMode:
-    """Return the unstable mode over the schedule and all winds."""
+    """Return the unstable mode over a schedule and all winds.
+
+    `model`: name of the linear model, in the plane `plane`. `placed`: winds by flight time.
+    """
     spans = [schedule.span, *(w.span for row in placed for w in row if not w.calm)]
     first, last = (f(x) for f, x in zip((min, max), zip(*spans, strict=True), strict=True))
     return FlightMode(schedule, model, plane, (first, last))
@@ -478,7 +506,8 @@ def _along(
 ) -> list[list[FlightRequirement]]:
     """Return the requirements with varying parameters, by flight times and winds.
 
-    `placed`: winds by flight time. `bands`: dead bands. `count_need`: see `_plane_sizing`.
+    `mode`: unstable mode along the flight. `placed`: winds by flight time. `bands`: dead bands K.
+    `count_need`: function that returns a requirement unchanged and reports progress.
     """
     winds: dict[bytes, list[NominalWind]] = {}  # without a window one wind meets every flight time
 
@@ -509,7 +538,10 @@ def _along(
 
 
 def _calm_requirement(wind: PlacedWind, bands: FloatArray) -> FlightRequirement:
-    """Return the requirement of a flight time without wind: zero, or NaN for an unknown wind."""
+    """Return the requirement of a flight time without wind: zero, or NaN for an unknown wind.
+
+    `bands`: dead bands K, ``(k,)``.
+    """
     none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
     return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
 
@@ -536,7 +568,10 @@ def _arising_times(
 def _progress_counter(
     progress: Callable[[int, int], None] | None, total: int
 ) -> Callable[[Any], Any]:
-    """Return a function that returns its argument, and reports how many it was called with."""
+    """Return a function that returns its argument, and reports how many it was called with.
+
+    `progress`: called with that number and the number of all calls, `total`; None for no report.
+    """
     done = count(1)
 
     def count_requirement(requirement: Any) -> Any:
@@ -548,7 +583,11 @@ def _progress_counter(
 
 
 def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
-    """Return requirements [rad] by name, ``(n, m)``, from records by flight times and winds."""
+    """Return requirements [rad] by name, each ``(n, m)``.
+
+    `needs`: records of requirements, by n flight times and m winds. `bands`: dead bands K,
+    ``(k,)``.
+    """
     columns = {TRIM: _table(needs, lambda need: need.trim)}
     for k, K in enumerate(bands):
         columns[Requirement(dead_band=K)] = _table(needs, lambda need, k=k: need.required[k])
@@ -558,7 +597,11 @@ def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
 
 
 def _table(needs: Any, value: Any) -> FloatArray:
-    """Return a value of requirements by flight times and winds, ``(n, m)``."""
+    """Return a number of each requirement, ``(n, m)``.
+
+    `needs`: requirements by n flight times and m winds. `value`: function of a requirement to the
+    number.
+    """
     return np.array([[value(need) for need in row] for row in needs], dtype=float)
 
 
@@ -570,7 +613,11 @@ def _covers(schedule: FlightSchedule, wind: PlacedWind) -> bool:
 
 
 def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:
-    """Return the largest relative change of beta or B during a wind; NaN if it is not known."""
+    """Return the largest relative change of beta or B during a wind; NaN if it is not known.
+
+    `schedule`: vehicle over the flight, in the plane `plane`. `vehicle`: vehicle at the flight
+    time.
+    """
     if wind.calm:
         return 0.0 if wind.known else np.nan
     now = Coefficients.from_vehicle(vehicle, plane)

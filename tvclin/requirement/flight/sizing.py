@@ -334,7 +334,10 @@ def notes_of(sizing: Sizing) -> tuple[str, ...]:
 
 
 def unknown_wind_notes(sizing: Sizing, reasons: list[list[str]]) -> list[str]:
-    """Return notes on flight times at which winds are not known, with the reason."""
+    """Return notes on flight times of a sizing at which winds are not known.
+
+    `reasons`: the reason by flight time and wind, empty for a known wind.
+    """
     notes = []
     for j, wind in enumerate(sizing.winds):
         times = {float(t): row[j] for t, row in zip(sizing.times, reasons, strict=True) if row[j]}
@@ -364,7 +367,7 @@ def hundredths(time: float, *, up: bool) -> str:
 
 
 def _unknown_notes(sizing: Sizing) -> list[str]:
-    """Return notes on winds that are not known over the entire flight."""
+    """Return notes on winds of a sizing that are not known over the entire flight."""
     begin, end = sizing.schedule.span
     altitude, notes = sizing.schedule.altitude_text, []
     for wind, (first, last) in zip(sizing.winds, sizing.known_times.tolist(), strict=True):
@@ -380,7 +383,7 @@ def _unknown_notes(sizing: Sizing) -> list[str]:
 
 
 def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
-    """Return notes on winds beyond the single-pole theory."""
+    """Return notes on winds of a sizing beyond the single-pole theory."""
     beyond, notes = sizing.beyond_single_pole, []
     more = "the minimum counts two poles, and every dead band requires at least as much"
     if sizing.model in ONE_POLE:
@@ -398,7 +401,7 @@ def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
 
 
 def _change_notes(sizing: Sizing) -> list[str]:
-    """Return a note on the largest change of beta or B during a wind."""
+    """Return a note on the largest change of beta or B during a wind of a sizing."""
     if sizing.freezing_error or not np.any(sizing.change > STEADY):
         return []
     i, j = np.unravel_index(int(np.nanargmax(sizing.change)), sizing.change.shape)
@@ -410,7 +413,7 @@ def _change_notes(sizing: Sizing) -> list[str]:
 
 
 def _uncovered_notes(sizing: Sizing) -> list[str]:
-    """Return a note on winds that the schedule does not cover."""
+    """Return a note on winds of a sizing that its flight schedule does not cover."""
     if np.all(sizing.covered):
         return []
     first, last = sizing.schedule.span
@@ -421,7 +424,7 @@ def _uncovered_notes(sizing: Sizing) -> list[str]:
 
 
 def _end_notes(sizing: Sizing) -> list[str]:
-    """Return notes on requirements that are largest at the first or the last flight time."""
+    """Return notes on requirements of a sizing that are largest at its first or last time."""
     order = np.argsort(sizing.times)
     ends: dict[str, list[str]] = {}
     for requirement in sizing.required:

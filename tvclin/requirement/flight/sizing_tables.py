@@ -34,28 +34,31 @@ COLUMNS = (
 """Definitions of the columns of validity, in sentences."""
 
 
-def marks_line(s: Sizing) -> str:
+def marks_line(sizing: Sizing) -> str:
     """Return the meanings of the marks in a table of the worst winds; empty without marks."""
-    present = {mark for i in range(s.times.size) for mark in _marks(s, i)}
+    present = {mark for i in range(sizing.times.size) for mark in _marks(sizing, i)}
     return "; ".join(f"{mark}: {words}" for mark, words in _MARKS.items() if mark in present)
 
 
-def legend(s: Sizing) -> str:
+def legend(sizing: Sizing) -> str:
     """Return the definitions of the requirements of a sizing, in sentences."""
-    trusts = " K below 1 trusts a forecast." if (s.dead_bands < 1.0).any() else ""
-    signed = f" Head and tail wind: K = {s.dead_bands[0]:g} with the dynamic pressure in them."
-    signed *= any(requirement.direction for requirement in s.required)
+    trusts = " K below 1 trusts a forecast." if (sizing.dead_bands < 1.0).any() else ""
+    signed = f" Head and tail wind: K = {sizing.dead_bands[0]:g} with the dynamic pressure in them."
+    signed *= any(requirement.direction for requirement in sizing.required)
     definition = f"{WIND_KNOWN.capitalize()}: {QUANTITIES[WIND_KNOWN]}."
-    first = Requirement(dead_band=s.dead_bands[0])
+    first = Requirement(dead_band=sizing.dead_bands[0])
     error = (
         f" {_FREEZING_ERROR_HEAD.format(first)}: by how much it is larger with the vehicle frozen"
         " at the flight time than with one that changes during the wind."
-    ) * bool(s.freezing_error)
-    return f"{NO_FORECAST.capitalize()}: {s.law_words}. {definition}{trusts}{signed}{error}"
+    ) * bool(sizing.freezing_error)
+    return f"{NO_FORECAST.capitalize()}: {sizing.law_words}. {definition}{trusts}{signed}{error}"
 
 
-def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
-    """Return tables of the requirements by flight time, of a wind by its index or of the worst.
+def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
+    """Return tables of the requirements of a sizing by flight time, in one wind or in the worst.
+
+    `counted`: requirement that the budget counts. `wind`: index of the wind; None for the worst
+    wind of each time.
 
     The first table has parameters that vary during the wind, where the sizing has them, and head
     and tail winds; a wind that is fixed in the flight has a single number, with the time at which
@@ -64,13 +67,13 @@ def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> lis
     """
     frozen = [
         requirement
-        for requirement in s.required
+        for requirement in sizing.required
         if not (requirement.varying or requirement.direction)
     ]
-    first = _first_requirements(s)
-    suffix = "" if wind is None else f": {s.winds[wind]}"
+    first = _first_requirements(sizing)
+    suffix = "" if wind is None else f": {sizing.winds[wind]}"
     validity = ("",) if wind is None else ("change [%]", "one pole", "data")
-    marks = [_validity_cells(s, i, wind) for i in range(s.times.size)]
+    marks = [_validity_cells(sizing, i, wind) for i in range(sizing.times.size)]
 
     def of_names(
         caption: str,
@@ -80,23 +83,30 @@ def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> lis
         more: list[list[Line]],
         shown: Iterable[bool] = repeat(True),
     ) -> Table:
+        """Return the table of the requirements `names`, by flight time.
+
+        `times`: first cells of rows. `last`, `more`: heads of the last columns, and their cells by
+        row. `shown`: whether a row is in the table.
+        """
         head = ("time [s]", *map(_short, names), *last)
-        rows_of_cells = zip(times, _required(s, names, wind), more, strict=True)
+        rows_of_cells = zip(times, _required(sizing, names, wind), more, strict=True)
         rows = tuple(
             (time, *needs, *cells) for time, needs, cells in compress(rows_of_cells, shown)
         )
         return Table(f"{caption} [deg]{suffix}", head, rows)
 
-    keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(s.times)]
-    fixed = _is_fixed(s, first) if wind is None else _is_fixed(s, first)[[wind]]
+    keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(sizing.times)]
+    fixed = _is_fixed(sizing, first) if wind is None else _is_fixed(sizing, first)[[wind]]
     all_fixed = fixed.all()
     tables = [] if all_fixed else [of_names("Required deflection", keys, first, validity, marks)]
     if all_fixed and fixed.size == 1:
-        tables = [fixed_wind_table(s, wind or 0)]
-    if s.freezing_error:
-        band = Requirement(dead_band=s.dead_bands[0])
-        errors_percent = [[_freezing_error_cell(s, band, i, wind)] for i in range(s.times.size)]
-        errors = (_freezing_error(s, band, i, wind) for i in range(s.times.size))
+        tables = [fixed_wind_table(sizing, wind or 0)]
+    if sizing.freezing_error:
+        band = Requirement(dead_band=sizing.dead_bands[0])
+        errors_percent = [
+            [_freezing_error_cell(sizing, band, i, wind)] for i in range(sizing.times.size)
+        ]
+        errors = (_freezing_error(sizing, band, i, wind) for i in range(sizing.times.size))
         shown = [not abs(error) > _MAX_FREEZING_ERROR for error in errors]
         caption, last = (
             "Required deflection with the vehicle frozen at each flight time",
@@ -109,24 +119,31 @@ def time_tables(s: Sizing, counted: Requirement, wind: int | None = None) -> lis
                 for requirement, more in zip(errors_percent, marks, strict=True)
             ]
             last += validity
-        times = keys if all_fixed else [_time(time) for time in s.times]
+        times = keys if all_fixed else [_time(time) for time in sizing.times]
         if not all(shown):
             caption += ", where that is off by at most 100 %"
         if any(shown):
             tables.append(of_names(caption, times, frozen, last, errors_percent, shown))
-    if s.separate:
-        plane_heads = (f"{plane} alone" for plane in s.separate)
+    if sizing.separate:
+        plane_heads = (f"{plane} alone" for plane in sizing.separate)
         head = ["time [s]", "both planes", *plane_heads, "pitch alone misses [%]"]
         nominal = replace(counted, direction="")
-        rows_by_plane = tuple(_by_planes(s, nominal, i, wind) for i in _differing(s, nominal, wind))
+        rows_by_plane = tuple(
+            _by_planes(sizing, nominal, i, wind) for i in _differing(sizing, nominal, wind)
+        )
         tables.append(Table(f"{nominal} by planes [deg]{suffix}", tuple(head), rows_by_plane))
     return tables
 
 
-def fixed_wind_table(s: Sizing, wind: int) -> Table:
-    """Return the requirements of a wind that is fixed in the flight, and when they arise [s]."""
-    name = s.winds[wind]
-    arising = {k: x for k, x in s.worst_in(name).items() if not np.isnan(s.arising(k)[wind])}
+def fixed_wind_table(sizing: Sizing, wind: int) -> Table:
+    """Return the requirements of a wind that is fixed in the flight, and when they arise [s].
+
+    `wind`: its index among the winds of the sizing.
+    """
+    name = sizing.winds[wind]
+    arising = {
+        k: x for k, x in sizing.worst_in(name).items() if not np.isnan(sizing.arising(k)[wind])
+    }
     return record_table(
         f"Required deflection over the whole flight: {name}",
         f"flight.whole.{wind}",
@@ -136,26 +153,36 @@ def fixed_wind_table(s: Sizing, wind: int) -> Table:
     )
 
 
-def _is_fixed(s: Sizing, names: Sequence[Requirement]) -> BoolArray:
-    """Return whether a wind has a single number of all these requirements, ``(m,)``."""
-    return np.all([~np.isnan(s.arising(name)) for name in names], axis=0)
+def _is_fixed(sizing: Sizing, names: Sequence[Requirement]) -> BoolArray:
+    """Return whether winds have a single number of all these requirements, ``(m,)``.
+
+    `sizing`: its m winds. `names`: requirements of a wind that is fixed in the flight, or by flight
+    time.
+    """
+    return np.all([~np.isnan(sizing.arising(name)) for name in names], axis=0)
 
 
-def _differing(s: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
-    """Return indices of flight times with different requirements; a fixed wind has the first."""
-    fixed = ~np.isnan(s.arising(name))
-    finite = np.isfinite(s.required[name])
+def _differing(sizing: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
+    """Return indices of flight times at which a requirement differs; a fixed wind has the first.
+
+    `name`: the requirement. `wind`: index of a wind, None for the worst.
+    """
+    fixed = ~np.isnan(sizing.arising(name))
+    finite = np.isfinite(sizing.required[name])
     if not (fixed.all() if wind is None else fixed[wind]):
-        return range(s.times.size)
+        return range(sizing.times.size)
     return [int(np.argmax(finite.any(axis=1) if wind is None else finite[:, wind]))]
 
 
-def by_wind(s: Sizing, counted: Requirement) -> Table:
-    """Return the largest of each requirement in each wind, and the time of the counted one."""
-    names = _first_requirements(s)
+def by_wind(sizing: Sizing, counted: Requirement) -> Table:
+    """Return the table of the largest of each requirement in each wind of a sizing.
+
+    `counted`: requirement whose time of the largest is in the last column.
+    """
+    names = _first_requirements(sizing)
     rows = []
-    for j, wind in enumerate(s.winds):
-        worst = s.worst_in(wind)
+    for j, wind in enumerate(sizing.winds):
+        worst = sizing.worst_in(wind)
         largest = {k: degrees(f"largest.{j}.{k}", x.deflection) for k, x in worst.items()}
         when = significant("", worst[counted].time, 5) if counted in worst else ("-",)
         rows.append(((wind,), *(largest.get(k, ("-",)) for k in names), when))
@@ -163,76 +190,96 @@ def by_wind(s: Sizing, counted: Requirement) -> Table:
     return Table("The largest over the flight, by wind [deg]", head, tuple(rows))
 
 
-def wind_columns_table(s: Sizing, counted: Requirement) -> list[Table]:
-    """Return the table of a requirement by flight time, with a column for each wind.
+def wind_columns_table(sizing: Sizing, counted: Requirement) -> list[Table]:
+    """Return the table of one requirement by flight time, with a column for each wind.
 
-    Winds that are fixed in the flight are omitted; empty for fewer than two other winds.
+    `counted`: the requirement. Winds that are fixed in the flight are omitted; no table for fewer
+    than two other winds.
     """
-    several = np.flatnonzero(np.isnan(s.arising(counted))).tolist()
+    several = np.flatnonzero(np.isnan(sizing.arising(counted))).tolist()
     if len(several) < 2:
         return []
     rows = [
         (_time(time), *(degrees(f"each.{i}.{j}", needs[j]) for j in several))
-        for i, (time, needs) in enumerate(zip(s.times, s.required[counted], strict=True))
+        for i, (time, needs) in enumerate(zip(sizing.times, sizing.required[counted], strict=True))
     ]
-    head = ("time [s]", *(s.winds[j] for j in several))
+    head = ("time [s]", *(sizing.winds[j] for j in several))
     return [Table(f"{counted} in each wind [deg]", head, tuple(rows))]
 
 
-def _first_requirements(s: Sizing) -> list[Requirement]:
-    """Return the requirements of the first table: with varying parameters, if there are any."""
+def _first_requirements(sizing: Sizing) -> list[Requirement]:
+    """Return the requirements in the first table of a sizing.
+
+    They are those with varying parameters, if there are any, else all.
+    """
     varying = [
-        requirement for requirement in s.required if requirement.varying or requirement.direction
+        requirement
+        for requirement in sizing.required
+        if requirement.varying or requirement.direction
     ]
-    return varying if s.freezing_error else list(s.required)
+    return varying if sizing.freezing_error else list(sizing.required)
 
 
-def _required(s: Sizing, names: Sequence[Requirement], wind: int | None) -> list[tuple[Line, ...]]:
-    """Return the cells of requirements by flight time, of a wind or of the worst wind."""
-    by_time = {k: np.where(np.isnan(s.arising(k)), s.required[k], np.nan) for k in names}
+def _required(
+    sizing: Sizing, names: Sequence[Requirement], wind: int | None
+) -> list[tuple[Line, ...]]:
+    """Return the cells of requirements [deg], a row for each flight time of a sizing.
+
+    `names`: requirements of the columns. `wind`: index of a wind; None for the worst.
+    """
+    by_time = {k: np.where(np.isnan(sizing.arising(k)), sizing.required[k], np.nan) for k in names}
     required = {
-        k: np.fmax.reduce(by_time[k], axis=1) if wind is None else s.required[k][:, wind]
+        k: np.fmax.reduce(by_time[k], axis=1) if wind is None else sizing.required[k][:, wind]
         for k in names
     }
     return [
         tuple(degrees(f"{_key(i, wind)}.{k}", required[k][i]) for k in names)
-        for i in range(s.times.size)
+        for i in range(sizing.times.size)
     ]
 
 
-def _validity_cells(s: Sizing, i: int, wind: int | None) -> list[Line]:
-    """Return the cells of validity at a flight time: of a wind, or the marks of all winds."""
+def _validity_cells(sizing: Sizing, i: int, wind: int | None) -> list[Line]:
+    """Return the cells of validity at a flight time: of a wind, or the marks of all winds.
+
+    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
+    """
     if wind is not None:
-        change = number(f"{_key(i, wind)}.change_percent", 100.0 * s.change[i, wind], 1)
-        single_pole, data = not s.beyond_single_pole[i, wind], s.covered[i, wind]
+        change = number(f"{_key(i, wind)}.change_percent", 100.0 * sizing.change[i, wind], 1)
+        single_pole, data = not sizing.beyond_single_pole[i, wind], sizing.covered[i, wind]
         return [change, ("yes" if single_pole else "no",), ("yes" if data else "no",)]
-    return [(_marks(s, i),)]
+    return [(_marks(sizing, i),)]
 
 
-def _marks(s: Sizing, i: int) -> str:
-    """Return the marks of a flight time, keys of `_MARKS`."""
+def _marks(sizing: Sizing, i: int) -> str:
+    """Return the marks of the flight time with index `i`, keys of `_MARKS`."""
     marks = {
-        "1": s.beyond_single_pole[i].any(),
-        "~": not s.freezing_error and (s.change[i] > STEADY).any(),
-        "+": not s.covered[i].all(),
-        "=": s.unsigned is not None and s.unsigned[i].any(),
-        "?": not s.known[i].all(),
+        "1": sizing.beyond_single_pole[i].any(),
+        "~": not sizing.freezing_error and (sizing.change[i] > STEADY).any(),
+        "+": not sizing.covered[i].all(),
+        "=": sizing.unsigned is not None and sizing.unsigned[i].any(),
+        "?": not sizing.known[i].all(),
     }
     return "".join(mark for mark, present in marks.items() if present)
 
 
-def _freezing_error_cell(s: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
-    """Return the cell of the error [%] of a frozen requirement, in a wind or the worst wind."""
-    percent = 100.0 * _freezing_error(s, name, i, wind)
+def _freezing_error_cell(sizing: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
+    """Return the cell of the relative error [%] of the frozen requirement `name`.
+
+    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
+    """
+    percent = 100.0 * _freezing_error(sizing, name, i, wind)
     return number(f"{_key(i, wind)}.frozen_off_percent", percent, 1)
 
 
-def _freezing_error(s: Sizing, name: Requirement, i: int, wind: int | None) -> float:
-    """Return the relative error of a frozen requirement, in a wind or the worst; NaN if unknown."""
-    along = s.required[replace(name, varying=True)][i]
+def _freezing_error(sizing: Sizing, name: Requirement, i: int, wind: int | None) -> float:
+    """Return the relative error of the frozen requirement `name`; NaN if unknown.
+
+    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
+    """
+    along = sizing.required[replace(name, varying=True)][i]
     j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
-    unknown = np.isnan(along[j]) or np.isnan(s.required[name][i, j])
-    return np.nan if unknown else float(np.nan_to_num(s.freezing_error[name][i, j]))
+    unknown = np.isnan(along[j]) or np.isnan(sizing.required[name][i, j])
+    return np.nan if unknown else float(np.nan_to_num(sizing.freezing_error[name][i, j]))
 
 
 def _short(requirement: Requirement) -> str:
@@ -242,24 +289,30 @@ def _short(requirement: Requirement) -> str:
     return heading_of(requirement.name)
 
 
-def _by_planes(s: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
-    """Return the cells of the requirement of each plane, in a wind or the worst for both."""
-    required, key = s.required[counted][i], f"{_key(i, wind)}.planes"
+def _by_planes(sizing: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
+    """Return the row with the requirement `counted` [deg] of both planes, and of each plane.
+
+    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
+    """
+    required, key = sizing.required[counted][i], f"{_key(i, wind)}.planes"
     j = int(np.argmax(np.nan_to_num(required, nan=-1.0))) if wind is None else wind
-    arises = float(s.arising(counted)[j])
+    arises = float(sizing.arising(counted)[j])
     return (
-        _time(s.times[i]) if np.isnan(arises) else significant("", arises, 4),
+        _time(sizing.times[i]) if np.isnan(arises) else significant("", arises, 4),
         degrees(f"{key}.both", required[j]),
         *(
-            degrees(f"{key}.{k}", sizing.required[counted][i, j])
-            for k, sizing in s.separate.items()
+            degrees(f"{key}.{plane}", of_plane.required[counted][i, j])
+            for plane, of_plane in sizing.separate.items()
         ),
-        number(f"{key}.missing_percent", 100.0 * s.pitch_omitted_fraction[counted][i, j], 1),
+        number(f"{key}.missing_percent", 100.0 * sizing.pitch_omitted_fraction[counted][i, j], 1),
     )
 
 
 def _key(i: int, wind: int | None) -> str:
-    """Return the prefix of the names of numbers at a flight time, in a wind or the worst."""
+    """Return the prefix of the names of numbers at a flight time.
+
+    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
+    """
     return f"flight.{'worst' if wind is None else wind}.{i}"
 
 

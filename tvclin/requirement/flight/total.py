@@ -233,7 +233,10 @@ def total_table(total: DeflectionTotal, counted: str = "") -> Table:
 
 
 def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
-    """Return the worst flight time of a total as the end of a caption, with the end that it is."""
+    """Return the worst flight time of a total as the end of a caption, with the end that it is.
+
+    `whose`, `defined`: words before the time, such as "its" or "the", and after it.
+    """
     if total.time is None:
         return ""
     end = f", {total.end}" if total.end else ""
@@ -241,7 +244,10 @@ def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
 
 
 def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:
-    """Return the contributions as rows of a table, the wind's with the label `wind`."""
+    """Return the contributions to a total as rows of a table.
+
+    `key`: prefix of the names of numbers. `wind`: label of the row of the wind.
+    """
     return [
         (
             (wind if line.name == "wind" else line.name,),
@@ -430,7 +436,7 @@ def _turbulence(turbulence: FlightTurbulence | str | None, time: float) -> tuple
 
 
 def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]]:
-    """Return flight times [s] with the requirement [rad] of the worst wind of each.
+    """Return flight times [s] of a sizing with the requirement [rad] of the worst wind of each.
 
     A wind that is fixed in flight time has one requirement, at the time at which it arises.
     """
@@ -446,7 +452,10 @@ def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]
 
 
 def flight_end(sizing: Sizing, time: float | None) -> str:
-    """Return the end of a flight at a worst time [s], in words; empty between the ends."""
+    """Return which end of the flight of a sizing a worst time [s] is, in words.
+
+    Empty between the ends, and without a time.
+    """
     if time is None:
         return ""
     for end, beyond, k in (("first", "before", 0), ("last", "after", -1)):
@@ -462,9 +471,11 @@ def flight_end(sizing: Sizing, time: float | None) -> str:
 def _at_rate(
     total: DeflectionTotal, wind: float, pole: float, rate_limit: float | None
 ) -> DeflectionTotal:
-    """Return a total with the contribution of a rate limit, and the required rate.
+    """Return a total with the contribution of a rate limit [rad/s], and the required rate.
 
-    The slower the nozzle, the later it reaches the deflection; see `ramped_deflection`.
+    `wind`: deflection [rad] that the wind requires. `pole`: fastest unstable pole [1/s]; zero
+    without one. The slower the nozzle, the later it reaches the deflection; see
+    `ramped_deflection`.
     """
     if rate_limit is None or not wind or not pole:
         return replace(total, rate_limit=rate_limit)
@@ -477,7 +488,10 @@ def _at_rate(
 
 
 def _fastest(sizing: Sizing, time: float) -> float:
-    """Return the fastest unstable pole [1/s] of the judged planes; zero without one."""
+    """Return the fastest unstable pole [1/s] of a sizing's planes at a flight time [s].
+
+    Zero without an unstable pole.
+    """
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
     return max(float(np.abs(unstable_modes(plant).poles).max(initial=0.0)) for plant in plants)

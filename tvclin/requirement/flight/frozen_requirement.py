@@ -1,0 +1,194 @@
+"""Required deflections of winds for a vehicle frozen at their flight time, with lower bounds.
+
+Beside the requirement at each dead band stand the minimum peak of appendix C, the smallest limit
+without a forecast, and eq (C8), which says where the slow mode of the flight path decides. Winds of
+the same number of pieces are evaluated together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray, IndexArray
+from tvclin.base.errors import InputError
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit import OK, PAIRED_POLES, STABLE
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
+from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
+from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+from tvclin.numerics.pieces import Pieces
+from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.winds.histories import History, Piecewise
+
+LAWS = ("bound", "flown")
+"""Bases of the requirement without a forecast."""
+_SAMPLE_RATE_HZ = 100.0
+"""Sample rate [Hz] of flights of the recoverable-attitude law."""
+_MAX_LIMIT_OVER_TRIM = 4.0
+"""Largest limit of these flights over the largest trim deflection."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrozenRequirement:
+    """Required deflections [rad] of a frozen vehicle in one wind; NaN where one is not defined.
+
+    `trim` is the static trim |B alpha_w,max|; `required` for each dead band, ``(k,)``;
+    `no_forecast` the lower bound of laws without a forecast; `minimum` the minimum peak of appendix
+    C; `slow_mode` y of eq (C8), from one on the slow mode of the flight path decides. `said` is why
+    one is not defined, or not satisfied exactly.
+    """
+
+    trim: float
+    required: FloatArray
+    no_forecast: float
+    minimum: float
+    slow_mode: float
+    said: tuple[str, ...]
+
+
+def frozen_requirements(
+    plants: Plant,
+    winds: Sequence[History],
+    dead_bands: FloatArray,
+    law: str,
+    two_sided: Sequence[History | None],
+) -> Iterator[FrozenRequirement]:
+    """Yield the requirements [rad] of winds that end, at dead bands ``(k,)``, by wind.
+
+    `plants`: a plant, or one for each wind. With the law "bound" `no_forecast` is the bound of
+    all laws without a forecast, with "flown" the smallest limit that the recoverable-attitude law
+    survives with. `two_sided`: for each wind the same with the angles of both signs, or None.
+    """
+    groups: dict[Any, list[int]] = {}
+    for i, (wind, complete) in enumerate(zip(winds, two_sided, strict=True)):
+        shapes = [None if x is None else x.pieces.coefficients.shape for x in (wind, complete)]
+        groups.setdefault(tuple(shapes), []).append(i)
+    limits: dict[int, tuple[Any, list[str]]] = {}
+    for cases in groups.values():
+        limits |= _required_together(plants, winds, dead_bands, two_sided, cases)
+    for i, wind in enumerate(winds):
+        yield _with_bounds(plants.case(i, (len(winds),)), wind, dead_bands, law, *limits[i])
+
+
+def _required_together(
+    plants: Plant,
+    winds: Sequence[History],
+    dead_bands: FloatArray,
+    two_sided: Sequence[History | None],
+    cases: list[int],
+) -> dict[int, tuple[Any, list[str]]]:
+    """Return required deflections [rad] ``(k,)`` and statuses of some winds, by their index.
+
+    `plants`: batch ``(n,)``, frozen, of `winds` with the same number of pieces. `dead_bands`: K,
+    ``(k,)``. `two_sided`: histories of winds of both signs; None for others. `cases`: indices of
+    the winds. NaN, and the message, where `InputError` is raised.
+    """
+    shape = len(cases), dead_bands.size
+    index = np.repeat(np.arange(shape[0]), shape[1])
+    wind = _stacked([winds[i] for i in cases], index)
+    both = [history for i in cases if (history := two_sided[i]) is not None]
+    complete = _stacked(both, index) if both else None
+    plant = plants.cases(np.array(cases)[index], (len(winds),))
+    try:
+        limit = required_deflection(plant, wind, np.tile(dead_bands, shape[0]), two_sided=complete)
+    except InputError as error:
+        if shape[0] == 1:
+            return {cases[0]: (np.nan, [str(error)])}
+        inputs = plants, winds, dead_bands, two_sided
+        return {i: _required_together(*inputs, [i])[i] for i in cases}
+    required = np.abs(np.reshape(limit.deflection, shape))
+    statuses = np.reshape(limit.status, shape).tolist()
+    return {i: (required[k], statuses[k]) for k, i in enumerate(cases)}
+
+
+def _stacked(histories: Sequence[History], index: IndexArray) -> History:
+    """Return the histories, with the same number of pieces, at positions `index` as a batch."""
+    pieces = [history.pieces for history in histories]
+    columns = zip(*((p.knots, p.coefficients, p.rates) for p in pieces), strict=True)
+    return Piecewise(Pieces(*(np.stack(column)[index] for column in columns)))
+
+
+def _with_bounds(
+    plant: Plant,
+    wind: History,
+    dead_bands: FloatArray,
+    law: str,
+    limits: FloatArray | float,
+    statuses: list[str],
+) -> FrozenRequirement:
+    """Return required deflections [rad] ``(k,)`` of a wind, with lower bounds and messages.
+
+    `plant`: frozen at the time of the wind. `dead_bands`: K, ``(k,)``. `law`: see `_no_forecast`.
+    `limits`: required deflections [rad], ``(k,)``. `statuses`: their statuses. A bound that is not
+    defined is NaN; the messages hold its error, and statuses.
+    """
+    said: list[str] = []
+
+    def value_or_nan(function: Callable[[], float]) -> float:
+        """Return the value of a function, or NaN and a message where it raises `InputError`."""
+        try:
+            return function()
+        except InputError as error:
+            said.append(str(error))
+            return np.nan
+
+    minimum = value_or_nan(lambda: float(minimum_peaks(plant, wind)))
+    said.extend(status for status in statuses if status not in (OK, STABLE))
+    no_forecast = np.nan
+    if PAIRED_POLES in statuses:
+        said.append(
+            "no lower bound without a forecast is known for two unstable poles that are a pair"
+        )
+    else:
+        no_forecast = value_or_nan(lambda: _no_forecast(plant, wind, law))
+    return FrozenRequirement(
+        trim=abs(float(plant.coefficients.B * wind.peak)),
+        required=np.maximum(limits, np.full(dead_bands.shape, np.nan_to_num(minimum))),
+        no_forecast=no_forecast,
+        minimum=minimum,
+        slow_mode=slow_mode(plant, wind),
+        said=tuple(dict.fromkeys(said)),
+    )
+
+
+def slow_mode(plant: Plant, wind: History) -> float:
+    """Return y of eq (C8) for any wind: the ratio of the slow mode's demand to the fast mode's.
+
+    The modes are those of the coefficients of `plant` with drift. The ratio is one at the edge of
+    the single-pole theory, for a triangle at `single_pole_validity`, and negative where the modes
+    are driven in opposite directions. NaN without two real unstable poles.
+    """
+    modes = unstable_modes(Plant.from_coefficients(plant.coefficients, "drift-exact"))
+    if modes.poles.size < 2 or np.iscomplexobj(modes.poles) or not np.isfinite(wind.onset):
+        return float("nan")
+    from_onset = wind.shift(-wind.onset).laplace(modes.poles)
+    demands = modes.poles * from_onset * modes.wind_residues / modes.deflection_residues
+    return float(demands[1] / demands[0])
+
+
+def _no_forecast(plant: Plant, wind: History, law: str) -> float:
+    """Return the required deflection [rad] without a forecast; zero for a stable plant.
+
+    `law`: "bound" for the lower bound of such laws, else that of the law of recoverable attitude in
+    the wind `wind`, flown.
+    """
+    if not _unstable(plant):
+        return 0.0
+    if law == "bound":
+        return abs(forecast_free_limit(plant, wind).deflection)
+    flown = RecoverableAttitudeLaw(plant, design_peak=abs(float(wind.peak)))
+    boundary = closed_loop_boundary(
+        plant, flown, wind, sample_rate=_SAMPLE_RATE_HZ, highest=_MAX_LIMIT_OVER_TRIM
+    )
+    return abs(boundary.deflection)
+
+
+def _unstable(plant: Plant) -> int:
+    """Return the number of unstable poles."""
+    return int(unstable_modes(plant).poles.size)
